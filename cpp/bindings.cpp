@@ -1,0 +1,191 @@
+#include "contact/contactform.hpp"
+#include "contact/merge.hpp"
+#include <python_comp.hpp>
+
+using namespace ngslac;
+
+namespace ngslac {
+void ExportMeshTools(py::module & m);
+}
+
+namespace {
+Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
+  Region region = std::holds_alternative<string>(slave)
+                      ? Region(ma.shared_from_this(), BND, std::get<string>(slave))
+                      : std::get<Region>(slave);
+  if (region.VB() != BND)
+    throw Exception("LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
+  Array<double> numbers;
+  for (int i : Range(region.Mask().Size()))
+    if (region.Mask().Test(i))
+      numbers.Append(i);
+  for (size_t i : Range(ma.GetNE(BND)))
+    if (region.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
+      return numbers;
+  string names;
+  for (size_t i : Range(ma.GetNRegions(BND)))
+    names += (i ? ", " : "") + string(ma.GetMaterial(BND, i));
+  throw Exception("LACSpace: slave=" +
+                  (std::holds_alternative<string>(slave) ? "'" + std::get<string>(slave) + "'"
+                                                         : string("Region")) +
+                  " matches no boundary face; the boundaries are: " + names);
+}
+
+shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags) {
+  auto space = make_shared<LACSpace>(displacement, flags);
+  space->Update();
+  space->FinalizeUpdate();
+  space->ConnectAutoUpdate();
+  return space;
+}
+
+void ExportSpace(py::module & m) {
+  py::class_<LACSpace, shared_ptr<LACSpace>, FESpace>(
+      m, "LACSpace", LACSpace::GetDocu().GetPythonDocString().c_str())
+      .def(py::init([](shared_ptr<FESpace> displacement, std::variant<Region, string> slave,
+                       optional<std::vector<int>> macros, optional<int> components,
+                       bool autoupdate) {
+             Flags flags;
+             flags.SetFlag("slave", BoundaryNumbers(*displacement->GetMeshAccess(), slave));
+             if (macros) {
+               Array<double> numbers;
+               for (int macro : *macros)
+                 numbers.Append(macro);
+               flags.SetFlag("macros", numbers);
+             }
+             if (components)
+               flags.SetFlag("components", double(*components));
+             flags.SetFlag("autoupdate", autoupdate || displacement->DoesAutoUpdate());
+             return MakeSpace(displacement, flags);
+           }),
+           py::arg("V"), py::kw_only(), py::arg("slave"), py::arg("macros") = nullopt,
+           py::arg("components") = nullopt, py::arg("autoupdate") = false)
+      .def(py::pickle(
+          [](const LACSpace & self) { return py::make_tuple(self.Displacement(), self.GetFlags()); },
+          [](py::tuple state) {
+            return MakeSpace(state[0].cast<shared_ptr<FESpace>>(), state[1].cast<Flags>());
+          }))
+      .def_property_readonly("displacement", &LACSpace::Displacement,
+                             "the displacement space the macro-elements are made for")
+      .def_property_readonly("nmacros", &LACSpace::NMacros, "number of macro-elements")
+      .def_property_readonly(
+          "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },
+          "macro-element of each boundary element of the mesh, -1 off the slave surface")
+      .def_property_readonly("slave", &LACSpace::SlaveRegion, "the slave region")
+      .def(
+          "WithComponents",
+          [](const LACSpace & self, int components) {
+            Flags flags = self.GetFlags();
+            flags.SetFlag("components", double(components));
+            return MakeSpace(self.Displacement(), flags);
+          },
+          py::arg("components"), "the space on the same macro-elements with other components")
+      .def(
+          "CoreDofs",
+          [](const LACSpace & self, size_t macro) {
+            if (macro >= self.NMacros())
+              throw py::index_error("LACSpace.CoreDofs: there is no macro-element " +
+                                    ToString(macro));
+            return Array<int>(self.CoreDofs(macro));
+          },
+          py::arg("macro"),
+          "displacement dofs whose trace on the slave surface lives in the macro-element alone");
+}
+
+template <typename T>
+py::array_t<T> ToNumPy(const Array<T> & values) {
+  return py::array_t<T>(values.Size(), values.Data());
+}
+
+void ExportContact(py::module & m) {
+  py::enum_<Side>(m, "Side").value("slave", Side::slave).value("master", Side::master).value(
+      "both", Side::both);
+  py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
+      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                       shared_ptr<CoefficientFunction> friction,
+                       shared_ptr<CoefficientFunction> tresca, bool tied, double maxdist,
+                       double penetration) {
+             return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
+                                                     tied, maxdist, penetration});
+           }),
+           py::kw_only(), py::arg("u"), py::arg("lam"), py::arg("master") = nullopt,
+           py::arg("obstacle") = nullptr, py::arg("friction") = nullptr,
+           py::arg("tresca") = nullptr, py::arg("tied") = false, py::arg("maxdist") = 0.0,
+           py::arg("penetration") = 0.0)
+      .def("Update", &ContactForm::Update, py::arg("gf") = nullptr,
+           py::call_guard<py::gil_scoped_release>())
+      .def(
+          "SetStiffness",
+          [](ContactForm & self, const BaseMatrix & bulk, double factor) {
+            auto diagonal = ScalarDiagonal(bulk);
+            self.SetStiffness(FlatVector<>(diagonal.Size(), diagonal.Data()), factor);
+          },
+          py::arg("bulk"), py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
+      .def("SetConstant", &ContactForm::SetConstant, py::arg("c"))
+      .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())
+      .def("AssembleLinearization", &ContactForm::AssembleLinearization,
+           py::call_guard<py::gil_scoped_release>())
+      .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
+      .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
+      .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
+      .def("JumpMatrix",
+           [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
+             return self.JumpMatrix(side);
+           })
+      .def("Vectors", [](ContactForm & self, string name) { return ToNumPy(self.Vectors(name)); })
+      .def("Scalars", [](ContactForm & self, string name) { return ToNumPy(self.Scalars(name)); })
+      .def("States",
+           [](ContactForm & self) {
+             Array<double> values;
+             for (auto & s : self.States()) {
+               values.Append(s.pressure);
+               values.Append(s.gap);
+               values.Append(int(s.status));
+               for (auto * v : {&s.traction, &s.slip})
+                 for (int k : Range(3))
+                   values.Append((*v)(k));
+             }
+             return ToNumPy(values);
+           })
+      .def("MultiplierDofs",
+           [](ContactForm & self) { return ToNumPy(Array<int>(self.MultiplierDofs())); })
+      .def("SegmentData", [](ContactForm & self) { return ToNumPy(self.SegmentData()); })
+      .def_property_readonly("nsegments", &ContactForm::NSegments)
+      .def_property_readonly("space", &ContactForm::Space)
+      .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })
+      .def_property_readonly("offset", [](ContactForm & self) { return self.U().offset; })
+      .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
+      .def_property_readonly("paired", &ContactForm::IsPaired)
+      .def_property_readonly(
+          "mat", [](ContactForm & self) -> shared_ptr<BaseMatrix> { return self.Mat(); });
+}
+} // namespace
+
+PYBIND11_MODULE(_ngslac, m) {
+  py::module_::import("ngsolve"); // its types must be registered first
+  ExportSpace(m);
+  ExportContact(m);
+  ExportMeshTools(m);
+  m.def(
+      "EquilibrationScale",
+      [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts) {
+        auto scale = EquilibrationScale(bulk);
+        for (auto & contact : contacts)
+          contact->AddScale(FlatVector<>(scale.Size(), scale.Data()));
+        return ToNumPy(scale);
+      },
+      py::arg("bulk"), py::arg("contacts"));
+  m.def(
+      "MergeMatrices",
+      [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts,
+         py::array_t<double> scale) -> shared_ptr<BaseMatrix> {
+        Array<shared_ptr<SparseMatrix<double>>> mats;
+        for (auto & contact : contacts)
+          mats.Append(contact->Mat());
+        FlatVector<> values(scale.size(), scale.mutable_data());
+        py::gil_scoped_release release;
+        return MergeMatrices(bulk, mats, values);
+      },
+      py::arg("bulk"), py::arg("contacts"), py::arg("scale"));
+}

@@ -1,0 +1,429 @@
+#include "contactform.hpp"
+
+namespace ngslac {
+ContactForm::ContactForm(const ContactSetup & asetup)
+    : setup(asetup), u(*asetup.u, "u"), lam(*asetup.lam, "lam") {
+  space = dynamic_pointer_cast<LACSpace>(lam.component);
+  if (!space)
+    throw Exception("LACContact: lam must belong to a LACSpace, not to " +
+                    lam.component->GetClassName());
+  if (u.fes != lam.fes)
+    throw Exception("LACContact: u and lam belong to different product spaces");
+  int dim = u.fes->GetMeshAccess()->GetDimension();
+  if (u.evaluator->Dim() != dim || lam.evaluator->Dim() != dim)
+    throw Exception("LACContact: u and lam need " + ToString(dim) +
+                    " components each (LACSpace without components=...)");
+}
+
+namespace {
+template <int D>
+class T_ContactForm : public ContactForm {
+  unique_ptr<Surface<D>> slave, master;
+  Pairing<D> pairing;
+  unique_ptr<MacroJump<D>> jump;
+  Array<double> c;
+  Array<double> friction, threshold;
+  // history
+  Array<Vec<D>> committed;  // mean of u1 - u2 at the last committed step
+  Array<Vec<D>> reference;  // the same at first touch: slip counts from there
+  BitArray closed;          // at the last committed step
+
+public:
+  explicit T_ContactForm(const ContactSetup & asetup) : ContactForm(asetup) {}
+
+  void Update(shared_ptr<GridFunction> gf) override {
+    static Timer timer("ngslac::ContactForm::Update");
+    RegionTimer reg(timer);
+    shared_ptr<CoefficientFunction> displacement;
+    if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
+      displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
+    int order = u.component->GetOrder();
+    slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
+    int quadrature = 2 * order + 2 * (slave->Degree() - 1);
+    if (setup.obstacle) {
+      pairing = PairWithObstacle<D>(*slave, quadrature);
+      SetObstacleGaps();
+    } else {
+      master = make_unique<Surface<D>>(*setup.master, displacement, order);
+      pairing = Pair<D>(*slave, *master, Options(quadrature));
+      if (pairing.Size() == 0)
+        throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
+                        "surface within maxdist = " + ToString(Options(quadrature).maxdist) +
+                        "; check the regions, the placement of the bodies and maxdist");
+    }
+    jump = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing);
+    CollectMultiplierDofs();
+    FindFriction();
+    size_t n = jump->Size();
+    c.SetSize(n);
+    c = 0.0;
+    committed.SetSize(n), reference.SetSize(n), states.SetSize(n);
+    closed = BitArray(n);
+    closed.Clear();
+    for (size_t m : Range(n)) {
+      committed[m] = gf ? jump->Mean(m, gf->GetVector().FV<double>()) : Vec<D>(0.0);
+      if (displacement) // the gap is linear in u, counted from the paired configuration
+        jump->gapvector[m] -= committed[m];
+      reference[m] = committed[m];
+      states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    BuildGraph();
+  }
+
+  void SetStiffness(FlatVector<> diagonal, double factor) override {
+    double sum = 0;
+    int paired = 0;
+    for (size_t m : Range(jump->Size())) {
+      double compliance = 0;
+      for (auto & e : Row(m))
+        if (diagonal(e.dof) > 0)
+          compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
+      c[m] = compliance > 0 ? factor * jump->area[m] / compliance : 0;
+      sum += c[m];
+      paired += c[m] > 0;
+    }
+    // A macro-element without a partner still needs a regular row of the right size.
+    for (double & value : c)
+      if (value == 0)
+        value = paired ? sum / paired : factor;
+  }
+
+  void SetConstant(double value) override { c = value; }
+
+  void AddApply(const BaseVector & bx, BaseVector & by) override {
+    static Timer timer("ngslac::ContactForm::Apply");
+    RegionTimer reg(timer);
+    Prepare();
+    auto x = bx.FV<double>(), y = by.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      Vec<D> traction = Multiplier(m, x);
+      auto p = Project(Data(m), Trial(m, x));
+      Vec<D> residual = (RowArea(m) / c[m]) * (p.traction - traction);
+      for (int k : Range(D))
+        y(lamdof[D * m + k]) += residual(k);
+      for (auto & e : Row(m))
+        AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
+    });
+  }
+
+  void AssembleLinearization(const BaseVector & bx) override {
+    static Timer timer("ngslac::ContactForm::AssembleLinearization");
+    RegionTimer reg(timer);
+    Prepare();
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      auto p = Project(Data(m), Trial(m, x));
+      ngbla::Mat<D, D> by_lam = (RowArea(m) / c[m]) * (p.derivative - Id<D>());
+      for (int k : Range(D)) {
+        int row = lamdof[D * m + k];
+        for (int l : Range(D))
+          (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
+        for (auto & e : Row(m)) {
+          (*mat)(row, e.dof) = -InnerProduct(Vec<D>(p.derivative.Row(k)), e.integral);
+          if (e.integral(k) != 0)
+            (*mat)(e.dof, row) = -e.integral(k);
+        }
+      }
+    });
+  }
+
+  void Evaluate(const BaseVector & bx) override {
+    Prepare();
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      Vec<D> traction = Multiplier(m, x), mean = jump->Mean(m, x);
+      auto & n = jump->normal[m];
+      Vec<D> slip = mean - reference[m];
+      slip -= InnerProduct(slip, n) * n;
+      auto & state = states[m];
+      state.pressure = -InnerProduct(traction, n);
+      state.gap = Gap(m, mean);
+      state.traction = 0.0, state.slip = 0.0;
+      for (int k : Range(D))
+        state.traction(k) = traction(k), state.slip(k) = slip(k);
+      state.status = Project(Data(m), Trial(m, x)).status;
+    });
+  }
+
+  void Commit(const BaseVector & bx) override {
+    Evaluate(bx);
+    auto x = bx.FV<double>();
+    for (size_t m : Range(jump->Size())) {
+      Vec<D> mean = jump->Mean(m, x), velocity = mean - committed[m];
+      auto & n = jump->normal[m];
+      committed[m] = reference[m] = mean;
+      bool open = states[m].status == Status::open;
+      // An open macro-element that goes on as in this step will touch where its path meets the
+      // master: what it moves until then is no slip.
+      double approach = InnerProduct(velocity, n), gap = states[m].gap;
+      if (open && gap > 0 && approach > 0.1 * L2Norm(velocity) && gap < 10 * approach)
+        reference[m] += (gap / approach) * velocity;
+      if (open)
+        closed.Clear(m);
+      else
+        closed.SetBit(m);
+    }
+  }
+
+  void Close(const BitArray & macros, BaseVector & bx) override {
+    auto x = bx.FV<double>();
+    for (size_t m : Range(jump->Size()))
+      if (macros.Test(m) && jump->area[m] > 0) {
+        // just enough for a positive trial pressure
+        double gap = Gap(m, jump->Mean(m, x));
+        double pressure = c[m] * (fabs(gap) + 1e-6 * pow(jump->fullarea[m], 1.0 / (D - 1)));
+        for (int k : Range(D))
+          x(lamdof[D * m + k]) = -pressure * jump->normal[m](k);
+      }
+  }
+
+  void AddScale(FlatVector<> scale) override {
+    for (size_t m : Range(jump->Size()))
+      for (int k : Range(D))
+        scale(lamdof[D * m + k]) = sqrt(c[m] / RowArea(m));
+  }
+
+  shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override {
+    MacroJump<D> op(u, *space, *slave, master.get(), pairing, side);
+    Array<int> rows, cols;
+    Array<double> values;
+    size_t offset = u.offset * u.fes->GetDimension();
+    for (size_t m : Range(op.Size()))
+      if (op.area[m] > 0)
+        for (auto & e : op.Row(m))
+          for (int k : Range(D))
+            if (e.integral(k) != 0) { // D and M are both positive
+              rows.Append(D * m + k);
+              cols.Append(e.dof - offset);
+              values.Append(side == Side::master ? -e.integral(k) : e.integral(k));
+            }
+    return make_shared<SparseMatrix<double>>(std::move(*SparseMatrixTM<double>::CreateFromCOO(
+        rows, cols, values, D * op.Size(), u.component->GetNDof() * u.fes->GetDimension())));
+  }
+
+  Array<double> Vectors(const string & name) const override {
+    auto flat = [](FlatArray<Vec<D>> vectors) {
+      Array<double> values;
+      for (auto & v : vectors)
+        for (int k : Range(D))
+          values.Append(v(k));
+      return values;
+    };
+    if (name == "normal")
+      return flat(jump->normal);
+    if (name == "center")
+      return flat(jump->center);
+    if (name == "moment")
+      return flat(jump->moment);
+    if (name == "reference")
+      return flat(reference);
+    throw Exception("ContactForm: no vectors named " + name);
+  }
+
+  Array<double> Scalars(const string & name) const override {
+    auto copy = [](FlatArray<double> a) { return Array<double>(a); };
+    if (name == "area")
+      return copy(jump->area);
+    if (name == "fullarea")
+      return copy(jump->fullarea);
+    if (name == "c")
+      return copy(c);
+    if (name == "friction")
+      return copy(friction);
+    throw Exception("ContactForm: no scalars named " + name);
+  }
+
+  size_t NSegments() const override { return pairing.Size(); }
+
+  Array<double> SegmentData() const override {
+    Array<double> data;
+    for (size_t s : Range(pairing.Size())) {
+      auto & segment = pairing.segments[s];
+      double area = 0, gap = 0;
+      for (auto & p : pairing.points.Range(pairing.Points(s)))
+        area += p.weight, gap += p.weight * p.gap;
+      data.Append(slave->Element(segment.slave));
+      data.Append(segment.master < 0 ? -1 : master->Element(segment.master));
+      data.Append(area);
+      data.Append(gap / area);
+      for (auto & p : pairing.corners.Range(pairing.Corners(s))) {
+        Vec<D> x = slave->Point(segment.slave, p.slave), y = x + p.gap * p.normal;
+        for (auto * v : {&x, &y})
+          for (int k : Range(D))
+            data.Append((*v)(k));
+      }
+    }
+    return data;
+  }
+
+private:
+  /// empty for a macro-element without a partner
+  FlatArray<JumpEntry<D>> Row(size_t m) const {
+    return jump->area[m] > 0 ? jump->Row(m) : FlatArray<JumpEntry<D>>();
+  }
+  double RowArea(size_t m) const { return jump->area[m] > 0 ? jump->area[m] : jump->fullarea[m]; }
+
+  double Gap(size_t m, Vec<D> mean) const {
+    return -InnerProduct(jump->normal[m], mean + jump->gapvector[m]);
+  }
+
+  Vec<D> Multiplier(size_t m, FlatVector<> x) const {
+    Vec<D> traction;
+    for (int k : Range(D))
+      traction(k) = x(lamdof[D * m + k]);
+    return traction;
+  }
+
+  LawData<D> Data(size_t m) const {
+    return {jump->normal[m], c[m], friction[m], threshold[m], setup.tied && jump->area[m] > 0};
+  }
+
+  /// The traction before the projection. Macro-elements without a partner stay open.
+  Vec<D> Trial(size_t m, FlatVector<> x) const {
+    auto & n = jump->normal[m];
+    if (jump->area[m] == 0)
+      return n;
+    Vec<D> mean = jump->Mean(m, x);
+    if (setup.tied)
+      return Multiplier(m, x) - c[m] * mean;
+    Vec<D> slip = mean - reference[m];
+    slip -= InnerProduct(slip, n) * n;
+    return Multiplier(m, x) - c[m] * (slip - Gap(m, mean) * n);
+  }
+
+  void Prepare() {
+    if (!jump)
+      throw Exception("LACContact: no pairing yet; call Update() first");
+    for (auto & cf : {setup.friction, setup.threshold})
+      if (cf && !dynamic_pointer_cast<ConstantCoefficientFunction>(cf)) {
+        FindFriction(); // a Parameter may have changed
+        break;
+      }
+    for (double value : c)
+      if (!(value > 0))
+        throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
+                        "ContactSolver or FormSum do it");
+  }
+
+  PairingOptions Options(int order) const {
+    netgen::Box<D> both(netgen::Box<D>::EMPTY_BOX), own(netgen::Box<D>::EMPTY_BOX);
+    for (size_t f : Range(slave->Size())) {
+      auto box = slave->Bounds(f);
+      own.Add(box.PMin()), own.Add(box.PMax());
+    }
+    both = own;
+    for (size_t f : Range(master->Size())) {
+      auto box = master->Bounds(f);
+      both.Add(box.PMin()), both.Add(box.PMax());
+    }
+    double maxdist = setup.maxdist > 0 ? setup.maxdist : both.Diam();
+    return {maxdist, setup.penetration > 0 ? setup.penetration : min(maxdist, 0.1 * own.Diam()),
+            order};
+  }
+
+  void SetObstacleGaps() {
+    LocalHeap lh(1000 * 1000, "ngslac-obstacle");
+    for (size_t s : Range(pairing.Size())) {
+      HeapReset hr(lh);
+      ElementId ei(BND, slave->Element(pairing.segments[s].slave));
+      auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
+      for (auto & p : pairing.points.Range(pairing.Points(s))) {
+        IntegrationPoint ip(p.slave(0), D == 3 ? p.slave(D - 2) : 0, 0, 0);
+        p.gap = setup.obstacle->Evaluate(trafo(ip, lh));
+        if (!isfinite(p.gap))
+          throw Exception("LACContact: the gap to the obstacle is " + ToString(p.gap) + " at " +
+                          ToString(slave->Point(pairing.segments[s].slave, p.slave)));
+      }
+    }
+  }
+
+  void CollectMultiplierDofs() {
+    lamdof.SetSize(D * space->NMacros());
+    LocalHeap lh(1000 * 1000, "ngslac-multipliers");
+    int block = lam.fes->GetDimension();
+    Array<DofId> dofs;
+    for (size_t f : Range(slave->Size())) {
+      HeapReset hr(lh);
+      ElementId ei(BND, slave->Element(f));
+      lam.fes->GetDofNrs(ei, dofs);
+      IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
+      for (int k : Range(D))
+        lamdof[D * space->MacroOfFace()[ei.Nr()] + k] =
+            block * dofs[(used.First() + k) / block] + (used.First() + k) % block;
+    }
+  }
+
+  /// Means of the friction coefficient and of the threshold over each macro-element.
+  void FindFriction() {
+    size_t n = space->NMacros();
+    friction.SetSize(n), threshold.SetSize(n);
+    friction = 0.0, threshold = 0.0;
+    Array<double> area(n);
+    area = 0.0;
+    LocalHeap lh(1000 * 1000, "ngslac-friction");
+    for (size_t f : Range(slave->Size())) {
+      HeapReset hr(lh);
+      ElementId ei(BND, slave->Element(f));
+      auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
+      int m = space->MacroOfFace()[ei.Nr()];
+      IntegrationRule rule(trafo.GetElementType(), 2);
+      for (auto & ip : rule) {
+        auto & mip = trafo(ip, lh);
+        area[m] += mip.GetWeight();
+        if (setup.friction)
+          friction[m] += mip.GetWeight() * Checked("friction", setup.friction->Evaluate(mip), mip);
+        if (setup.threshold)
+          threshold[m] += mip.GetWeight() * Checked("tresca", setup.threshold->Evaluate(mip), mip);
+      }
+    }
+    for (size_t m : Range(n))
+      friction[m] /= area[m], threshold[m] /= area[m];
+  }
+
+  double Checked(const char * name, double value, const BaseMappedIntegrationPoint & mip) const {
+    if (!isfinite(value) || value < 0)
+      throw Exception("LACContact: " + string(name) + " is " + ToString(value) + " at " +
+                      ToString(Vec<D>(mip.GetPoint())) + " on boundary '" +
+                      string(mip.GetTransformation().GetElementIndex() >= 0
+                                 ? u.fes->GetMeshAccess()->GetMaterial(
+                                       mip.GetTransformation().GetElementId())
+                                 : "") +
+                      "'; it must be a number >= 0");
+    return value;
+  }
+
+  void BuildGraph() {
+    size_t ndof = u.fes->GetNDof() * u.fes->GetDimension();
+    TableCreator<int> creator(ndof);
+    for (; !creator.Done(); creator++)
+      for (size_t m : Range(jump->Size()))
+        for (int k : Range(D)) {
+          int row = lamdof[D * m + k];
+          for (int l : Range(D))
+            creator.Add(row, lamdof[D * m + l]);
+          for (auto & e : Row(m)) {
+            creator.Add(row, e.dof);
+            if (e.integral(k) != 0)
+              creator.Add(e.dof, row);
+          }
+        }
+    auto table = creator.MoveTable();
+    Array<int> sizes(ndof);
+    for (size_t i : Range(ndof)) {
+      QuickSort(table[i]);
+      sizes[i] = table[i].Size();
+    }
+    mat = make_shared<SparseMatrix<double>>(sizes, ndof);
+    for (size_t i : Range(ndof))
+      mat->GetRowIndices(i) = table[i];
+    mat->SetZero();
+  }
+};
+} // namespace
+
+shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
+  if (ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension() == 2)
+    return make_shared<T_ContactForm<2>>(setup);
+  throw Exception("LACContact: contact in 3D is not available in this version");
+}
+} // namespace ngslac

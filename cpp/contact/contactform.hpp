@@ -1,0 +1,78 @@
+#pragma once
+#include "jump.hpp"
+#include "law.hpp"
+
+namespace ngslac {
+/// What a contact form needs besides the two fields.
+struct ContactSetup {
+  shared_ptr<CoefficientFunction> u, lam; // trial functions
+  optional<Region> master;
+  shared_ptr<CoefficientFunction> obstacle;  // gap along the slave normal, in place of a master
+  shared_ptr<CoefficientFunction> friction;  // Coulomb's coefficient, null: frictionless
+  shared_ptr<CoefficientFunction> threshold; // Tresca's bound, null: none
+  bool tied = false;
+  double maxdist = 0;     // 0: chosen from the size of the surfaces
+  double penetration = 0; // 0: chosen from the size of the surfaces
+};
+
+/// Values of one macro-element after an evaluation.
+struct MacroState {
+  double pressure, gap;
+  Vec<3> traction, slip;
+  Status status;
+};
+
+/// Contact of one slave with one master surface as a nonlinear form on the product space.
+///
+/// Residual, for the displacement and for the multipliers (rows scaled by the paired area):
+///   R_v = - sum_m lambda_m . int [v1 - v2]
+///   R_m = A_m / c_m (P_m(lambda_m - c_m j_m) - lambda_m)
+/// with the projection P of the contact law and j = mean (gap along n, slip increment). The matrix is
+/// symmetric as long as no Coulomb slip occurs. Dof numbers count the scalar entries of the vectors.
+class ContactForm {
+public:
+  virtual ~ContactForm() = default;
+  static shared_ptr<ContactForm> Create(const ContactSetup & setup);
+
+  /// Pairs in the configuration of `gf` (null: reference); slip counts from there.
+  virtual void Update(shared_ptr<GridFunction> gf) = 0;
+  /// Chooses c of every macro-element from the diagonal of the bulk matrix.
+  virtual void SetStiffness(FlatVector<> diagonal, double factor) = 0;
+  virtual void SetConstant(double c) = 0;
+  virtual void AddApply(const BaseVector & x, BaseVector & y) = 0;
+  virtual void AssembleLinearization(const BaseVector & x) = 0;
+  virtual void Evaluate(const BaseVector & x) = 0;
+  /// Accepts x as the end of a step: the next slip increment counts from there.
+  virtual void Commit(const BaseVector & x) = 0;
+  /// Sets closing multipliers on the macro-elements that are set.
+  virtual void Close(const BitArray & macros, BaseVector & x) = 0;
+  /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.
+  virtual void AddScale(FlatVector<> scale) = 0;
+  virtual shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) = 0;
+
+  // Flat geometric data, the space dimension fastest.
+  virtual Array<double> Vectors(const string & name) const = 0;
+  virtual Array<double> Scalars(const string & name) const = 0;
+  /// per segment: slave face, master face, area, mean gap, corners (slave, master, slave, ...)
+  virtual Array<double> SegmentData() const = 0;
+  virtual size_t NSegments() const = 0;
+
+  shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
+  FlatArray<MacroState> States() const { return states; }
+  /// d scalar dofs per macro-element
+  FlatArray<int> MultiplierDofs() const { return lamdof; }
+  shared_ptr<LACSpace> Space() const { return space; }
+  const ProxyInfo & U() const { return u; }
+  bool IsPaired() const { return mat != nullptr; }
+
+protected:
+  explicit ContactForm(const ContactSetup & asetup);
+
+  ContactSetup setup;
+  ProxyInfo u, lam;
+  shared_ptr<LACSpace> space;
+  shared_ptr<SparseMatrix<double>> mat;
+  Array<MacroState> states;
+  Array<int> lamdof;
+};
+} // namespace ngslac

@@ -1,0 +1,54 @@
+#pragma once
+#include "pairing/pairing.hpp"
+#include "space/lacspace.hpp"
+#include <fem.hpp>
+
+namespace ngslac {
+/// One entry of a macro-element's row: the integral of a basis function over its paired part.
+template <int D>
+struct JumpEntry {
+  int dof;
+  Vec<D> integral; // slave minus master
+};
+
+enum class Side { slave = 1, master = 2, both = 3 };
+
+/// Where the values of a proxy come from.
+struct ProxyInfo {
+  shared_ptr<FESpace> fes;                      // space of the proxy, maybe a product
+  shared_ptr<FESpace> component;                // the component the proxy belongs to
+  size_t offset;                                // of the component's dofs
+  shared_ptr<DifferentialOperator> evaluator;   // on the boundary
+
+  ProxyInfo(const CoefficientFunction & proxy, const string & name);
+};
+
+/// The macro-elements over a pairing: areas, normals, gaps and the operator  u -> int [u1 - u2].
+template <int D>
+class MacroJump {
+public:
+  MacroJump(const ProxyInfo & u, const LACSpace & space, const Surface<D> & slave,
+            const Surface<D> * master, const Pairing<D> & pairing, Side side = Side::both);
+
+  size_t Size() const { return area.Size(); }
+  FlatArray<JumpEntry<D>> Row(size_t macro) const {
+    return entries.Range(first[macro], first[macro + 1]);
+  }
+  /// mean of u1 - u2 over the paired part
+  Vec<D> Mean(size_t macro, FlatVector<> x) const;
+
+  Array<double> area;      // paired
+  Array<double> fullarea;  // of all faces
+  Array<Vec<D>> normal;    // unit, mean of the outward slave normals
+  Array<Vec<D>> center;    // of all faces
+  Array<Vec<D>> moment;    // integral of x over the paired part
+  Array<Vec<D>> gapvector; // mean of x1 - x2 in the paired configuration
+
+private:
+  void Geometry(size_t macro, FlatArray<int> faces, const Surface<D> & slave,
+                const Pairing<D> & pairing, FlatArray<int> first_segment);
+
+  Array<size_t> first;
+  Array<JumpEntry<D>> entries;
+};
+} // namespace ngslac

@@ -1,0 +1,56 @@
+#pragma once
+#include "surface/surface.hpp"
+
+namespace ngslac {
+/// A quadrature point that sees both sides.
+template <int D>
+struct PairPoint {
+  Vec<D - 1> slave, master; // reference coordinates on the two faces
+  double weight;            // slave area
+  double gap;               // along the slave normal, > 0 open
+  Vec<D> normal;            // out of the slave body
+};
+
+/// A part of a slave face that faces one master face; master -1 stands for an obstacle.
+struct Segment {
+  int slave, master;
+  size_t first;        // number of its first point
+  size_t first_corner; // number of its first corner
+};
+
+struct PairingOptions {
+  double maxdist;     // farthest opening, along the slave normal
+  double penetration; // deepest interpenetration
+  int order;          // of the quadrature on one segment
+};
+
+/// Segments sorted by slave face (and along it), with their quadrature points.
+template <int D>
+struct Pairing {
+  Array<Segment> segments; // one more at the end closes the last one
+  Array<PairPoint<D>> points;
+  Array<PairPoint<D>> corners; // of the overlap, without weights: for pictures
+
+  size_t Size() const { return segments.Size() - 1; }
+  IntRange Points(size_t segment) const {
+    return IntRange(segments[segment].first, segments[segment + 1].first);
+  }
+  IntRange Corners(size_t segment) const {
+    return IntRange(segments[segment].first_corner, segments[segment + 1].first_corner);
+  }
+};
+
+/// Cuts every slave face into segments, each facing the nearest master face along the slave normal.
+///
+/// Master end points are projected onto the slave face along its normal, so that each ray from a
+/// segment meets exactly one master face and the segments tile the overlap. Faces that look the
+/// same way never pair. O(n log n) in the number of faces, threaded, the result independent of the
+/// number of threads.
+template <int D>
+Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
+                const PairingOptions & options);
+
+/// Every slave face whole, facing an obstacle; the gaps are left to the caller.
+template <int D>
+Pairing<D> PairWithObstacle(const Surface<D> & slave, int order);
+} // namespace ngslac

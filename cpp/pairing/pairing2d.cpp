@@ -1,0 +1,275 @@
+#include "pairing.hpp"
+#include <gprim/adtree.hpp>
+
+namespace ngslac {
+namespace {
+constexpr double merge_tolerance = 1e-13; // of reference coordinates
+constexpr double facing_cosine = -0.17;   // faces less than 100 degrees apart do not touch
+
+/// Root of f in [a, b], where it changes sign. `f` returns value and (approximate) derivative.
+template <typename F>
+double FindRoot(F f, double a, double fa, double b, double fb) {
+  double x = a + (b - a) * fa / (fa - fb);
+  for (int it = 0; it < 100; it++) {
+    auto [value, slope] = f(x);
+    if (value == 0)
+      return x;
+    if ((value > 0) == (fa > 0))
+      a = x;
+    else
+      b = x;
+    double next = x - value / slope;
+    if (!(next > min(a, b) && next < max(a, b)))
+      next = 0.5 * (a + b);
+    if (fabs(next - x) < 1e-16 || fabs(b - a) < 1e-16)
+      return next;
+    x = next;
+  }
+  return x;
+}
+
+/// A master face over an interval of the slave face.
+struct Overlap {
+  double begin, end;
+  int master;
+};
+
+struct Hit {
+  double eta, gap;
+};
+
+/// Pairs one slave face after the other; owns the buffers.
+class FacePairer {
+  const Surface<2> & slave;
+  const Surface<2> & master;
+  const netgen::BoxTree<2, int> & tree;
+  const PairingOptions & options;
+  const IntegrationRule & rule;
+
+  int face;
+  double size;
+  Array<int> candidates;
+  Array<Overlap> overlaps;
+  Array<double> breaks;
+
+public:
+  FacePairer(const Surface<2> & aslave, const Surface<2> & amaster,
+             const netgen::BoxTree<2, int> & atree, const PairingOptions & aoptions,
+             const IntegrationRule & arule)
+      : slave(aslave), master(amaster), tree(atree), options(aoptions), rule(arule) {}
+
+  void Do(int aface, Pairing<2> & result) {
+    face = aface;
+    size = slave.Diameter(face);
+    // The nearest partner is usually close: widen the search until the face is covered.
+    for (double reach = size;; reach *= 4) {
+      reach = min(reach, options.maxdist);
+      Search(reach);
+      if (reach >= options.maxdist || Covered(reach))
+        break;
+    }
+    for (int i : Range(int(breaks.Size()) - 1))
+      AddSegment(breaks[i], breaks[i + 1], result);
+  }
+
+private:
+  netgen::Box<2> SearchBox(double reach) const {
+    netgen::Box<2> box = slave.Bounds(face);
+    Vec<2> normals[3];
+    for (int i : Range(3)) {
+      Vec<2> x;
+      Mat<2, 1> dx;
+      slave.Evaluate(face, 0.5 * i, x, dx);
+      normals[i] = slave.Normal(face, dx);
+      for (double d : {reach, -min(reach, options.penetration)})
+        box.Add(netgen::Point<2>(x(0) + d * normals[i](0), x(1) + d * normals[i](1)));
+    }
+    box.Increase(0.05 * size + 0.1 * reach * L2Norm(normals[2] - normals[0]));
+    return box;
+  }
+
+  void Search(double reach) {
+    candidates.SetSize0();
+    auto box = SearchBox(reach);
+    tree.GetFirstIntersecting(box.PMin(), box.PMax(), [&](int j) {
+      candidates.Append(j);
+      return false;
+    });
+    QuickSort(candidates);
+    overlaps.SetSize0();
+    breaks.SetSize0();
+    for (int j : candidates) {
+      double a = Project(master.Point(j, 0.0)), b = Project(master.Point(j, 1.0));
+      if (a > b)
+        Swap(a, b);
+      if (b - a > merge_tolerance && FindHit(j, 0.5 * (a + b))) {
+        overlaps.Append(Overlap{a, b, j});
+        breaks.Append(a);
+        breaks.Append(b);
+      }
+    }
+    QuickSort(breaks);
+    size_t kept = 0;
+    for (double b : breaks)
+      if (kept == 0 || b - breaks[kept - 1] > merge_tolerance)
+        breaks[kept++] = b;
+    breaks.SetSize(kept);
+  }
+
+  bool Covered(double reach) const {
+    if (breaks.Size() < 2 || breaks[0] > 0 || breaks.Last() < 1)
+      return false;
+    for (int i : Range(int(breaks.Size()) - 1)) {
+      auto hit = Nearest(0.5 * (breaks[i] + breaks[i + 1])).second;
+      if (!hit || fabs(hit->gap) > 0.9 * reach)
+        return false;
+    }
+    return true;
+  }
+
+  /// Slave coordinate whose normal ray meets the point, cut off at the ends of the face.
+  double Project(Vec<2> point) const {
+    auto f = [&](double xi) {
+      Vec<2> x;
+      Mat<2, 1> dx;
+      slave.Evaluate(face, xi, x, dx);
+      return make_pair(InnerProduct(Vec<2>(dx.Col(0)), point - x), -L2Norm2(dx.Col(0)));
+    };
+    double f0 = f(0).first, f1 = f(1).first;
+    if (f0 <= 0)
+      return 0;
+    if (f1 >= 0)
+      return 1;
+    return FindRoot(f, 0, f0, 1, f1);
+  }
+
+  /// The point of master face j on the normal ray from xi, if it is within reach and looks back.
+  optional<Hit> FindHit(int j, double xi) const {
+    Vec<2> x, y;
+    Mat<2, 1> dx, dy;
+    slave.Evaluate(face, xi, x, dx);
+    Vec<2> normal = slave.Normal(face, dx);
+    Vec<2> tangent = (1 / L2Norm(dx.Col(0))) * Vec<2>(dx.Col(0));
+    auto f = [&](double eta) {
+      master.Evaluate(j, eta, y, dy);
+      return make_pair(InnerProduct(tangent, y - x), InnerProduct(tangent, Vec<2>(dy.Col(0))));
+    };
+    double f0 = f(0).first, f1 = f(1).first;
+    double eta = (f0 > 0) == (f1 > 0) ? (fabs(f0) < fabs(f1) ? 0 : 1) : FindRoot(f, 0, f0, 1, f1);
+    // At the end of an overlap rounding may push the ray just past the last vertex.
+    if (fabs(f(eta).first) > 1e-9 * (size + fabs(InnerProduct(normal, y - x))))
+      return nullopt;
+    double gap = InnerProduct(normal, y - x);
+    if (gap > options.maxdist || gap < -options.penetration ||
+        InnerProduct(normal, master.Normal(j, dy)) > facing_cosine)
+      return nullopt;
+    return Hit{eta, gap};
+  }
+
+  pair<int, optional<Hit>> Nearest(double xi) const {
+    pair<int, optional<Hit>> best(-1, nullopt);
+    for (auto & o : overlaps)
+      if (o.begin <= xi && xi <= o.end)
+        if (auto hit = FindHit(o.master, xi);
+            hit && (!best.second || fabs(hit->gap) < fabs(best.second->gap)))
+          best = {o.master, hit};
+    return best;
+  }
+
+  /// The ray from xi to a master face, NaN in the gap where it misses.
+  PairPoint<2> Ray(int partner, double xi, double weight) const {
+    Vec<2> x;
+    Mat<2, 1> dx;
+    slave.Evaluate(face, xi, x, dx);
+    auto hit = FindHit(partner, xi).value_or(Hit{0, numeric_limits<double>::quiet_NaN()});
+    return {xi, hit.eta, weight * L2Norm(dx), hit.gap, slave.Normal(face, dx)};
+  }
+
+  void AddSegment(double begin, double end, Pairing<2> & result) const {
+    int partner = Nearest(0.5 * (begin + end)).first;
+    if (partner < 0)
+      return;
+    Segment segment{face, partner, result.points.Size(), result.corners.Size()};
+    for (auto & ip : rule) {
+      auto ray = Ray(partner, begin + (end - begin) * ip(0), ip.Weight() * (end - begin));
+      if (isfinite(ray.gap))
+        result.points.Append(ray);
+    }
+    if (segment.first == result.points.Size())
+      return;
+    result.segments.Append(segment);
+    for (auto [xi, inner] : {pair(begin, segment.first), pair(end, result.points.Size() - 1)}) {
+      auto corner = Ray(partner, xi, 0);
+      result.corners.Append(isfinite(corner.gap) ? corner : result.points[inner]);
+    }
+  }
+};
+
+/// Runs `pair(range, part)` on pieces of the slave faces in threads and joins the parts in order.
+template <typename F>
+Pairing<2> InPieces(size_t nfaces, F pair) {
+  Array<Pairing<2>> parts(4 * TaskManager::GetNumThreads());
+  ParallelJob(
+      [&](TaskInfo & ti) {
+        pair(IntRange(nfaces).Split(ti.task_nr, ti.ntasks), parts[ti.task_nr]);
+      },
+      parts.Size());
+  Pairing<2> result;
+  for (auto & part : parts) {
+    size_t points = result.points.Size(), corners = result.corners.Size();
+    for (auto & s : part.segments)
+      result.segments.Append(
+          Segment{s.slave, s.master, s.first + points, s.first_corner + corners});
+    result.points += part.points;
+    result.corners += part.corners;
+  }
+  result.segments.Append(Segment{-1, -1, result.points.Size(), result.corners.Size()});
+  return result;
+}
+} // namespace
+
+template <>
+Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
+                const PairingOptions & options) {
+  static Timer timer("ngslac::Pair"), timer_tree("ngslac::Pair - tree");
+  RegionTimer reg(timer);
+  timer_tree.Start();
+  netgen::Box<2> all(netgen::Box<2>::EMPTY_BOX);
+  for (size_t j : Range(master.Size())) {
+    auto box = master.Bounds(j);
+    all.Add(box.PMin());
+    all.Add(box.PMax());
+  }
+  netgen::BoxTree<2, int> tree(all);
+  for (size_t j : Range(master.Size()))
+    tree.Insert(master.Bounds(j), j);
+  timer_tree.Stop();
+
+  IntegrationRule rule(ET_SEGM, options.order);
+  return InPieces(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
+    FacePairer pairer(slave, master, tree, options, rule);
+    for (auto f : faces)
+      pairer.Do(f, part);
+  });
+}
+
+template <>
+Pairing<2> PairWithObstacle(const Surface<2> & slave, int order) {
+  IntegrationRule rule(ET_SEGM, order);
+  return InPieces(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
+    auto put = [&](Array<PairPoint<2>> & points, int f, double xi, double weight) {
+      Vec<2> x;
+      Mat<2, 1> dx;
+      slave.Evaluate(f, xi, x, dx);
+      points.Append(PairPoint<2>{xi, 0.0, weight * L2Norm(dx), 0.0, slave.Normal(f, dx)});
+    };
+    for (int f : faces) {
+      part.segments.Append(Segment{f, -1, part.points.Size(), part.corners.Size()});
+      for (auto & ip : rule)
+        put(part.points, f, ip(0), ip.Weight());
+      for (double xi : {0.0, 1.0})
+        put(part.corners, f, xi, 0);
+    }
+  });
+}
+} // namespace ngslac

@@ -1,0 +1,43 @@
+#include "bubble.hpp"
+#include "split.hpp"
+
+#include <python_comp.hpp>
+
+namespace ngslac {
+// NGSolve turns only keyword arguments of basic types into flags.
+static void SetSlaveFlag(py::object slave, Flags * flags, py::list info) {
+  if (py::isinstance<py::str>(slave)) {
+    flags->SetFlag("slave", py::cast<string>(slave));
+    return;
+  }
+  if (!py::isinstance<Region>(slave))
+    throw py::type_error("BubbleVectorH1: slave must be a pattern or a Region");
+  auto region = py::cast<Region>(slave);
+  if (region.Mesh() != py::cast<shared_ptr<MeshAccess>>(info[0]))
+    throw Exception("BubbleVectorH1: the slave region belongs to another mesh");
+  if (region.VB() != BND)
+    throw Exception("BubbleVectorH1: the slave region must be one of boundaries");
+  Array<double> numbers;
+  for (auto i : Range(region.Mask().Size()))
+    if (region.Mask().Test(i))
+      numbers.Append(i + 1);
+  flags->SetFlag("slave", numbers);
+}
+
+void ExportMeshTools(py::module & m) {
+  m.def(
+      "SplitSlaveFaces",
+      [](shared_ptr<MeshAccess> mesh, const Region & slave) {
+        return SplitSlaveFaces(mesh, slave);
+      },
+      py::arg("mesh"), py::arg("slave"),
+      "New mesh with the slave faces split; see ngslac.SplitSlaveFaces");
+
+  auto space = ExportFESpace<BubbleVectorH1FESpace, VectorH1FESpace>(m, "BubbleVectorH1");
+  space.def_static("__special_treated_flags__", [] {
+    py::dict special = py::type::of<FESpace>().attr("__special_treated_flags__")();
+    special["slave"] = py::cpp_function(&SetSlaveFlag);
+    return special;
+  });
+}
+} // namespace ngslac

@@ -1,0 +1,116 @@
+#include "lacspace.hpp"
+#include <h1lofe.hpp>
+
+namespace ngslac {
+namespace {
+template <int D>
+pair<shared_ptr<DifferentialOperator>, shared_ptr<DifferentialOperator>> ScalarEvaluators() {
+  return {make_shared<T_DifferentialOperator<DiffOpId<D>>>(),
+          make_shared<T_DifferentialOperator<DiffOpIdBoundary<D>>>()};
+}
+
+shared_ptr<FESpace> CheckDisplacement(shared_ptr<FESpace> fes) {
+  int dim = fes->GetMeshAccess()->GetDimension();
+  auto evaluator = fes->GetEvaluator(BND);
+  if (fes->IsComplex())
+    throw Exception("LACSpace: the displacement space " + fes->GetClassName() +
+                    " is complex; contact needs real displacements");
+  if (!evaluator || evaluator->Dim() != dim)
+    throw Exception("LACSpace: the displacement space " + fes->GetClassName() + " has " +
+                    (evaluator ? ToString(evaluator->Dim()) + " component(s)" : "no values") +
+                    " on the boundary of a mesh in " + ToString(dim) +
+                    "D; give a vector-valued space such as VectorH1");
+  return fes;
+}
+} // namespace
+
+LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
+    : FESpace(adisplacement->GetMeshAccess(), flags), displacement(CheckDisplacement(adisplacement)) {
+  type = "lacspace";
+  name = "LACSpace";
+  order = 0;
+  slave = BitArray(ma->GetNRegions(BND));
+  slave.Clear();
+  for (double index : flags.GetNumListFlag("slave"))
+    slave.SetBit(int(index));
+  for (double macro : flags.GetNumListFlag("macros"))
+    given_macros.Append(int(macro));
+  components = int(flags.GetNumFlag("components", ma->GetDimension()));
+  dimension = displacement->GetDimension() > 1 ? components : 1;
+  first_mesh_faces = ma->GetNE(BND);
+  SetDefinedOn(BND, slave);
+
+  auto [vol, bnd] = ma->GetDimension() == 2 ? ScalarEvaluators<2>() : ScalarEvaluators<3>();
+  if (dimension > 1) {
+    vol = make_shared<BlockDifferentialOperator>(vol, dimension);
+    bnd = make_shared<BlockDifferentialOperator>(bnd, dimension);
+  } else if (components > 1) {
+    vol = make_shared<VectorDifferentialOperator>(vol, components);
+    bnd = make_shared<VectorDifferentialOperator>(bnd, components);
+  }
+  evaluator[VOL] = vol; // tells proxies their dimension; there are no dofs inside
+  evaluator[BND] = bnd;
+}
+
+DocInfo LACSpace::GetDocu() {
+  auto docu = FESpace::GetDocu();
+  docu.short_docu = "Contact tractions, constant on macro-elements of the slave surface.";
+  docu.Arg("slave") = "Region or str\n  the slave boundaries";
+  docu.Arg("macros") = "list[int] = None\n  macro-element of each slave face, in mesh order";
+  docu.Arg("components") = "int = mesh.dim\n  numbers per macro-element";
+  return docu;
+}
+
+void LACSpace::Update() {
+  static Timer timer("ngslac::LACSpace::Update");
+  RegionTimer reg(timer);
+  // In a product space the displacement is up to date by now; alone it may not be.
+  if (displacement->GetNDof() == 0 || !displacement->GetFreeDofs() ||
+      displacement->GetFreeDofs()->Size() != displacement->GetNDof() ||
+      ma->GetNE(BND) != partition.macro_of_face.Size()) {
+    displacement->Update();
+    displacement->FinalizeUpdate();
+  }
+  FESpace::Update();
+  if (given_macros.Size() && ma->GetNE(BND) != first_mesh_faces)
+    throw Exception("LACSpace: the partition given by macros does not fit the refined mesh; make a "
+                    "new space, or let the space choose the macro-elements");
+  partition = given_macros.Size() ? CheckedPartition(*displacement, slave, given_macros)
+                                  : PartitionBySupports(*displacement, slave);
+  SetNDof(partition.nmacros * (dimension > 1 ? 1 : components));
+  UpdateCouplingDofArray();
+}
+
+void LACSpace::UpdateCouplingDofArray() {
+  ctofdof.SetSize(GetNDof());
+  ctofdof = WIREBASKET_DOF; // multipliers are neither condensed nor preconditioned away
+}
+
+void LACSpace::GetDofNrs(ElementId ei, Array<DofId> & dnums) const {
+  dnums.SetSize0();
+  int macro = ei.VB() == BND && ei.Nr() < partition.macro_of_face.Size()
+                  ? partition.macro_of_face[ei.Nr()]
+                  : -1;
+  if (macro < 0)
+    return;
+  int n = dimension > 1 ? 1 : components;
+  for (int k : Range(n))
+    dnums.Append(macro * n + k);
+}
+
+FiniteElement & LACSpace::GetFE(ElementId ei, Allocator & alloc) const {
+  bool used = ei.VB() == BND && ei.Nr() < partition.macro_of_face.Size() &&
+              partition.macro_of_face[ei.Nr()] >= 0;
+  FiniteElement * scalar =
+      SwitchET(ma->GetElType(ei), [&](auto et) -> FiniteElement * {
+        constexpr auto ET = et.ElementType();
+        if constexpr (ET == ET_SEGM || ET == ET_TRIG || ET == ET_QUAD)
+          if (used)
+            return new (alloc) ScalarFE<ET, 0>;
+        return new (alloc) ScalarDummyFE<ET>;
+      });
+  if (dimension == 1 && components > 1)
+    return *new (alloc) VectorFiniteElement(*scalar, components);
+  return *scalar;
+}
+} // namespace ngslac

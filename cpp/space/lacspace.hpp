@@ -1,0 +1,41 @@
+#pragma once
+#include "partition.hpp"
+
+namespace ngslac {
+/// Piecewise constants on macro-elements of the slave surface.
+///
+/// One d-vector per macro-element (the contact traction in Cartesian components), or `components`
+/// numbers. Over a displacement space with blocks (H1(dim=d)) the space has the same blocks, so that
+/// the product of both spaces exists.
+class LACSpace : public FESpace {
+public:
+  /// flags: "slave" (numbers of the boundaries), "macros" (optional partition of the first mesh),
+  /// "components" (default: the space dimension)
+  LACSpace(shared_ptr<FESpace> displacement, const Flags & flags);
+
+  static DocInfo GetDocu();
+  string GetClassName() const override { return "LACSpace"; }
+
+  void Update() override;
+  void UpdateCouplingDofArray() override;
+  using FESpace::GetDofNrs;
+  void GetDofNrs(ElementId ei, Array<DofId> & dnums) const override;
+  FiniteElement & GetFE(ElementId ei, Allocator & alloc) const override;
+
+  shared_ptr<FESpace> Displacement() const { return displacement; }
+  size_t NMacros() const { return partition.nmacros; }
+  /// macro-element of each boundary element of the mesh, -1 off the slave surface
+  FlatArray<int> MacroOfFace() const { return partition.macro_of_face; }
+  /// displacement dofs whose trace lives in the macro-element alone
+  FlatArray<int> CoreDofs(size_t macro) const { return partition.cores[macro]; }
+  Region SlaveRegion() const { return Region(ma, BND, slave); }
+
+private:
+  shared_ptr<FESpace> displacement;
+  BitArray slave;
+  Array<int> given_macros;
+  int components;
+  size_t first_mesh_faces;
+  MacroPartition partition;
+};
+} // namespace ngslac

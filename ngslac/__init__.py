@@ -1,0 +1,33 @@
+"""Local Average Contact (LAC) for NGSolve.
+
+Two elastic bodies touch along independently meshed surfaces; non-penetration and Coulomb friction
+hold on average over macro-elements of the slave surface.
+"""
+
+from ngslac._version import CheckNGSolve, __version__
+
+CheckNGSolve()
+
+# NGSolve loads the libraries that the compiled module needs: it has to come first.
+import ngsolve as _ngsolve  # noqa: E402, F401
+
+from ngslac._ngslac import BubbleVectorH1, LACSpace  # noqa: E402
+from ngslac.contact import LACContact  # noqa: E402
+from ngslac.errors import ContactConvergenceError, FloatingBodyError  # noqa: E402
+from ngslac.forms import FormSum  # noqa: E402
+from ngslac.mesh import SplitSlaveFaces  # noqa: E402
+from ngslac.solver import ContactSolver  # noqa: E402
+from ngslac.stepping import LoadStepper  # noqa: E402
+
+__all__ = [
+    "BubbleVectorH1",
+    "ContactConvergenceError",
+    "ContactSolver",
+    "FloatingBodyError",
+    "FormSum",
+    "LACContact",
+    "LACSpace",
+    "LoadStepper",
+    "SplitSlaveFaces",
+    "__version__",
+]

@@ -1,0 +1,274 @@
+"""Contact of a slave with a master surface, as a nonlinear form."""
+
+import math
+
+import numpy as np
+from ngsolve import BND, CoefficientFunction, GridFunction, Region
+
+from ngslac._ngslac import ContactForm, Side
+from ngslac.report import ContactReport
+from ngslac.segments import Segments
+
+__all__ = ["LACContact"]
+
+
+def BoundaryRegion(mesh, region, name):
+    """The boundary region for a pattern or Region; ValueError if it has no faces."""
+    if isinstance(region, str):
+        found = mesh.Boundaries(region)
+    elif isinstance(region, Region) and region.VB() == BND:
+        found = region
+    else:
+        raise TypeError(f"{name} must be a pattern of boundary names or a boundary region")
+    mask = found.Mask()
+    if not any(mask[e.index] for e in mesh.Elements(BND)):
+        names = ", ".join(dict.fromkeys(mesh.GetBoundaries()))
+        raise ValueError(
+            f"{name}={region!r} matches no boundary face; the boundaries are: {names}"
+        )
+    return found
+
+
+def Coefficient(value, name):
+    """A number, CoefficientFunction or Parameter as CoefficientFunction; None stays None."""
+    if value is None or isinstance(value, CoefficientFunction):
+        return value
+    if not math.isfinite(value) or value < 0:
+        raise ValueError(f"{name} = {value} must be a finite number >= 0")
+    return CoefficientFunction(float(value))
+
+
+class LACContact:
+    """Unilateral contact with friction between a slave and a master surface.
+
+    On average over each macro-element of the slave surface: no penetration, no tension,
+    complementarity of both, and a friction law (Abbas, Drouet, Hild, Pignet 2017, eqs. 4-7).
+    The contact is a nonlinear form on the product space of `u` and `lam`: `Apply`,
+    `AssembleLinearization` and `mat` work as in a BilinearForm, and the whole problem is the sum of
+    the bulk's form and this one.
+
+    Parameters
+    ----------
+    u, lam : ngsolve trial functions
+        Displacement and contact traction (of a `LACSpace`) on the same product space. The slave
+        side is that of the LACSpace. `lam` acts on the slave body; pressure is ``-lam.n >= 0`` with
+        the outward slave normal n.
+    master : str or Region
+        The other side. (NGSolve's ContactBoundary calls our slave its *master*.)
+    obstacle : CoefficientFunction
+        Instead of a master: the gap to a rigid, fixed obstacle along the outward slave normal
+        (> 0 open), as a function on the slave surface in the reference configuration.
+    friction : float, CoefficientFunction or Parameter
+        Coulomb's coefficient, >= 0. None: frictionless.
+    tresca : float, CoefficientFunction or Parameter
+        A bound of the tangential traction that does not depend on the pressure (stress units).
+    tied : bool
+        Glue the surfaces: equal mean displacements, any traction.
+    maxdist : float
+        Farthest opening at which faces pair. Default: the diameter of both surfaces.
+    penetration : float
+        Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
+    stiffness : float
+        Factor of the automatic scale c (stress per length) of the complementarity functions. The
+        solution does not depend on it.
+
+    Raises
+    ------
+    ValueError, TypeError, ngsolve.NgException
+        A region without faces, overlapping regions, negative or non-finite friction, surfaces that
+        never meet, bodies that share nodes.
+
+    Examples
+    --------
+    >>> contact = LACContact(u, lam, master="block", friction=0.2)      # doctest: +SKIP
+    >>> ContactSolver(a, gf, contact).Solve()                           # doctest: +SKIP
+    >>> Draw(contact.pressure, mesh.Boundaries("cylinder"))             # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        u,
+        lam,
+        *,
+        master=None,
+        obstacle=None,
+        friction=None,
+        tresca=None,
+        tied=False,
+        maxdist=None,
+        penetration=None,
+        stiffness=1.0,
+    ):
+        if (master is None) == (obstacle is None):
+            raise ValueError("give either master= or obstacle=, not both and not none")
+        if tied and (friction is not None or tresca is not None):
+            raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
+        for name, value in {"maxdist": maxdist, "penetration": penetration}.items():
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise ValueError(f"{name} = {value} must be a positive length")
+        if not (math.isfinite(stiffness) and stiffness > 0):
+            raise ValueError(f"stiffness = {stiffness} must be a positive factor")
+        mesh = u.space.mesh
+        region = None if master is None else BoundaryRegion(mesh, master, "master")
+        self.form = ContactForm(
+            u=u,
+            lam=lam,
+            master=region,
+            obstacle=None if obstacle is None else CoefficientFunction(obstacle),
+            friction=Coefficient(friction, "friction"),
+            tresca=Coefficient(tresca, "tresca"),
+            tied=tied,
+            maxdist=maxdist or 0.0,
+            penetration=penetration or 0.0,
+        )
+        self.mesh = mesh
+        self.space = self.form.space
+        self.stiffness = stiffness
+        self._scaled = False
+        self._CheckRegions(region)
+        self._MakeFields()
+
+    def _CheckRegions(self, master):
+        if master is None:
+            return
+        both = self.space.slave * master
+        names = self.mesh.GetBoundaries()
+        shared = [names[i] for i in range(len(names)) if both.Mask()[i]]
+        if shared:
+            raise ValueError(f"boundaries {', '.join(shared)} are both slave and master")
+
+    def _MakeFields(self):
+        scalar = self.space.WithComponents(1)
+        vector = self.space.WithComponents(self.mesh.dim)
+        self.pressure = GridFunction(scalar, name="pressure")
+        self.gap = GridFunction(scalar, name="gap")
+        self.status = GridFunction(scalar, name="status")
+        self.traction = GridFunction(vector, name="traction")
+        self.slip = GridFunction(vector, name="slip")
+        self.normal = GridFunction(vector, name="normal")
+
+    # --- the form ------------------------------------------------------------------------------
+
+    @property
+    def mat(self):
+        """Matrix of the last `AssembleLinearization`, on the scalar dofs of the product space."""
+        return self.form.mat
+
+    @property
+    def nscalars(self):
+        """Number of scalar entries of a vector on the product space."""
+        return self.form.fes.ndof * self.form.fes.dim
+
+    def Update(self, gf=None):
+        """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
+
+        Weights, normals and partners stay fixed until the next call; slip counts from here.
+        """
+        if self.pressure.space.ndof != self.space.nmacros:
+            self._MakeFields()
+        self.form.Update(gf)
+        self._scaled = False
+        self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
+
+    def Prepare(self, bulk):
+        """Pair if that was not done, and take the scale of the form from the bulk matrix."""
+        if not self.form.paired:
+            self.Update()
+        if not self._scaled:
+            self.form.SetStiffness(bulk, self.stiffness)
+            self._scaled = True
+
+    def AddApply(self, x, y):
+        """y += residual at x."""
+        self.form.AddApply(x, y)
+
+    def Apply(self, x, y):
+        """y = residual at x (BaseVectors on the product space)."""
+        y[:] = 0
+        self.form.AddApply(x, y)
+
+    def AssembleLinearization(self, x):
+        """Assemble the generalised derivative at x into `mat`."""
+        self.form.AssembleLinearization(x)
+
+    def Commit(self, gf):
+        """Accept `gf` as the end of a step: the next slip increment counts from there.
+
+        A macro-element that is open now counts its slip from the first touch, which is where its
+        path of the last step meets the master.
+        """
+        self.form.Commit(gf.vec)
+
+    def Evaluate(self, gf):
+        """Fill the fields pressure, traction, gap, slip, status and normal from `gf`."""
+        self.form.Evaluate(gf.vec)
+        table = self.Table()
+        for name in ("pressure", "gap", "status", "traction", "slip"):
+            getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()
+
+    # --- results -------------------------------------------------------------------------------
+
+    def Table(self):
+        """The last evaluation as numpy arrays over the macro-elements.
+
+        Returns
+        -------
+        dict
+            ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
+            ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
+            ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
+            ``friction`` (n) coefficient.
+        """
+        d = self.mesh.dim
+        states = self.form.States().reshape(-1, 9)
+        table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
+        return table | {
+            "x": self.form.Vectors("center").reshape(-1, d),
+            "normal": self.form.Vectors("normal").reshape(-1, d),
+            "pressure": states[:, 0],
+            "gap": states[:, 1],
+            "status": states[:, 2].astype(int),
+            "traction": states[:, 3 : 3 + d],
+            "slip": states[:, 6 : 6 + d],
+        }
+
+    def Force(self):
+        """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
+        table = self.Table()
+        return table["area"] @ table["traction"]
+
+    def Moment(self, point):
+        """Moment of the tractions on the slave about `point`: a number in 2D, (3,) in 3D."""
+        table = self.Table()
+        arms = self.form.Vectors("moment").reshape(-1, self.mesh.dim) - np.outer(
+            table["area"], np.asarray(point, dtype=float)
+        )
+        traction = table["traction"]
+        if self.mesh.dim == 2:
+            return float(np.sum(arms[:, 0] * traction[:, 1] - arms[:, 1] * traction[:, 0]))
+        return np.cross(arms, traction).sum(axis=0)
+
+    def Mortar(self):
+        """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.
+
+        ``D u - M u`` is the integral of (slave minus paired master displacement) over each
+        macro-element, d rows per macro-element, columns the dofs of the displacement space.
+        """
+        if not self.form.paired:
+            self.Update()
+        return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
+
+    def Segments(self):
+        """The segments of the pairing, see `Segments`."""
+        if not self.form.paired:
+            self.Update()
+        return Segments(self.form, self.mesh.dim)
+
+    def Check(self):
+        """A readable report of the pairing, see `ContactReport`."""
+        if not self.form.paired:
+            self.Update()
+        return ContactReport(self)
+
+    def _GetWebguiData(self):
+        return self.Segments()._GetWebguiData()

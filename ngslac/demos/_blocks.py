@@ -1,0 +1,251 @@
+"""Two blocks on each other: meshes for patch tests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from netgen.meshing import Element1D, Element2D, MeshPoint
+from netgen.meshing import Mesh as NetgenMesh
+from netgen.meshing import Pnt as MeshPnt
+from netgen.occ import ArcOfCircle, Glue, Pnt, Segment
+from ngsolve import Mesh
+
+from ._meshes import (
+    Body,
+    CheckNonMatching,
+    CheckPositive,
+    Divisions,
+    GenerateMesh,
+    Label,
+    MovePoints,
+    NonMatchingDivisions,
+    Side,
+)
+
+__all__ = ["TwoBlocks"]
+
+
+@dataclass(frozen=True)
+class _Block:
+    """One body: its contact edge in pieces (name, start, end, divisions), and its far end."""
+
+    name: str
+    h: float
+    pieces: list
+    end: float  # y of the side away from the interface
+    slope: float  # of the interface, dy/dx
+    middle: float  # x where the interface crosses y = 0
+
+    @property
+    def top(self):
+        return "top" if self.end > 0 else "bottom"
+
+    def Height(self, x):
+        """y of the interface at x."""
+        return self.slope * (x - self.middle)
+
+    def Nodes(self):
+        """Positions x of the nodes of the contact edge."""
+        parts = [np.linspace(a, b, n + 1) for _, a, b, n in self.pieces]
+        return np.concatenate([parts[0], *(p[1:] for p in parts[1:])])
+
+
+def TwoBlocks(
+    h_slave=0.25,
+    h_master=None,
+    *,
+    shape="flat",
+    slope=20.0,
+    overhang=0.0,
+    aligned=True,
+    quads=False,
+    structured=False,
+    curved=False,
+    width=1.0,
+    height=1.0,
+    order=None,
+    scale=1.0,
+    angle=0.0,
+):
+    """Mesh of a block "upper" on a block "lower" with non-matching straight contact edges.
+
+    The narrower block covers 0 <= x <= width; the interface passes through
+    (width / 2, 0), and the blocks end at y = height and y = -height. Boundaries: "slave" (lower
+    edge of "upper"), "master" (upper edge of "lower"), "top", "bottom", "left_upper",
+    "right_upper", "left_lower", "right_lower".
+
+    Parameters
+    ----------
+    h_slave, h_master : float
+        Edge lengths on the two sides, by default ``h_master = 0.73 * h_slave``. Divisions
+        are chosen such that no slave node faces a master node (except common ends).
+    shape : {"flat", "oblique"}
+        Interface horizontal, or inclined by `slope` degrees.
+    slope : float
+        Inclination for ``shape="oblique"``.
+    overhang : float
+        By how much the lower block is wider at each end; the upper one if negative.
+    aligned : bool
+        With an overhang: put vertices of the wider block at the ends of the narrower one. The
+        free parts of its contact edge are then named "master_left" and "master_right"
+        ("slave_left", "slave_right"). Otherwise the edge is divided evenly.
+    quads : bool
+        Quadrilaterals (without `structured`: mostly).
+    structured : bool
+        A grid in each block; triangles by cutting the quadrilaterals.
+    curved : bool
+        Each block is cut by a circular arc from the interface to its far side, so that interior
+        edges are curved while the interface stays straight. Not with `structured`.
+    width, height : float
+        Sizes of the blocks.
+    order : int, optional
+        Order of the geometry, by default 2 if `curved`, else 1.
+    scale, angle : float
+        Factor for all coordinates and rotation in degrees about the origin; neither changes
+        the topology.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching` has passed.
+    """
+    h_master = 0.73 * h_slave if h_master is None else h_master
+    CheckPositive(h_slave=h_slave, h_master=h_master, width=width, height=height, scale=scale)
+    if shape not in ("flat", "oblique"):
+        raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
+    if structured and curved:
+        raise ValueError("a structured mesh has no curved edges: structured or curved, not both")
+    incline = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
+    if abs(incline) * (width / 2 + abs(overhang)) >= height:
+        raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
+    sides = _Sides(h_slave, h_master, overhang, aligned, curved, width, height, incline)
+    if structured:
+        mesh = _StructuredMesh(sides, quads, scale, angle)
+    else:
+        mesh = GenerateMesh(
+            [_Shape(side, curved) for side in sides],
+            order=order or (2 if curved else 1),
+            scale=scale,
+            angle=angle,
+            maxh=max(h_slave, h_master),
+            quad_dominated=quads,
+        )
+    CheckNonMatching(mesh)
+    return mesh
+
+
+def _Sides(h_slave, h_master, overhang, aligned, curved, width, height, slope):
+    """Divide the contact edges: first the slave's, then the master's between its nodes."""
+    cuts = (0.3729 * width, 0.5817 * width) if curved else (None, None)
+    pieces = _Pieces("slave", -overhang, width, aligned, cuts[0])
+    ends = [0.0, width]  # of the master, should it be the narrower one
+    pieces = [(n, a, b, NonMatchingDivisions(ends, a, b, h_slave)) for n, a, b in pieces]
+    upper = _Block("upper", h_slave, pieces, height, slope, width / 2)
+    nodes = upper.Nodes()
+    pieces = _Pieces("master", overhang, width, aligned, cuts[1])
+    pieces = [(n, a, b, NonMatchingDivisions(nodes, a, b, h_master)) for n, a, b in pieces]
+    return upper, _Block("lower", h_master, pieces, -height, slope, width / 2)
+
+
+def _Pieces(name, wider, width, aligned, cut):
+    """Split a contact edge at the ends of the other block and at the curved cut."""
+    wider = max(wider, 0.0)
+    if wider and aligned:
+        pieces = [
+            (f"{name}_left", -wider, 0.0),
+            (name, 0.0, width),
+            (f"{name}_right", width, width + wider),
+        ]
+    else:
+        pieces = [(name, -wider, width + wider)]
+    if cut is None:
+        return pieces
+    i = [p[0] for p in pieces].index(name)
+    _, a, b = pieces[i]
+    return [*pieces[:i], (name, a, cut), (name, cut, b), *pieces[i + 1 :]]
+
+
+# ---------------------------------------------------------------- unstructured
+
+
+def _Shape(side, curved):
+    """The body as an OCC face, or as two faces glued along an arc."""
+    if not curved:
+        return Body(_Outline(side, side.pieces, None, None), side.name)
+    cut = next(i for i, p in enumerate(side.pieces) if i and side.pieces[i - 1][0] == p[0])
+    x = side.pieces[cut][1]
+    width = side.pieces[-1][2] - side.pieces[0][1]
+    y0, y1 = side.Height(x), side.end
+    middle = Pnt(x + 0.1 * width, 0.45 * y0 + 0.55 * y1, 0)
+    arc = Side(ArcOfCircle(Pnt(x, y0, 0), middle, Pnt(x, y1, 0)), "arc")
+    left = _Outline(side, side.pieces[:cut], None, arc)
+    right = _Outline(side, side.pieces[cut:], arc, None)
+    shape = Glue([Body(left, side.name), Body(right, side.name)])
+    Label(shape, left + right)
+    return shape
+
+
+def _Outline(side, pieces, left, right):
+    """The edges around some pieces of the contact edge; `left`, `right` replace a side."""
+
+    def Line(x0, y0, x1, y1, name, count):
+        return Side(Segment(Pnt(x0, y0, 0), Pnt(x1, y1, 0)), name, count)
+
+    def Upright(x, where):
+        y = side.Height(x)
+        return Line(x, y, x, side.end, f"{where}_{side.name}", Divisions(abs(side.end - y), side.h))
+
+    x0, x1 = pieces[0][1], pieces[-1][2]
+    contact = [Line(a, side.Height(a), b, side.Height(b), name, n) for name, a, b, n in pieces]
+    far = Line(x1, side.end, x0, side.end, side.top, Divisions(x1 - x0, side.h))
+    return [*contact, right or Upright(x1, "right"), far, left or Upright(x0, "left")]
+
+
+# ---------------------------------------------------------------- structured
+
+
+def _StructuredMesh(sides, quads, scale, angle):
+    """A grid in each block."""
+    ngmesh = NetgenMesh(dim=2)
+    for side in sides:
+        _AddGrid(ngmesh, side, quads)
+    ngmesh.Compress()
+    MovePoints(ngmesh, scale, angle)
+    return Mesh(ngmesh)
+
+
+def _AddGrid(ngmesh, side, quads):
+    """Add the points, cells and boundary edges of one block."""
+    xs = side.Nodes()
+    rows = Divisions(abs(side.end), side.h)
+    domain = ngmesh.AddRegion(side.name, dim=2)
+    node = np.empty((rows + 1, len(xs)), dtype=object)
+    for i, j in np.ndindex(node.shape):
+        y = side.Height(xs[j]) + i / rows * (side.end - side.Height(xs[j]))
+        node[i, j] = ngmesh.Add(MeshPoint(MeshPnt(xs[j], y, 0)))
+    flip = -1 if side.end < 0 else 1  # the lower grid is numbered downwards
+    for i, j in np.ndindex(rows, len(xs) - 1):
+        a, b, c, d = node[i, j], node[i, j + 1], node[i + 1, j + 1], node[i + 1, j]
+        for cell in [[a, b, c, d]] if quads else [[a, b, c], [a, c, d]]:
+            ngmesh.Add(Element2D(domain, cell[::flip]))
+    _AddEdges(ngmesh, side, node)
+
+
+def _AddEdges(ngmesh, side, node):
+    """Add the boundary edges of a grid, the body on their left."""
+    names = [name for name, _, _, n in side.pieces for _ in range(n)]
+    chains = [
+        (node[0], names),
+        (node[:, -1], [f"right_{side.name}"] * (len(node) - 1)),
+        (node[-1][::-1], [side.top] * len(names)),
+        (node[::-1, 0], [f"left_{side.name}"] * (len(node) - 1)),
+    ]
+    index = {}
+    for points, labels in chains:
+        for a, b, label in zip(points, points[1:], labels, strict=False):
+            if label not in index:
+                index[label] = ngmesh.AddRegion(label, dim=1)
+            ends = [a, b] if side.end > 0 else [b, a]
+            ngmesh.Add(Element1D(ends, index=index[label]))

@@ -1,0 +1,351 @@
+"""The mesh of the Hertz problem, nodal forces, and what all contact meshes share.
+
+The bodies are separate: they share no node, and their contact edges are divided so that no
+node of one side faces a node of the other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from netgen.occ import (
+    ArcOfCircle,
+    Axis,
+    Compound,
+    Edge,
+    Face,
+    OCCGeometry,
+    Pnt,
+    Segment,
+    Wire,
+    Z,
+)
+from ngsolve import BBND, CF, InnerProduct, LinearForm, Mesh, SymbolicLFI
+
+__all__ = ["CheckNonMatching", "HertzMesh", "PointForce"]
+
+
+# ---------------------------------------------------------------- what all meshes share
+
+
+def CheckPositive(**values):
+    """Raise a ``ValueError`` that names the first value which is not positive and finite."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"{name} must be positive, but is {value}")
+
+
+def Divisions(length, h):
+    """Return the number of edges of size about ``h`` on ``length`` (at least one)."""
+    return max(1, round(length / h))
+
+
+def NonMatchingDivisions(slave, start, end, h, *, tol=1e-3):
+    """Return a number of master edges of size about ``h`` whose nodes avoid the slave nodes.
+
+    Parameters
+    ----------
+    slave : array_like
+        Positions of the slave nodes along the interface.
+    start, end : float
+        The master edge; its two end nodes may coincide with slave nodes.
+    h : float
+        Wanted size. The smallest number of divisions from ``(end - start) / h`` on that
+        keeps the distance ``tol`` times the master size from every slave node is taken.
+    """
+    first = Divisions(end - start, h)
+    for count in range(first, 2 * first + 3):
+        inner = np.linspace(start, end, count + 1)[1:-1]
+        gap = np.abs(inner[:, None] - np.asarray(slave)[None, :])
+        if gap.size == 0 or gap.min() > tol * (end - start) / count:
+            return count
+    raise ValueError(f"no division of the master edge near h = {h} avoids the slave nodes")
+
+
+@dataclass(frozen=True)
+class Side:
+    """An edge of a body with its name and, where prescribed, its number of equal parts."""
+
+    edge: Edge
+    name: str
+    count: int | None = None
+
+
+def Body(sides, name):
+    """Return the face enclosed by ``sides`` (counter-clockwise) as the body ``name``."""
+    face = Face(Wire([side.edge for side in sides]))
+    face.name = name
+    Label(face, sides)
+    return face
+
+
+def Label(shape, sides):
+    """Name and divide the edges of a shape, which OCC has copied from those of ``sides``."""
+    for edge in shape.edges:
+        side = min(sides, key=lambda side: _Distance(side.edge.center, edge.center))
+        edge.name = side.name
+        if side.count is not None:
+            edge.partition = [k / side.count for k in range(1, side.count)]
+            edge.maxh = edge.mass / side.count
+
+
+def _Distance(p, q):
+    return math.hypot(p.x - q.x, p.y - q.y)
+
+
+def GenerateMesh(shapes, *, order=1, scale=1.0, angle=0.0, **options):
+    """Mesh bodies, then scale and rotate the result.
+
+    The mesh is always generated in the original frame. For another ``scale`` or ``angle`` its
+    points are moved, and the geometry is replaced by the transformed shape, on which `Curve`
+    projects. Numbering and connectivity are therefore the same for all of them.
+
+    Parameters
+    ----------
+    shapes : list of netgen.occ.Face
+        The bodies.
+    order : int
+        Order of the curved geometry.
+    scale : float
+        Factor for the coordinates.
+    angle : float
+        Rotation about the origin, in degrees.
+    **options
+        Handed on to ``OCCGeometry.GenerateMesh``.
+    """
+    shape = Compound(shapes)
+    ngmesh = OCCGeometry(shape, dim=2).GenerateMesh(minedgelen=None, **options)
+    if scale != 1.0 or angle != 0.0:
+        MovePoints(ngmesh, scale, angle)
+        shape = shape.Scale(Pnt(0, 0, 0), scale).Rotate(Axis(Pnt(0, 0, 0), Z), angle)
+        ngmesh.SetGeometry(OCCGeometry(shape, dim=2))
+    mesh = Mesh(ngmesh)
+    mesh.Curve(order)
+    return mesh
+
+
+def MovePoints(ngmesh, scale, angle):
+    """Scale and rotate (degrees, about the origin) the points of a netgen mesh in place."""
+    c, s = scale * math.cos(math.radians(angle)), scale * math.sin(math.radians(angle))
+    for point in ngmesh.Points():
+        x, y, _ = point.p
+        point[0], point[1] = c * x - s * y, s * x + c * y
+
+
+def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4):
+    """Raise if a slave node faces a master node; return the smallest relative distance.
+
+    Distances are measured along the master side (which has to be straight) in units of its
+    mean edge length. Nodes at the ends of both sides, such as common corners, may coincide.
+
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+        Mesh of two separate bodies in 2D.
+    slave, master : str
+        Patterns of the two contact boundaries.
+    tol : float
+        Smallest allowed relative distance.
+
+    Returns
+    -------
+    float
+        The smallest distance of a slave node from the master nodes, relative to their spacing.
+    """
+    (s, s_end), (m, m_end) = (_BoundaryNodes(mesh, name) for name in (slave, master))
+    centre = m.mean(axis=0)
+    direction = np.linalg.svd(m - centre)[2][0]
+    xs, xm = (s - centre) @ direction, (m - centre) @ direction
+    size = np.ptp(xm) / (len(xm) - 1)
+    distance = np.abs(xs[:, None] - xm[None, :]) / size
+    distance[np.ix_(s_end, m_end)] = np.inf
+    smallest = distance.min()
+    if smallest < tol:
+        at = s[np.unravel_index(distance.argmin(), distance.shape)[0]]
+        raise ValueError(
+            f"the contact meshes match: slave node ({at[0]:g}, {at[1]:g}) faces a master node"
+        )
+    return float(smallest)
+
+
+def _BoundaryNodes(mesh, pattern):
+    """Return the vertex coordinates of a boundary, and which of them are end points."""
+    touched = [v.nr for el in mesh.Boundaries(pattern).Elements() for v in el.vertices]
+    if not touched:
+        raise ValueError(f"the mesh has no boundary {pattern!r}")
+    numbers, counts = np.unique(touched, return_counts=True)
+    points = np.array([mesh.vertices[int(nr)].point for nr in numbers])
+    return points, counts == 1
+
+
+def PointForce(space, force, *, vertex="load", component=None):
+    """Return the load vector of a force at a named vertex.
+
+    Parameters
+    ----------
+    space : ngsolve.FESpace
+        Displacement space (`VectorH1` or another vector-valued H1 space of any order), or a
+        product space that contains it.
+    force : sequence of float
+        Force (2D: force per unit of thickness).
+    vertex : str
+        Name of the vertex.
+    component : int, optional
+        Number of the displacement in a product space; without it, `space` is the
+        displacement space itself.
+
+    Returns
+    -------
+    ngsolve.BaseVector
+        The vector of the linear form v -> force . v(vertex) on `space`.
+
+    Notes
+    -----
+    In a form the same force reads
+    ``-load * InnerProduct(CF(force), v) * ds(definedon=mesh.BBoundaries("load"))``.
+    """
+    region = space.mesh.BBoundaries(vertex)
+    if not any(region.Mask()):
+        raise ValueError(f"the mesh has no vertex named {vertex!r}")
+    v = space.TestFunction()
+    v = v if component is None else v[component]
+    form = LinearForm(space)
+    form += SymbolicLFI(InnerProduct(CF(tuple(force)), v), BBND, definedon=region)
+    return form.Assemble().vec
+
+
+# ---------------------------------------------------------------- cylinder on block
+
+
+def HertzMesh(
+    h,
+    *,
+    radius=50.0,
+    width=100.0,
+    height=200.0,
+    ratio=0.73,
+    order=2,
+    half=True,
+    zone=None,
+    grading=None,
+    scale=1.0,
+    angle=0.0,
+):
+    """Mesh of a cylinder on a block, fine and non-matching in the contact zone.
+
+    The lowest point of the cylinder touches the block at the origin. Bodies (materials) are
+    "cylinder" and "block". Boundaries: "slave" and "master" (contact), "arc" (rest of the
+    cylinder), "top" (rest of the block's top), "bottom", "side", and "sym" (line x = 0, only
+    in the half model). Vertices: "load" (top of the cylinder), "foot" (its lowest point).
+
+    Parameters
+    ----------
+    h : float
+        Edge length on the slave side; on the master side it is about ``ratio * h``.
+    radius, width, height : float
+        Radius of the cylinder, half width and height of the block.
+    ratio : float
+        Master size over slave size.
+    order : int
+        Order of the curved geometry.
+    half : bool
+        Half model (x >= 0) or the full one.
+    zone : float, optional
+        Length of the slave arc on each side of the origin, by default ``0.3 * radius``. The
+        master edge is a fifteenth longer.
+    grading : float, optional
+        Growth of the element size away from the contact zone (netgen's ``grading``). By
+        default it decreases slowly with `h`, so that the whole mesh is refined.
+    scale : float
+        Factor for all coordinates, e.g. ``1e-3`` for metres in place of millimetres.
+    angle : float
+        Rotation about the origin, in degrees. The mesh topology depends on neither.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching` has passed.
+    """
+    CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
+    size = radius / _RADIUS  # meshed with this radius: netgen has absolute lengths inside
+    h, width, height = h / size, width / size, height / size
+    zone = 0.3 * _RADIUS if zone is None else zone / size
+    CheckPositive(zone=zone)
+    if not (zone * 16 / 15 < width and zone < 1.5 * _RADIUS):
+        raise ValueError("zone is too long for the cylinder or the block")
+    grading = min(0.12 * math.sqrt(2 * h), 0.3) if grading is None else grading
+    ns, nm = _HertzDivisions(h, ratio, zone, half)
+    mesh = GenerateMesh(
+        [_Cylinder(zone, ns, half), _Block(width, height, zone * 16 / 15, nm, half)],
+        order=order,
+        scale=scale * size,
+        angle=angle,
+        maxh=_RADIUS / 5,
+        grading=grading,
+    )
+    CheckNonMatching(mesh)
+    return mesh
+
+
+_RADIUS = 50.0
+
+
+def _HertzDivisions(h, ratio, zone, half):
+    """Return the numbers of slave edges (per side) and of master edges (in all)."""
+    ns = Divisions(zone, h)
+    slave = _RADIUS * np.sin(np.linspace(-zone, zone, 2 * ns + 1) / _RADIUS)
+    end = zone * 16 / 15
+    if half:
+        return ns, NonMatchingDivisions(slave[ns:], 0, end, ratio * zone / ns)
+    return ns, NonMatchingDivisions(slave, -end, end, ratio * zone / ns)
+
+
+def _Cylinder(zone, ns, half):
+    """The (half) disc; the slave arc begins at the origin."""
+    side = _CylinderArcs(zone, ns, +1)
+    top, foot = Pnt(0, 2 * _RADIUS, 0), Pnt(0, 0, 0)
+    if half:
+        edges = [*side, Side(Segment(top, foot), "sym")]
+    else:
+        edges = [*side, *reversed(_CylinderArcs(zone, ns, -1))]
+    face = Body(edges, "cylinder")
+    for vertex in face.vertices:
+        if abs(vertex.p.x) < 1e-6 * _RADIUS:
+            vertex.name = "foot" if vertex.p.y < _RADIUS else "load"
+    return face
+
+
+def _CylinderArcs(zone, ns, side):
+    """Arcs from the lowest to the highest point on one side (+1 right, -1 left)."""
+    angles = [0, zone / _RADIUS, (zone / _RADIUS + math.pi) / 2, math.pi]
+
+    def Point(t):
+        return Pnt(side * _RADIUS * math.sin(t), _RADIUS * (1 - math.cos(t)), 0)
+
+    arcs = []
+    for i, (a, b) in enumerate(pairwise(angles)):
+        ends = (a, b) if side > 0 else (b, a)
+        arc = ArcOfCircle(Point(ends[0]), Point((a + b) / 2), Point(ends[1]))
+        arcs.append(Side(arc, "arc") if i else Side(arc, "slave", ns))
+    return arcs
+
+
+def _Block(width, height, end, nm, half):
+    """The block below y = 0, its master edge from the symmetry line (or -end) to end."""
+    left = 0 if half else -width
+    points = [Pnt(left, -height, 0), Pnt(width, -height, 0), Pnt(width, 0, 0), Pnt(end, 0, 0)]
+    names = ["bottom", "side", "top", "master"]
+    if half:
+        points += [Pnt(0, 0, 0)]
+        names += ["sym"]
+    else:
+        points += [Pnt(-end, 0, 0), Pnt(left, 0, 0)]
+        names += ["top", "side"]
+    edges = [
+        Side(Segment(p, q), name, nm if name == "master" else None)
+        for p, q, name in zip(points, [*points[1:], points[0]], names, strict=True)
+    ]
+    return Body(edges, "block")

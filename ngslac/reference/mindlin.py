@@ -1,0 +1,172 @@
+"""Partial slip under a tangential load at constant normal load (Cattaneo, Mindlin)."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from ._checks import finite, nonnegative, points
+from ._means import semi_ellipse, semi_ellipse_mean
+from .hertz import HertzLine
+
+__all__ = ["CattaneoMindlin", "MindlinReversal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CattaneoMindlin:
+    """A Hertz line contact, loaded tangentially after the normal load is complete.
+
+    The contact sticks for |x| < c and slips for c < |x| < a, with c = a sqrt(1 - |Q|/(F P)) and
+
+        tau(x) = sign(Q) F p0 (sqrt(1 - x^2/a^2) - (c/a) sqrt(1 - x^2/c^2)),
+
+    where each root counts as zero where its argument is negative. Valid where tangential tractions
+    leave the pressure alone, that is for `hertz.beta == 0`, as with equal materials. Sources:
+    Cattaneo (1938); Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics (Cambridge,
+    1985), section 7.2.
+
+    Parameters
+    ----------
+    hertz : HertzLine
+        The normal contact; gives P, a, p0 and E*.
+    shear : float
+        Resultant Q, per length, of the tangential tractions on the slave; |Q| <= F P. It balances
+        the tangential load that is put on the slave body.
+    friction : float
+        Coefficient of friction F >= 0.
+
+    Examples
+    --------
+    >>> hertz = HertzLine(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> partial = CattaneoMindlin(hertz=hertz, shear=15, friction=0.2)
+    >>> print(f"{partial.ratio:.3f} {partial.Traction(0) / (0.2 * hertz.peak):.3f}")
+    0.500 0.500
+    """
+
+    hertz: HertzLine
+    shear: float
+    friction: float
+
+    def __post_init__(self):
+        finite("shear", self.shear)
+        nonnegative("friction", self.friction)
+        limit = self.friction * self.hertz.force
+        if abs(self.shear) > limit * (1.0 + 1e-12):
+            raise ValueError(
+                f"shear = {self.shear!r} is not valid: the bodies would slide, "
+                f"keep |shear| <= friction * hertz.force = {limit!r}"
+            )
+        if abs(self.hertz.beta) > 1e-12:
+            raise ValueError(
+                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
+                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
+            )
+
+    @property
+    def ratio(self):
+        """Stick ratio c/a, from 1 (no tangential load) to 0 (sliding)."""
+        if self.shear == 0:
+            return 1.0
+        return sqrt(max(0.0, 1.0 - abs(self.shear) / (self.friction * self.hertz.force)))
+
+    @property
+    def stick(self):
+        """Half width c of the stick zone."""
+        return self.ratio * self.hertz.halfwidth
+
+    @property
+    def _scale(self):
+        return np.sign(self.shear) * self.friction * self.hertz.peak
+
+    def Traction(self, x):
+        """Tangential traction on the slave at distance `x` from the middle."""
+        outer, inner = semi_ellipse(x, self.hertz.halfwidth), semi_ellipse(x, self.stick)
+        return self._scale * (outer - self.ratio * inner)
+
+    def MeanTraction(self, x0, x1):
+        """Exact average of the traction over each interval from `x0` to `x1`."""
+        outer = semi_ellipse_mean(x0, x1, self.hertz.halfwidth)
+        return self._scale * (outer - self.ratio * semi_ellipse_mean(x0, x1, self.stick))
+
+    def Slip(self, x):
+        """Tangential slip of the slave against the master at `x` inside the contact.
+
+        The integral of the slip gradient sqrt(x^2 - c^2) 2 F p0 / (E* a) over the slip zone,
+        against the traction. For |Q| = F P the rigid sliding is left out. NaN for |x| > a, where
+        the surfaces do not touch.
+        """
+        x, c, a = points("x", x), self.stick, self.hertz.halfwidth
+        distance = np.maximum(np.abs(x), c)
+        area = distance * np.sqrt(distance**2 - c**2)
+        if c > 0:
+            area = area - c**2 * np.arccosh(distance / c)
+        slip = -self._scale / (self.hertz.modulus * a) * area
+        return np.where(np.abs(x) <= a, slip, np.nan)[()]
+
+    def Reverse(self, shear):
+        """State after the tangential load has gone back from here to `shear`."""
+        return MindlinReversal(start=self, shear=shear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MindlinReversal:
+    """A Cattaneo-Mindlin contact whose tangential load is brought back, once and steadily.
+
+    From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edges of the
+    contact. The change is a Cattaneo-Mindlin state with twice the friction, so the state is that
+    of Q* less twice that of (Q* - Q)/2. At Q = 0 tractions remain, at Q = -Q* all is mirrored, and
+    the way back up closes a loop. Sources: Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953) 327;
+    Johnson, Contact Mechanics (Cambridge, 1985), section 7.4, here in plane strain.
+
+    Parameters
+    ----------
+    start : CattaneoMindlin
+        The state at the point of reversal.
+    shear : float
+        Present resultant Q of the tangential tractions on the slave, -|Q*| <= Q <= |Q*|.
+
+    Examples
+    --------
+    >>> hertz = HertzLine(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> unloaded = CattaneoMindlin(hertz=hertz, shear=15, friction=0.2).Reverse(0)
+    >>> print(f"{unloaded.Traction(0) > 0} {unloaded.Traction(0.95 * hertz.halfwidth) < 0}")
+    True True
+    """
+
+    start: CattaneoMindlin
+    shear: float
+
+    def __post_init__(self):
+        finite("shear", self.shear)
+        if abs(self.shear) > abs(self.start.shear):
+            raise ValueError(
+                f"shear = {self.shear!r} is not valid: keep |shear| <= |start.shear| = "
+                f"{abs(self.start.shear)!r}, beyond it use a CattaneoMindlin with this shear"
+            )
+
+    @property
+    def _change(self):
+        half = 0.5 * (self.start.shear - self.shear)
+        return CattaneoMindlin(hertz=self.start.hertz, shear=half, friction=self.start.friction)
+
+    @property
+    def ratio(self):
+        """Part b/a of the contact that has not slipped since the reversal."""
+        return self._change.ratio
+
+    @property
+    def stick(self):
+        """Half width b of that part."""
+        return self._change.stick
+
+    def Traction(self, x):
+        """Tangential traction on the slave at distance `x` from the middle."""
+        return self.start.Traction(x) - 2.0 * self._change.Traction(x)
+
+    def MeanTraction(self, x0, x1):
+        """Exact average of the traction over each interval from `x0` to `x1`."""
+        return self.start.MeanTraction(x0, x1) - 2.0 * self._change.MeanTraction(x0, x1)
+
+    def Slip(self, x):
+        """Slip of the slave against the master since the first loading; NaN for |x| > a."""
+        return self.start.Slip(x) - 2.0 * self._change.Slip(x)

@@ -1,0 +1,63 @@
+"""What to look at when a contact does not do what it should."""
+
+import numpy as np
+
+__all__ = ["ContactReport"]
+
+
+class ContactReport:
+    """Sizes and quality of a pairing; `print` it.
+
+    Attributes
+    ----------
+    nmacros, nsegments : int
+    area, paired_area : float
+        Slave area, and the part of it that faces the master.
+    unpaired, partial : (n,) int
+        Macro-elements without a partner, and those that face the master in part only.
+    min_gap, max_gap : float
+        Mean gaps of paired macro-elements; a negative one is an initial penetration.
+    penetrating : (n,) int
+        Macro-elements that penetrate by more than a thousandth of their size.
+    """
+
+    def __init__(self, contact):
+        table = contact.Table()
+        area, full = table["area"], table["fullarea"]
+        paired = area > 0
+        self.nmacros, self.nsegments = len(area), contact.form.nsegments
+        self.area, self.paired_area = float(full.sum()), float(area.sum())
+        self.unpaired = np.flatnonzero(~paired)
+        self.partial = np.flatnonzero(paired & (area < (1 - 1e-9) * full))
+        gaps = table["gap"][paired]
+        self.min_gap, self.max_gap = float(gaps.min()), float(gaps.max())
+        size = full ** (1 / (contact.mesh.dim - 1))
+        self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
+        self.macro_size = (float(size.min()), float(size.max()))
+        self.where = table["x"]
+
+    def _Some(self, macros):
+        return ", ".join(f"{m} at {tuple(self.where[m].round(6).tolist())}" for m in macros[:3])
+
+    def __str__(self):
+        lines = [
+            f"macro-elements   {self.nmacros}, size {self.macro_size[0]:.4g} to "
+            f"{self.macro_size[1]:.4g}; {self.nsegments} segments",
+            f"paired area      {self.paired_area:.6g} of {self.area:.6g} "
+            f"({100 * self.paired_area / self.area:.1f} %)",
+            f"gap              {self.min_gap:.4g} to {self.max_gap:.4g}",
+        ]
+        if len(self.unpaired):
+            lines.append(
+                f"without partner  {len(self.unpaired)} macro-elements: {self._Some(self.unpaired)}"
+            )
+        if len(self.partial):
+            lines.append(
+                f"overhanging      {len(self.partial)} macro-elements: {self._Some(self.partial)}"
+            )
+        if len(self.penetrating):
+            lines.append(
+                f"penetrating      {len(self.penetrating)} macro-elements, by up to "
+                f"{-self.min_gap:.4g}: {self._Some(self.penetrating)}"
+            )
+        return "\n".join(lines)

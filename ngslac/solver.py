@@ -1,0 +1,342 @@
+"""Generalised Newton method with active set for bulk plus contact."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from ngsolve import BitArray
+
+from ngslac._ngslac import EquilibrationScale
+from ngslac.bodies import Bodies
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.linear import LinearSolver, LinearSolveError
+
+__all__ = ["ContactSolver", "Iteration"]
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One line of the convergence table.
+
+    Attributes
+    ----------
+    number : int
+    equilibrium, constraint : float
+        Norms of the scaled residuals of both kinds of rows, relative to the forces at work.
+    open, stick, slip : int
+        Macro-elements of each status.
+    changed : int
+        Macro-elements whose status differs from the iteration before.
+    damping : float
+        Share of the Newton step that was taken to get here.
+    """
+
+    number: int
+    equilibrium: float
+    constraint: float
+    open: int
+    stick: int
+    slip: int
+    changed: int
+    damping: float
+
+    def __str__(self):
+        damping = "" if self.damping == 1 else f"  damped {self.damping:g}"
+        return (
+            f"  {self.number:3d}  equilibrium {self.equilibrium:8.2e}  "
+            f"constraint {self.constraint:8.2e}  open {self.open}  stick {self.stick}  "
+            f"slip {self.slip}  changed {self.changed}{damping}"
+        )
+
+
+@dataclass
+class State:
+    """Residual and status at one iterate."""
+
+    residual: np.ndarray
+    equilibrium: float
+    constraint: float
+    status: np.ndarray = field(repr=False)
+
+    @property
+    def merit(self):
+        return float(np.hypot(self.equilibrium, self.constraint))
+
+
+class ContactSolver:
+    """Solve bulk plus contact by a generalised Newton method.
+
+    The contact status of each macro-element follows from the projection in the contact form, so
+    that active set, friction and the bulk's nonlinearity converge in one loop, quadratically in the
+    end. What is solved is scaled to be independent of units, and each linear solve is checked.
+
+    Parameters
+    ----------
+    a : BilinearForm
+        The bulk, on the product space. May contain the loads, may be nonlinear, may condense.
+    gf : GridFunction
+        Solution, on the same space; start value, with Dirichlet values set.
+    contacts : LACContact or list of LACContact
+    rhs : LinearForm, BaseVector or callable returning a BaseVector, optional
+        Further loads (force units): the solution makes ``a.Apply(gf) - rhs`` + contact vanish.
+    freedofs : BitArray, optional
+        Default: the free dofs of the space.
+    inverse : str, optional
+        NGSolve sparse direct solver for unsymmetric matrices. Default: "pardiso" where MKL is
+        installed, else "umfpack". A result with a bad residual is recomputed by "umfpack".
+    initial : {"gap", "none"}
+        Which macro-elements start closed when a body is held by contact alone: those nearest to the
+        master, or none (then such a body is an error).
+
+    Attributes
+    ----------
+    history : list[Iteration]
+        Of the last `Solve`.
+
+    Examples
+    --------
+    >>> solver = ContactSolver(a, gf, contact)       # doctest: +SKIP
+    >>> solver.Solve(tol=1e-10)                      # doctest: +SKIP
+    """
+
+    def __init__(
+        self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, initial="gap"
+    ):
+        self.contacts = [*contacts] if isinstance(contacts, (list, tuple)) else [contacts]
+        if not self.contacts:
+            raise ValueError("ContactSolver needs at least one LACContact")
+        if initial not in ("gap", "none"):
+            raise ValueError(f"initial={initial!r} must be 'gap' or 'none'")
+        for contact in self.contacts:
+            if contact.form.fes != a.space or gf.space != a.space:
+                raise ValueError("a, gf and the contacts must live on the same product space")
+        if any(map(np.isnan, gf.vec.FV().NumPy())):
+            raise ValueError("the start value gf holds NaN")
+        self.a, self.gf, self.rhs, self.initial = a, gf, rhs, initial
+        self.linear = LinearSolver(self._FreeDofs(freedofs), inverse)
+        self.history = []
+        self._bodies = None
+        self._reference = 0.0
+
+    def _FreeDofs(self, freedofs):
+        space = self.a.space
+        free = freedofs or space.FreeDofs(self.a.condense)
+        if space.dim == 1:
+            return free
+        scalars = BitArray(len(free) * space.dim)
+        for i in range(len(scalars)):
+            scalars[i] = free[i // space.dim]
+        return scalars
+
+    # --- the loop ------------------------------------------------------------------------------
+
+    def Solve(self, *, maxit=30, tol=1e-10, printing=True, callback=None):
+        """Iterate until both relative residuals are below `tol`; returns the last `Iteration`.
+
+        Parameters
+        ----------
+        maxit : int
+            Largest number of linear solves.
+        tol : float
+            For the equilibrium and the constraint residual, relative and free of units.
+        printing : bool
+            One line per iteration.
+        callback : callable, optional
+            Called with each `Iteration`.
+
+        Raises
+        ------
+        ContactConvergenceError
+            Not converged; `gf` is as before the call. FloatingBodyError: a body is held by nothing.
+        """
+        if maxit < 1 or not tol > 0:
+            raise ValueError(f"maxit = {maxit} must be at least 1 and tol = {tol} positive")
+        start = self.gf.vec.CreateVector()
+        start.data = self.gf.vec
+        try:
+            return self._Iterate(maxit, tol, printing, callback)
+        except (ContactConvergenceError, LinearSolveError) as error:
+            self.gf.vec.data = start
+            for contact in self.contacts:
+                contact.Evaluate(self.gf)
+            if isinstance(error, LinearSolveError):
+                raise ContactConvergenceError(self._Diagnose(error), self.history) from error
+            raise
+
+    def _Iterate(self, maxit, tol, printing, callback):
+        self.history = []
+        self._Assemble()
+        self._CloseWhatFloats()
+        state = self._State()
+        seen, damped, damping = {}, False, 1.0
+        for number in range(maxit + 1):
+            self._Record(number, state, damping, printing, callback)
+            if state.equilibrium < tol and state.constraint < tol:
+                self._reference = max(self._forces, self._reference)
+                return self.history[-1]
+            if number == maxit:
+                break
+            # The same status again without convergence: the iteration cycles.
+            damped = damped or number - seen.get(state.status.tobytes(), number) > 1
+            seen[state.status.tobytes()] = number
+            if number:
+                self._Assemble()
+            state, damping = self._Step(state, damped)
+        raise ContactConvergenceError(
+            f"no convergence in {maxit} iterations: equilibrium {state.equilibrium:.2e}, "
+            f"constraint {state.constraint:.2e}"
+            + (", the contact status cycles" if damped else "")
+            + "; take smaller steps",
+            self.history,
+        )
+
+    def _Record(self, number, state, damping, printing, callback):
+        counts = np.bincount(state.status, minlength=3)
+        before = self._status if number else state.status
+        self._status = state.status
+        entry = Iteration(
+            number,
+            state.equilibrium,
+            state.constraint,
+            *map(int, counts),
+            int(np.sum(before != state.status)),
+            damping,
+        )
+        self.history.append(entry)
+        if printing:
+            print(entry)
+        if callback:
+            callback(entry)
+
+    # --- one iteration -------------------------------------------------------------------------
+
+    def _Assemble(self):
+        self.a.AssembleLinearization(self.gf.vec)
+        for contact in self.contacts:
+            fresh = not contact.form.paired
+            contact.Prepare(self.a.mat)
+            if fresh:
+                contact.Commit(self.gf)
+        forms = [contact.form for contact in self.contacts]
+        self.scale = EquilibrationScale(self.a.mat, forms)
+
+    def _State(self):
+        residual = self.gf.vec.CreateVector()
+        contact_residual = self.gf.vec.CreateVector()
+        self.a.Apply(self.gf.vec, residual)
+        load = self._Load()
+        contact_residual[:] = 0
+        for contact in self.contacts:
+            contact.AddApply(self.gf.vec, contact_residual)
+            contact.Evaluate(self.gf)
+        values = residual.FV().NumPy() + contact_residual.FV().NumPy()
+        # Forces at work: reactions, contact forces and loads all count.
+        rows = self._ConstraintRows()
+        forces = [residual.FV().NumPy(), contact_residual.FV().NumPy()]
+        if load is not None:
+            values -= load.FV().NumPy()
+            forces.append(load.FV().NumPy())
+        self._forces = max(float(np.linalg.norm((self.scale * f)[~rows])) for f in forces)
+        scaled = self.scale * values * self.linear.free
+        if not np.all(np.isfinite(scaled)):
+            raise ContactConvergenceError("the residual holds NaN or infinite values", self.history)
+        reference = max(self._forces, self._reference) or 1.0
+        return State(
+            residual=values,
+            equilibrium=float(np.linalg.norm(scaled[~rows])) / reference,
+            constraint=float(np.linalg.norm(scaled[rows])) / reference,
+            status=np.concatenate([c.Table()["status"] for c in self.contacts]),
+        )
+
+    def _ConstraintRows(self):
+        rows = np.zeros(len(self.scale), dtype=bool)
+        for contact in self.contacts:
+            rows[contact.form.MultiplierDofs()] = True
+        return rows
+
+    def _Load(self):
+        if self.rhs is None:
+            return None
+        load = self.rhs() if callable(self.rhs) else self.rhs
+        if hasattr(load, "Evaluate"):  # an expression such as 2 * vector
+            load = load.Evaluate()
+        return getattr(load, "vec", load)
+
+    def _Step(self, state, damped):
+        for contact in self.contacts:
+            contact.AssembleLinearization(self.gf.vec)
+        correction = self._Correction(state)
+        start = self.gf.vec.CreateVector()
+        start.data = self.gf.vec
+        best = None
+        for damping in (1.0, 0.5, 0.25, 0.125) if damped else (1.0,):
+            self.gf.vec.data = start
+            self.gf.vec.FV().NumPy()[:] -= damping * correction
+            trial = self._State()
+            if best is None or trial.merit < best[0].merit:
+                best = trial, damping
+        self.gf.vec.data = start
+        self.gf.vec.FV().NumPy()[:] -= best[1] * correction
+        if self._CloseWhatFloats():
+            return self._State(), best[1]
+        return best
+
+    def _Correction(self, state):
+        a = self.a
+        residual = self.gf.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.residual
+        if a.condense:
+            residual.data += a.harmonic_extension_trans * residual
+        forms = [contact.form for contact in self.contacts]
+        correction = self.gf.vec.CreateVector()
+        correction.FV().NumPy()[:] = self.linear.Solve(
+            a.mat, forms, self.scale, residual.FV().NumPy()
+        )
+        if a.condense:
+            correction.data += a.harmonic_extension * correction
+            correction.data += a.inner_solve * residual
+        return correction.FV().NumPy().copy()
+
+    # --- bodies that nothing holds -------------------------------------------------------------
+
+    def _CloseWhatFloats(self):
+        """Close the nearest macro-elements where a body is held by open contact; True if so."""
+        for contact in self.contacts:
+            contact.Evaluate(self.gf)
+        if all(np.any(contact.Table()["status"]) for contact in self.contacts):
+            return False
+        if self._bodies is None:
+            self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
+        if not self._bodies.Floating(self.contacts):
+            return False
+        if self.initial == "gap":
+            for contact in self.contacts:
+                contact.form.Close(NearestMacros(contact), self.gf.vec)
+                contact.Evaluate(self.gf)
+        if floating := self._bodies.Floating(self.contacts):
+            raise FloatingBodyError(FloatingMessage(floating), self.history)
+        return True
+
+    def _Diagnose(self, error):
+        bodies = self._bodies or Bodies(self.a.mat, self.contacts[0], self.linear.free)
+        floating = bodies.Floating(self.contacts)
+        return FloatingMessage(floating) if floating else str(error)
+
+
+def NearestMacros(contact):
+    """Macro-elements whose gap exceeds the smallest one by less than a twentieth of their size."""
+    table = contact.Table()
+    paired = table["area"] > 0
+    size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+    near = paired & (table["gap"] <= table["gap"][paired].min() + 0.05 * size)
+    bits = BitArray(len(near))
+    for i, value in enumerate(near):
+        bits[i] = bool(value)
+    return bits
+
+
+def FloatingMessage(floating):
+    return (
+        "; ".join(floating)
+        + ": no Dirichlet condition and no active contact holds it. Constrain it, start in contact, "
+        "or prescribe a displacement in place of a force"
+    )

@@ -1,0 +1,171 @@
+"""Spence's self-similar partial slip under a growing normal load."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipk, ellipkm1
+
+from ngslac.reference import SpenceLine, StickZone
+
+
+@pytest.fixture
+def spence(seed):
+    return SpenceLine(hertz=seed, friction=0.2)
+
+
+def cuts(spence):
+    a, c = spence.hertz.halfwidth, spence.stick
+    return [-a, -c, 0.0, c, a]
+
+
+@pytest.mark.parametrize(
+    ("beta", "friction", "ratio"),
+    [
+        (-1 / 7, 0.1, 0.4058),
+        (-1 / 7, 0.2, 0.9063),
+        (-1 / 7, 0.3, 0.9891),
+        (0.2857, 0.2, 0.4058),
+        (1 / 7, 0.2, 0.9063),
+    ],
+)
+def test_published_stick_ratios(beta, friction, ratio):
+    assert StickZone(beta=beta, friction=friction).ratio == pytest.approx(ratio, abs=5e-5)
+
+
+@pytest.mark.parametrize("quotient", [0.3, 0.6, 0.999, 1.0, 1.001, 1.7, 3.0])
+def test_stick_ratio_solves_the_equation_of_elliptic_integrals(quotient):
+    """A bracketed root of K(k)/K(sqrt(1-k^2)) = F/|beta|; scipy takes the square of k."""
+
+    def residual(logit):
+        m = 1 / (1 + np.exp(-logit))
+        return ellipk(m) / ellipkm1(m) - quotient
+
+    logit = brentq(residual, -40, 30, xtol=1e-13)
+    expected = np.sqrt(1 / (1 + np.exp(-logit)))
+    assert StickZone(beta=0.2, friction=0.2 * quotient).ratio == pytest.approx(expected, rel=1e-11)
+
+
+def test_stick_ratio_grows_with_friction_over_its_whole_range():
+    frictions = np.geomspace(1e-3, 10, 60)
+    ratios = np.array([StickZone(beta=0.1, friction=f).ratio for f in frictions])
+    assert (np.diff(ratios) >= 0).all()
+    assert (np.diff(ratios[(ratios > 1e-100) & (ratios < 1 - 1e-12)]) > 0).all()
+    assert ratios[0] < 1e-60
+    assert ratios[-1] == 1
+
+
+def test_traction_ratio_against_independent_numbers():
+    """Numbers of a numerical superposition of punches, good to 3e-3 (they lie below)."""
+    t = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95]
+    numbers = [0.186, 0.310, 0.413, 0.506, 0.595, 0.684, 0.778, 0.884, 0.942, 0.996, 1.0]
+    mobilised = StickZone(beta=1 / 7, friction=0.2).HertzFriction(t) / 0.2
+    np.testing.assert_allclose(mobilised, numbers, atol=3e-3)
+
+
+@pytest.mark.parametrize("friction", [0.06, 0.2, 0.45])
+def test_hertz_sums_up_the_punches(integral, friction):
+    """With dp = s ds/sqrt(s^2 - x^2), v = sqrt(s^2 - x^2): the average of the punch over v."""
+    zone = StickZone(beta=1 / 7, friction=friction)
+    for t in (0.02, 0.3, 0.7, 0.99):
+        width = np.sqrt(1 - t**2)
+        kink = min(t * np.sqrt(1 / zone.ratio**2 - 1), width)
+        total = integral(lambda v, t=t: zone.PunchFriction(t / np.hypot(t, v)), 0, width, [kink])
+        assert zone.HertzFriction(t) == pytest.approx(total / width, rel=1e-9)
+
+
+@pytest.mark.parametrize("beta", [-1 / 7, 1 / 7])
+def test_punch_increment_solves_the_singular_integral_equation(hilbert, beta):
+    """beta dp + H(dq) vanishes in stick; its sign in slip is that of slip against friction."""
+    zone = StickZone(beta=beta, friction=0.2)
+    k = zone.ratio
+
+    def traction(t):
+        return zone.PunchFriction(t) / np.sqrt(1 - t * t)
+
+    def residual(t):
+        return beta / np.sqrt(1 - t * t) + hilbert(traction, t, [-1, -k, 0, k, 1])
+
+    for t in (-0.6, 0.05, 0.4, 0.88):
+        assert abs(residual(t)) < 1e-8
+    for t in (0.93, 0.97):
+        assert beta * residual(t) > 1e-3
+
+
+def test_increment_of_the_hertz_traction_does_not_slip_in_stick(spence, hilbert):
+    """The same equation for the difference of two states, with no use of the punch."""
+    hertz = spence.hertz
+    more = SpenceLine(hertz=replace(hertz, force=hertz.force * 1.0002), friction=0.2)
+    less = SpenceLine(hertz=replace(hertz, force=hertz.force * 0.9998), friction=0.2)
+    scale = hertz.beta * (more.hertz.peak - less.hertz.peak)
+    for x in (0.2 * spence.stick, 0.6 * spence.stick, 0.95 * spence.stick):
+        strain = [
+            hertz.beta * s.hertz.Pressure(x) + hilbert(s.Traction, x, cuts(s)) for s in (more, less)
+        ]
+        assert abs(strain[0] - strain[1]) < 1e-4 * abs(scale)
+
+
+def test_frozen_slip_is_the_same_for_all_points_in_stick(spence, hilbert):
+    """Points stuck since they left the slip zone: strain mismatch in proportion to |x|."""
+    hertz = spence.hertz
+    slopes = [
+        (hertz.beta * hertz.Pressure(x) + hilbert(spence.Traction, x, cuts(spence))) / x
+        for x in np.array([0.05, 0.3, 0.6, 0.9]) * hertz.halfwidth
+    ]
+    np.testing.assert_allclose(slopes, slopes[0], rtol=1e-7)
+
+
+def test_traction_direction_and_coulomb_law(spence):
+    a, c = spence.hertz.halfwidth, spence.stick
+    x = np.linspace(0.01 * a, 1.3 * a, 301)
+    traction, limit = spence.Traction(x), 0.2 * spence.hertz.Pressure(x)
+    np.testing.assert_array_equal(spence.Traction(-x), -traction)
+    assert spence.hertz.beta < 0
+    assert (traction[x < a] < 0).all()  # stiffer slave: friction pulls it inwards
+    np.testing.assert_allclose(traction[x > c], -limit[x > c], rtol=1e-14)
+    assert (np.abs(traction[x < 0.99 * c]) < limit[x < 0.99 * c]).all()
+    assert spence.Traction(0.0) == 0
+    below, above = spence.Traction(c * (1 - 1e-12)), spence.Traction(c * (1 + 1e-12))
+    assert below == pytest.approx(above, rel=1e-5)
+
+
+def test_exchange_of_slave_and_master_changes_the_sign(spence):
+    h = spence.hertz
+    swapped = replace(h, young1=h.young2, nu1=h.nu2, young2=h.young1, nu2=h.nu1)
+    x = np.linspace(-5, 5, 11)
+    other = SpenceLine(hertz=swapped, friction=0.2).Traction(x)
+    np.testing.assert_allclose(other, -spence.Traction(x), rtol=1e-12)
+
+
+def test_mean_traction_is_the_average(spence, integral):
+    a, c = spence.hertz.halfwidth, spence.stick
+    x0 = np.array([-1.2 * a, -0.02, 0.0, 0.9 * c, 1.1 * c, 1.1 * a, 2.0])
+    x1 = np.array([-0.8 * a, 0.05, 0.3, 0.99 * a, 1.2 * a, 1.2 * a, 1.0])
+    for left, right, mean in zip(x0, x1, spence.MeanTraction(x0, x1), strict=True):
+        low, high = min(left, right), max(left, right)
+        exact = integral(spence.Traction, low, high, cuts(spence)) / (high - low)
+        assert mean == pytest.approx(exact, rel=1e-9, abs=1e-9)
+    assert spence.MeanTraction(-a, a) == pytest.approx(0, abs=1e-10 * spence.hertz.peak)
+
+
+@pytest.mark.parametrize("friction", [5.0, 50.0, 1e4])
+def test_without_slip_the_punch_is_that_of_goodman(friction):
+    """q = (beta/pi) p ln((1 + t)/(1 - t)) when friction never gives way."""
+    t = np.array([0.0, 0.1, 0.5, 0.9])
+    values = StickZone(beta=0.1, friction=friction).PunchFriction(t)
+    np.testing.assert_allclose(values, 0.1 / np.pi * np.log((1 + t) / (1 - t)), rtol=1e-10)
+
+
+def test_little_friction_slips_everywhere():
+    t = np.array([-0.9, -0.01, 0.01, 0.9])
+    values = StickZone(beta=0.3, friction=0.01).HertzFriction(t)
+    np.testing.assert_allclose(values, 0.01 * np.sign(t), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("beta", "friction", "ratio"), [(0.0, 0.3, 1.0), (0.1, 0.0, 0.0)])
+def test_no_traction_without_friction_or_mismatch(beta, friction, ratio):
+    zone = StickZone(beta=beta, friction=friction)
+    assert zone.ratio == ratio
+    assert (zone.HertzFriction([-0.5, 0.0, 0.5]) == 0).all()
+    assert (zone.PunchFriction([-0.5, 0.0, 0.5]) == 0).all()
