@@ -1,6 +1,9 @@
 """Checked solution of the merged and scaled linear systems."""
 
+import ctypes
 import importlib.util
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 from ngsolve import BitArray
@@ -10,6 +13,26 @@ from ngslac._ngslac import MergeMatrices
 __all__ = ["LinearSolveError", "LinearSolver"]
 
 SAFE = "umfpack"
+
+
+@contextmanager
+def OneBLASThread():
+    """Let NGSolve's BLAS use one thread.
+
+    The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
+    TaskManager, whose workers spin on all cores, they cost a factor of ten.
+    """
+    spec = importlib.util.find_spec("ngsolve_openblas")
+    found = sorted(Path(spec.origin).parent.glob("libopenblas*")) if spec else []
+    blas = ctypes.CDLL(str(found[0])) if found else None
+    threads = blas.openblas_get_num_threads() if blas else 1
+    try:
+        if blas:
+            blas.openblas_set_num_threads(1)
+        yield
+    finally:
+        if blas:
+            blas.openblas_set_num_threads(threads)
 
 
 class LinearSolveError(RuntimeError):
@@ -44,7 +67,8 @@ class LinearSolver:
         b.FV().NumPy()[:] = scale * rhs * self.free
         errors = []
         for inverse in dict.fromkeys((self.inverse, SAFE)):
-            x, error = self._Refined(mat, b, inverse)
+            with OneBLASThread():
+                x, error = self._Refined(mat, b, inverse)
             if error <= self.tolerance:
                 self.inverse = inverse
                 return scale * x.FV().NumPy()

@@ -52,7 +52,8 @@ class Iteration:
 class State:
     """Residual and status at one iterate."""
 
-    residual: np.ndarray
+    bulk: np.ndarray = field(repr=False)
+    residual: np.ndarray = field(repr=False)
     equilibrium: float
     constraint: float
     status: np.ndarray = field(repr=False)
@@ -116,6 +117,7 @@ class ContactSolver:
         self.history = []
         self._bodies = None
         self._reference = 0.0
+        self._islinear = False  # the bulk, as far as seen: its matrix is kept
 
     def _FreeDofs(self, freedofs):
         space = self.a.space
@@ -210,7 +212,8 @@ class ContactSolver:
     # --- one iteration -------------------------------------------------------------------------
 
     def _Assemble(self):
-        self.a.AssembleLinearization(self.gf.vec)
+        if not self._islinear:
+            self.a.AssembleLinearization(self.gf.vec)
         for contact in self.contacts:
             fresh = not contact.form.paired
             contact.Prepare(self.a.mat)
@@ -223,15 +226,16 @@ class ContactSolver:
         residual = self.gf.vec.CreateVector()
         contact_residual = self.gf.vec.CreateVector()
         self.a.Apply(self.gf.vec, residual)
+        bulk = residual.FV().NumPy()
         load = self._Load()
         contact_residual[:] = 0
         for contact in self.contacts:
             contact.AddApply(self.gf.vec, contact_residual)
             contact.Evaluate(self.gf)
-        values = residual.FV().NumPy() + contact_residual.FV().NumPy()
+        values = bulk + contact_residual.FV().NumPy()
         # Forces at work: reactions, contact forces and loads all count.
         rows = self._ConstraintRows()
-        forces = [residual.FV().NumPy(), contact_residual.FV().NumPy()]
+        forces = [bulk, contact_residual.FV().NumPy()]
         if load is not None:
             values -= load.FV().NumPy()
             forces.append(load.FV().NumPy())
@@ -241,6 +245,7 @@ class ContactSolver:
             raise ContactConvergenceError("the residual holds NaN or infinite values", self.history)
         reference = max(self._forces, self._reference) or 1.0
         return State(
+            bulk=bulk.copy(),
             residual=values,
             equilibrium=float(np.linalg.norm(scaled[~rows])) / reference,
             constraint=float(np.linalg.norm(scaled[rows])) / reference,
@@ -276,9 +281,21 @@ class ContactSolver:
                 best = trial, damping
         self.gf.vec.data = start
         self.gf.vec.FV().NumPy()[:] -= best[1] * correction
+        self._islinear = self._MovedLinearly(state, best[0], best[1] * correction)
         if self._CloseWhatFloats():
             return self._State(), best[1]
         return best
+
+    def _MovedLinearly(self, before, after, correction):
+        """Did the bulk's residual change as its matrix says, to rounding?"""
+        if self.a.condense:
+            return False  # the matrix holds the Schur complement only
+        step, moved = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        step.FV().NumPy()[:] = correction
+        moved.data = self.a.mat * step
+        expected = moved.FV().NumPy()
+        deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
+        return bool(deviation <= 1e-10 * np.linalg.norm(self.scale * expected))
 
     def _Correction(self, state):
         a = self.a

@@ -143,17 +143,17 @@ def _Rows(problem, state):
     """Rows of the table for one state."""
     hertz, values = problem.Hertz(state.time), Comparison(problem, state)
     first, last = values["contact_edge_interval"]
-    edge = values["contact_edge_estimate"] or math.nan
     load = hertz.force * (0.5 if problem.half else 1.0)
     force = values["force_ratio"] * load
     rows = [
         ("pressure p(0)     [MPa]", values["p0_ratio"] * hertz.peak, hertz.peak),
-        ("contact edge       [mm]", edge, hertz.halfwidth),
+        ("contact edge       [mm]", values["contact_edge_estimate"], hertz.halfwidth),
         ("contact force    [N/mm]", force, load),
     ]
     text = [
         f"{'':>5}  {name:<24}{value:>14.3f}{exact:>12.3f}{value / exact:>10.5f}"
         for name, value, exact in rows
+        if value is not None
     ]
     text[0] = f"{state.time:>5g}{text[0][5:]}"
     return [*text, f"{'':>5}  last macro in contact    {first:.3f}..{last:.3f} mm"]
