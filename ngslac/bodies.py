@@ -1,13 +1,13 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
-from ngsolve import VOL, CoefficientFunction, GridFunction, x, y, z
+from ngsolve import VOL, BitArray, CoefficientFunction, GridFunction, x, y, z
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
 
-__all__ = ["Bodies"]
+__all__ = ["Bodies", "FloatingMessage", "NearestMacros"]
 
 TOLERANCE = 1e-8
 
@@ -95,6 +95,26 @@ class Bodies:
             motion = self.names[int(np.argmax(np.abs(motion)))]
             texts.append(f"body '{body}' floats ({motion})")
         return list(dict.fromkeys(texts))
+
+
+def NearestMacros(contact):
+    """Macro-elements whose gap exceeds the smallest one by less than a twentieth of their size."""
+    table = contact.Table()
+    paired = table["area"] > 0
+    size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+    near = paired & (table["gap"] <= table["gap"][paired].min() + 0.05 * size)
+    bits = BitArray(len(near))
+    for i, value in enumerate(near):
+        bits[i] = bool(value)
+    return bits
+
+
+def FloatingMessage(floating):
+    return (
+        "; ".join(floating)
+        + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
+        "contact, or prescribe a displacement in place of a force"
+    )
 
 
 def ToCSR(mat):

@@ -23,9 +23,7 @@ def BoundaryRegion(mesh, region, name):
     mask = found.Mask()
     if not any(mask[e.index] for e in mesh.Elements(BND)):
         names = ", ".join(dict.fromkeys(mesh.GetBoundaries()))
-        raise ValueError(
-            f"{name}={region!r} matches no boundary face; the boundaries are: {names}"
-        )
+        raise ValueError(f"{name}={region!r} matches no boundary face; the boundaries are: {names}")
     return found
 
 

@@ -1,66 +1,15 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from ngsolve import BitArray
 
 from ngslac._ngslac import EquilibrationScale
-from ngslac.bodies import Bodies
+from ngslac.bodies import Bodies, FloatingMessage, NearestMacros
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.linear import LinearSolver, LinearSolveError
+from ngslac.iteration import Iteration, State
+from ngslac.linear import LinearSolveError, LinearSolver
 
-__all__ = ["ContactSolver", "Iteration"]
-
-
-@dataclass(frozen=True)
-class Iteration:
-    """One line of the convergence table.
-
-    Attributes
-    ----------
-    number : int
-    equilibrium, constraint : float
-        Norms of the scaled residuals of both kinds of rows, relative to the forces at work.
-    open, stick, slip : int
-        Macro-elements of each status.
-    changed : int
-        Macro-elements whose status differs from the iteration before.
-    damping : float
-        Share of the Newton step that was taken to get here.
-    """
-
-    number: int
-    equilibrium: float
-    constraint: float
-    open: int
-    stick: int
-    slip: int
-    changed: int
-    damping: float
-
-    def __str__(self):
-        damping = "" if self.damping == 1 else f"  damped {self.damping:g}"
-        return (
-            f"  {self.number:3d}  equilibrium {self.equilibrium:8.2e}  "
-            f"constraint {self.constraint:8.2e}  open {self.open}  stick {self.stick}  "
-            f"slip {self.slip}  changed {self.changed}{damping}"
-        )
-
-
-@dataclass
-class State:
-    """Residual and status at one iterate."""
-
-    bulk: np.ndarray = field(repr=False)
-    residual: np.ndarray = field(repr=False)
-    equilibrium: float
-    constraint: float
-    status: np.ndarray = field(repr=False)
-
-    @property
-    def merit(self):
-        return float(np.hypot(self.equilibrium, self.constraint))
+__all__ = ["ContactSolver"]
 
 
 class ContactSolver:
@@ -99,9 +48,7 @@ class ContactSolver:
     >>> solver.Solve(tol=1e-10)                      # doctest: +SKIP
     """
 
-    def __init__(
-        self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, initial="gap"
-    ):
+    def __init__(self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, initial="gap"):
         self.contacts = [*contacts] if isinstance(contacts, (list, tuple)) else [contacts]
         if not self.contacts:
             raise ValueError("ContactSolver needs at least one LACContact")
@@ -337,23 +284,3 @@ class ContactSolver:
         bodies = self._bodies or Bodies(self.a.mat, self.contacts[0], self.linear.free)
         floating = bodies.Floating(self.contacts)
         return FloatingMessage(floating) if floating else str(error)
-
-
-def NearestMacros(contact):
-    """Macro-elements whose gap exceeds the smallest one by less than a twentieth of their size."""
-    table = contact.Table()
-    paired = table["area"] > 0
-    size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
-    near = paired & (table["gap"] <= table["gap"][paired].min() + 0.05 * size)
-    bits = BitArray(len(near))
-    for i, value in enumerate(near):
-        bits[i] = bool(value)
-    return bits
-
-
-def FloatingMessage(floating):
-    return (
-        "; ".join(floating)
-        + ": no Dirichlet condition and no active contact holds it. Constrain it, start in contact, "
-        "or prescribe a displacement in place of a force"
-    )

@@ -56,9 +56,7 @@ class LoadStepper:
         self.steps = []
         self._last = None  # increment of the solution and of the load in the last step
 
-    def Integrate(
-        self, end=1.0, *, steps=10, callback=None, printing=True, maxit=30, tol=1e-10
-    ):
+    def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=30, tol=1e-10):
         """Go from the current load to `end` in `steps` equal steps.
 
         Parameters

@@ -97,7 +97,8 @@ def TwoBlocks(
         A grid in each block; triangles by cutting the quadrilaterals.
     curved : bool
         Each block is cut by a circular arc from the interface to its far side, so that interior
-        edges are curved while the interface stays straight. Not with `structured`.
+        edges (named "arc") are curved while the interface stays straight. Not with
+        `structured`.
     width, height : float
         Sizes of the blocks.
     order : int, optional

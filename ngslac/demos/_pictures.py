@@ -43,7 +43,7 @@ _STYLE = {
 }
 
 
-def _Matplotlib():
+def Matplotlib():
     """Import matplotlib, or say how to get it."""
     try:
         import matplotlib.collections
@@ -180,7 +180,7 @@ def StressPicture(
     limits : dict, optional
         Label -> (low, high); by default the extremes inside the window, rounded.
     """
-    mpl = _Matplotlib()
+    mpl = Matplotlib()
     smooth = [_Smooth(mesh, s, order) for s in stresses.values()]
     sample = _SampleMesh(mesh, displacement, smooth, factor=factor)
     with mpl.rc_context(_STYLE):
@@ -271,7 +271,7 @@ def MultiplierPicture(
     limit : float, optional
         Largest position x in the diagrams of the multipliers.
     """
-    mpl = _Matplotlib()
+    mpl = Matplotlib()
     with mpl.rc_context(_STYLE):
         figure = mpl.figure.Figure(figsize=(9.2, 4.3), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.1), height_ratios=(1.7, 1))

@@ -39,6 +39,7 @@ from .. import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper,
 from ..reference import HertzLine
 from ._hertz_figures import Figures, Macros, Report, Spans, Write
 from ._meshes import HertzMesh
+from ._pictures import Matplotlib
 
 __all__ = ["Problem", "Results", "Run", "State", "main"]
 
@@ -169,6 +170,7 @@ def _Displacements(problem):
 def _Form(problem, mesh, u, v, load):
     """Elasticity and the nodal force at the top of the cylinder."""
     right, up = (CF(tuple(direction)) for direction in problem.frame)
+    # The force points down. As a vector for ContactSolver(rhs=...) it is PointForce(X, ...).
     top = ds(definedon=mesh.BBoundaries("load"))
     form = InnerProduct(Stress(problem, mesh, Sym(Gradient(u))), Sym(Gradient(v))) * dx
     form += load * problem.load * InnerProduct(up, v) * top
@@ -219,6 +221,8 @@ def Run(*, out=None, quiet=True, **options):
         raise ValueError(
             "pictures are drawn in mm and MPa without rotation: leave out these options"
         )
+    if out is not None:
+        Matplotlib()  # complain before the work, not after it
     start = time.perf_counter()
 
     def Record(step):

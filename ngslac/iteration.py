@@ -1,0 +1,57 @@
+"""What one iteration of the solver knows and prints."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+__all__ = ["Iteration", "State"]
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One line of the convergence table.
+
+    Attributes
+    ----------
+    number : int
+    equilibrium, constraint : float
+        Norms of the scaled residuals of both kinds of rows, relative to the forces at work.
+    open, stick, slip : int
+        Macro-elements of each status.
+    changed : int
+        Macro-elements whose status differs from the iteration before.
+    damping : float
+        Share of the Newton step that was taken to get here.
+    """
+
+    number: int
+    equilibrium: float
+    constraint: float
+    open: int
+    stick: int
+    slip: int
+    changed: int
+    damping: float
+
+    def __str__(self):
+        damping = "" if self.damping == 1 else f"  damped {self.damping:g}"
+        return (
+            f"  {self.number:3d}  equilibrium {self.equilibrium:8.2e}  "
+            f"constraint {self.constraint:8.2e}  open {self.open}  stick {self.stick}  "
+            f"slip {self.slip}  changed {self.changed}{damping}"
+        )
+
+
+@dataclass
+class State:
+    """Residual and status at one iterate."""
+
+    bulk: np.ndarray = field(repr=False)
+    residual: np.ndarray = field(repr=False)
+    equilibrium: float
+    constraint: float
+    status: np.ndarray = field(repr=False)
+
+    @property
+    def merit(self):
+        return float(np.hypot(self.equilibrium, self.constraint))
