@@ -61,7 +61,9 @@ void ExportSpace(py::module & m) {
            py::arg("V"), py::kw_only(), py::arg("slave"), py::arg("macros") = nullopt,
            py::arg("components") = nullopt, py::arg("autoupdate") = false)
       .def(py::pickle(
-          [](const LACSpace & self) { return py::make_tuple(self.Displacement(), self.GetFlags()); },
+          [](const LACSpace & self) {
+            return py::make_tuple(self.Displacement(), self.GetFlags());
+          },
           [](py::tuple state) {
             return MakeSpace(state[0].cast<shared_ptr<FESpace>>(), state[1].cast<Flags>());
           }))
@@ -98,8 +100,10 @@ py::array_t<T> ToNumPy(const Array<T> & values) {
 }
 
 void ExportContact(py::module & m) {
-  py::enum_<Side>(m, "Side").value("slave", Side::slave).value("master", Side::master).value(
-      "both", Side::both);
+  py::enum_<Side>(m, "Side")
+      .value("slave", Side::slave)
+      .value("master", Side::master)
+      .value("both", Side::both);
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
       .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
                        optional<Region> master, shared_ptr<CoefficientFunction> obstacle,

@@ -28,7 +28,7 @@ class ContactReport:
         self.nmacros, self.nsegments = len(area), contact.form.nsegments
         self.area, self.paired_area = float(full.sum()), float(area.sum())
         self.unpaired = np.flatnonzero(~paired)
-        self.partial = np.flatnonzero(paired & (area < (1 - 1e-9) * full))
+        self.partial = np.flatnonzero(paired & (area < (1 - 1e-6) * full))
         gaps = table["gap"][paired]
         self.min_gap, self.max_gap = float(gaps.min()), float(gaps.max())
         size = full ** (1 / (contact.mesh.dim - 1))

@@ -1,4 +1,5 @@
 #include "contactform.hpp"
+#include "coefficients.hpp"
 
 namespace ngslac {
 ContactForm::ContactForm(const ContactSetup & asetup)
@@ -24,9 +25,9 @@ class T_ContactForm : public ContactForm {
   Array<double> c;
   Array<double> friction, threshold;
   // history
-  Array<Vec<D>> committed;  // mean of u1 - u2 at the last committed step
-  Array<Vec<D>> reference;  // the same at first touch: slip counts from there
-  BitArray closed;          // at the last committed step
+  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
+  Array<Vec<D>> reference; // the same at first touch: slip counts from there
+  BitArray closed;         // at the last committed step
 
 public:
   explicit T_ContactForm(const ContactSetup & asetup) : ContactForm(asetup) {}
@@ -39,17 +40,19 @@ public:
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
     int order = u.component->GetOrder();
     slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
-    int quadrature = 2 * order + 2 * (slave->Degree() - 1);
+    int quadrature = 2 * order + 4 * (slave->Degree() - 1);
     if (setup.obstacle) {
       pairing = PairWithObstacle<D>(*slave, quadrature);
-      SetObstacleGaps();
+      SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *slave, pairing);
     } else {
       master = make_unique<Surface<D>>(*setup.master, displacement, order);
       pairing = Pair<D>(*slave, *master, Options(quadrature));
       if (pairing.Size() == 0)
-        throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
-                        "surface within maxdist = " + ToString(Options(quadrature).maxdist) +
-                        "; check the regions, the placement of the bodies and maxdist");
+        throw Exception(
+            "LACContact: slave and master never meet: no slave normal reaches the master "
+            "surface within maxdist = " +
+            ToString(Options(quadrature).maxdist) +
+            "; check the regions, the placement of the bodies and maxdist");
     }
     jump = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing);
     CollectMultiplierDofs();
@@ -71,6 +74,7 @@ public:
   }
 
   void SetStiffness(FlatVector<> diagonal, double factor) override {
+    CheckPaired();
     double sum = 0;
     int paired = 0;
     for (size_t m : Range(jump->Size())) {
@@ -184,6 +188,7 @@ public:
   }
 
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override {
+    CheckPaired();
     MacroJump<D> op(u, *space, *slave, master.get(), pairing, side);
     Array<int> rows, cols;
     Array<double> values;
@@ -202,6 +207,7 @@ public:
   }
 
   Array<double> Vectors(const string & name) const override {
+    CheckPaired();
     auto flat = [](FlatArray<Vec<D>> vectors) {
       Array<double> values;
       for (auto & v : vectors)
@@ -221,6 +227,7 @@ public:
   }
 
   Array<double> Scalars(const string & name) const override {
+    CheckPaired();
     auto copy = [](FlatArray<double> a) { return Array<double>(a); };
     if (name == "area")
       return copy(jump->area);
@@ -233,9 +240,13 @@ public:
     throw Exception("ContactForm: no scalars named " + name);
   }
 
-  size_t NSegments() const override { return pairing.Size(); }
+  size_t NSegments() const override {
+    CheckPaired();
+    return pairing.Size();
+  }
 
   Array<double> SegmentData() const override {
+    CheckPaired();
     Array<double> data;
     for (size_t s : Range(pairing.Size())) {
       auto & segment = pairing.segments[s];
@@ -291,9 +302,13 @@ private:
     return Multiplier(m, x) - c[m] * (slip - Gap(m, mean) * n);
   }
 
-  void Prepare() {
+  void CheckPaired() const {
     if (!jump)
       throw Exception("LACContact: no pairing yet; call Update() first");
+  }
+
+  void Prepare() {
+    CheckPaired();
     for (auto & cf : {setup.friction, setup.threshold})
       if (cf && !dynamic_pointer_cast<ConstantCoefficientFunction>(cf)) {
         FindFriction(); // a Parameter may have changed
@@ -301,8 +316,9 @@ private:
       }
     for (double value : c)
       if (!(value > 0))
-        throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
-                        "ContactSolver or FormSum do it");
+        throw Exception(
+            "LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
+            "ContactSolver or FormSum do it");
   }
 
   PairingOptions Options(int order) const {
@@ -321,22 +337,6 @@ private:
             order};
   }
 
-  void SetObstacleGaps() {
-    LocalHeap lh(1000 * 1000, "ngslac-obstacle");
-    for (size_t s : Range(pairing.Size())) {
-      HeapReset hr(lh);
-      ElementId ei(BND, slave->Element(pairing.segments[s].slave));
-      auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
-      for (auto & p : pairing.points.Range(pairing.Points(s))) {
-        IntegrationPoint ip(p.slave(0), D == 3 ? p.slave(D - 2) : 0, 0, 0);
-        p.gap = setup.obstacle->Evaluate(trafo(ip, lh));
-        if (!isfinite(p.gap))
-          throw Exception("LACContact: the gap to the obstacle is " + ToString(p.gap) + " at " +
-                          ToString(slave->Point(pairing.segments[s].slave, p.slave)));
-      }
-    }
-  }
-
   void CollectMultiplierDofs() {
     lamdof.SetSize(D * space->NMacros());
     LocalHeap lh(1000 * 1000, "ngslac-multipliers");
@@ -353,43 +353,16 @@ private:
     }
   }
 
-  /// Means of the friction coefficient and of the threshold over each macro-element.
   void FindFriction() {
-    size_t n = space->NMacros();
-    friction.SetSize(n), threshold.SetSize(n);
-    friction = 0.0, threshold = 0.0;
-    Array<double> area(n);
-    area = 0.0;
-    LocalHeap lh(1000 * 1000, "ngslac-friction");
-    for (size_t f : Range(slave->Size())) {
-      HeapReset hr(lh);
-      ElementId ei(BND, slave->Element(f));
-      auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
-      int m = space->MacroOfFace()[ei.Nr()];
-      IntegrationRule rule(trafo.GetElementType(), 2);
-      for (auto & ip : rule) {
-        auto & mip = trafo(ip, lh);
-        area[m] += mip.GetWeight();
-        if (setup.friction)
-          friction[m] += mip.GetWeight() * Checked("friction", setup.friction->Evaluate(mip), mip);
-        if (setup.threshold)
-          threshold[m] += mip.GetWeight() * Checked("tresca", setup.threshold->Evaluate(mip), mip);
-      }
-    }
-    for (size_t m : Range(n))
-      friction[m] /= area[m], threshold[m] /= area[m];
-  }
-
-  double Checked(const char * name, double value, const BaseMappedIntegrationPoint & mip) const {
-    if (!isfinite(value) || value < 0)
-      throw Exception("LACContact: " + string(name) + " is " + ToString(value) + " at " +
-                      ToString(Vec<D>(mip.GetPoint())) + " on boundary '" +
-                      string(mip.GetTransformation().GetElementIndex() >= 0
-                                 ? u.fes->GetMeshAccess()->GetMaterial(
-                                       mip.GetTransformation().GetElementId())
-                                 : "") +
-                      "'; it must be a number >= 0");
-    return value;
+    auto means = [&](shared_ptr<CoefficientFunction> function, const char * name) {
+      if (function)
+        return MacroMeans(*function, *space, name);
+      Array<double> none(space->NMacros());
+      none = 0.0;
+      return none;
+    };
+    friction = means(setup.friction, "friction");
+    threshold = means(setup.threshold, "tresca");
   }
 
   void BuildGraph() {

@@ -27,8 +27,9 @@ struct MacroState {
 /// Residual, for the displacement and for the multipliers (rows scaled by the paired area):
 ///   R_v = - sum_m lambda_m . int [v1 - v2]
 ///   R_m = A_m / c_m (P_m(lambda_m - c_m j_m) - lambda_m)
-/// with the projection P of the contact law and j = mean (gap along n, slip increment). The matrix is
-/// symmetric as long as no Coulomb slip occurs. Dof numbers count the scalar entries of the vectors.
+/// with the projection P of the contact law and j = mean (gap along n, slip increment). The matrix
+/// is symmetric as long as no Coulomb slip occurs. Dof numbers count the scalar entries of the
+/// vectors.
 class ContactForm {
 public:
   virtual ~ContactForm() = default;

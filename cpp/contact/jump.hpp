@@ -15,10 +15,10 @@ enum class Side { slave = 1, master = 2, both = 3 };
 
 /// Where the values of a proxy come from.
 struct ProxyInfo {
-  shared_ptr<FESpace> fes;                      // space of the proxy, maybe a product
-  shared_ptr<FESpace> component;                // the component the proxy belongs to
-  size_t offset;                                // of the component's dofs
-  shared_ptr<DifferentialOperator> evaluator;   // on the boundary
+  shared_ptr<FESpace> fes;                    // space of the proxy, maybe a product
+  shared_ptr<FESpace> component;              // the component the proxy belongs to
+  size_t offset;                              // of the component's dofs
+  shared_ptr<DifferentialOperator> evaluator; // on the boundary
 
   ProxyInfo(const CoefficientFunction & proxy, const string & name);
 };

@@ -2,9 +2,13 @@
 
 namespace ngslac {
 namespace {
-const double & Entry(const double & value, int, int) { return value; }
+const double & Entry(const double & value, int, int) {
+  return value;
+}
 template <int N>
-const double & Entry(const Mat<N, N> & value, int i, int j) { return value(i, j); }
+const double & Entry(const Mat<N, N> & value, int i, int j) {
+  return value(i, j);
+}
 
 /// Calls f with the matrix in its true type and the size of its entries.
 template <typename F>
@@ -62,9 +66,9 @@ Array<double> EquilibrationScale(const BaseMatrix & bulk) {
   return scale;
 }
 
-shared_ptr<SparseMatrix<double>>
-MergeMatrices(const BaseMatrix & bulk, FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
-              FlatVector<> scale) {
+shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
+                                               FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
+                                               FlatVector<> scale) {
   static Timer timer("ngslac::MergeMatrices");
   RegionTimer reg(timer);
   return Dispatch(bulk, [&](auto & a, int block) {

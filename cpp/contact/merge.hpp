@@ -10,9 +10,9 @@ using namespace ngla;
 Array<double> EquilibrationScale(const BaseMatrix & bulk);
 
 /// diag(scale) (bulk + sum of contacts) diag(scale)  as a new scalar matrix with its exact graph.
-shared_ptr<SparseMatrix<double>>
-MergeMatrices(const BaseMatrix & bulk, FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
-              FlatVector<> scale);
+shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
+                                               FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
+                                               FlatVector<> scale);
 
 /// Scalar diagonal of a sparse matrix with scalar or block entries.
 Array<double> ScalarDiagonal(const BaseMatrix & mat);

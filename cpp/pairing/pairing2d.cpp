@@ -68,8 +68,8 @@ public:
       if (reach >= options.maxdist || Covered(reach))
         break;
     }
-    for (int i : Range(int(breaks.Size()) - 1))
-      AddSegment(breaks[i], breaks[i + 1], result);
+    for (size_t i = 1; i < breaks.Size(); i++)
+      AddSegment(breaks[i - 1], breaks[i], result);
   }
 
 private:
@@ -119,8 +119,8 @@ private:
   bool Covered(double reach) const {
     if (breaks.Size() < 2 || breaks[0] > 0 || breaks.Last() < 1)
       return false;
-    for (int i : Range(int(breaks.Size()) - 1)) {
-      auto hit = Nearest(0.5 * (breaks[i] + breaks[i + 1])).second;
+    for (size_t i = 1; i < breaks.Size(); i++) {
+      auto hit = Nearest(0.5 * (breaks[i - 1] + breaks[i])).second;
       if (!hit || fabs(hit->gap) > 0.9 * reach)
         return false;
     }

@@ -25,7 +25,8 @@ shared_ptr<FESpace> CheckDisplacement(shared_ptr<FESpace> fes) {
 } // namespace
 
 LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
-    : FESpace(adisplacement->GetMeshAccess(), flags), displacement(CheckDisplacement(adisplacement)) {
+    : FESpace(adisplacement->GetMeshAccess(), flags),
+      displacement(CheckDisplacement(adisplacement)) {
   type = "lacspace";
   name = "LACSpace";
   order = 0;
@@ -101,14 +102,13 @@ void LACSpace::GetDofNrs(ElementId ei, Array<DofId> & dnums) const {
 FiniteElement & LACSpace::GetFE(ElementId ei, Allocator & alloc) const {
   bool used = ei.VB() == BND && ei.Nr() < partition.macro_of_face.Size() &&
               partition.macro_of_face[ei.Nr()] >= 0;
-  FiniteElement * scalar =
-      SwitchET(ma->GetElType(ei), [&](auto et) -> FiniteElement * {
-        constexpr auto ET = et.ElementType();
-        if constexpr (ET == ET_SEGM || ET == ET_TRIG || ET == ET_QUAD)
-          if (used)
-            return new (alloc) ScalarFE<ET, 0>;
-        return new (alloc) ScalarDummyFE<ET>;
-      });
+  FiniteElement * scalar = SwitchET(ma->GetElType(ei), [&](auto et) -> FiniteElement * {
+    constexpr auto ET = et.ElementType();
+    if constexpr (ET == ET_SEGM || ET == ET_TRIG || ET == ET_QUAD)
+      if (used)
+        return new (alloc) ScalarFE<ET, 0>;
+    return new (alloc) ScalarDummyFE<ET>;
+  });
   if (dimension == 1 && components > 1)
     return *new (alloc) VectorFiniteElement(*scalar, components);
   return *scalar;

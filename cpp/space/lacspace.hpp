@@ -5,8 +5,8 @@ namespace ngslac {
 /// Piecewise constants on macro-elements of the slave surface.
 ///
 /// One d-vector per macro-element (the contact traction in Cartesian components), or `components`
-/// numbers. Over a displacement space with blocks (H1(dim=d)) the space has the same blocks, so that
-/// the product of both spaces exists.
+/// numbers. Over a displacement space with blocks (H1(dim=d)) the space has the same blocks, so
+/// that the product of both spaces exists.
 class LACSpace : public FESpace {
 public:
   /// flags: "slave" (numbers of the boundaries), "macros" (optional partition of the first mesh),

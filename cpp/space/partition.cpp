@@ -8,13 +8,13 @@ constexpr double bend_cosine = 0.5;     // faces of a macro-element bend by less
 
 /// What the partition needs to know of the slave surface and of the traces on it.
 struct Traces {
-  Array<int> faces;           // boundary element numbers
-  Array<int> slave_of_face;   // inverse of it
-  Array<Vec<3>> normals;      // of each slave face, up to a common sign per body
-  Table<int> neighbours;      // slave faces that share a vertex
-  Table<int> dof_faces;       // slave faces on which the trace of a dof lives
-  Array<Vec<3>> dof_mean;     // integral of the trace over (area times its maximum)
-  BitArray inner_dofs;        // free, and without a trace on other boundaries
+  Array<int> faces;         // boundary element numbers
+  Array<int> slave_of_face; // inverse of it
+  Array<Vec<3>> normals;    // of each slave face, up to a common sign per body
+  Table<int> neighbours;    // slave faces that share a vertex
+  Table<int> dof_faces;     // slave faces on which the trace of a dof lives
+  Array<Vec<3>> dof_mean;   // integral of the trace over (area times its maximum)
+  BitArray inner_dofs;      // free, and without a trace on other boundaries
   int dim;
 };
 
@@ -50,9 +50,10 @@ void AddFace(const FESpace & fes, ElementId ei, TraceSums & sums, Array<int> & t
       integral.Row(j) += mip.GetWeight() * shape.Col(j);
       maximum(j) = max(maximum(j), L2Norm(shape.Col(j)));
     }
-    auto nv = dim == 2 ? Vec<3>(static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(0),
-                                static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(1), 0)
-                       : static_cast<const DimMappedIntegrationPoint<3> &>(mip).GetNV();
+    auto nv = dim == 2
+                  ? Vec<3>(static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(0),
+                           static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(1), 0)
+                  : static_cast<const DimMappedIntegrationPoint<3> &>(mip).GetNV();
     normal += mip.GetWeight() * nv;
   }
   normal /= area;
@@ -149,9 +150,9 @@ Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
   tr.dof_faces = creator.MoveTable();
   tr.dof_mean.SetSize(ndof);
   for (size_t i : Range(ndof))
-    tr.dof_mean[i] = sums.area[i] > 0 ? Vec<3>(1 / (sums.area[i] * sums.maximum[i]) *
-                                               sums.integral[i])
-                                      : Vec<3>(0.0);
+    tr.dof_mean[i] = sums.area[i] > 0
+                         ? Vec<3>(1 / (sums.area[i] * sums.maximum[i]) * sums.integral[i])
+                         : Vec<3>(0.0);
   return tr;
 }
 
@@ -271,7 +272,8 @@ Vec<3> FaceCenter(const MeshAccess & ma, int face) {
        << ma->GetMaterial(ElementId(BND, tr.faces[faces[0]])) << "', the first at "
        << FaceCenter(*ma, tr.faces[faces[0]])
        << ": no free displacement dof has its whole trace on them, so that the multiplier would be "
-          "unstable. Remedy: SplitSlaveFaces(mesh, slave), BubbleVectorH1(mesh, slave=...), a higher "
+          "unstable. Remedy: SplitSlaveFaces(mesh, slave), BubbleVectorH1(mesh, slave=...), a "
+          "higher "
           "order, or no Dirichlet condition on the slave faces";
   throw Exception(text.str());
 }
@@ -339,7 +341,9 @@ MacroPartition PartitionBySupports(const FESpace & displacement, const BitArray 
   auto candidates = FindCandidates(tr);
   auto chosen = ChooseDisjoint(tr, candidates);
   // Number the macro-elements in the order of the mesh: neighbours get close numbers.
-  QuickSort(chosen, [&](int a, int b) { return Support(tr, candidates[a])[0] < Support(tr, candidates[b])[0]; });
+  QuickSort(chosen, [&](int a, int b) {
+    return Support(tr, candidates[a])[0] < Support(tr, candidates[b])[0];
+  });
   Array<int> macro(tr.faces.Size()), sizes(chosen.Size());
   macro = -1;
   for (int m : Range(chosen)) {

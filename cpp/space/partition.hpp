@@ -8,7 +8,7 @@ using namespace ngcomp;
 struct MacroPartition {
   Array<int> macro_of_face; // one entry per boundary element of the mesh, -1 off the slave surface
   size_t nmacros = 0;
-  Array<Array<int>> cores;  // the displacement dofs whose trace lives in the macro-element alone
+  Array<Array<int>> cores; // the displacement dofs whose trace lives in the macro-element alone
 };
 
 /// The partition that the displacement space itself suggests (Abbas, Drouet, Hild, Pignet 2017,

@@ -50,7 +50,9 @@ Vec<D> InnerPoint(MeshAccess & ma, ElementId face, LocalHeap & lh) {
   return x;
 }
 
-Vec<2> Rotated(Vec<2> t) { return Vec<2>(t(1), -t(0)); }
+Vec<2> Rotated(Vec<2> t) {
+  return Vec<2>(t(1), -t(0));
+}
 } // namespace
 
 template <>
@@ -85,9 +87,10 @@ Surface<2>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
         MappedIntegrationPoint<1, 2> mip(IntegrationPoint(points[i], 0, 0, 0), trafo);
         values.Row(i) = mip.GetPoint();
         if (i == 0)
-          orientation[f] =
-              InnerProduct(Rotated(Vec<2>(mip.GetJacobian().Col(0))),
-                           InnerPoint<2>(*ma, ei, lh) - mip.GetPoint()) < 0 ? 1 : -1;
+          orientation[f] = InnerProduct(Rotated(Vec<2>(mip.GetJacobian().Col(0))),
+                                        InnerPoint<2>(*ma, ei, lh) - mip.GetPoint()) < 0
+                               ? 1
+                               : -1;
         if (displacement) {
           Vec<2> u;
           displacement->Evaluate(mip, u);

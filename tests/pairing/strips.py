@@ -80,7 +80,9 @@ def contact_on(mesh, *, slave="slave", master="master", order=2, **flags):
     V = VectorH1(mesh, order=order)
     X = V * LACSpace(V, slave=slave)
     u, lam = X.TrialFunction()
-    return LACContact(u, lam, master=master, **flags)
+    contact = LACContact(u, lam, master=master, **flags)
+    contact.Update()
+    return contact
 
 
 def slave_elements(contact):
