@@ -39,9 +39,46 @@ shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & f
   return space;
 }
 
+constexpr const char * space_doc =
+    R"(Contact tractions, constant on macro-elements of the slave surface.
+
+Every macro-element contains the support of at least one free displacement basis function, so that
+the method is inf-sup stable (Abbas, Drouet, Hild, Pignet 2017, section 2.2). The supports are read
+off the displacement space: single faces where these carry an inner dof (order >= 2 in 2D, or
+`BubbleVectorH1`), stars of faces around a vertex for first order. A function of the space is the
+traction acting on the slave body in Cartesian components (stress units), one vector per
+macro-element; there are no other dofs.
+
+Parameters
+----------
+V : ngsolve.FESpace
+    Displacement space, vector-valued and real, of any kind and order: VectorH1, H1(dim=d),
+    VectorValued, a component of a product space. Dofs with Dirichlet conditions do not count.
+slave : str or Region
+    Pattern of boundary names, or a boundary region: the side that carries the multipliers.
+macros : list[int], optional
+    Macro-element of each slave face in the order of the mesh, numbered densely from 0, in place of
+    the automatic choice; refused if one holds no inner basis function. Not for refined meshes.
+components : int, optional
+    Numbers per macro-element; default: the space dimension, as `LACContact` needs it.
+autoupdate : bool
+    Update with `mesh.Refine()`. Default: as V does.
+
+Raises
+------
+NgException
+    A region without faces, a scalar or complex V, faces of which no stable macro-element can be made
+    (the message names them and the remedies).
+
+Examples
+--------
+>>> V = VectorH1(mesh, order=2, dirichlet="bottom")      # doctest: +SKIP
+>>> Q = LACSpace(V, slave="top")                         # doctest: +SKIP
+>>> (u, lam), (v, mu) = (V * Q).TnT()                    # doctest: +SKIP
+)";
+
 void ExportSpace(py::module & m) {
-  py::class_<LACSpace, shared_ptr<LACSpace>, FESpace>(
-      m, "LACSpace", LACSpace::GetDocu().GetPythonDocString().c_str())
+  py::class_<LACSpace, shared_ptr<LACSpace>, FESpace>(m, "LACSpace", space_doc)
       .def(py::init([](shared_ptr<FESpace> displacement, std::variant<Region, string> slave,
                        optional<std::vector<int>> macros, optional<int> components,
                        bool autoupdate) {
@@ -130,6 +167,8 @@ void ExportContact(py::module & m) {
       .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())
       .def("AssembleLinearization", &ContactForm::AssembleLinearization,
            py::call_guard<py::gil_scoped_release>())
+      .def("AssembleStep", &ContactForm::AssembleStep, py::call_guard<py::gil_scoped_release>())
+      .def("BeginSolve", &ContactForm::BeginSolve)
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))

@@ -44,10 +44,9 @@ class Iteration:
 
 @dataclass
 class State:
-    """Residual and status at one iterate."""
+    """Residual of bulk and loads, and status, at one iterate."""
 
     bulk: np.ndarray = field(repr=False)
-    residual: np.ndarray = field(repr=False)
     equilibrium: float
     constraint: float
     status: np.ndarray = field(repr=False)

@@ -115,8 +115,10 @@ class ContactSolver:
         self.history = []
         self._Assemble()
         self._CloseWhatFloats()
+        for contact in self.contacts:
+            contact.form.BeginSolve()
         state = self._State()
-        seen, damped, damping = {}, False, 1.0
+        seen, merits, damped, damping = {}, [], False, 1.0
         for number in range(maxit + 1):
             self._Record(number, state, damping, printing, callback)
             if state.equilibrium < tol and state.constraint < tol:
@@ -124,9 +126,11 @@ class ContactSolver:
                 return self.history[-1]
             if number == maxit:
                 break
-            # The same status again without convergence: the iteration cycles.
-            damped = damped or number - seen.get(state.status.tobytes(), number) > 1
-            seen[state.status.tobytes()] = number
+            # The same status came back, or nothing gets better: the iteration cycles.
+            merits.append(state.merit)
+            returned = number - seen.setdefault(state.status.tobytes(), number) > 1
+            stuck = number > 5 and min(merits[-4:]) > 0.5 * min(merits[:-4])
+            damped = damped or stuck or (returned and state.merit > 0.1 * min(merits))
             if number:
                 self._Assemble()
             state, damping = self._Step(state, damped)
@@ -162,10 +166,7 @@ class ContactSolver:
         if not self._islinear:
             self.a.AssembleLinearization(self.gf.vec)
         for contact in self.contacts:
-            fresh = not contact.form.paired
             contact.Prepare(self.a.mat)
-            if fresh:
-                contact.Commit(self.gf)
         forms = [contact.form for contact in self.contacts]
         self.scale = EquilibrationScale(self.a.mat, forms)
 
@@ -179,21 +180,19 @@ class ContactSolver:
         for contact in self.contacts:
             contact.AddApply(self.gf.vec, contact_residual)
             contact.Evaluate(self.gf)
-        values = bulk + contact_residual.FV().NumPy()
         # Forces at work: reactions, contact forces and loads all count.
         rows = self._ConstraintRows()
         forces = [bulk, contact_residual.FV().NumPy()]
         if load is not None:
-            values -= load.FV().NumPy()
             forces.append(load.FV().NumPy())
         self._forces = max(float(np.linalg.norm((self.scale * f)[~rows])) for f in forces)
-        scaled = self.scale * values * self.linear.free
+        bulk = bulk if load is None else bulk - load.FV().NumPy()
+        scaled = self.scale * (bulk + contact_residual.FV().NumPy()) * self.linear.free
         if not np.all(np.isfinite(scaled)):
             raise ContactConvergenceError("the residual holds NaN or infinite values", self.history)
         reference = max(self._forces, self._reference) or 1.0
         return State(
             bulk=bulk.copy(),
-            residual=values,
             equilibrium=float(np.linalg.norm(scaled[~rows])) / reference,
             constraint=float(np.linalg.norm(scaled[rows])) / reference,
             status=np.concatenate([c.Table()["status"] for c in self.contacts]),
@@ -214,9 +213,11 @@ class ContactSolver:
         return getattr(load, "vec", load)
 
     def _Step(self, state, damped):
+        residual = self.gf.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
-            contact.AssembleLinearization(self.gf.vec)
-        correction = self._Correction(state)
+            contact.form.AssembleStep(self.gf.vec, residual)
+        correction = self._Correction(residual)
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
         best = None
@@ -244,10 +245,8 @@ class ContactSolver:
         deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
         return bool(deviation <= 1e-10 * np.linalg.norm(self.scale * expected))
 
-    def _Correction(self, state):
+    def _Correction(self, residual):
         a = self.a
-        residual = self.gf.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.residual
         if a.condense:
             residual.data += a.harmonic_extension_trans * residual
         forms = [contact.form for contact in self.contacts]

@@ -24,6 +24,7 @@ class T_ContactForm : public ContactForm {
   unique_ptr<MacroJump<D>> jump;
   Array<double> c;
   Array<double> friction, threshold;
+  Array<Vec<D>> direction; // of slip in the last Newton step
   // history
   Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
   Array<Vec<D>> reference; // the same at first touch: slip counts from there
@@ -60,7 +61,8 @@ public:
     size_t n = jump->Size();
     c.SetSize(n);
     c = 0.0;
-    committed.SetSize(n), reference.SetSize(n), states.SetSize(n);
+    committed.SetSize(n), reference.SetSize(n), states.SetSize(n), direction.SetSize(n);
+    BeginSolve();
     closed = BitArray(n);
     closed.Clear();
     for (size_t m : Range(n)) {
@@ -98,16 +100,9 @@ public:
     static Timer timer("ngslac::ContactForm::Apply");
     RegionTimer reg(timer);
     Prepare();
-    auto x = bx.FV<double>(), y = by.FV<double>();
-    ParallelFor(jump->Size(), [&](size_t m) {
-      Vec<D> traction = Multiplier(m, x);
-      auto p = Project(Data(m), Trial(m, x));
-      Vec<D> residual = (RowArea(m) / c[m]) * (p.traction - traction);
-      for (int k : Range(D))
-        y(lamdof[D * m + k]) += residual(k);
-      for (auto & e : Row(m))
-        AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
-    });
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(),
+                [&](size_t m) { AddResidual(m, x, Project(Data(m), Trial(m, x)), by); });
   }
 
   void AssembleLinearization(const BaseVector & bx) override {
@@ -115,24 +110,34 @@ public:
     RegionTimer reg(timer);
     Prepare();
     auto x = bx.FV<double>();
+    ParallelFor(jump->Size(),
+                [&](size_t m) { SetRows(m, Project(Data(m), Trial(m, x)).derivative); });
+  }
+
+  void BeginSolve() override { direction = Vec<D>(0.0); }
+
+  void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    static Timer timer("ngslac::ContactForm::AssembleStep");
+    RegionTimer reg(timer);
+    Prepare();
+    auto x = bx.FV<double>();
     ParallelFor(jump->Size(), [&](size_t m) {
-      auto p = Project(Data(m), Trial(m, x));
-      ngbla::Mat<D, D> by_lam = (RowArea(m) / c[m]) * (p.derivative - Id<D>());
-      for (int k : Range(D)) {
-        int row = lamdof[D * m + k];
-        for (int l : Range(D))
-          (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
-        for (auto & e : Row(m)) {
-          (*mat)(row, e.dof) = -InnerProduct(Vec<D>(p.derivative.Row(k)), e.integral);
-          if (e.integral(k) != 0)
-            (*mat)(e.dof, row) = -e.integral(k);
-        }
+      Vec<D> trial = Trial(m, x), now = 0.0;
+      auto p = Project(Data(m), trial);
+      if (p.status == Status::slip && friction[m] + threshold[m] > 0)
+        now = trial - InnerProduct(trial, jump->normal[m]) * jump->normal[m];
+      if (InnerProduct(now, direction[m]) < 0) {
+        p = {trial, Id<D>(), Status::stick};
+        now = 0.0;
       }
+      direction[m] = now;
+      AddResidual(m, x, p, residual);
+      SetRows(m, p.derivative);
     });
   }
 
   void Evaluate(const BaseVector & bx) override {
-    Prepare();
+    CheckPaired();
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(), [&](size_t m) {
       Vec<D> traction = Multiplier(m, x), mean = jump->Mean(m, x);
@@ -247,24 +252,7 @@ public:
 
   Array<double> SegmentData() const override {
     CheckPaired();
-    Array<double> data;
-    for (size_t s : Range(pairing.Size())) {
-      auto & segment = pairing.segments[s];
-      double area = 0, gap = 0;
-      for (auto & p : pairing.points.Range(pairing.Points(s)))
-        area += p.weight, gap += p.weight * p.gap;
-      data.Append(slave->Element(segment.slave));
-      data.Append(segment.master < 0 ? -1 : master->Element(segment.master));
-      data.Append(area);
-      data.Append(gap / area);
-      for (auto & p : pairing.corners.Range(pairing.Corners(s))) {
-        Vec<D> x = slave->Point(segment.slave, p.slave), y = x + p.gap * p.normal;
-        for (auto * v : {&x, &y})
-          for (int k : Range(D))
-            data.Append((*v)(k));
-      }
-    }
-    return data;
+    return SegmentTable(pairing, *slave, master.get());
   }
 
 private:
@@ -305,6 +293,30 @@ private:
   void CheckPaired() const {
     if (!jump)
       throw Exception("LACContact: no pairing yet; call Update() first");
+  }
+
+  void AddResidual(size_t m, FlatVector<> x, const Projection<D> & p, BaseVector & by) const {
+    auto y = by.FV<double>();
+    Vec<D> traction = Multiplier(m, x);
+    Vec<D> residual = (RowArea(m) / c[m]) * (p.traction - traction);
+    for (int k : Range(D))
+      y(lamdof[D * m + k]) += residual(k);
+    for (auto & e : Row(m))
+      AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
+  }
+
+  void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
+    ngbla::Mat<D, D> by_lam = (RowArea(m) / c[m]) * (derivative - Id<D>());
+    for (int k : Range(D)) {
+      int row = lamdof[D * m + k];
+      for (int l : Range(D))
+        (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
+      for (auto & e : Row(m)) {
+        (*mat)(row, e.dof) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
+        if (e.integral(k) != 0)
+          (*mat)(e.dof, row) = -e.integral(k);
+      }
+    }
   }
 
   void Prepare() {

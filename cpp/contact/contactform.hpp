@@ -42,6 +42,11 @@ public:
   virtual void SetConstant(double c) = 0;
   virtual void AddApply(const BaseVector & x, BaseVector & y) = 0;
   virtual void AssembleLinearization(const BaseVector & x) = 0;
+  /// Matrix and residual of the next Newton step. Same as AddApply and AssembleLinearization, but
+  /// a macro-element whose slip direction turned round since the last call has to pass stick.
+  virtual void AssembleStep(const BaseVector & x, BaseVector & residual) = 0;
+  /// Forgets the slip directions of the last iteration.
+  virtual void BeginSolve() = 0;
   virtual void Evaluate(const BaseVector & x) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
@@ -54,7 +59,7 @@ public:
   // Flat geometric data, the space dimension fastest.
   virtual Array<double> Vectors(const string & name) const = 0;
   virtual Array<double> Scalars(const string & name) const = 0;
-  /// per segment: slave face, master face, area, mean gap, corners (slave, master, slave, ...)
+  /// see SegmentTable
   virtual Array<double> SegmentData() const = 0;
   virtual size_t NSegments() const = 0;
 

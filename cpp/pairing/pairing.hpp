@@ -53,4 +53,10 @@ Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
 /// Every slave face whole, facing an obstacle; the gaps are left to the caller.
 template <int D>
 Pairing<D> PairWithObstacle(const Surface<D> & slave, int order);
+
+/// One row per segment: slave and master boundary element (-1: obstacle), area, mean gap, and the
+/// corners (slave point, master point, slave point, ...).
+template <int D>
+Array<double> SegmentTable(const Pairing<D> & pairing, const Surface<D> & slave,
+                           const Surface<D> * master);
 } // namespace ngslac

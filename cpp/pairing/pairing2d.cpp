@@ -1,5 +1,6 @@
 #include "pairing.hpp"
 #include <gprim/adtree.hpp>
+#include <random>
 
 namespace ngslac {
 namespace {
@@ -241,7 +242,12 @@ Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
     all.Add(box.PMax());
   }
   netgen::BoxTree<2, int> tree(all);
-  for (size_t j : Range(master.Size()))
+  // The tree does not balance itself: faces in the order of the mesh would make it a list.
+  Array<int> order(master.Size());
+  for (int j : Range(order))
+    order[j] = j;
+  std::shuffle(order.begin(), order.end(), std::mt19937(1));
+  for (int j : order)
     tree.Insert(master.Bounds(j), j);
   timer_tree.Stop();
 

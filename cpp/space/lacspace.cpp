@@ -53,15 +53,6 @@ LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
   evaluator[BND] = bnd;
 }
 
-DocInfo LACSpace::GetDocu() {
-  auto docu = FESpace::GetDocu();
-  docu.short_docu = "Contact tractions, constant on macro-elements of the slave surface.";
-  docu.Arg("slave") = "Region or str\n  the slave boundaries";
-  docu.Arg("macros") = "list[int] = None\n  macro-element of each slave face, in mesh order";
-  docu.Arg("components") = "int = mesh.dim\n  numbers per macro-element";
-  return docu;
-}
-
 void LACSpace::Update() {
   static Timer timer("ngslac::LACSpace::Update");
   RegionTimer reg(timer);

@@ -13,7 +13,6 @@ public:
   /// "components" (default: the space dimension)
   LACSpace(shared_ptr<FESpace> displacement, const Flags & flags);
 
-  static DocInfo GetDocu();
   string GetClassName() const override { return "LACSpace"; }
 
   void Update() override;

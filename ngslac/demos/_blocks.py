@@ -191,12 +191,19 @@ def _Shape(side, curved):
 def _Outline(side, pieces, left, right):
     """The edges around some pieces of the contact edge; `left`, `right` replace a side."""
 
-    def Line(x0, y0, x1, y1, name, count):
-        return Side(Segment(Pnt(x0, y0, 0), Pnt(x1, y1, 0)), name, count)
+    # All edges run counter-clockwise, so that NGSolve's normals point outwards.
+    clockwise = side.end < 0
+
+    def Line(x0, y0, x1, y1, name, count, turn=clockwise):
+        ends = [Pnt(x0, y0, 0), Pnt(x1, y1, 0)]
+        return Side(Segment(*(reversed(ends) if turn else ends)), name, count)
 
     def Upright(x, where):
         y = side.Height(x)
-        return Line(x, y, x, side.end, f"{where}_{side.name}", Divisions(abs(side.end - y), side.h))
+        count = Divisions(abs(side.end - y), side.h)
+        return Line(
+            x, y, x, side.end, f"{where}_{side.name}", count, clockwise != (where == "left")
+        )
 
     x0, x1 = pieces[0][1], pieces[-1][2]
     contact = [Line(a, side.Height(a), b, side.Height(b), name, n) for name, a, b, n in pieces]

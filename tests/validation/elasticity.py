@@ -13,12 +13,10 @@ from ngsolve import (
     IntegrationRule,
     LinearForm,
     Sym,
-    TaskManager,
     Trace,
     VectorH1,
     ds,
     dx,
-    specialcf,
 )
 from ngsolve import Grad as Gradient
 
@@ -99,20 +97,25 @@ class Pair:
             self.displacement = self.displacement.components[0]
         self.stress = material.Stress(Sym(Gradient(self.displacement)))
 
-    def Load(self, stress, where):
-        """Tractions of a stress field on boundaries."""
-        self.load += InnerProduct(stress * specialcf.normal(2), self.v) * ds(where)
+    def Load(self, traction, where):
+        """Tractions on boundaries."""
+        self.load += InnerProduct(traction, self.v) * ds(where)
 
     def Hold(self, displacement, where):
-        """Dirichlet values on boundaries (which V has to name); call it once."""
+        """Dirichlet values on boundaries (which V has to name); call it once.
+
+        Slip counts from the configuration without displacements.
+        """
+        self.a.AssembleLinearization(self.gf.vec)
+        self.contact.Prepare(self.a.mat)
+        self.contact.Commit(self.gf)
         self.displacement.Set(displacement, definedon=self.mesh.Boundaries(where))
 
     def Solve(self, *, tol=1e-12, **options):
-        """One step; returns the iterations."""
-        with TaskManager():
-            self.load.Assemble()
-            solver = ContactSolver(self.a, self.gf, self.contact, rhs=self.load.vec)
-            return solver.Solve(tol=tol, printing=False, **options)
+        """One step; returns the last `Iteration`. (So small a problem is faster in one thread.)"""
+        self.load.Assemble()
+        solver = ContactSolver(self.a, self.gf, self.contact, rhs=self.load.vec)
+        return solver.Solve(tol=tol, printing=False, **options)
 
     def StressError(self, stress):
         """Largest distance to a constant stress, relative to it."""

@@ -1,0 +1,310 @@
+from __future__ import annotations
+import collections.abc
+import ngsolve.comp
+import ngsolve.fem
+import ngsolve.la
+import numpy
+import numpy.typing
+import pyngcore.pyngcore
+import typing
+__all__: list[str] = ['BubbleVectorH1', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'Side', 'SplitSlaveFaces']
+class LACSpace(ngsolve.comp.FESpace):
+    """
+    Contact tractions, constant on macro-elements of the slave surface.
+    
+    
+    Keyword arguments can be:
+    
+    order: int = 1
+      order of finite element space
+    complex: bool = False
+      Set if FESpace should be complex
+    dirichlet: regexpr
+      Regular expression string defining the dirichlet boundary.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet = 'top|right'
+    dirichlet_bbnd: regexpr
+      Regular expression string defining the dirichlet bboundary,
+      i.e. points in 2D and edges in 3D.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet_bbnd = 'top|right'
+    dirichlet_bbbnd: regexpr
+      Regular expression string defining the dirichlet bbboundary,
+      i.e. points in 3D.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet_bbbnd = 'top|right'
+    definedon: Region or regexpr
+      FESpace is only defined on specific Region, created with mesh.Materials('regexpr')
+      or mesh.Boundaries('regexpr'). If given a regexpr, the region is assumed to be
+      mesh.Materials('regexpr').
+    dim: int = 1
+      Create multi dimensional FESpace (i.e. [H1]^3)
+    dgjumps: bool = False
+      Enable discontinuous space for DG methods, this flag is needed for DG methods,
+      since the dofs have a different coupling then and this changes the sparsity
+      pattern of matrices.
+    autoupdate: bool = True
+      Automatically update on a change to the mesh.
+    low_order_space: bool = True
+      Generate a lowest order space together with the high-order space,
+      needed for some preconditioners.
+    hoprolongation: bool = False
+      Create high order prolongation operators,
+      only available for H1 and L2 on simplicial meshes
+    order_policy: ORDER_POLICY = ORDER_POLICY.OLDSTYLE
+      CONSTANT .. use the same fixed order for all elements,
+      NODAL ..... use the same order for nodes of same shape,
+      VARIABLE ... use an individual order for each edge, face and cell,
+      OLDSTYLE .. as it used to be for the last decade
+    print: bool = False
+      (historic) print some output into file set by 'SetTestoutFile'
+    slave: Region or str
+      the slave boundaries
+    macros: list[int] = None
+      macro-element of each slave face, in mesh order
+    components: int = mesh.dim
+      numbers per macro-element
+    """
+    def CoreDofs(self, macro: typing.SupportsInt | typing.SupportsIndex) -> pyngcore.pyngcore.Array_I_S:
+        """
+        displacement dofs whose trace on the slave surface lives in the macro-element alone
+        """
+    def WithComponents(self, components: typing.SupportsInt | typing.SupportsIndex) -> LACSpace:
+        """
+        the space on the same macro-elements with other components
+        """
+    def __getstate__(self) -> tuple[ngsolve.comp.FESpace, pyngcore.pyngcore.Flags]:
+        ...
+    def __init__(self, V: ngsolve.comp.FESpace, *, slave: ngsolve.comp.Region | str, macros: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None, components: typing.SupportsInt | typing.SupportsIndex | None = None, autoupdate: bool = False) -> None:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def displacement(self) -> ngsolve.comp.FESpace:
+        """
+        the displacement space the macro-elements are made for
+        """
+    @property
+    def macros(self) -> pyngcore.pyngcore.Array_I_S:
+        """
+        macro-element of each boundary element of the mesh, -1 off the slave surface
+        """
+    @property
+    def nmacros(self) -> int:
+        """
+        number of macro-elements
+        """
+    @property
+    def slave(self) -> ngsolve.comp.Region:
+        """
+        the slave region
+        """
+class Side:
+    """
+    Members:
+    
+      slave
+    
+      master
+    
+      both
+    """
+    __members__: typing.ClassVar[dict[str, Side]]
+    both: typing.ClassVar[Side]
+    master: typing.ClassVar[Side]
+    slave: typing.ClassVar[Side]
+    @typing.overload
+    def __eq__(self, other: Side) -> bool:
+        ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
+    @typing.overload
+    def __ne__(self, other: Side) -> bool:
+        ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> int:
+        ...
+class ContactForm:
+    def AddApply(self, arg0: ngsolve.la.BaseVector, arg1: ngsolve.la.BaseVector) -> None:
+        ...
+    def AssembleLinearization(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def Close(self, macros: pyngcore.pyngcore.BitArray, x: ngsolve.la.BaseVector) -> None:
+        ...
+    def Commit(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def Evaluate(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def JumpMatrix(self, arg0: Side) -> BaseMatrix:
+        ...
+    def MultiplierDofs(self) -> numpy.typing.NDArray[numpy.int32]:
+        ...
+    def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def SegmentData(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def SetConstant(self, c: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def SetStiffness(self, bulk: ngsolve.la.BaseMatrix, factor: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
+        ...
+    def States(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def Update(self, gf: ngsolve.comp.GridFunction = None) -> None:
+        ...
+    def Vectors(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def __init__(self, *, u: ngsolve.fem.CoefficientFunction, lam: ngsolve.fem.CoefficientFunction, master: ngsolve.comp.Region | None = None, obstacle: ngsolve.fem.CoefficientFunction = None, friction: ngsolve.fem.CoefficientFunction = None, tresca: ngsolve.fem.CoefficientFunction = None, tied: bool = False, maxdist: typing.SupportsFloat | typing.SupportsIndex = 0.0, penetration: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
+    @property
+    def component(self) -> ngsolve.comp.FESpace:
+        ...
+    @property
+    def fes(self) -> ngsolve.comp.FESpace:
+        ...
+    @property
+    def mat(self) -> BaseMatrix:
+        ...
+    @property
+    def nsegments(self) -> int:
+        ...
+    @property
+    def offset(self) -> int:
+        ...
+    @property
+    def paired(self) -> bool:
+        ...
+    @property
+    def space(self) -> LACSpace:
+        ...
+class BubbleVectorH1(ngsolve.comp.VectorH1):
+    """
+    VectorH1 with a bubble on every face of a slave boundary.
+    
+    Local Average Contact needs a displacement basis function within every
+    macro-element of the slave boundary. This space adds one per slave face where
+    the order alone has none, and no other: edges get order 2, triangles order 3,
+    quadrilaterals order 2. The mesh, and the space away from the slave boundary,
+    stay as they are. In 2D with order >= 2 the space equals VectorH1.
+    
+    V = BubbleVectorH1(mesh, order=1, slave="contact", dirichlet="bottom")
+    
+    Keyword arguments can be:
+    
+    order: int = 1
+      order of finite element space
+    complex: bool = False
+      Set if FESpace should be complex
+    dirichlet: regexpr
+      Regular expression string defining the dirichlet boundary.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet = 'top|right'
+    dirichlet_bbnd: regexpr
+      Regular expression string defining the dirichlet bboundary,
+      i.e. points in 2D and edges in 3D.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet_bbnd = 'top|right'
+    dirichlet_bbbnd: regexpr
+      Regular expression string defining the dirichlet bbboundary,
+      i.e. points in 3D.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichlet_bbbnd = 'top|right'
+    definedon: Region or regexpr
+      FESpace is only defined on specific Region, created with mesh.Materials('regexpr')
+      or mesh.Boundaries('regexpr'). If given a regexpr, the region is assumed to be
+      mesh.Materials('regexpr').
+    dim: int = 1
+      Create multi dimensional FESpace (i.e. [H1]^3)
+    dgjumps: bool = False
+      Enable discontinuous space for DG methods, this flag is needed for DG methods,
+      since the dofs have a different coupling then and this changes the sparsity
+      pattern of matrices.
+    autoupdate: bool = True
+      Automatically update on a change to the mesh.
+    low_order_space: bool = True
+      Generate a lowest order space together with the high-order space,
+      needed for some preconditioners.
+    hoprolongation: bool = False
+      Create high order prolongation operators,
+      only available for H1 and L2 on simplicial meshes
+    order_policy: ORDER_POLICY = ORDER_POLICY.OLDSTYLE
+      CONSTANT .. use the same fixed order for all elements,
+      NODAL ..... use the same order for nodes of same shape,
+      VARIABLE ... use an individual order for each edge, face and cell,
+      OLDSTYLE .. as it used to be for the last decade
+    print: bool = False
+      (historic) print some output into file set by 'SetTestoutFile'
+    interleaved: bool = False
+      ordering of dofs changed to x0, y0, z0, x1 ....
+    dirichletx: regexpr
+      Regular expression string defining the dirichlet boundary
+      on the first component of VectorH1.
+      More than one boundary can be combined by the | operator,
+      i.e.: dirichletx = 'top|right'
+    dirichlety: regexpr
+      Dirichlet boundary for the second component
+    dirichletz: regexpr
+      Dirichlet boundary for the third component
+    dirichletx_bbnd: regexpr
+      Regular expression string defining the dirichlet bboundary,
+      i.e. points in 2D and edges in 3D, on the first component.
+      More than one bboundary can be combined by the | operator,
+      i.e.: dirichletx_bbnd = 'top|right'
+    dirichlety_bbnd: regexpr
+      Dirichlet bboundary for the second component
+    dirichletz_bbnd: regexpr
+      Dirichlet bboundary for the third component
+    dirichletx_bbbnd: regexpr
+      Regular expression string defining the dirichlet bbboundary,
+      i.e. points in 3D, on the first component.
+      More than one bbboundary can be combined by the | operator,
+      i.e.: dirichletx_bbbnd = 'top|right'
+    dirichlety_bbbnd: regexpr
+      Dirichlet bbboundary for the second component
+    dirichletz_bbbnd: regexpr
+      Dirichlet bbboundary for the third component
+    slave: regexpr or Region
+      Boundaries whose faces get a bubble, i.e.: slave = 'left|right'
+    """
+    @staticmethod
+    def __flags_doc__() -> dict:
+        ...
+    @staticmethod
+    def __special_treated_flags__() -> dict:
+        ...
+    def __getstate__(self: ngsolve.comp.FESpace) -> tuple:
+        ...
+    def __init__(self, mesh: ngsolve.comp.Mesh, **kwargs) -> None:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
+    ...
+def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> BaseMatrix:
+    ...
+def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region) -> ngsolve.comp.Mesh:
+    """
+    New mesh with the slave faces split; see ngslac.SplitSlaveFaces
+    """
