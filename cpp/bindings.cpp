@@ -111,14 +111,8 @@ void ExportSpace(py::module & m) {
           "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },
           "macro-element of each boundary element of the mesh, -1 off the slave surface")
       .def_property_readonly("slave", &LACSpace::SlaveRegion, "the slave region")
-      .def(
-          "WithComponents",
-          [](const LACSpace & self, int components) {
-            Flags flags = self.GetFlags();
-            flags.SetFlag("components", double(components));
-            return MakeSpace(self.Displacement(), flags);
-          },
-          py::arg("components"), "the space on the same macro-elements with other components")
+      .def("WithComponents", &LACSpace::WithComponents, py::arg("components"),
+           "the space on the same macro-elements with another number of components")
       .def(
           "CoreDofs",
           [](const LACSpace & self, size_t macro) {

@@ -28,7 +28,7 @@ struct MacroState {
 ///   R_v = - sum_m lambda_m . int [v1 - v2]
 ///   R_m = A_m / c_m (P_m(lambda_m - c_m j_m) - lambda_m)
 /// with the projection P of the contact law and j = mean (gap along n, slip increment). The matrix
-/// is symmetric as long as no Coulomb slip occurs. Dof numbers count the scalar entries of the
+/// is symmetric where all macro-elements stick. Dof numbers count the scalar entries of the
 /// vectors.
 class ContactForm {
 public:

@@ -59,7 +59,7 @@ void LACSpace::Update() {
   // In a product space the displacement is up to date by now; alone it may not be.
   if (displacement->GetNDof() == 0 || !displacement->GetFreeDofs() ||
       displacement->GetFreeDofs()->Size() != displacement->GetNDof() ||
-      ma->GetNE(BND) != partition.macro_of_face.Size()) {
+      (!ready && ma->GetNE(BND) != partition.macro_of_face.Size())) {
     displacement->Update();
     displacement->FinalizeUpdate();
   }
@@ -67,10 +67,24 @@ void LACSpace::Update() {
   if (given_macros.Size() && ma->GetNE(BND) != first_mesh_faces)
     throw Exception("LACSpace: the partition given by macros does not fit the refined mesh; make a "
                     "new space, or let the space choose the macro-elements");
-  partition = given_macros.Size() ? CheckedPartition(*displacement, slave, given_macros)
-                                  : PartitionBySupports(*displacement, slave);
+  if (ready)
+    partition = *std::exchange(ready, nullopt);
+  else
+    partition = given_macros.Size() ? CheckedPartition(*displacement, slave, given_macros)
+                                    : PartitionBySupports(*displacement, slave);
   SetNDof(partition.nmacros * (dimension > 1 ? 1 : components));
   UpdateCouplingDofArray();
+}
+
+shared_ptr<LACSpace> LACSpace::WithComponents(int n) const {
+  Flags changed = flags;
+  changed.SetFlag("components", double(n));
+  auto space = make_shared<LACSpace>(displacement, changed);
+  space->ready = partition;
+  space->Update();
+  space->FinalizeUpdate();
+  space->ConnectAutoUpdate();
+  return space;
 }
 
 void LACSpace::UpdateCouplingDofArray() {

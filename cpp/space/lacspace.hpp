@@ -21,6 +21,9 @@ public:
   void GetDofNrs(ElementId ei, Array<DofId> & dnums) const override;
   FiniteElement & GetFE(ElementId ei, Allocator & alloc) const override;
 
+  /// A space on the same macro-elements with another number of components.
+  shared_ptr<LACSpace> WithComponents(int n) const;
+
   shared_ptr<FESpace> Displacement() const { return displacement; }
   size_t NMacros() const { return partition.nmacros; }
   /// macro-element of each boundary element of the mesh, -1 off the slave surface
@@ -36,5 +39,6 @@ private:
   int components;
   size_t first_mesh_faces;
   MacroPartition partition;
+  optional<MacroPartition> ready; // taken over by the next Update
 };
 } // namespace ngslac

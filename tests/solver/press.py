@@ -8,6 +8,7 @@ from ngsolve import (
     Grad,
     GridFunction,
     Id,
+    IfPos,
     InnerProduct,
     Parameter,
     Sym,
@@ -17,6 +18,7 @@ from ngsolve import (
     ds,
     dx,
     log,
+    x,
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace
@@ -83,6 +85,13 @@ def press(
         a += spring * InnerProduct(u - load * CF(push), v) * ds("top")
     contact = LACContact(u, lam, master=master, **law)
     return Press(mesh, X, a, GridFunction(X), contact, load)
+
+
+def mixed_press(**flags):
+    """Stick, slip and open at once: the top is turned, and friction is high on one side only."""
+    size = 4 if flags.get("nonlinear") else 1
+    push = (0.005 * size, (-0.02 + 0.025 * x) * size)
+    return press(**{"push": push, "h": 0.15, "friction": IfPos(x - 0.3, 0.1, 2.0)} | flags)
 
 
 def numpy(vec):

@@ -42,7 +42,7 @@ class Material:
 
 
 def Displacements(mesh, kind, *, slave="slave", **flags):
-    """Displacement space, on a new mesh where that is split: "P1", "P1split", "P1bubble", "P2"..."""
+    """Displacement space, on a new mesh if split: "P1", "P1split", "P1bubble", "P2", ..."""
     order = int(kind[1])
     if kind.endswith("split"):
         mesh = SplitSlaveFaces(mesh, slave)

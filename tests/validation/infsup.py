@@ -8,7 +8,19 @@ from the form under test and the H1 inner product A, and T is the same with a di
 
 import numpy as np
 from netgen.occ import OCCGeometry, Rectangle
-from ngsolve import BND, CF, BilinearForm, ElementId, Grad, InnerProduct, Mesh, SurfaceL2, VectorH1, ds, dx
+from ngsolve import (
+    BND,
+    CF,
+    H1,
+    BilinearForm,
+    ElementId,
+    Grad,
+    Mesh,
+    SurfaceL2,
+    VectorH1,
+    ds,
+    dx,
+)
 from ngsolve.meshes import MakeStructured2DMesh
 from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
@@ -51,25 +63,25 @@ def NormalMortar(V, Q):
     X = V * Q
     (u, lam), _ = X.TnT()
     D, _ = LACContact(u, lam, obstacle=CF(0)).Mortar()
-    return Sparse(D)[1::2]
+    second = V.Range(1)
+    return Sparse(D)[1::2, second.start : second.stop]
 
 
-def FaceRows(V):
-    """The same for one constant per slave face, from plain NGSolve forms; also their numbers."""
-    faces = SurfaceL2(V.mesh, order=0, definedon=V.mesh.Boundaries("bottom"))
-    B = BilinearForm(trialspace=V, testspace=faces)
-    B += V.TrialFunction()[1] * faces.TestFunction() * ds("bottom")
+def FaceRows(H):
+    """For a scalar space, one row per slave face, from plain NGSolve forms; also their numbers."""
+    faces = SurfaceL2(H.mesh, order=0, definedon=H.mesh.Boundaries("bottom"))
+    B = BilinearForm(trialspace=H, testspace=faces)
+    B += H.TrialFunction() * faces.TestFunction() * ds("bottom")
     rows = Sparse(B.Assemble().mat)
     numbers = [el.nr for el in faces.Elements(BND) if el.mat == "bottom"]
     return rows[[faces.GetDofNrs(ElementId(BND, nr))[0] for nr in numbers]], numbers
 
 
-def Schur(V, rows):
-    """B A^-1 B^T for the second component of V and the H1 inner product."""
-    u, v = V.TnT()
-    A = BilinearForm((InnerProduct(Grad(u), Grad(v)) + InnerProduct(u, v)) * dx).Assemble()
-    second = V.Range(1)
-    free = [i for i in range(second.start, second.stop) if V.FreeDofs()[i]]
+def Schur(H, rows):
+    """B A^-1 B^T for a scalar space and the H1 inner product, without the element's inner dofs."""
+    u, v = H.TnT()
+    A = BilinearForm((Grad(u) * Grad(v) + u * v) * dx, condense=True).Assemble()
+    free = np.flatnonzero(list(H.FreeDofs(True)))
     B = rows[:, free].toarray()
     return B @ splu(Sparse(A.mat)[free][:, free].tocsc()).solve(np.ascontiguousarray(B.T))
 
@@ -79,7 +91,7 @@ class Body:
 
     def __init__(self, mesh, **dirichlet):
         self.mesh, self.dirichlet = mesh, dirichlet
-        exact = VectorH1(mesh, order=REFERENCE_ORDER, **dirichlet)
+        exact = H1(mesh, order=REFERENCE_ORDER, **dirichlet)
         rows, self.faces = FaceRows(exact)
         self.reference = Schur(exact, rows)
 
@@ -89,12 +101,12 @@ class Body:
         Q = LACSpace(V, slave="bottom")
         sums = np.zeros((Q.nmacros, len(self.faces)))
         sums[[Q.macros[nr] for nr in self.faces], range(len(self.faces))] = 1
-        return Smallest(Schur(V, NormalMortar(V, Q)), sums @ self.reference @ sums.T)
+        return Smallest(Schur(V.components[1], NormalMortar(V, Q)), sums @ self.reference @ sums.T)
 
     def InfSupPerFace(self, order):
         """The same with one constant per face, whether stable or not."""
-        rows, _ = FaceRows(VectorH1(self.mesh, order=order, **self.dirichlet))
-        return Smallest(Schur(VectorH1(self.mesh, order=order, **self.dirichlet), rows), self.reference)
+        H = H1(self.mesh, order=order, **self.dirichlet)
+        return Smallest(Schur(H, FaceRows(H)[0]), self.reference)
 
 
 def Smallest(S, T):

@@ -83,13 +83,13 @@ def Tractions(mesh, stress, options):
     return mesh.BoundaryCF({name: tuple(stress @ v) for name, v in where.items()})
 
 
-def Patch(pair, options, stress, *, slip=0.0, lower=Material()):
+def Patch(pair, options, stress, *, slip=0.0, lower=None):
     """Load, hold and solve; returns the largest errors of stress and traction."""
     mesh, size = pair.mesh, np.abs(stress).max()
     upper = pair.material if isinstance(pair.material.young, float) else Material()
     fields = {
         "left_upper": Linear(upper.Strain(stress), slip * Frame(**options)[0], Middle(options)),
-        "bottom": Linear(lower.Strain(stress), middle=Middle(options)),
+        "bottom": Linear((lower or upper).Strain(stress), middle=Middle(options)),
     }
     pair.Hold(mesh.BoundaryCF(fields), HELD)
     pair.Load(Tractions(mesh, stress, options), FREE)
