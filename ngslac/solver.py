@@ -1,7 +1,7 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
 import numpy as np
-from ngsolve import BitArray
+from ngsolve import BitArray, LinearForm
 
 from ngslac._ngslac import EquilibrationScale
 from ngslac.bodies import Bodies, FloatingMessage, NearestMacros
@@ -63,7 +63,7 @@ class ContactSolver:
         self.linear = LinearSolver(self._FreeDofs(freedofs), inverse)
         self.history = []
         self._bodies = None
-        self._reference = 0.0
+        self._reference = self._converged = 0.0  # forces: of this solve, of converged states
         self._islinear = False  # the bulk, as far as seen: its matrix is kept
 
     def _FreeDofs(self, freedofs):
@@ -117,12 +117,14 @@ class ContactSolver:
         self._CloseWhatFloats()
         for contact in self.contacts:
             contact.form.BeginSolve()
+        # A body that moves without touching feels nothing but the jump of its Dirichlet values.
         state = self._State()
+        self._reference = max(self._converged, 1e-3 * self._forces)
         seen, merits, damped, damping = {}, [], False, 1.0
         for number in range(maxit + 1):
             self._Record(number, state, damping, printing, callback)
             if state.equilibrium < tol and state.constraint < tol:
-                self._reference = max(self._forces, self._reference)
+                self._converged = max(self._forces, self._converged)
                 return self.history[-1]
             if number == maxit:
                 break
@@ -207,7 +209,8 @@ class ContactSolver:
     def _Load(self):
         if self.rhs is None:
             return None
-        load = self.rhs() if callable(self.rhs) else self.rhs
+        isform = isinstance(self.rhs, LinearForm)  # which is callable, too
+        load = self.rhs() if callable(self.rhs) and not isform else self.rhs
         if hasattr(load, "Evaluate"):  # an expression such as 2 * vector
             load = load.Evaluate()
         return getattr(load, "vec", load)
