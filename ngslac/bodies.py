@@ -2,6 +2,7 @@
 
 import numpy as np
 from ngsolve import VOL, BitArray, CoefficientFunction, GridFunction, x, y, z
+from scipy.linalg import qr
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
@@ -89,12 +90,16 @@ class Bodies:
         modes = np.stack([mode for _, mode, _ in self.modes], axis=1)
         rows = [ActiveRows(contact) @ modes for contact in contacts]
         left = NullSpace(np.concatenate(rows))
-        texts = []
-        for combination in left.T:
-            body, _, motion = self.modes[int(np.argmax(np.abs(combination)))]
-            motion = self.names[int(np.argmax(np.abs(motion)))]
-            texts.append(f"body '{body}' floats ({motion})")
-        return list(dict.fromkeys(texts))
+        # Any basis is as good as another: name the motions that a pivoted elimination finds.
+        bodies = list(dict.fromkeys(body for body, _, _ in self.modes))
+        coordinates = np.zeros((len(bodies), len(self.names), len(self.modes)))
+        for i, (body, _, motion) in enumerate(self.modes):
+            coordinates[bodies.index(body), :, i] = motion
+        *_, pivots = qr((coordinates.reshape(-1, len(self.modes)) @ left).T, pivoting=True)
+        return [
+            f"body '{bodies[k // len(self.names)]}' floats ({self.names[k % len(self.names)]})"
+            for k in sorted(pivots[: left.shape[1]])
+        ]
 
 
 def NearestMacros(contact):

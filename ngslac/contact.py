@@ -60,6 +60,8 @@ class LACContact:
         Coulomb's coefficient, >= 0. None: frictionless.
     tresca : float, CoefficientFunction or Parameter
         A bound of the tangential traction that does not depend on the pressure (stress units).
+        Together with `friction`: Coulomb's law up to this bound. Alone it presumes contact that
+        stays closed, since its traction jumps to zero where contact opens.
     tied : bool
         Glue the surfaces: equal mean displacements, any traction.
     maxdist : float
@@ -215,7 +217,7 @@ class LACContact:
             ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
             ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
             ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
-            ``friction`` (n) coefficient.
+            ``friction`` (n) coefficient, -1 without Coulomb friction.
         """
         d = self.mesh.dim
         states = self.form.States().reshape(-1, 9)

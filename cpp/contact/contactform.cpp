@@ -34,6 +34,10 @@ public:
   explicit T_ContactForm(const ContactSetup & asetup) : ContactForm(asetup) {}
 
   void Update(shared_ptr<GridFunction> gf) override {
+    if (gf && gf->GetFESpace() != u.fes)
+      throw Exception(
+          "LACContact.Update: gf lives on another space than u and lam; give the one on "
+          "the product space");
     static Timer timer("ngslac::ContactForm::Update");
     RegionTimer reg(timer);
     shared_ptr<CoefficientFunction> displacement;
@@ -124,7 +128,7 @@ public:
     ParallelFor(jump->Size(), [&](size_t m) {
       Vec<D> trial = Trial(m, x), now = 0.0;
       auto p = Project(Data(m), trial);
-      if (p.status == Status::slip && friction[m] + threshold[m] > 0)
+      if (p.status == Status::slip && max(friction[m], threshold[m]) > 0)
         now = trial - InnerProduct(trial, jump->normal[m]) * jump->normal[m];
       if (InnerProduct(now, direction[m]) < 0) {
         p = {trial, Id<D>(), Status::stick};
@@ -138,6 +142,9 @@ public:
 
   void Evaluate(const BaseVector & bx) override {
     CheckPaired();
+    if (bx.FV<double>().Size() != mat->Height())
+      throw Exception("LACContact: the vector has " + ToString(bx.FV<double>().Size()) +
+                      " entries, the product space " + ToString(mat->Height()));
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(), [&](size_t m) {
       Vec<D> traction = Multiplier(m, x), mean = jump->Mean(m, x);
@@ -370,7 +377,7 @@ private:
       if (function)
         return MacroMeans(*function, *space, name);
       Array<double> none(space->NMacros());
-      none = 0.0;
+      none = -1.0;
       return none;
     };
     friction = means(setup.friction, "friction");

@@ -11,9 +11,18 @@ template <int D>
 struct LawData {
   Vec<D> normal;    // out of the slave body
   double c;         // traction per displacement, the scale of the complementarity function
-  double friction;  // Coulomb's coefficient
-  double threshold; // Tresca's bound of the tangential traction, added to Coulomb's
+  double friction;  // Coulomb's coefficient, negative: none
+  double threshold; // Tresca's bound of the tangential traction, negative: none
   bool tied;
+
+  /// Largest tangential traction under a pressure, and its derivative. Friction with both constants
+  /// is Coulomb's up to the threshold.
+  pair<double, double> Bound(double pressure) const {
+    double coulomb = friction * pressure;
+    if (threshold >= 0 && (friction < 0 || threshold < coulomb))
+      return {threshold, 0};
+    return friction >= 0 ? pair(coulomb, friction) : pair(0.0, 0.0);
+  }
 };
 
 /// The projection of a trial traction, and its generalised derivative.
@@ -28,6 +37,7 @@ struct Projection {
 ///
 /// With the trial traction  t = lambda - c (mean gap and slip vector)  and  p = -t.n  :
 /// open (p <= 0) gives 0, stick (|t_T| <= F p) gives t itself, slip gives -p n + F p t_T/|t_T|.
+/// With Tresca's bound in place of F p the projection jumps at p = 0: it presumes closed contact.
 /// The contact conditions hold if and only if the projection equals lambda
 /// (Alart and Curnier 1991; macro-element by macro-element as in Abbas et al. 2017, eq. 7).
 template <int D>
@@ -43,7 +53,7 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
 
   Vec<D> tangential = trial + pressure * n;
   double size = L2Norm(tangential);
-  double bound = data.friction * pressure + data.threshold;
+  auto [bound, slope] = data.Bound(pressure);
   if (size <= bound && bound > 0)
     return {trial, identity, Status::stick};
 
@@ -55,7 +65,7 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
     Vec<D> direction = (1 / size) * tangential;
     result.traction += bound * direction;
     result.derivative += (bound / size) * (identity - nn - direction * Trans(direction));
-    result.derivative -= data.friction * direction * Trans(n);
+    result.derivative -= slope * direction * Trans(n);
   }
   return result;
 }

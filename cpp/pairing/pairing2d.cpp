@@ -1,6 +1,5 @@
+#include "boxtree.hpp"
 #include "pairing.hpp"
-#include <gprim/adtree.hpp>
-#include <random>
 
 namespace ngslac {
 namespace {
@@ -43,7 +42,7 @@ struct Hit {
 class FacePairer {
   const Surface<2> & slave;
   const Surface<2> & master;
-  const netgen::BoxTree<2, int> & tree;
+  const BoxTree<2> & tree;
   const PairingOptions & options;
   const IntegrationRule & rule;
 
@@ -54,9 +53,8 @@ class FacePairer {
   Array<double> breaks;
 
 public:
-  FacePairer(const Surface<2> & aslave, const Surface<2> & amaster,
-             const netgen::BoxTree<2, int> & atree, const PairingOptions & aoptions,
-             const IntegrationRule & arule)
+  FacePairer(const Surface<2> & aslave, const Surface<2> & amaster, const BoxTree<2> & atree,
+             const PairingOptions & aoptions, const IntegrationRule & arule)
       : slave(aslave), master(amaster), tree(atree), options(aoptions), rule(arule) {}
 
   void Do(int aface, Pairing<2> & result) {
@@ -91,11 +89,7 @@ private:
 
   void Search(double reach) {
     candidates.SetSize0();
-    auto box = SearchBox(reach);
-    tree.GetFirstIntersecting(box.PMin(), box.PMax(), [&](int j) {
-      candidates.Append(j);
-      return false;
-    });
+    tree.Visit(SearchBox(reach), [&](int j) { candidates.Append(j); });
     QuickSort(candidates);
     overlaps.SetSize0();
     breaks.SetSize0();
@@ -235,20 +229,9 @@ Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
   static Timer timer("ngslac::Pair"), timer_tree("ngslac::Pair - tree");
   RegionTimer reg(timer);
   timer_tree.Start();
-  netgen::Box<2> all(netgen::Box<2>::EMPTY_BOX);
-  for (size_t j : Range(master.Size())) {
-    auto box = master.Bounds(j);
-    all.Add(box.PMin());
-    all.Add(box.PMax());
-  }
-  netgen::BoxTree<2, int> tree(all);
-  // The tree does not balance itself: faces in the order of the mesh would make it a list.
-  Array<int> order(master.Size());
-  for (int j : Range(order))
-    order[j] = j;
-  std::shuffle(order.begin(), order.end(), std::mt19937(1));
-  for (int j : order)
-    tree.Insert(master.Bounds(j), j);
+  Array<netgen::Box<2>> boxes(master.Size());
+  ParallelFor(master.Size(), [&](size_t j) { boxes[j] = master.Bounds(j); });
+  BoxTree<2> tree(std::move(boxes));
   timer_tree.Stop();
 
   IntegrationRule rule(ET_SEGM, options.order);

@@ -7,8 +7,8 @@ from press import mixed_press, numpy, press
 
 from ngslac import ContactConvergenceError, FloatingBodyError
 
-# Turned so far at once that Newton's method jumps between two sets of closed macro-elements.
-CYCLING = {"friction": 0.15, "nonlinear": True, "h": 0.15, "push": (0.05, -0.1 + 0.4 * x)}
+# Tresca's bound is there or not: closed, it lifts the macro-element off, and open, it is missed.
+CYCLING = {"tresca": 2.0, "push": (0.2, -0.02 + 0.1 * x)}
 
 
 def test_a_failed_solve_restores_everything():
@@ -58,23 +58,12 @@ def test_a_cycle_is_noticed_and_damped():
     problem = press(**CYCLING)
     solver = problem.solver()
     with pytest.raises(ContactConvergenceError, match="the contact status cycles; take smaller"):
-        solver.Solve(printing=False, maxit=12)
+        solver.Solve(printing=False)
     assert min(h.damping for h in solver.history) < 1
     assert "damped" in str(next(h for h in solver.history if h.damping < 1))
     assert not np.any(numpy(problem.gf))
     statuses = [(h.open, h.stick, h.slip) for h in solver.history]
     assert len(set(statuses)) < len(statuses)
-
-
-def test_a_cycle_is_cured_by_smaller_steps():
-    problem = press(**CYCLING)
-    solver = problem.solver()
-    for load in (0.25, 0.5, 0.75, 1.0):
-        problem.load.Set(load)
-        solver.Solve(printing=False)
-        problem.contact.Commit(problem.gf)
-    assert problem.contact.Check().paired_area == pytest.approx(1, rel=1e-12)
-    assert solver.history[-1].damping == 1
 
 
 def test_nan_in_the_residual():
@@ -137,7 +126,7 @@ def test_initial_none_names_body_and_motion():
     [
         ({"dirichlet": "bottom"}, ["translation in x", "translation in y", "rotation"]),
         ({"dirichlety": "top", "dirichlet": "bottom"}, ["translation in x"]),
-        ({"dirichletx": "top", "dirichlet": "bottom"}, ["translation in y"]),
+        ({"dirichletx": "top", "dirichlet": "bottom"}, ["translation in y", "rotation"]),
     ],
 )
 def test_every_free_motion_is_named(dirichlet, motions):

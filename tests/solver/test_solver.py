@@ -78,7 +78,7 @@ def test_linear_bulk_converges_in_the_step_after_the_last_change():
     assert len(solver.history) <= 6
 
 
-@pytest.mark.parametrize("law", [{"friction": 0.3}, {}, {"tresca": 0.3}, {"tied": True}])
+@pytest.mark.parametrize("law", [{"friction": 0.3}, {}, {"tresca": 0.01}, {"tied": True}])
 @pytest.mark.parametrize("nonlinear", [False, True])
 def test_stock_newton_finds_the_same(law, nonlinear):
     """FormSum with NGSolve's NewtonSolver, the pairing fixed in the reference configuration."""
@@ -87,7 +87,7 @@ def test_stock_newton_finds_the_same(law, nonlinear):
     newton = NewtonSolver(
         FormSum(stock.a, stock.contact), stock.gf, freedofs=stock.X.FreeDofs(), inverse="umfpack"
     )
-    newton.Solve(maxerr=1e-22, maxit=30, printing=False)
+    newton.Solve(maxerr=1e-12, maxit=20, printing=False)
     difference = numpy(mine.gf) - numpy(stock.gf)
     assert np.abs(difference).max() <= 1e-10 * np.abs(numpy(mine.gf)).max()
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, x
+from ngsolve import CF, GridFunction
 from press import mixed_press, numpy, press
 
 from ngslac import ContactConvergenceError, LoadStepper
@@ -78,10 +78,9 @@ def test_prediction_does_not_change_the_solution(predict):
 def test_prescribed_displacements():
     problem = press(spring=0, flags={"dirichlet": "bottom|top"}, friction=0.4)
     problem.load.Set(0.0)
-    top = np.array(
-        [bool(b) for b in problem.X.components[0].GetDofs(problem.mesh.Boundaries("top"))]
-    )
-    wanted = type(problem.gf.components[0])(problem.X.components[0])
+    V = problem.X.components[0]
+    top = np.array([bool(b) for b in V.GetDofs(problem.mesh.Boundaries("top"))])
+    wanted = GridFunction(V)
     wanted.Set(CF((0.01, -0.02)), definedon=problem.mesh.Boundaries("top"))
 
     def prescribe(gf):
@@ -89,17 +88,19 @@ def test_prescribed_displacements():
         values[top] = problem.load.Get() * numpy(wanted)[top]
 
     stepper(problem, prescribe=prescribe).Integrate(steps=3, printing=False)
-    assert problem.gf(problem.mesh(0.5, 1))[0] == pytest.approx((0.01, -0.02), rel=1e-12)
+    at_top = problem.gf.components[0](problem.mesh(0.5, 1))
+    assert at_top == pytest.approx((0.01, -0.02), rel=1e-12)
     assert problem.contact.Force()[1] > 0.5
 
 
-CYCLING = {"friction": 0.15, "nonlinear": True, "h": 0.15, "push": (0.05, -0.1 + 0.4 * x)}
+# In one step elements turn inside out, and the bulk's energy has no value.
+HARD = {"friction": 2.0, "nonlinear": True, "push": (0.3, -0.05)}
 
 
 def test_a_failing_step_is_cut(capsys):
-    problem = press(**CYCLING)
+    problem = press(**HARD)
     problem.load.Set(0.0)
-    steps = stepper(problem).Integrate(steps=1, maxit=12)
+    steps = stepper(problem).Integrate(steps=1)
     assert len(steps) > 1
     assert sum(s.cuts for s in steps) >= 1
     assert steps[-1].time == problem.load.Get() == 1.0
@@ -108,34 +109,33 @@ def test_a_failing_step_is_cut(capsys):
 
 
 def test_steps_grow_again_after_a_cut():
-    """Three iterations are too few for the first steps only."""
+    """After a step that had to be cut the next one is twice as long."""
     problem = unloaded(nonlinear=True)
-    steps = stepper(problem).Integrate(steps=1, maxit=5, printing=False)
+    steps = stepper(problem).Integrate(steps=1, maxit=4, printing=False)
     sizes = np.diff([0, *(s.time for s in steps)])
     assert steps[0].cuts > 0
-    assert sizes.max() > sizes[0]
+    assert sizes.max() > 1.5 * sizes[0]
 
 
 def test_giving_up_leaves_the_last_converged_step():
     problem = unloaded(nonlinear=True)
     tool = stepper(problem, maxcuts=2)
     tool.Integrate(0.5, steps=2, printing=False)
-    before, history = numpy(problem.gf), numpy(problem.contact.slip)
+    before, committed = numpy(problem.gf), problem.contact.form.Vectors("reference")
     with pytest.raises(ContactConvergenceError):
         tool.Integrate(1.0, steps=1, maxit=1, tol=1e-14, printing=False)
     assert problem.load.Get() == 0.5
     assert np.array_equal(numpy(problem.gf), before)
-    assert numpy(problem.contact.slip) == pytest.approx(history, abs=1e-15)
+    assert np.array_equal(problem.contact.form.Vectors("reference"), committed)
     assert len(tool.steps) == 2
     tool.Integrate(1.0, steps=2, printing=False)
     assert problem.load.Get() == 1.0
 
 
 def test_cut_steps_reach_the_same_solution():
-    """More steps for the same load path: the same solution where nothing slips back."""
-    problem, fine = press(**CYCLING), press(**CYCLING)
-    for p in (problem, fine):
-        p.load.Set(0.0)
-    stepper(problem).Integrate(steps=2, printing=False)
+    """Without friction the path does not matter."""
+    problem, fine = (unloaded(nonlinear=True, friction=None) for _ in range(2))
+    steps = stepper(problem).Integrate(steps=1, maxit=4, printing=False)
     stepper(fine).Integrate(steps=8, printing=False)
-    assert problem.contact.Force() == pytest.approx(fine.contact.Force(), rel=0.1)
+    assert sum(s.cuts for s in steps) > 0
+    assert numpy(problem.gf) == pytest.approx(numpy(fine.gf), abs=1e-8)

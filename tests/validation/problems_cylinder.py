@@ -62,7 +62,12 @@ class Cylinder:
         """Hertz' solution at the full load."""
         cylinder, block = self.young
         return HertzLine(
-            force=self.force, radius1=RADIUS, young1=cylinder, nu1=self.nu, young2=block, nu2=self.nu
+            force=self.force,
+            radius1=RADIUS,
+            young1=cylinder,
+            nu1=self.nu,
+            young2=block,
+            nu2=self.nu,
         )
 
 

@@ -1,0 +1,82 @@
+#pragma once
+#include <algorithm>
+#include <core/ngcore.hpp>
+#include <gprim/geomobjects.hpp>
+
+namespace ngslac {
+using namespace ngcore;
+
+/// A static tree of boxes: halves at the median of the longest axis, each node with the box around
+/// all that is below it. Built in O(n log n); a query costs O(log n + hits) for separate boxes.
+///
+/// netgen's BoxTree neither balances (boundary faces come sorted, which turns it into a list) nor
+/// keeps node boxes (a query visits the square root of its leaves).
+template <int D>
+class BoxTree {
+  static constexpr int leafsize = 4;
+  struct Node {
+    netgen::Box<D> box;
+    int first, last; // of the items below
+    int right;       // second child, the first follows its parent; 0: leaf
+  };
+  Array<netgen::Box<D>> boxes;
+  Array<Node> nodes;
+  Array<int> items;
+
+public:
+  explicit BoxTree(Array<netgen::Box<D>> aboxes) : boxes(std::move(aboxes)), items(boxes.Size()) {
+    for (int i : Range(items))
+      items[i] = i;
+    if (items.Size())
+      Build(0, items.Size());
+  }
+
+  /// Calls f(item) for every item whose box intersects `box`.
+  template <typename F>
+  void Visit(const netgen::Box<D> & box, F f) const {
+    if (nodes.Size() == 0)
+      return;
+    ArrayMem<int, 100> stack;
+    stack.Append(0);
+    while (stack.Size()) {
+      int i = stack.Last();
+      stack.DeleteLast();
+      auto & node = nodes[i];
+      if (!node.box.Intersect(box))
+        continue;
+      if (node.right) {
+        stack.Append(node.right);
+        stack.Append(i + 1);
+      } else
+        for (int k : Range(node.first, node.last))
+          if (boxes[items[k]].Intersect(box))
+            f(items[k]);
+    }
+  }
+
+private:
+  void Build(int first, int last) {
+    netgen::Box<D> all(netgen::Box<D>::EMPTY_BOX), centers(netgen::Box<D>::EMPTY_BOX);
+    for (int k : Range(first, last)) {
+      auto & box = boxes[items[k]];
+      all.Add(box.PMin()), all.Add(box.PMax());
+      centers.Add(box.Center());
+    }
+    size_t me = nodes.Append(Node{all, first, last, 0}), axis = 0;
+    if (last - first <= leafsize)
+      return;
+    for (int k : Range(D))
+      if (centers.PMax()(k) - centers.PMin()(k) > centers.PMax()(axis) - centers.PMin()(axis))
+        axis = k;
+    int middle = (first + last) / 2;
+    std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + last,
+                     [&](int a, int b) {
+                       double x = boxes[a].Center()(axis), y = boxes[b].Center()(axis);
+                       return x < y || (x == y && a < b); // the same tree on every machine
+                     });
+    Build(first, middle);
+    nodes[me].right = nodes.Size();
+    Build(middle, last);
+  }
+};
+} // namespace ngslac

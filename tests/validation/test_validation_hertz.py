@@ -1,0 +1,153 @@
+"""The paper's Hertz problem: figures, convergence under refinement, frame and units.
+
+Friction raises the pressure at the origin. For half-planes of these materials it does so by 1.8 %
+(the coupled equations of `problems_punch`), here, with a contact width of an eighth of the radius,
+by 1.7 %: most of the 1.9 % by which the paper's result exceeds Hertz' is no error.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ngslac.demos.hertz import Run
+
+FRICTION = 0.2
+CASES = [0.0, FRICTION]
+STEPS = 10
+
+# Pressure at the origin over Hertz' for h -> 0, from h = 0.125 and finer.
+LIMIT = {0.0: 0.999, FRICTION: 1.016}
+
+
+@cache
+def Half(h, friction):
+    return Run(h=h, friction=friction, steps=STEPS)
+
+
+def Sizes(h):
+    """Refinement sequences; the finest mesh takes a while."""
+    return pytest.param(h, marks=pytest.mark.slow) if h < 0.25 else h
+
+
+@pytest.mark.parametrize(("friction", "limit"), [(0.0, 3e-3), (FRICTION, 1.9e-2)])
+def test_pressure_at_the_origin_at_h_half(friction, limit):
+    figures = Half(0.5, friction).figures
+    assert abs(figures["p0_ratio"] - 1) <= limit
+    assert abs(figures["p0_ratio_raw"] - 1) <= limit
+
+
+@pytest.mark.parametrize("friction", CASES)
+def test_contact_edge(friction):
+    figures = Half(0.25, friction).figures
+    start, end = figures["contact_edge_interval"]
+    assert 6.1 <= figures["contact_edge"] <= 6.4
+    assert start <= figures["hertz"]["halfwidth"] <= end
+    assert figures["contact_edge_estimate"] == pytest.approx(
+        figures["hertz"]["halfwidth"], rel=0.01
+    )
+
+
+@pytest.mark.parametrize("friction", CASES)
+@pytest.mark.parametrize("h", [0.5, 0.25])
+def test_resultant_is_the_load_in_each_step(h, friction):
+    states = Half(h, friction).states
+    assert [state.time for state in states] == pytest.approx(np.arange(1, STEPS + 1) / STEPS)
+    np.testing.assert_allclose([state.force for state in states], 1, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("friction", CASES)
+@pytest.mark.parametrize("h", [0.5, 0.25])
+def test_newton_iterations(h, friction):
+    iterations = Half(h, friction).figures["newton_iterations"]
+    assert len(iterations) == STEPS
+    assert iterations[0] <= 8
+    assert max(iterations[1:]) <= 5
+
+
+@pytest.mark.parametrize("friction", CASES)
+@pytest.mark.parametrize("h", [0.5, 0.25])
+def test_pressure_agrees_with_hertz(h, friction):
+    problem, macros = Half(h, friction).problem, Half(h, friction).states[-1].macros
+    hertz = problem.Hertz()
+    exact = hertz.MeanPressure(macros["start"], macros["end"])
+    size = macros["end"] - macros["start"]
+    error = np.sqrt(np.sum(size * (macros["pressure"] - exact) ** 2) / np.sum(size * exact**2))
+    assert error <= (0.02 if friction == 0 else 0.04) + 0.05 * h
+    inner = macros["end"] < 0.8 * hertz.halfwidth
+    ratio = macros["pressure"][inner] / exact[inner]
+    assert np.all(np.abs(ratio - 1) <= (5e-3 if friction == 0 else 2.5e-2))
+
+
+@pytest.mark.parametrize("friction", CASES)
+@pytest.mark.parametrize("h", [Sizes(h) for h in (0.5, 0.25, 0.125)])
+def test_pressure_at_the_origin_converges(h, friction):
+    error = Half(h, friction).figures["p0_ratio"] - LIMIT[friction]
+    assert abs(error) <= 3e-3 * h
+
+
+def test_half_load_is_half_of_it():
+    # Hertz' contact is self-similar: p0 grows like the root of the load.
+    figures = Half(0.25, FRICTION).figures
+    half = figures["half_load"]
+    assert half["force_ratio"] == pytest.approx(1, abs=1e-10)
+    assert half["p0_ratio"] == pytest.approx(figures["p0_ratio"], abs=4e-3)
+
+
+# ---------------------------------------------------------------- frame and units
+
+FRAME = {"h": 0.5, "friction": FRICTION, "steps": 4, "half": False}
+
+
+@pytest.fixture(scope="module")
+def upright():
+    """The full model, which needs no condition on the line of symmetry."""
+    return Run(**FRAME)
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
+        {"angle": 37.0},
+        {"length": 1e-3, "stress": 1e6},
+        {"angle": 37.0, "length": 1e-3, "stress": 1e6},
+    ],
+    ids=["rotated", "metres", "both"],
+)
+def changed(request):
+    return Run(**FRAME, **request.param)
+
+
+def test_frame_and_units_do_not_change_the_figures(upright, changed):
+    for name in ("p0_ratio", "p0_ratio_raw", "contact_edge", "contact_edge_estimate"):
+        assert changed.figures[name] == pytest.approx(upright.figures[name], rel=1e-8)
+    assert changed.figures["force_ratio"] == pytest.approx(1, abs=1e-10)
+    assert changed.figures["newton_iterations"] == upright.figures["newton_iterations"]
+
+
+def test_frame_and_units_do_not_change_the_multipliers(upright, changed):
+    for before, after in zip(upright.states, changed.states, strict=True):
+        np.testing.assert_array_equal(after.macros["status"], before.macros["status"])
+        for name in ("start", "end", "pressure", "traction"):
+            size = np.abs(before.macros[name]).max()
+            np.testing.assert_allclose(
+                after.macros[name], before.macros[name], rtol=0, atol=1e-8 * size
+            )
+
+
+def test_frame_and_units_do_not_change_the_displacement(upright, changed):
+    problem = changed.problem
+    block = np.array([[0.0, 100.0], [20.0, 50.0], [-10.0, 30.0], [0.0, -50.0], [-40.0, -120.0]])
+    for point in block * [1.0, 0.999]:
+        reference = np.array(upright.displacement(upright.mesh(*point)))
+        turned = problem.length * point @ problem.frame
+        there = np.array(changed.displacement(changed.mesh(*turned)))
+        there = problem.frame @ there / problem.length
+        np.testing.assert_allclose(there, reference, rtol=0, atol=1e-8 * np.abs(reference).max())
+
+
+def test_springs_against_rolling_carry_no_force(upright):
+    # The mesh is not symmetric: the force along the block is that of the discretisation alone.
+    along = upright.problem.frame[0] @ np.asarray(upright.contact.Force())
+    assert abs(along) <= 1e-3 * upright.problem.load
+    assert upright.figures["p0_ratio"] == pytest.approx(LIMIT[FRICTION], abs=2e-3)
