@@ -13,6 +13,8 @@ Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string
   Region region = std::holds_alternative<string>(slave)
                       ? Region(ma.shared_from_this(), BND, std::get<string>(slave))
                       : std::get<Region>(slave);
+  if (region.Mesh().get() != &ma)
+    throw Exception("LACSpace: slave is a region of another mesh than that of the displacement");
   if (region.VB() != BND)
     throw Exception("LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
   Array<double> numbers;
@@ -84,7 +86,13 @@ void ExportSpace(py::module & m) {
                        bool autoupdate) {
              Flags flags;
              flags.SetFlag("slave", BoundaryNumbers(*displacement->GetMeshAccess(), slave));
+             if (components && (*components < 1 || *components > 3))
+               throw Exception("LACSpace: components = " + ToString(*components) +
+                               " must be 1, 2 or 3");
              if (macros) {
+               if (macros->empty())
+                 throw Exception("LACSpace: macros has 0 entries; give one number per slave face, "
+                                 "or leave it out");
                Array<double> numbers;
                for (int macro : *macros)
                  numbers.Append(macro);

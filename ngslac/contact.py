@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 from ngsolve import BND, CoefficientFunction, GridFunction, Region
+from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm, Side
 from ngslac.report import ContactReport
@@ -99,6 +100,9 @@ class LACContact:
         penetration=None,
         stiffness=1.0,
     ):
+        for name, proxy in {"u": u, "lam": lam}.items():
+            if not isinstance(proxy, ProxyFunction):
+                raise TypeError(f"{name} must be a trial function of a product space")
         if (master is None) == (obstacle is None):
             raise ValueError("give either master= or obstacle=, not both and not none")
         if tied and (friction is not None or tresca is not None):

@@ -84,7 +84,7 @@ class LinearSolver:
         try:
             inv = mat.Inverse(self.bits, inverse=inverse)
         except Exception as error:
-            if "not available" in str(error) or "install" in str(error):
+            if isinstance(error, ImportError) or "available" in str(error):
                 raise ValueError(f"inverse={inverse!r} is not available: {error}") from error
             return x, np.inf  # reported as singular
         error = np.inf

@@ -99,6 +99,7 @@ class ContactSolver:
         """
         if maxit < 1 or not tol > 0:
             raise ValueError(f"maxit = {maxit} must be at least 1 and tol = {tol} positive")
+        self._tol = tol
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
         try:
@@ -192,7 +193,9 @@ class ContactSolver:
         scaled = self.scale * (bulk + contact_residual.FV().NumPy()) * self.linear.free
         if not np.all(np.isfinite(scaled)):
             raise ContactConvergenceError("the residual holds NaN or infinite values", self.history)
-        reference = max(self._forces, self._reference) or 1.0
+        # No residual gets below the rounding errors of the stiffness times the displacement.
+        rounding = 1e-14 * np.linalg.norm((self.gf.vec.FV().NumPy() / self.scale)[~rows])
+        reference = max(self._forces, self._reference, rounding / self._tol) or 1.0
         return State(
             bulk=bulk.copy(),
             equilibrium=float(np.linalg.norm(scaled[~rows])) / reference,
@@ -213,7 +216,10 @@ class ContactSolver:
         load = self.rhs() if callable(self.rhs) and not isform else self.rhs
         if hasattr(load, "Evaluate"):  # an expression such as 2 * vector
             load = load.Evaluate()
-        return getattr(load, "vec", load)
+        load = getattr(load, "vec", load)
+        if load.size != self.gf.vec.size:
+            raise ValueError(f"rhs has {load.size} entries, the product space {self.gf.vec.size}")
+        return load
 
     def _Step(self, state, damped):
         residual = self.gf.vec.CreateVector()

@@ -1,6 +1,15 @@
 #include "coefficients.hpp"
 
 namespace ngslac {
+namespace {
+string PointText(FlatVector<> x) {
+  string text = "(";
+  for (size_t k : Range(x.Size()))
+    text += (k ? ", " : "") + ToString(x(k));
+  return text + ")";
+}
+} // namespace
+
 Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & space,
                          const string & name) {
   auto ma = space.GetMeshAccess();
@@ -22,7 +31,7 @@ Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & 
         double value = function.Evaluate(mip);
         if (!isfinite(value) || value < 0)
           throw Exception("LACContact: " + name + " is " + ToString(value) + " at " +
-                          ToString(mip.GetPoint()) + " on boundary '" +
+                          PointText(mip.GetPoint()) + " on boundary '" +
                           string(ma->GetMaterial(ei)) + "'; it must be a number >= 0");
         AtomicAdd(means[macro], mip.GetWeight() * value);
         AtomicAdd(area[macro], mip.GetWeight());
@@ -50,7 +59,7 @@ void SetObstacleGaps(const CoefficientFunction & gap, const MeshAccess & ma,
         p.gap = gap.Evaluate(trafo(ip, lh));
         if (!isfinite(p.gap))
           throw Exception("LACContact: the gap to the obstacle is " + ToString(p.gap) + " at " +
-                          ToString(slave.Point(face, p.slave)));
+                          PointText(trafo(ip, lh).GetPoint()));
       };
       for (auto & p : pairing.points.Range(pairing.Points(s)))
         set(p);

@@ -10,6 +10,13 @@ ContactForm::ContactForm(const ContactSetup & asetup)
                     lam.component->GetClassName());
   if (u.fes != lam.fes)
     throw Exception("LACContact: u and lam belong to different product spaces");
+  if (space->Displacement()->GetNDof() != u.component->GetNDof() ||
+      space->Displacement()->GetClassName() != u.component->GetClassName())
+    throw Exception("LACContact: lam was made for another displacement space (" +
+                    space->Displacement()->GetClassName() + ") than that of u (" +
+                    u.component->GetClassName() + "); its macro-elements may be unstable");
+  if (setup.master && setup.master->Mesh() != u.fes->GetMeshAccess())
+    throw Exception("LACContact: master is a region of another mesh than that of u");
   int dim = u.fes->GetMeshAccess()->GetDimension();
   if (u.evaluator->Dim() != dim || lam.evaluator->Dim() != dim)
     throw Exception("LACContact: u and lam need " + ToString(dim) +

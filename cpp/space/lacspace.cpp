@@ -56,10 +56,10 @@ LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
 void LACSpace::Update() {
   static Timer timer("ngslac::LACSpace::Update");
   RegionTimer reg(timer);
-  // In a product space the displacement is up to date by now; alone it may not be.
-  if (displacement->GetNDof() == 0 || !displacement->GetFreeDofs() ||
-      displacement->GetFreeDofs()->Size() != displacement->GetNDof() ||
-      (!ready && ma->GetNE(BND) != partition.macro_of_face.Size())) {
+  // After a refinement the displacement may not be up to date, if it is no neighbour in a product.
+  auto free = displacement->GetFreeDofs();
+  size_t known = partition.macro_of_face.Size();
+  if (!free || free->Size() != displacement->GetNDof() || (known && known != ma->GetNE(BND))) {
     displacement->Update();
     displacement->FinalizeUpdate();
   }

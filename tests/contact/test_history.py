@@ -139,6 +139,31 @@ def test_status_follows_the_law(mesh):
     assert set(contact.Table()["status"]) == {0}
 
 
+@pytest.mark.parametrize(
+    ("law", "bound"),
+    [
+        ({"friction": 0.3}, 0.3 * 2.3),
+        ({"tresca": 0.5}, 0.5),
+        ({"friction": 0.3, "tresca": 0.5}, 0.5),  # Coulomb's law up to the threshold
+        ({"friction": 0.1, "tresca": 0.5}, 0.23),
+        ({"friction": 0.0, "tresca": 0.5}, 0.0),
+        ({}, 0.0),
+    ],
+)
+def test_bound_of_the_tangential_traction(mesh, law, bound):
+    """Trial pressure 2 + 0.1 C = 2.3; the residual says where a sliding traction should be."""
+    contact = contact_form(mesh, **law)
+    for shear in (4.0, -4.0, 0.9 * bound):
+        gf = state(contact, 0.0, 0.1, pressure=2.0, shear=shear)
+        rows = residual(contact, gf.vec.FV().NumPy())[contact.form.MultiplierDofs()]
+        table = contact.Table()
+        paired = table["area"] > 0
+        projected = rows.reshape(-1, 2)[paired] * C / table["area"][paired, None]
+        projected += -2 * N + shear * T
+        expected = -2.3 * N + np.clip(shear, -bound, bound) * T
+        assert projected == pytest.approx(np.tile(expected, (paired.sum(), 1)), rel=1e-11)
+
+
 def test_force_and_moment(mesh):
     contact = contact_form(mesh)
     rng = np.random.default_rng(0)

@@ -157,3 +157,14 @@ def test_a_pulled_body_flies_away():
         problem.solver().Solve(printing=False)
     assert "floats" in str(error.value) or "no convergence" in str(error.value)
     assert not np.any(numpy(problem.gf))
+
+
+def test_friction_below_tresca_keeps_the_law_continuous():
+    """What cycles with Tresca's bound alone converges with Coulomb's law up to that bound."""
+    problem = press(**CYCLING, friction=1.0)
+    problem.solver().Solve(printing=False)
+    table = problem.contact.Table()
+    shear = table["traction"] + table["pressure"][:, None] * table["normal"]
+    bound = np.minimum(table["pressure"], 2.0)
+    assert np.all(np.linalg.norm(shear, axis=1) <= bound + 1e-9)
+    assert 0 in table["status"]

@@ -144,7 +144,7 @@ def test_dirichlet_at_the_end_of_the_slave(dirichlet, count):
 
 
 def test_dofs_fixed_by_hand_are_no_cores():
-    """Four faces have two stars; with a vertex of them fixed only the star in the middle is left."""
+    """Four faces have two stars; with a vertex of one fixed, one star in the middle is left."""
     mesh = MakeStructured2DMesh(quads=False, nx=4, ny=2)
     V = VectorH1(mesh, order=1)
     assert LACSpace(V, slave="bottom").nmacros == 2

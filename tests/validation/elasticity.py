@@ -102,13 +102,7 @@ class Pair:
         self.load += InnerProduct(traction, self.v) * ds(where)
 
     def Hold(self, displacement, where):
-        """Dirichlet values on boundaries (which V has to name); call it once.
-
-        Slip counts from the configuration without displacements.
-        """
-        self.a.AssembleLinearization(self.gf.vec)
-        self.contact.Prepare(self.a.mat)
-        self.contact.Commit(self.gf)
+        """Dirichlet values on boundaries (which V has to name); call it once."""
         self.displacement.Set(displacement, definedon=self.mesh.Boundaries(where))
 
     def Solve(self, *, tol=1e-12, **options):

@@ -4,6 +4,7 @@ Theory and an independent program give, for order 1, rates 1 (H1), 2 (L2) and, f
 0.93; for order 2, rates 3/2 (H1: multipliers are constant), above 2 and 0.93. Single halvings vary
 by a third with the position of the end of contact in its macro-element. Two sequences of two
 halvings each are averaged: that end lies at 1/3 of a face at the start of one, at 2/3 in the other.
+For order 1 the L2 rate is 1.90 to 1.97 on these meshes and 1.92 to 1.95 on the next finer ones.
 """
 
 from functools import lru_cache
@@ -14,9 +15,9 @@ from signorini import EXACT, Measure, Rates, Solved
 
 SEQUENCES = [(8, 16, 32), (10, 20, 40)]
 LEAST = {
-    "P1": {"energy": 0.95, "l2": 1.9, "traction": 0.9, "mean": 0.9},
-    "P1split": {"energy": 0.95, "l2": 1.9, "traction": 0.9, "mean": 0.9},
-    "P1bubble": {"energy": 0.95, "l2": 1.9, "traction": 0.9, "mean": 0.9},
+    "P1": {"energy": 0.95, "l2": 1.85, "traction": 0.9, "mean": 0.9},
+    "P1split": {"energy": 0.95, "l2": 1.85, "traction": 0.9, "mean": 0.9},
+    "P1bubble": {"energy": 0.95, "l2": 1.85, "traction": 0.9, "mean": 0.9},
     "P2": {"energy": 1.45, "l2": 2.0, "traction": 0.9, "mean": 0.9},
 }
 

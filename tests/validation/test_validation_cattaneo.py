@@ -12,9 +12,7 @@ from problems_cylinder import SLIP, STICK, Cylinder, Model, Profile
 
 from ngslac.reference import CattaneoMindlin
 
-PROBLEM = Cylinder(
-    force=3.5, friction=0.2, h=0.0015, zone=0.08, young=(105e3, 105e3), half=False
-)
+PROBLEM = Cylinder(force=3.5, friction=0.2, h=0.0015, zone=0.08, young=(105e3, 105e3), half=False)
 HERTZ = PROBLEM.hertz
 LIMIT = PROBLEM.friction * PROBLEM.force
 LOADED = CattaneoMindlin(hertz=HERTZ, shear=0.6 * LIMIT, friction=PROBLEM.friction)

@@ -1,11 +1,14 @@
 """Stick and slip under a growing normal load (Spence): stick ratio and traction profile.
 
 The load is raised such that the half width of the contact grows by equal parts: with 20 steps and
-21 macro-elements in the half width, by one macro-element in each step. Fewer steps change the
-result (with 5 steps the stick ratio is 0.76), more of them do not.
+21 macro-elements in the half width, by one macro-element in each step. With fewer steps the stick
+zone is smaller (0.76 of the contact with 5 steps), with 40 the same but for one macro-element.
+
+Near its end at k the ratio |tau|/(F p) approaches 1 like (k - x/a)^(3/2). The end of the stick zone
+is therefore more sensitive to errors than the tractions are.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -21,7 +24,7 @@ GUESS = {0.1: 0.4, 0.2: 0.9}
 # A hundredth of the paper's load: contact width over radius 1/80.
 LOW = Cylinder(force=350.0, friction=0.2, h=0.03, zone=0.8)
 # A tenth of its size, where the contact is flat: 1/800.
-FLAT = {F: Cylinder(force=3.5, friction=F, h=0.003, zone=0.08) for F in GUESS}
+FLAT = {F: Cylinder(force=3.5, friction=F, h=0.003, zone=0.07) for F in GUESS}
 
 
 @dataclass
@@ -76,9 +79,20 @@ def flat(request):
     return Run.Of(FLAT[request.param])
 
 
+def CheckStickRatio(run):
+    assert run.stick == pytest.approx(run.spence.ratio, abs=run.macro)
+    assert run.stick == pytest.approx(run.spence.ratio, rel=0.02)
+
+
 def test_low_load_stick_ratio_agrees_with_spence(low):
-    assert low.stick == pytest.approx(low.spence.ratio, abs=low.macro)
-    assert low.stick == pytest.approx(low.spence.ratio, rel=0.02)
+    # The zone ends at a node; on this mesh one lies near enough for the second bound.
+    CheckStickRatio(low)
+
+
+@pytest.mark.slow
+def test_low_load_stick_ratio_agrees_with_spence_on_a_finer_mesh():
+    # Here a macro-element is 2.4 % of the half width.
+    CheckStickRatio(Run.Of(replace(LOW, h=0.015)))
 
 
 def test_low_load_traction_agrees_with_spence(low):

@@ -1,0 +1,245 @@
+"""Cost of pairing: 10^3 to 10^6 slave faces against as many master faces that do not match.
+
+Two thin strips of one layer of quadrilaterals, P2 displacements, n faces on the slave side and
+n + 1 on the master side: no inner nodes meet, and there are exactly 2 n segments. Straight, and
+bent to a sine by a displacement, so that every face is a parabola.
+
+    python tests/benchmarks/pairing.py --largest 1000000
+
+Every size runs in a process of its own. The whole call `contact.Update` is timed by
+`time.perf_counter` (wall) and `time.process_time` (cpu, all threads, of which the idle ones spin),
+its parts by NGSolve's timers (`ngslac::...`, wall); the minimum of the repetitions counts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import (
+    CF,
+    GridFunction,
+    Mesh,
+    SetNumThreads,
+    TaskManager,
+    Timers,
+    VectorH1,
+    sin,
+    x,
+)
+
+from ngslac import LACContact, LACSpace
+
+PARTS = {
+    "surfaces": "ngslac::Surface",
+    "tree": "ngslac::Pair - tree",
+    "pair": "ngslac::Pair",  # includes the tree
+    "jump": "ngslac::MacroJump",
+}
+AMPLITUDE, WAVE = 0.1, 3.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measurement; times in seconds."""
+
+    n: int
+    curved: bool
+    threads: int | None
+    segments: int
+    area: float  # paired, of a slave surface of length `length`
+    length: float
+    space: float  # making the LACSpace: traces, macro-elements
+    update: float  # contact.Update: all of the pairing, wall time
+    cpu: float  # the same, processor time of all threads
+    parts: dict
+    memory: float  # bytes per segment that the first Update added to the process
+
+
+# ---------------------------------------------------------------- the problem
+
+
+def StripMesh(n):
+    """Two strips along 0 <= x <= 1, "slave" with n faces above "master" with n + 1."""
+    ngmesh = NetgenMesh(dim=2)
+    for name, count, depth in (("slave", n, 1 / n), ("master", n + 1, -1 / n)):
+        first = len(ngmesh.Points())
+        points = np.zeros((2, count + 1, 3))
+        points[:, :, 0] = np.linspace(0, 1, count + 1)
+        points[1, :, 1] = depth
+        ngmesh.AddPoints(points.reshape(-1, 3))
+        near = np.arange(first, first + count, dtype=np.int32)
+        far = near + count + 1
+        cell = [near, near + 1, far + 1, far] if depth > 0 else [near, far, far + 1, near + 1]
+        cells, faces = np.stack(cell, axis=1), np.stack([near, near + 1], axis=1)
+        ngmesh.AddElements(2, ngmesh.AddRegion(name, dim=2), cells, 0)
+        ngmesh.AddElements(1, ngmesh.AddRegion(name, dim=1), faces, 0)
+    return Mesh(ngmesh)
+
+
+def Contact(n, curved):
+    """The contact, its configuration (None: straight), and the time to make the LACSpace."""
+    mesh = StripMesh(n)
+    V = VectorH1(mesh, order=2)
+    start = time.perf_counter()
+    Q = LACSpace(V, slave="slave")
+    seconds = time.perf_counter() - start
+    X = V * Q
+    u, lam = X.TrialFunction()
+    contact = LACContact(u, lam, master="master", maxdist=0.1, penetration=0.1)
+    if not curved:
+        return contact, None, seconds
+    gf = GridFunction(X)
+    bent = CF((0, AMPLITUDE * sin(WAVE * x)))
+    gf.components[0].Set(bent, definedon=mesh.Boundaries("slave|master"))
+    return contact, gf, seconds
+
+
+# ---------------------------------------------------------------- measuring
+
+
+def Measure(n, curved=False, threads=None, repeat=5):
+    """Pair n slave faces `repeat` times; `threads` changes the number for the whole process."""
+    if threads:
+        SetNumThreads(threads)
+    with TaskManager():
+        contact, gf, space = Contact(n, curved)
+        before = ResidentBytes()
+        runs = [TimedUpdate(contact, gf)]
+        memory = ResidentBytes() - before
+        runs += [TimedUpdate(contact, gf) for _ in range(repeat - 1)]
+        table = contact.Table()
+    return Row(
+        n=n,
+        curved=curved,
+        threads=threads,
+        segments=contact.form.nsegments,
+        area=float(table["area"].sum()),
+        length=float(table["fullarea"].sum()),
+        space=space,
+        update=min(wall for wall, _, _ in runs),
+        cpu=min(cpu for _, cpu, _ in runs),
+        parts={name: min(parts[name] for *_, parts in runs) for name in PARTS},
+        memory=memory / contact.form.nsegments,
+    )
+
+
+def TimedUpdate(contact, gf):
+    """Wall and processor seconds of one Update, and wall seconds of its parts."""
+    before = TimerSeconds()
+    wall, cpu = time.perf_counter(), time.process_time()
+    contact.Update(gf)
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    after = TimerSeconds()
+    return wall, cpu, {name: after[t] - before.get(t, 0.0) for name, t in PARTS.items()}
+
+
+def TimerSeconds():
+    """Seconds so far of every timer of ngslac."""
+    return {t["name"]: t["time"] for t in Timers() if t["name"].startswith("ngslac::")}
+
+
+def ResidentBytes():
+    """Memory of this process now; 0 where the system does not tell it in this way."""
+    statm = Path("/proc/self/statm")
+    return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.exists() else 0
+
+
+def Growth(rows, seconds):
+    """Exponent p of time ~ n^p by least squares, and p of n log n for the same sizes."""
+    logn = np.log([row.n for row in rows])
+    measured = np.polyfit(logn, np.log([seconds(row) for row in rows]), 1)[0]
+    return float(measured), float(np.polyfit(logn, logn + np.log(logn), 1)[0])
+
+
+def Sizes(largest):
+    """1000, 10000, ... up to `largest`."""
+    return [10**k for k in range(3, 10) if 10**k <= largest]
+
+
+def Series(sizes, curved, threads, repeat):
+    """One `Row` per size, each from a fresh process."""
+    with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
+        for n in sizes:
+            yield pool.apply(Measure, (n, curved, threads, repeat))
+
+
+# ---------------------------------------------------------------- output
+
+
+def Head():
+    """The titles of the columns."""
+    names = [
+        "n",
+        "segments",
+        "Update s",
+        "cpu s",
+        *PARTS,
+        "rest",
+        "us/face",
+        "space s",
+        "bytes/seg",
+    ]
+    return " ".join(f"{name:>9}" for name in names)
+
+
+def Line(row):
+    """One row; parts as microseconds per slave face."""
+    parts = {**row.parts, "rest": row.update - sum(row.parts[k] for k in ("surfaces", "pair"))}
+    parts["rest"] -= row.parts["jump"]
+    cells = [f"{row.n:9d} {row.segments:9d} {row.update:9.4f} {row.cpu:9.4f}"]
+    cells += [f"{1e6 * t / row.n:9.2f}" for t in parts.values()]
+    cells += [f"{1e6 * row.update / row.n:9.2f} {row.space:9.3f} {row.memory:9.0f}"]
+    return " ".join(cells)
+
+
+def Report(sizes, threads, repeat):
+    """Measure and print everything; returns the rows."""
+    rows = []
+    for curved in (False, True):
+        for count in threads:
+            shape = "curved" if curved else "straight"
+            print(f"\n{shape}, {count} thread(s); parts in microseconds per slave face")
+            print(Head())
+            series = []
+            for row in Series(sizes, curved, count, repeat):
+                print(Line(row), flush=True)
+                series.append(row)
+            PrintGrowth(series, count)
+            rows += series
+    return rows
+
+
+def PrintGrowth(series, threads):
+    """The exponents: of processor time with one thread, else of wall time."""
+    if len(series) < 2:
+        return
+    p, reference = Growth(series, lambda row: row.cpu if threads == 1 else row.update)
+    pair, _ = Growth(series, lambda row: row.parts["pair"])
+    print(f"time ~ n^{p:.2f} (pair alone n^{pair:.2f}); n log n is n^{reference:.2f} here")
+
+
+def main(argv=None):
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--largest", type=int, default=100_000, help="most slave faces")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--repeat", type=int, default=5, help="calls of Update; the minimum counts")
+    parser.add_argument("--json", metavar="FILE", help="write the rows to this file")
+    options = parser.parse_args(argv)
+    rows = Report(Sizes(options.largest), options.threads, options.repeat)
+    if options.json:
+        Path(options.json).write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

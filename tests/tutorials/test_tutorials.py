@@ -1,0 +1,224 @@
+"""The tutorials run, and what they compute is right."""
+
+import json
+import os
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from nbclient import NotebookClient
+
+import ngslac
+
+FOLDER = Path(__file__).parents[2] / "tutorials"
+CONTACT, HERTZ = "01_contact_in_twenty_lines", "02_hertz"
+
+CONTACT_VALUES = """
+reaction = GridFunction(V)
+reaction.Set((1, 0), definedon=mesh.Boundaries("bottom"))
+sideways = reaction.vec.FV().NumPy() @ K @ u1
+reaction.Set((0, 1), definedon=mesh.Boundaries("bottom"))
+upwards = reaction.vec.FV().NumPy() @ K @ u1
+
+
+def State(u, lam, status):
+    return dict(
+        x=table["x"][:, 0], status=status, resultant=A @ lam,
+        pressure=-N @ lam.ravel(), friction=T @ lam.ravel(),
+        gap=g - N @ B @ u / A, slip=T @ B @ u / A,
+    )
+
+
+VALUES = dict(
+    free=State(u0, lam0, status0), rough=State(u1, lam1, status1), F=F,
+    reaction=[sideways, upwards], lengths=abs((D @ shift.vec.FV().NumPy())[::2] - A).max(),
+    translation=abs(B @ shift.vec.FV().NumPy()).max(), differences=[difference_u, difference_lam],
+    other_c=abs(ActiveSet(F, top, c=1)[1] - lam1).max() / abs(lam1).max(),
+)
+"""
+
+HERTZ_VALUES = """
+VALUES = dict(
+    rows=rows, frictionless=row0, resultant=resultant, inclined=inclined, force=force, F=F,
+    halfwidth=hertz.halfwidth, peak=hertz.peak, ends=ends, status=status,
+    pressure=table["pressure"], hertz=hertz.MeanPressure(ends[:-1], ends[1:]),
+    friction=-table["tangential"], spence=-spence.MeanTraction(ends[:-1], ends[1:]),
+)
+"""
+
+PRINT = """
+import json
+
+print(json.dumps(VALUES, default=lambda value: value.tolist()))
+"""
+
+
+def Execute(name, values, replace=None):
+    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
+    notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+    for old, new in (replace or {}).items():
+        (cell,) = (cell for cell in notebook.cells if old in cell.source)
+        cell.source = cell.source.replace(old, new)
+    notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
+    with pytest.MonkeyPatch.context() as patch:
+        # The kernel takes the package from where the tests have it, and shows its pictures.
+        paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
+        patch.delenv("MPLBACKEND", raising=False)
+        NotebookClient(notebook, kernel_name="python3", timeout=500).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    text = "".join(cell.text for cell in notebook.cells[-1].outputs if "text" in cell)
+    return json.loads(text, object_hook=Arrays), outputs
+
+
+def Arrays(values):
+    return {k: np.array(v) if isinstance(v, list) else v for k, v in values.items()}
+
+
+def Pictures(outputs):
+    return sum("image/png" in output.get("data", {}) for output in outputs)
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return Execute(CONTACT, CONTACT_VALUES)
+
+
+@pytest.fixture(scope="module")
+def hertz():
+    return Execute(HERTZ, HERTZ_VALUES)
+
+
+def test_every_tutorial_is_tested():
+    assert sorted(path.stem for path in FOLDER.glob("*.ipynb")) == [CONTACT, HERTZ]
+
+
+@pytest.mark.parametrize("name", [CONTACT, HERTZ])
+def test_stored_without_outputs(name):
+    notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    assert notebook.metadata.kernelspec.name == "python3"
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.outputs for cell in code] == [[]] * len(code)
+    assert [cell.execution_count for cell in code] == [None] * len(code)
+
+
+def test_no_errors_and_pictures(contact, hertz):
+    for (_, outputs), pictures in (contact, 2), (hertz, 1):
+        assert not [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]
+        assert Pictures(outputs) == pictures
+
+
+# ---------------------------------------------------------------- 01
+
+
+@pytest.mark.parametrize("case", ["free", "rough"])
+def test_contact_conditions(contact, case):
+    values, _ = contact
+    state, F = values[case], values["F"] if case == "rough" else 0
+    p, q, slip, status = (state[name] for name in ("pressure", "friction", "slip", "status"))
+    size, length = p.max(), abs(state["gap"]).max()
+    assert p.min() > -1e-12 * size
+    assert state["gap"].min() > -1e-12 * length
+    assert abs(p * state["gap"]).max() < 1e-12 * size * length
+    assert abs(p[status == 0]).max() < 1e-12 * size
+    assert abs(slip[status == 1]).max(initial=0) < 1e-12 * length
+    np.testing.assert_array_less(abs(q), F * p + 1e-12 * size)
+    slips = status == 2
+    np.testing.assert_allclose(q[slips], -F * p[slips] * np.sign(slip[slips]), atol=1e-12 * size)
+
+
+def test_contact_states(contact):
+    values, _ = contact
+    assert np.bincount(values["free"]["status"], minlength=3).tolist() == [6, 0, 14]
+    counts = np.bincount(values["rough"]["status"], minlength=3)
+    assert counts.min() > 3  # the example shows all three states
+    order = values["rough"]["x"].argsort()
+    changes = np.flatnonzero(np.diff(values["rough"]["status"][order]))
+    assert len(changes) == 4  # open, slip, stick, slip, open
+
+
+def test_contact_symmetric_without_friction(contact):
+    state = contact[0]["free"]
+    p = state["pressure"][state["x"].argsort()]
+    np.testing.assert_allclose(p, p[::-1], atol=0.01 * p.max())  # the mesh is not symmetric
+    assert p.max() == pytest.approx(3.71, rel=0.01)
+
+
+def test_contact_balance(contact):
+    values, _ = contact
+    assert values["lengths"] < 1e-14
+    assert values["translation"] < 1e-14
+    # The support hands on to its bottom what it gets from the block.
+    np.testing.assert_allclose(values["reaction"], values["rough"]["resultant"], rtol=1e-10)
+    assert values["rough"]["resultant"][0] < 0 < values["rough"]["resultant"][1]
+
+
+def test_contact_by_hand_and_by_solver(contact):
+    values, _ = contact
+    assert values["differences"].max() < 1e-10
+    assert values["other_c"] < 1e-10
+
+
+# ---------------------------------------------------------------- 02
+
+
+def test_hertz_theory(hertz):
+    values, _ = hertz
+    assert values["halfwidth"] == pytest.approx(6.2146, abs=1e-4)
+    assert values["peak"] == pytest.approx(3585.36, abs=0.01)
+
+
+def test_hertz_steps(hertz):
+    rows = hertz[0]["rows"]
+    np.testing.assert_allclose(rows[:, 0], np.arange(1, 11) / 10)
+    assert rows[0, 1] <= 8
+    assert rows[1:, 1].max() <= 5
+    np.testing.assert_allclose(rows[:, 2], 1.0165, atol=0.002)
+
+
+def test_hertz_peak_with_and_without_friction(hertz):
+    values, _ = hertz
+    last, frictionless = values["rows"][-1], values["frictionless"]
+    assert last[2] == pytest.approx(1.016, abs=1e-3)
+    assert frictionless[2] == pytest.approx(0.999, abs=1e-3)
+    assert 6.1 < last[3] < 6.4
+    assert 6.1 < frictionless[3] < 6.4
+
+
+def test_hertz_resultants(hertz):
+    values, _ = hertz
+    assert values["resultant"][1] == pytest.approx(values["force"] / 2, rel=1e-10)
+    assert values["resultant"][0] < values["inclined"][0] < 0  # friction pulls to the middle
+
+
+def test_hertz_pressure(hertz):
+    values, _ = hertz
+    lengths = np.diff(values["ends"])
+    error = np.sqrt(lengths @ (values["pressure"] - values["hertz"]) ** 2)
+    assert error < 0.03 * np.sqrt(lengths @ values["hertz"] ** 2)
+
+
+def test_hertz_stick_and_slip(hertz):
+    values, _ = hertz
+    p, q, status = values["pressure"], values["friction"], values["status"]
+    closed = np.flatnonzero(status)
+    assert closed.tolist() == list(range(len(closed)))
+    assert np.all(np.diff(status[closed]) >= 0)  # sticks inside, slips outside
+    assert set(status[closed]) == {1, 2}
+    np.testing.assert_allclose(q[status == 2], values["F"] * p[status == 2], rtol=1e-8)
+    assert np.all(q[status == 1] < values["F"] * p[status == 1])
+
+
+def test_hertz_small_contact_has_the_friction_of_spence():
+    """Exercise 2: with a hundredth of the load the bodies are half-planes."""
+    replace = {"35e3": "350", "zone, h = 0.3, 0.25": "zone, h = 0.03, 0.025"}
+    values, _ = Execute(HERTZ, HERTZ_VALUES, replace)
+    x = values["ends"] / values["halfwidth"]
+    middle = (x[:-1] + x[1:]) / 2
+    lengths, q, spence = np.diff(x), values["friction"], values["spence"]
+    print(np.c_[middle, q/spence, values["status"]][middle<1].round(3).tolist(), lengths@q/(lengths@spence))
+    assert lengths @ q == pytest.approx(lengths @ spence, rel=0.03)
+    slips = middle[values["status"] == 2]
+    assert slips.min() == pytest.approx(0.9063, abs=1.5 * lengths.max())
