@@ -218,7 +218,9 @@ def test_hertz_small_contact_has_the_friction_of_spence():
     x = values["ends"] / values["halfwidth"]
     middle = (x[:-1] + x[1:]) / 2
     lengths, q, spence = np.diff(x), values["friction"], values["spence"]
-    print(np.c_[middle, q/spence, values["status"]][middle<1].round(3).tolist(), lengths@q/(lengths@spence))
     assert lengths @ q == pytest.approx(lengths @ spence, rel=0.03)
+    # Macro by macro the ten load steps show, more so in the middle, which few of them have seen.
+    outer = (middle > 0.3) & (middle < 0.9)
+    np.testing.assert_allclose(q[outer], spence[outer], rtol=0.1)
     slips = middle[values["status"] == 2]
     assert slips.min() == pytest.approx(0.9063, abs=1.5 * lengths.max())

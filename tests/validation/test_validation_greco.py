@@ -158,7 +158,7 @@ def test_proportional_loads_give_the_same_in_one_step_and_in_five(outcomes):
     np.testing.assert_array_equal(five.table["status"], one.table["status"])
 
 
-@pytest.mark.parametrize("case", SPACES[1:])
+@pytest.mark.parametrize("case", SPACES[2:])
 def test_millimetres_and_megapascals_give_the_same_as_si_units(outcomes, case):
     # Also iteration by iteration: nothing in the method has an absolute size.
     si, mm = outcomes[case], Solve(*case, length=1e3, stress=1e-6)
