@@ -7,95 +7,59 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-
-__all__: list[str] = [
-    "BubbleVectorH1",
-    "ContactForm",
-    "EquilibrationScale",
-    "LACSpace",
-    "MergeMatrices",
-    "Side",
-    "SplitSlaveFaces",
-]
-
+__all__: list[str] = ['BubbleVectorH1', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'Side', 'SplitSlaveFaces']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
 
+    Every macro-element contains the support of at least one free displacement basis function, so that
+    the method is inf-sup stable (Abbas, Drouet, Hild, Pignet 2017, section 2.2). The supports are read
+    off the displacement space: single faces where these carry an inner dof (order >= 2 in 2D, or
+    `BubbleVectorH1`), stars of faces around a vertex for first order. A function of the space is the
+    traction acting on the slave body in Cartesian components (stress units), one vector per
+    macro-element; there are no other dofs.
 
-    Keyword arguments can be:
+    Parameters
+    ----------
+    V : ngsolve.FESpace
+        Displacement space, vector-valued and real, of any kind and order: VectorH1, H1(dim=d),
+        VectorValued, a component of a product space. Dofs with Dirichlet conditions do not count.
+    slave : str or Region
+        Pattern of boundary names, or a boundary region: the side that carries the multipliers.
+    macros : list[int], optional
+        Macro-element of each slave face in the order of the mesh, numbered densely from 0, in place of
+        the automatic choice; refused if one holds no inner basis function. Not for refined meshes.
+    components : int, optional
+        Numbers per macro-element; default: the space dimension, as `LACContact` needs it.
+    autoupdate : bool
+        Update with `mesh.Refine()`. Default: as V does.
 
-    order: int = 1
-      order of finite element space
-    complex: bool = False
-      Set if FESpace should be complex
-    dirichlet: regexpr
-      Regular expression string defining the dirichlet boundary.
-      More than one boundary can be combined by the | operator,
-      i.e.: dirichlet = 'top|right'
-    dirichlet_bbnd: regexpr
-      Regular expression string defining the dirichlet bboundary,
-      i.e. points in 2D and edges in 3D.
-      More than one boundary can be combined by the | operator,
-      i.e.: dirichlet_bbnd = 'top|right'
-    dirichlet_bbbnd: regexpr
-      Regular expression string defining the dirichlet bbboundary,
-      i.e. points in 3D.
-      More than one boundary can be combined by the | operator,
-      i.e.: dirichlet_bbbnd = 'top|right'
-    definedon: Region or regexpr
-      FESpace is only defined on specific Region, created with mesh.Materials('regexpr')
-      or mesh.Boundaries('regexpr'). If given a regexpr, the region is assumed to be
-      mesh.Materials('regexpr').
-    dim: int = 1
-      Create multi dimensional FESpace (i.e. [H1]^3)
-    dgjumps: bool = False
-      Enable discontinuous space for DG methods, this flag is needed for DG methods,
-      since the dofs have a different coupling then and this changes the sparsity
-      pattern of matrices.
-    autoupdate: bool = True
-      Automatically update on a change to the mesh.
-    low_order_space: bool = True
-      Generate a lowest order space together with the high-order space,
-      needed for some preconditioners.
-    hoprolongation: bool = False
-      Create high order prolongation operators,
-      only available for H1 and L2 on simplicial meshes
-    order_policy: ORDER_POLICY = ORDER_POLICY.OLDSTYLE
-      CONSTANT .. use the same fixed order for all elements,
-      NODAL ..... use the same order for nodes of same shape,
-      VARIABLE ... use an individual order for each edge, face and cell,
-      OLDSTYLE .. as it used to be for the last decade
-    print: bool = False
-      (historic) print some output into file set by 'SetTestoutFile'
-    slave: Region or str
-      the slave boundaries
-    macros: list[int] = None
-      macro-element of each slave face, in mesh order
-    components: int = mesh.dim
-      numbers per macro-element
+    Raises
+    ------
+    NgException
+        A region without faces, a scalar or complex V, faces of which no stable macro-element can be made
+        (the message names them and the remedies).
+
+    Examples
+    --------
+    >>> V = VectorH1(mesh, order=2, dirichlet="bottom")      # doctest: +SKIP
+    >>> Q = LACSpace(V, slave="top")                         # doctest: +SKIP
+    >>> (u, lam), (v, mu) = (V * Q).TnT()                    # doctest: +SKIP
     """
-    def CoreDofs(
-        self, macro: typing.SupportsInt | typing.SupportsIndex
-    ) -> pyngcore.pyngcore.Array_I_S:
+    def CoreDofs(self, macro: typing.SupportsInt | typing.SupportsIndex) -> pyngcore.pyngcore.Array_I_S:
         """
         displacement dofs whose trace on the slave surface lives in the macro-element alone
         """
     def WithComponents(self, components: typing.SupportsInt | typing.SupportsIndex) -> LACSpace:
         """
-        the space on the same macro-elements with other components
+        the space on the same macro-elements with another number of components
         """
-    def __getstate__(self) -> tuple[ngsolve.comp.FESpace, pyngcore.pyngcore.Flags]: ...
-    def __init__(
-        self,
-        V: ngsolve.comp.FESpace,
-        *,
-        slave: ngsolve.comp.Region | str,
-        macros: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None,
-        components: typing.SupportsInt | typing.SupportsIndex | None = None,
-        autoupdate: bool = False,
-    ) -> None: ...
-    def __setstate__(self, arg0: tuple) -> None: ...
+    def __getstate__(self) -> tuple[ngsolve.comp.FESpace, pyngcore.pyngcore.Flags]:
+        ...
+    def __init__(self, V: ngsolve.comp.FESpace, *, slave: ngsolve.comp.Region | str, macros: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None, components: typing.SupportsInt | typing.SupportsIndex | None = None, autoupdate: bool = False) -> None:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
     @property
     def displacement(self) -> ngsolve.comp.FESpace:
         """
@@ -116,7 +80,6 @@ class LACSpace(ngsolve.comp.FESpace):
         """
         the slave region
         """
-
 class Side:
     """
     Members:
@@ -127,77 +90,100 @@ class Side:
 
       both
     """
-
     __members__: typing.ClassVar[dict[str, Side]]
     both: typing.ClassVar[Side]
     master: typing.ClassVar[Side]
     slave: typing.ClassVar[Side]
     @typing.overload
-    def __eq__(self, other: Side) -> bool: ...
+    def __eq__(self, other: Side) -> bool:
+        ...
     @typing.overload
-    def __eq__(self, other: typing.Any) -> bool: ...
-    def __getstate__(self) -> int: ...
-    def __hash__(self) -> int: ...
-    def __index__(self) -> int: ...
-    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __int__(self) -> int: ...
+    def __eq__(self, other: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> int:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __int__(self) -> int:
+        ...
     @typing.overload
-    def __ne__(self, other: Side) -> bool: ...
+    def __ne__(self, other: Side) -> bool:
+        ...
     @typing.overload
-    def __ne__(self, other: typing.Any) -> bool: ...
-    def __repr__(self) -> str: ...
-    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __str__(self) -> str: ...
+    def __ne__(self, other: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        ...
     @property
-    def value(self) -> int: ...
-
+    def value(self) -> int:
+        ...
 class ContactForm:
-    def AddApply(self, arg0: ngsolve.la.BaseVector, arg1: ngsolve.la.BaseVector) -> None: ...
-    def AssembleLinearization(self, arg0: ngsolve.la.BaseVector) -> None: ...
-    def Close(self, macros: pyngcore.pyngcore.BitArray, x: ngsolve.la.BaseVector) -> None: ...
-    def Commit(self, arg0: ngsolve.la.BaseVector) -> None: ...
-    def Evaluate(self, arg0: ngsolve.la.BaseVector) -> None: ...
-    def JumpMatrix(self, arg0: Side) -> BaseMatrix: ...
-    def MultiplierDofs(self) -> numpy.typing.NDArray[numpy.int32]: ...
-    def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]: ...
-    def SegmentData(self) -> numpy.typing.NDArray[numpy.float64]: ...
-    def SetConstant(self, c: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    def SetStiffness(
-        self, bulk: ngsolve.la.BaseMatrix, factor: typing.SupportsFloat | typing.SupportsIndex = 1.0
-    ) -> None: ...
-    def States(self) -> numpy.typing.NDArray[numpy.float64]: ...
-    def Update(self, gf: ngsolve.comp.GridFunction = None) -> None: ...
-    def Vectors(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]: ...
-    def __init__(
-        self,
-        *,
-        u: ngsolve.fem.CoefficientFunction,
-        lam: ngsolve.fem.CoefficientFunction,
-        master: ngsolve.comp.Region | None = None,
-        obstacle: ngsolve.fem.CoefficientFunction = None,
-        friction: ngsolve.fem.CoefficientFunction = None,
-        tresca: ngsolve.fem.CoefficientFunction = None,
-        tied: bool = False,
-        maxdist: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        penetration: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    ) -> None: ...
+    def AddApply(self, arg0: ngsolve.la.BaseVector, arg1: ngsolve.la.BaseVector) -> None:
+        ...
+    def AssembleLinearization(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def AssembleStep(self, arg0: ngsolve.la.BaseVector, arg1: ngsolve.la.BaseVector) -> None:
+        ...
+    def BeginSolve(self) -> None:
+        ...
+    def Close(self, macros: pyngcore.pyngcore.BitArray, x: ngsolve.la.BaseVector) -> None:
+        ...
+    def Commit(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def Evaluate(self, arg0: ngsolve.la.BaseVector) -> None:
+        ...
+    def JumpMatrix(self, arg0: Side) -> ngsolve.la.BaseMatrix:
+        ...
+    def MultiplierDofs(self) -> numpy.typing.NDArray[numpy.int32]:
+        ...
+    def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def SegmentData(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def SetConstant(self, c: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def SetStiffness(self, bulk: ngsolve.la.BaseMatrix, factor: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
+        ...
+    def States(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def Update(self, gf: ngsolve.comp.GridFunction = None) -> None:
+        ...
+    def Vectors(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    def __init__(self, *, u: ngsolve.fem.CoefficientFunction, lam: ngsolve.fem.CoefficientFunction, master: ngsolve.comp.Region | None = None, obstacle: ngsolve.fem.CoefficientFunction = None, friction: ngsolve.fem.CoefficientFunction = None, tresca: ngsolve.fem.CoefficientFunction = None, tied: bool = False, maxdist: typing.SupportsFloat | typing.SupportsIndex = 0.0, penetration: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        ...
     @property
-    def component(self) -> ngsolve.comp.FESpace: ...
+    def component(self) -> ngsolve.comp.FESpace:
+        ...
     @property
-    def fes(self) -> ngsolve.comp.FESpace: ...
+    def fes(self) -> ngsolve.comp.FESpace:
+        ...
     @property
-    def mat(self) -> BaseMatrix: ...
+    def mat(self) -> ngsolve.la.BaseMatrix:
+        ...
     @property
-    def nsegments(self) -> int: ...
+    def nsegments(self) -> int:
+        ...
     @property
-    def offset(self) -> int: ...
+    def offset(self) -> int:
+        ...
     @property
-    def paired(self) -> bool: ...
+    def paired(self) -> bool:
+        ...
     @property
-    def space(self) -> LACSpace: ...
-
+    def space(self) -> LACSpace:
+        ...
 class BubbleVectorH1(ngsolve.comp.VectorH1):
     """
     VectorH1 with a bubble on every face of a slave boundary.
@@ -288,21 +274,21 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
       Boundaries whose faces get a bubble, i.e.: slave = 'left|right'
     """
     @staticmethod
-    def __flags_doc__() -> dict: ...
+    def __flags_doc__() -> dict:
+        ...
     @staticmethod
-    def __special_treated_flags__() -> dict: ...
-    def __getstate__(self: ngsolve.comp.FESpace) -> tuple: ...
-    def __init__(self, mesh: ngsolve.comp.Mesh, **kwargs) -> None: ...
-    def __setstate__(self, arg0: tuple) -> None: ...
-
-def EquilibrationScale(
-    bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]
-) -> numpy.typing.NDArray[numpy.float64]: ...
-def MergeMatrices(
-    bulk: ngsolve.la.BaseMatrix,
-    contacts: collections.abc.Sequence[ContactForm],
-    scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-) -> BaseMatrix: ...
+    def __special_treated_flags__() -> dict:
+        ...
+    def __getstate__(self: ngsolve.comp.FESpace) -> tuple:
+        ...
+    def __init__(self, mesh: ngsolve.comp.Mesh, **kwargs) -> None:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
+    ...
+def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> ngsolve.la.BaseMatrix:
+    ...
 def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region) -> ngsolve.comp.Mesh:
     """
     New mesh with the slave faces split; see ngslac.SplitSlaveFaces

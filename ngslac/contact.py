@@ -256,7 +256,8 @@ class LACContact:
         """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.
 
         ``D u - M u`` is the integral of (slave minus paired master displacement) over each
-        macro-element, d rows per macro-element, columns the dofs of the displacement space.
+        macro-element, d rows per macro-element, columns the dofs of the displacement space. For
+        scipy copy the arrays of ``D.CSR()``: they are views that die with the matrix.
         """
         if not self.form.paired:
             self.Update()

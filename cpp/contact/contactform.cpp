@@ -58,12 +58,13 @@ public:
       SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *slave, pairing);
     } else {
       master = make_unique<Surface<D>>(*setup.master, displacement, order);
-      pairing = Pair<D>(*slave, *master, Options(quadrature));
+      auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration, quadrature);
+      pairing = Pair<D>(*slave, *master, options);
       if (pairing.Size() == 0)
         throw Exception(
             "LACContact: slave and master never meet: no slave normal reaches the master "
             "surface within maxdist = " +
-            ToString(Options(quadrature).maxdist) +
+            ToString(options.maxdist) +
             "; check the regions, the placement of the bodies and maxdist");
     }
     jump = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing);
@@ -83,7 +84,7 @@ public:
       reference[m] = committed[m];
       states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
     }
-    BuildGraph();
+    mat = ContactGraph(*jump, lamdof, u.fes->GetNDof() * u.fes->GetDimension());
   }
 
   void SetStiffness(FlatVector<> diagonal, double factor) override {
@@ -92,7 +93,7 @@ public:
     int paired = 0;
     for (size_t m : Range(jump->Size())) {
       double compliance = 0;
-      for (auto & e : Row(m))
+      for (auto & e : jump->Row(m))
         if (diagonal(e.dof) > 0)
           compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
       c[m] = compliance > 0 ? factor * jump->area[m] / compliance : 0;
@@ -270,10 +271,6 @@ public:
   }
 
 private:
-  /// empty for a macro-element without a partner
-  FlatArray<JumpEntry<D>> Row(size_t m) const {
-    return jump->area[m] > 0 ? jump->Row(m) : FlatArray<JumpEntry<D>>();
-  }
   double RowArea(size_t m) const { return jump->area[m] > 0 ? jump->area[m] : jump->fullarea[m]; }
 
   double Gap(size_t m, Vec<D> mean) const {
@@ -315,7 +312,7 @@ private:
     Vec<D> residual = (RowArea(m) / c[m]) * (p.traction - traction);
     for (int k : Range(D))
       y(lamdof[D * m + k]) += residual(k);
-    for (auto & e : Row(m))
+    for (auto & e : jump->Row(m))
       AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
   }
 
@@ -325,7 +322,7 @@ private:
       int row = lamdof[D * m + k];
       for (int l : Range(D))
         (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
-      for (auto & e : Row(m)) {
+      for (auto & e : jump->Row(m)) {
         (*mat)(row, e.dof) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
         if (e.integral(k) != 0)
           (*mat)(e.dof, row) = -e.integral(k);
@@ -345,22 +342,6 @@ private:
         throw Exception(
             "LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
             "ContactSolver or FormSum do it");
-  }
-
-  PairingOptions Options(int order) const {
-    netgen::Box<D> both(netgen::Box<D>::EMPTY_BOX), own(netgen::Box<D>::EMPTY_BOX);
-    for (size_t f : Range(slave->Size())) {
-      auto box = slave->Bounds(f);
-      own.Add(box.PMin()), own.Add(box.PMax());
-    }
-    both = own;
-    for (size_t f : Range(master->Size())) {
-      auto box = master->Bounds(f);
-      both.Add(box.PMin()), both.Add(box.PMax());
-    }
-    double maxdist = setup.maxdist > 0 ? setup.maxdist : both.Diam();
-    return {maxdist, setup.penetration > 0 ? setup.penetration : min(maxdist, 0.1 * own.Diam()),
-            order};
   }
 
   void CollectMultiplierDofs() {
@@ -389,33 +370,6 @@ private:
     };
     friction = means(setup.friction, "friction");
     threshold = means(setup.threshold, "tresca");
-  }
-
-  void BuildGraph() {
-    size_t ndof = u.fes->GetNDof() * u.fes->GetDimension();
-    TableCreator<int> creator(ndof);
-    for (; !creator.Done(); creator++)
-      for (size_t m : Range(jump->Size()))
-        for (int k : Range(D)) {
-          int row = lamdof[D * m + k];
-          for (int l : Range(D))
-            creator.Add(row, lamdof[D * m + l]);
-          for (auto & e : Row(m)) {
-            creator.Add(row, e.dof);
-            if (e.integral(k) != 0)
-              creator.Add(e.dof, row);
-          }
-        }
-    auto table = creator.MoveTable();
-    Array<int> sizes(ndof);
-    for (size_t i : Range(ndof)) {
-      QuickSort(table[i]);
-      sizes[i] = table[i].Size();
-    }
-    mat = make_shared<SparseMatrix<double>>(sizes, ndof);
-    for (size_t i : Range(ndof))
-      mat->GetRowIndices(i) = table[i];
-    mat->SetZero();
   }
 };
 } // namespace

@@ -31,8 +31,9 @@ public:
             const Surface<D> * master, const Pairing<D> & pairing, Side side = Side::both);
 
   size_t Size() const { return area.Size(); }
+  /// Empty without a partner.
   FlatArray<JumpEntry<D>> Row(size_t macro) const {
-    return entries.Range(first[macro], first[macro + 1]);
+    return entries.Range(first[macro], area[macro] > 0 ? first[macro + 1] : first[macro]);
   }
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
@@ -51,4 +52,9 @@ private:
   Array<size_t> first;
   Array<JumpEntry<D>> entries;
 };
+/// An empty matrix with the entries that contact needs: the multipliers of a macro-element couple
+/// with each other and with the displacements of both sides.
+template <int D>
+shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,
+                                              size_t ndof);
 } // namespace ngslac

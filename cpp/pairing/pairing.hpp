@@ -24,6 +24,12 @@ struct PairingOptions {
   int order;          // of the quadrature on one segment
 };
 
+/// Options for a search; a distance of 0 is chosen from the sizes of the surfaces: as far as both
+/// extend for openings, a tenth of the slave for interpenetration.
+template <int D>
+PairingOptions SearchOptions(const Surface<D> & slave, const Surface<D> & master, double maxdist,
+                             double penetration, int order);
+
 /// Segments sorted by slave face (and along it), with their quadrature points.
 template <int D>
 struct Pairing {

@@ -1,0 +1,34 @@
+#include "jump.hpp"
+
+namespace ngslac {
+template <int D>
+shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,
+                                              size_t ndof) {
+  TableCreator<int> creator(ndof);
+  for (; !creator.Done(); creator++)
+    for (size_t m : Range(jump.Size()))
+      for (int k : Range(D)) {
+        int row = lamdof[D * m + k];
+        for (int l : Range(D))
+          creator.Add(row, lamdof[D * m + l]);
+        for (auto & e : jump.Row(m)) {
+          creator.Add(row, e.dof);
+          if (e.integral(k) != 0)
+            creator.Add(e.dof, row);
+        }
+      }
+  auto table = creator.MoveTable();
+  Array<int> sizes(ndof);
+  ParallelFor(ndof, [&](size_t i) {
+    QuickSort(table[i]);
+    sizes[i] = table[i].Size();
+  });
+  auto mat = make_shared<SparseMatrix<double>>(sizes, ndof);
+  ParallelFor(ndof, [&](size_t i) { mat->GetRowIndices(i) = table[i]; });
+  mat->SetZero();
+  return mat;
+}
+
+template shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<2> &, FlatArray<int>,
+                                                       size_t);
+} // namespace ngslac
