@@ -173,6 +173,7 @@ void ExportContact(py::module & m) {
       .def("BeginSolve", &ContactForm::BeginSolve)
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
+      .def("Restore", &ContactForm::Restore)
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {

@@ -64,7 +64,7 @@ class LACContact:
         Together with `friction`: Coulomb's law up to this bound. Alone it presumes contact that
         stays closed, since its traction jumps to zero where contact opens.
     tied : bool
-        Glue the surfaces: equal mean displacements, any traction.
+        Glue the surfaces: equal mean displacements (counted from the reference), any traction.
     maxdist : float
         Farthest opening at which faces pair. Default: the diameter of both surfaces.
     penetration : float
@@ -72,6 +72,18 @@ class LACContact:
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions. The
         solution does not depend on it.
+
+    Attributes
+    ----------
+    pressure, gap, status : GridFunction
+        One number per macro-element, on the slave surface: pressure (> 0 compression, stress
+        units), mean gap (> 0 open, length), 0 open, 1 stick, 2 slip. Filled by `Evaluate`, which
+        the solver calls.
+    traction, slip, normal : GridFunction
+        Vectors: traction on the slave, tangential slip of the last step (slave minus master),
+        unit normal out of the slave.
+    space : LACSpace
+    form : the compiled form
 
     Raises
     ------
@@ -204,8 +216,19 @@ class LACContact:
         self.form.Commit(gf.vec)
 
     def Evaluate(self, gf):
-        """Fill the fields pressure, traction, gap, slip, status and normal from `gf`."""
+        """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
+
+        After a `Commit` of the same `gf` the slip is 0: it counts from there.
+        """
         self.form.Evaluate(gf.vec)
+        self._Fill()
+
+    def Restore(self):
+        """Fields and table as at the last `Commit`."""
+        self.form.Restore()
+        self._Fill()
+
+    def _Fill(self):
         table = self.Table()
         for name in ("pressure", "gap", "status", "traction", "slip"):
             getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()

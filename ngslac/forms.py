@@ -27,6 +27,8 @@ class FormSum:
     """
 
     def __init__(self, a, *contacts):
+        if len({id(c.space) for c in contacts}) < len(contacts):
+            raise ValueError("two contacts share one lam: give each a LACSpace of its own")
         self.a = a
         self.contacts = contacts
         self.mat = None

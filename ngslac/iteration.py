@@ -1,10 +1,8 @@
-"""What one iteration of the solver knows and prints."""
+"""One line of the convergence table."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-import numpy as np
-
-__all__ = ["Iteration", "State"]
+__all__ = ["Iteration"]
 
 
 @dataclass(frozen=True)
@@ -40,17 +38,3 @@ class Iteration:
             f"constraint {self.constraint:8.2e}  open {self.open}  stick {self.stick}  "
             f"slip {self.slip}  changed {self.changed}{damping}"
         )
-
-
-@dataclass
-class State:
-    """Residual of bulk and loads, and status, at one iterate."""
-
-    bulk: np.ndarray = field(repr=False)
-    equilibrium: float
-    constraint: float
-    status: np.ndarray = field(repr=False)
-
-    @property
-    def merit(self):
-        return float(np.hypot(self.equilibrium, self.constraint))

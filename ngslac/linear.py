@@ -10,7 +10,7 @@ from ngsolve import BitArray
 
 from ngslac._ngslac import MergeMatrices
 
-__all__ = ["LinearSolveError", "LinearSolver"]
+__all__ = ["AsNumPy", "LinearSolveError", "LinearSolver", "ScalarDofs"]
 
 SAFE = "umfpack"
 
@@ -57,7 +57,7 @@ class LinearSolver:
 
     def __init__(self, freedofs, inverse=None):
         self.bits = BitArray(freedofs)
-        self.free = np.fromiter((bool(b) for b in freedofs), dtype=bool, count=len(freedofs))
+        self.free = AsNumPy(freedofs)
         self.inverse = inverse or ("pardiso" if importlib.util.find_spec("mkl") else SAFE)
 
     def Solve(self, bulk, forms, scale, rhs):
@@ -92,10 +92,28 @@ class LinearSolver:
             r.data = b - mat * x
             r.data = inv * r
             x.data += r
-            r.data = b - mat * x
+            last, r.data = r.FV().NumPy().copy(), b - mat * x
             before, error = error, np.linalg.norm(r.FV().NumPy() * self.free) / size
             if not np.isfinite(error):
                 return x, np.inf
+            if error > before:  # no better: keep the solution before
+                x.FV().NumPy()[:] -= last
+                return x, before
             if error < 1e-14 or error > 0.5 * before:
                 break
         return x, error
+
+
+def AsNumPy(bits):
+    """A BitArray as numpy array of bool."""
+    return np.fromiter((bool(b) for b in bits), dtype=bool, count=len(bits))
+
+
+def ScalarDofs(dofs, space):
+    """The scalar entries that belong to dofs of a space with blocks."""
+    if space.dim == 1:
+        return dofs
+    scalars = BitArray(len(dofs) * space.dim)
+    for i in range(len(scalars)):
+        scalars[i] = dofs[i // space.dim]
+    return scalars

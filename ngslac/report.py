@@ -16,7 +16,7 @@ class ContactReport:
     unpaired, partial : (n,) int
         Macro-elements without a partner, and those that face the master in part only.
     min_gap, max_gap : float
-        Mean gaps of paired macro-elements; a negative one is an initial penetration.
+        Mean gaps of paired macro-elements at the last evaluation; negative: penetration.
     penetrating : (n,) int
         Macro-elements that penetrate by more than a thousandth of their size.
     """

@@ -37,7 +37,9 @@ class Segments:
 
         Cell data: slave, master, area, gap.
         """
-        path = Path(filename).with_suffix(".vtu")
+        path = Path(filename)
+        if path.suffix != ".vtu":
+            path = path.with_name(path.name + ".vtu")
         quads = np.stack(
             [
                 self.slave_points[:, 0],

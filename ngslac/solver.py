@@ -1,13 +1,14 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
 import numpy as np
-from ngsolve import BitArray, LinearForm
+from ngsolve import BitArray
 
 from ngslac._ngslac import EquilibrationScale
 from ngslac.bodies import Bodies, FloatingMessage, NearestMacros
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.iteration import Iteration, State
-from ngslac.linear import LinearSolveError, LinearSolver
+from ngslac.iteration import Iteration
+from ngslac.linear import AsNumPy, LinearSolveError, LinearSolver, ScalarDofs
+from ngslac.residual import Residual
 
 __all__ = ["ContactSolver"]
 
@@ -57,24 +58,22 @@ class ContactSolver:
         for contact in self.contacts:
             if contact.form.fes != a.space or gf.space != a.space:
                 raise ValueError("a, gf and the contacts must live on the same product space")
-        if any(map(np.isnan, gf.vec.FV().NumPy())):
+        if np.isnan(gf.vec.FV().NumPy()).any():
             raise ValueError("the start value gf holds NaN")
-        self.a, self.gf, self.rhs, self.initial = a, gf, rhs, initial
-        self.linear = LinearSolver(self._FreeDofs(freedofs), inverse)
+        self.a, self.gf, self.initial = a, gf, initial
+        space = a.space
+        self.linear = LinearSolver(
+            ScalarDofs(freedofs or space.FreeDofs(a.condense), space), inverse
+        )
+        self._inner = np.zeros_like(self.linear.free)
+        if a.condense:  # these are free, but not in the matrix
+            inner = BitArray(space.FreeDofs())
+            inner &= ~space.FreeDofs(True)
+            self._inner = AsNumPy(ScalarDofs(inner, space))
+        self.residual = Residual(a, gf, self.contacts, rhs, self.linear.free | self._inner)
         self.history = []
         self._bodies = None
-        self._reference = self._converged = 0.0  # forces: of this solve, of converged states
         self._islinear = False  # the bulk, as far as seen: its matrix is kept
-
-    def _FreeDofs(self, freedofs):
-        space = self.a.space
-        free = freedofs or space.FreeDofs(self.a.condense)
-        if space.dim == 1:
-            return free
-        scalars = BitArray(len(free) * space.dim)
-        for i in range(len(scalars)):
-            scalars[i] = free[i // space.dim]
-        return scalars
 
     # --- the loop ------------------------------------------------------------------------------
 
@@ -86,7 +85,8 @@ class ContactSolver:
         maxit : int
             Largest number of linear solves.
         tol : float
-            For the equilibrium and the constraint residual, relative and free of units.
+            For the equilibrium and the constraint residual, relative to the forces at work (the
+            largest of this and of earlier converged states), free of units.
         printing : bool
             One line per iteration.
         callback : callable, optional
@@ -95,54 +95,61 @@ class ContactSolver:
         Raises
         ------
         ContactConvergenceError
-            Not converged; `gf` is as before the call. FloatingBodyError: a body is held by nothing.
+            Not converged. FloatingBodyError: a body is held by nothing. After any error `gf` is as
+            before the call.
         """
         if maxit < 1 or not tol > 0:
             raise ValueError(f"maxit = {maxit} must be at least 1 and tol = {tol} positive")
-        self._tol = tol
+        if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
+            raise ValueError("the space was refined: make a new ContactSolver")
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
+        self.history = []
         try:
             return self._Iterate(maxit, tol, printing, callback)
-        except (ContactConvergenceError, LinearSolveError) as error:
+        except BaseException as error:
+            floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
             self.gf.vec.data = start
             for contact in self.contacts:
-                contact.Evaluate(self.gf)
+                if contact.form.paired:
+                    contact.Evaluate(self.gf)
+            if isinstance(error, ContactConvergenceError):
+                error.history = self.history
+            if floating:
+                raise FloatingBodyError(FloatingMessage(floating), self.history) from error
             if isinstance(error, LinearSolveError):
-                raise ContactConvergenceError(self._Diagnose(error), self.history) from error
+                raise ContactConvergenceError(str(error), self.history) from error
             raise
 
     def _Iterate(self, maxit, tol, printing, callback):
-        self.history = []
         self._Assemble()
         self._CloseWhatFloats()
         for contact in self.contacts:
             contact.form.BeginSolve()
-        # A body that moves without touching feels nothing but the jump of its Dirichlet values.
-        state = self._State()
-        self._reference = max(self._converged, 1e-3 * self._forces)
-        seen, merits, damped, damping = {}, [], False, 1.0
+        state = self.residual.Begin(self.scale, tol)
+        seen, merits, cycles, damped, damping = {}, [], False, False, 1.0
         for number in range(maxit + 1):
             self._Record(number, state, damping, printing, callback)
             if state.equilibrium < tol and state.constraint < tol:
-                self._converged = max(self._forces, self._converged)
+                self.residual.Accept()
                 return self.history[-1]
             if number == maxit:
                 break
-            # The same status came back, or nothing gets better: the iteration cycles.
+            # A status came back, or nothing gets better: damp from now on.
+            first = seen.setdefault(state.status.tobytes(), number)
+            returned = self.history[-1].changed > 0 and number - first > 1
+            returned = returned and state.merit > 0.1 * min(merits)
             merits.append(state.merit)
-            returned = number - seen.setdefault(state.status.tobytes(), number) > 1
             stuck = number > 5 and min(merits[-4:]) > 0.5 * min(merits[:-4])
-            damped = damped or stuck or (returned and state.merit > 0.1 * min(merits))
+            cycles, damped = cycles or returned, damped or returned or stuck
             if number:
                 self._Assemble()
             state, damping = self._Step(state, damped)
         raise ContactConvergenceError(
             f"no convergence in {maxit} iterations: equilibrium {state.equilibrium:.2e}, "
             f"constraint {state.constraint:.2e}"
-            + (", the contact status cycles" if damped else "")
-            + "; take smaller steps",
-            self.history,
+            + (", the contact status cycles" if cycles else "")
+            + "; take smaller steps"
         )
 
     def _Record(self, number, state, damping, printing, callback):
@@ -166,60 +173,14 @@ class ContactSolver:
     # --- one iteration -------------------------------------------------------------------------
 
     def _Assemble(self):
-        if not self._islinear:
+        if not (self._islinear and self.a.mat.height == self.a.space.ndof):
             self.a.AssembleLinearization(self.gf.vec)
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
         forms = [contact.form for contact in self.contacts]
         self.scale = EquilibrationScale(self.a.mat, forms)
-
-    def _State(self):
-        residual = self.gf.vec.CreateVector()
-        contact_residual = self.gf.vec.CreateVector()
-        self.a.Apply(self.gf.vec, residual)
-        bulk = residual.FV().NumPy()
-        load = self._Load()
-        contact_residual[:] = 0
-        for contact in self.contacts:
-            contact.AddApply(self.gf.vec, contact_residual)
-            contact.Evaluate(self.gf)
-        # Forces at work: reactions, contact forces and loads all count.
-        rows = self._ConstraintRows()
-        forces = [bulk, contact_residual.FV().NumPy()]
-        if load is not None:
-            forces.append(load.FV().NumPy())
-        self._forces = max(float(np.linalg.norm((self.scale * f)[~rows])) for f in forces)
-        bulk = bulk if load is None else bulk - load.FV().NumPy()
-        scaled = self.scale * (bulk + contact_residual.FV().NumPy()) * self.linear.free
-        if not np.all(np.isfinite(scaled)):
-            raise ContactConvergenceError("the residual holds NaN or infinite values", self.history)
-        # No residual gets below the rounding errors of the stiffness times the displacement.
-        rounding = 1e-14 * np.linalg.norm((self.gf.vec.FV().NumPy() / self.scale)[~rows])
-        reference = max(self._forces, self._reference, rounding / self._tol) or 1.0
-        return State(
-            bulk=bulk.copy(),
-            equilibrium=float(np.linalg.norm(scaled[~rows])) / reference,
-            constraint=float(np.linalg.norm(scaled[rows])) / reference,
-            status=np.concatenate([c.Table()["status"] for c in self.contacts]),
-        )
-
-    def _ConstraintRows(self):
-        rows = np.zeros(len(self.scale), dtype=bool)
-        for contact in self.contacts:
-            rows[contact.form.MultiplierDofs()] = True
-        return rows
-
-    def _Load(self):
-        if self.rhs is None:
-            return None
-        isform = isinstance(self.rhs, LinearForm)  # which is callable, too
-        load = self.rhs() if callable(self.rhs) and not isform else self.rhs
-        if hasattr(load, "Evaluate"):  # an expression such as 2 * vector
-            load = load.Evaluate()
-        load = getattr(load, "vec", load)
-        if load.size != self.gf.vec.size:
-            raise ValueError(f"rhs has {load.size} entries, the product space {self.gf.vec.size}")
-        return load
+        if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
+            self.scale[self._inner] = np.median(self.scale[self.linear.free])
 
     def _Step(self, state, damped):
         residual = self.gf.vec.CreateVector()
@@ -233,14 +194,14 @@ class ContactSolver:
         for damping in (1.0, 0.5, 0.25, 0.125) if damped else (1.0,):
             self.gf.vec.data = start
             self.gf.vec.FV().NumPy()[:] -= damping * correction
-            trial = self._State()
+            trial = self.residual.Measure(self.scale)
             if best is None or trial.merit < best[0].merit:
                 best = trial, damping
         self.gf.vec.data = start
         self.gf.vec.FV().NumPy()[:] -= best[1] * correction
         self._islinear = self._MovedLinearly(state, best[0], best[1] * correction)
         if self._CloseWhatFloats():
-            return self._State(), best[1]
+            return self.residual.Measure(self.scale), best[1]
         return best
 
     def _MovedLinearly(self, before, after, correction):
@@ -276,19 +237,17 @@ class ContactSolver:
             contact.Evaluate(self.gf)
         if all(np.any(contact.Table()["status"]) for contact in self.contacts):
             return False
-        if self._bodies is None:
-            self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
-        if not self._bodies.Floating(self.contacts):
+        if not self._WhatFloats():
             return False
         if self.initial == "gap":
             for contact in self.contacts:
                 contact.form.Close(NearestMacros(contact), self.gf.vec)
                 contact.Evaluate(self.gf)
-        if floating := self._bodies.Floating(self.contacts):
-            raise FloatingBodyError(FloatingMessage(floating), self.history)
+        if floating := self._WhatFloats():
+            raise FloatingBodyError(FloatingMessage(floating))
         return True
 
-    def _Diagnose(self, error):
-        bodies = self._bodies or Bodies(self.a.mat, self.contacts[0], self.linear.free)
-        floating = bodies.Floating(self.contacts)
-        return FloatingMessage(floating) if floating else str(error)
+    def _WhatFloats(self):
+        if self._bodies is None:
+            self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
+        return self._bodies.Floating(self.contacts)

@@ -39,11 +39,12 @@ class LoadStepper:
     load : ngsolve.Parameter
         Appears in the bulk form, in `rhs`, or in `prescribe`; its value is the time.
     prescribe : callable, optional
-        ``prescribe(gf)`` sets Dirichlet values for the current load.
+        ``prescribe(gf)`` sets Dirichlet values for the current load. It should leave other dofs
+        alone (``gf.Set(..., definedon=...)`` clears them, which costs the predicted start).
     predict : bool
         Start each step from the linear extrapolation of the last two.
     maxcuts : int
-        How often one step may be halved.
+        How often a step may be halved: the smallest step is the equal one over 2**maxcuts.
 
     Examples
     --------
@@ -79,7 +80,8 @@ class LoadStepper:
         Raises
         ------
         ContactConvergenceError
-            When a step failed `maxcuts` times; the state is that of the last converged step.
+            When the smallest step fails. After any error, solution, load, history and fields are
+            those of the last converged step.
         """
         if steps < 1:
             raise ValueError(f"steps = {steps} must be at least 1")
@@ -93,6 +95,7 @@ class LoadStepper:
     def _Reach(self, target, callback, printing, maxit, tol):
         done, cuts = [], 0
         size = target - self.load.Get()
+        least = 0.99 * abs(size) * 0.5**self.maxcuts
         while abs(target - self.load.Get()) > 1e-12 * max(abs(target), abs(size)):
             remaining = target - self.load.Get()
             goal = target if abs(size) >= (1 - 1e-9) * abs(remaining) else self.load.Get() + size
@@ -103,7 +106,7 @@ class LoadStepper:
                 last = self._Attempt(goal, printing, maxit, tol)
             except ContactConvergenceError as error:
                 cuts += 1
-                if cuts > self.maxcuts:
+                if abs(goal - self.load.Get()) / 2 < least:
                     raise
                 if printing:
                     print(f"  {error}; halved")
@@ -129,11 +132,11 @@ class LoadStepper:
             if self.prescribe:
                 self.prescribe(solver.gf)
             last = solver.Solve(maxit=maxit, tol=tol, printing=printing)
-        except ContactConvergenceError:
+        except BaseException:
             vec.data = start
             self.load.Set(begin)
             for contact in solver.contacts:
-                contact.Evaluate(solver.gf)
+                contact.Restore()
             raise
         for contact in solver.contacts:
             contact.Commit(solver.gf)

@@ -23,7 +23,7 @@ def test_a_missing_ngsolve_is_named(monkeypatch):
 
     monkeypatch.setattr(_version, "version", Missing)
     monkeypatch.setattr(_version, "RequiredNGSolve", lambda: "6.2.1234")
-    with pytest.raises(ImportError, match="no ngsolve is installed.*pip install ngsolve=="):
+    with pytest.raises(ImportError, match=r"no ngsolve is installed.*pip install ngsolve=="):
         _version.CheckNGSolve()
 
 

@@ -33,9 +33,9 @@ class T_ContactForm : public ContactForm {
   Array<double> friction, threshold;
   Array<Vec<D>> direction; // of slip in the last Newton step
   // history
-  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
-  Array<Vec<D>> reference; // the same at first touch: slip counts from there
-  BitArray closed;         // at the last committed step
+  Array<Vec<D>> committed;    // mean of u1 - u2 at the last committed step
+  Array<Vec<D>> reference;    // the same at first touch: slip counts from there
+  Array<MacroState> accepted; // at the last committed step
 
 public:
   explicit T_ContactForm(const ContactSetup & asetup) : ContactForm(asetup) {}
@@ -51,23 +51,30 @@ public:
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
     int order = u.component->GetOrder();
-    slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
-    int quadrature = 2 * order + 4 * (slave->Degree() - 1);
+    double maxdist = 0;
+    // A failure leaves the old pairing as it was.
+    auto new_slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
+    unique_ptr<Surface<D>> new_master;
+    Pairing<D> new_pairing;
+    int quadrature = 2 * order + 4 * (new_slave->Degree() - 1);
     if (setup.obstacle) {
-      pairing = PairWithObstacle<D>(*slave, quadrature);
-      SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *slave, pairing);
+      new_pairing = PairWithObstacle<D>(*new_slave, quadrature);
+      SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *new_slave, new_pairing);
     } else {
-      master = make_unique<Surface<D>>(*setup.master, displacement, order);
-      auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration, quadrature);
-      pairing = Pair<D>(*slave, *master, options);
-      if (pairing.Size() == 0)
-        throw Exception(
-            "LACContact: slave and master never meet: no slave normal reaches the master "
-            "surface within maxdist = " +
-            ToString(options.maxdist) +
-            "; check the regions, the placement of the bodies and maxdist");
+      new_master = make_unique<Surface<D>>(*setup.master, displacement, order);
+      auto options =
+          SearchOptions(*new_slave, *new_master, setup.maxdist, setup.penetration, quadrature);
+      new_pairing = Pair<D>(*new_slave, *new_master, options);
+      maxdist = options.maxdist;
     }
-    jump = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing);
+    auto new_jump = make_unique<MacroJump<D>>(u, *space, *new_slave, new_master.get(), new_pairing);
+    if (new_jump->TotalArea() == 0)
+      throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
+                      "surface within maxdist = " +
+                      ToString(maxdist) +
+                      "; check the regions, the placement of the bodies and maxdist");
+    slave = std::move(new_slave), master = std::move(new_master), jump = std::move(new_jump);
+    pairing = std::move(new_pairing);
     CollectMultiplierDofs();
     FindFriction();
     size_t n = jump->Size();
@@ -75,8 +82,6 @@ public:
     c = 0.0;
     committed.SetSize(n), reference.SetSize(n), states.SetSize(n), direction.SetSize(n);
     BeginSolve();
-    closed = BitArray(n);
-    closed.Clear();
     for (size_t m : Range(n)) {
       committed[m] = gf ? jump->Mean(m, gf->GetVector().FV<double>()) : Vec<D>(0.0);
       if (displacement) // the gap is linear in u, counted from the paired configuration
@@ -84,11 +89,12 @@ public:
       reference[m] = committed[m];
       states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
     }
+    accepted = states;
     mat = ContactGraph(*jump, lamdof, u.fes->GetNDof() * u.fes->GetDimension());
   }
 
   void SetStiffness(FlatVector<> diagonal, double factor) override {
-    CheckPaired();
+    CheckSize(diagonal.Size());
     double sum = 0;
     int paired = 0;
     for (size_t m : Range(jump->Size())) {
@@ -111,7 +117,8 @@ public:
   void AddApply(const BaseVector & bx, BaseVector & by) override {
     static Timer timer("ngslac::ContactForm::Apply");
     RegionTimer reg(timer);
-    Prepare();
+    Prepare(bx);
+    CheckSize(by.FV<double>().Size());
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(),
                 [&](size_t m) { AddResidual(m, x, Project(Data(m), Trial(m, x)), by); });
@@ -120,7 +127,7 @@ public:
   void AssembleLinearization(const BaseVector & bx) override {
     static Timer timer("ngslac::ContactForm::AssembleLinearization");
     RegionTimer reg(timer);
-    Prepare();
+    Prepare(bx);
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(),
                 [&](size_t m) { SetRows(m, Project(Data(m), Trial(m, x)).derivative); });
@@ -131,7 +138,7 @@ public:
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
     static Timer timer("ngslac::ContactForm::AssembleStep");
     RegionTimer reg(timer);
-    Prepare();
+    Prepare(bx);
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(), [&](size_t m) {
       Vec<D> trial = Trial(m, x), now = 0.0;
@@ -149,10 +156,7 @@ public:
   }
 
   void Evaluate(const BaseVector & bx) override {
-    CheckPaired();
-    if (bx.FV<double>().Size() != mat->Height())
-      throw Exception("LACContact: the vector has " + ToString(bx.FV<double>().Size()) +
-                      " entries, the product space " + ToString(mat->Height()));
+    CheckSize(bx.FV<double>().Size());
     auto x = bx.FV<double>();
     ParallelFor(jump->Size(), [&](size_t m) {
       Vec<D> traction = Multiplier(m, x), mean = jump->Mean(m, x);
@@ -171,6 +175,7 @@ public:
 
   void Commit(const BaseVector & bx) override {
     Evaluate(bx);
+    accepted = states;
     auto x = bx.FV<double>();
     for (size_t m : Range(jump->Size())) {
       Vec<D> mean = jump->Mean(m, x), velocity = mean - committed[m];
@@ -182,14 +187,13 @@ public:
       double approach = InnerProduct(velocity, n), gap = states[m].gap;
       if (open && gap > 0 && approach > 0.1 * L2Norm(velocity) && gap < 10 * approach)
         reference[m] += (gap / approach) * velocity;
-      if (open)
-        closed.Clear(m);
-      else
-        closed.SetBit(m);
     }
   }
 
+  void Restore() override { states = accepted; }
+
   void Close(const BitArray & macros, BaseVector & bx) override {
+    CheckSize(bx.FV<double>().Size());
     auto x = bx.FV<double>();
     for (size_t m : Range(jump->Size()))
       if (macros.Test(m) && jump->area[m] > 0) {
@@ -202,6 +206,7 @@ public:
   }
 
   void AddScale(FlatVector<> scale) override {
+    CheckSize(scale.Size());
     for (size_t m : Range(jump->Size()))
       for (int k : Range(D))
         scale(lamdof[D * m + k]) = sqrt(c[m] / RowArea(m));
@@ -301,6 +306,16 @@ private:
     return Multiplier(m, x) - c[m] * (slip - Gap(m, mean) * n);
   }
 
+  void CheckSize(size_t entries) const {
+    CheckPaired();
+    if (entries != mat->Height())
+      throw Exception("LACContact: got " + ToString(entries) +
+                      " entries, but the pairing was made "
+                      "for a product space with " +
+                      ToString(mat->Height()) +
+                      "; after a refinement call Update() and make a new solver");
+  }
+
   void CheckPaired() const {
     if (!jump)
       throw Exception("LACContact: no pairing yet; call Update() first");
@@ -330,8 +345,8 @@ private:
     }
   }
 
-  void Prepare() {
-    CheckPaired();
+  void Prepare(const BaseVector & x) {
+    CheckSize(x.FV<double>().Size());
     for (auto & cf : {setup.friction, setup.threshold})
       if (cf && !dynamic_pointer_cast<ConstantCoefficientFunction>(cf)) {
         FindFriction(); // a Parameter may have changed

@@ -50,6 +50,8 @@ public:
   virtual void Evaluate(const BaseVector & x) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
+  /// States as at the last Commit.
+  virtual void Restore() = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

@@ -60,6 +60,9 @@ public:
   void Do(int aface, Pairing<2> & result) {
     face = aface;
     size = slave.Diameter(face);
+    if (!(size > 0))
+      throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
+                      " of the slave surface has length " + ToString(size));
     // The nearest partner is usually close: widen the search until the face is covered.
     for (double reach = size;; reach *= 4) {
       reach = min(reach, options.maxdist);

@@ -8,6 +8,7 @@ The mesh builders are used by the demos, the tests and the tutorials.
 """
 
 from ._blocks import TwoBlocks
-from ._meshes import CheckNonMatching, HertzMesh, PointForce
+from ._geometry import CheckNonMatching
+from ._meshes import HertzMesh, PointForce
 
 __all__ = ["CheckNonMatching", "HertzMesh", "PointForce", "TwoBlocks"]

@@ -7,7 +7,8 @@ import math
 import numpy as np
 from ngsolve import BND, VTKOutput
 
-from ._pictures import MultiplierPicture, StressPicture
+from ._multiplier_picture import MultiplierPicture
+from ._stress_picture import StressPicture
 
 __all__ = [
     "Comparison",

@@ -211,13 +211,27 @@ def Line(row):
 
 
 def Picture(rows, file):
-    """Bars of the phases for each mesh, the elastic problem as a mark."""
+    """Bars of the phases for each mesh, the elastic problem as a mark; frictions side by side."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(8, 4.5), constrained_layout=True)
+    frictions = sorted({row.friction for row in rows})
+    figure, (all_axes,) = plt.subplots(
+        1, len(frictions), figsize=(10, 4.5), sharey=True, squeeze=False, layout="constrained"
+    )
+    for axes, friction in zip(all_axes, frictions, strict=True):
+        _Bars(axes, [row for row in rows if row.friction == friction])
+        axes.set(xlabel="displacement dofs", title=f"friction {friction:g}")
+    all_axes[0].set(ylabel="microseconds per dof")
+    all_axes[0].legend(loc="upper left")
+    figure.suptitle("One load step of Hertz' problem, and one elastic solve on the same mesh")
+    figure.savefig(file, dpi=150)
+    plt.close(figure)
+
+
+def _Bars(axes, rows):
     places, bottom = np.arange(len(rows)), np.zeros(len(rows))
     for phase in PHASES:
         heights = np.array([1e6 * row.phases[phase] / row.ndof for row in rows])
@@ -226,12 +240,7 @@ def Picture(rows, file):
     for solver, mark in zip(SOLVERS, "ox", strict=True):
         values = [1e6 * row.elastic[solver] / row.ndof for row in rows]
         axes.plot(places, values, "k" + mark, label=f"elastic, {solver}")
-    axes.set_xticks(places, [f"{row.ndof}\nfriction {row.friction:g}" for row in rows])
-    axes.set(xlabel="displacement dofs", ylabel="microseconds per dof")
-    axes.set_title("One load step of Hertz' problem, and one elastic solve on the same mesh")
-    axes.legend()
-    figure.savefig(file, dpi=150)
-    plt.close(figure)
+    axes.set_xticks(places, [f"{row.ndof}" for row in rows])
 
 
 def main(argv=None):

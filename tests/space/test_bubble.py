@@ -5,12 +5,10 @@ import pickle
 import numpy as np
 import pytest
 from netgen.csg import unit_cube
-from netgen.geom2d import unit_square
 from netgen.occ import Circle, Glue, MoveTo, OCCGeometry, Rectangle, X
 from ngsolve import (
     BND,
     CF,
-    ORDER_POLICY,
     VOL,
     BilinearForm,
     Grad,
@@ -29,14 +27,11 @@ from ngsolve import (
     y,
     z,
 )
-from ngsolve.meshes import Make1DMesh, MakeStructured2DMesh, MakeStructured3DMesh
+from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 from ngsolve.webgui import Draw
+from splitmeshes import square
 
 from ngslac import BubbleVectorH1
-
-
-def square(maxh=0.3):
-    return Mesh(unit_square.GenerateMesh(maxh=maxh))
 
 
 def number_of_faces(mesh, slave):
@@ -265,16 +260,6 @@ def test_pickling(by_region):
     assert pickle.loads(pickle.dumps(space.components[1])).ndof == space.components[1].ndof
 
 
-def test_region_and_pattern_are_the_same():
-    mesh = square()
-    region = mesh.Boundaries("left") + mesh.Boundaries("top")
-    spaces = [BubbleVectorH1(mesh, slave=slave) for slave in ("left|top", region)]
-    assert isinstance(spaces[0], VectorH1)
-    assert [list(el.dofs) for el in spaces[0].Elements(BND)] == [
-        list(el.dofs) for el in spaces[1].Elements(BND)
-    ]
-
-
 def test_output(tmp_path):
     mesh = square()
     gf = GridFunction(BubbleVectorH1(mesh, order=1, slave="top"))
@@ -283,25 +268,3 @@ def test_output(tmp_path):
     assert (tmp_path / "u.vtu").stat().st_size > 0
     Draw(gf, mesh, show=False, filename=str(tmp_path / "u.html"))
     assert (tmp_path / "u.html").stat().st_size > 0
-
-
-def test_wrong_arguments():
-    mesh, other = square(), square()
-    with pytest.raises(Exception, match=r"which boundaries get bubbles.* 'bottom', 'left'"):
-        BubbleVectorH1(mesh, order=1)
-    with pytest.raises(Exception, match=r"pattern 'rim' matches none of the boundaries 'bottom'"):
-        BubbleVectorH1(mesh, slave="rim")
-    with pytest.raises(Exception, match="region matches none"):
-        BubbleVectorH1(mesh, slave=mesh.Boundaries("rim"))
-    with pytest.raises(Exception, match="belongs to another mesh"):
-        BubbleVectorH1(mesh, slave=other.Boundaries("left"))
-    with pytest.raises(Exception, match="must be one of boundaries"):
-        BubbleVectorH1(mesh, slave=mesh.Materials(".*"))
-    with pytest.raises(TypeError, match="pattern or a Region"):
-        BubbleVectorH1(mesh, slave=7)
-    with pytest.raises(Exception, match="leaves no place for bubbles"):
-        BubbleVectorH1(mesh, slave="left", hoprolongation=True)
-    with pytest.raises(Exception, match="VARIABLE"):
-        BubbleVectorH1(mesh, slave="left", order_policy=ORDER_POLICY.CONSTANT)
-    with pytest.raises(Exception, match="two- or three-dimensional"):
-        BubbleVectorH1(Make1DMesh(3), slave="left")

@@ -1,121 +1,28 @@
 """SplitSlaveFaces: the mesh modification of the Local Average Contact paper, in 2D."""
 
-import doctest
 from math import pi
 
 import numpy as np
 import pytest
-from netgen.csg import unit_cube
-from netgen.geom2d import SplineGeometry, unit_square
-from netgen.occ import Circle, Glue, MoveTo, OCCGeometry, Rectangle, X
-from ngsolve import (
-    BND,
-    CF,
-    ET,
-    H1,
-    VOL,
-    BilinearForm,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Integrate,
-    LinearForm,
-    Mesh,
-    Periodic,
-    cos,
-    ds,
-    dx,
-    exp,
-    grad,
-    sin,
-    x,
-    y,
+from netgen.geom2d import SplineGeometry
+from ngsolve import BND, CF, ET, H1, VOL, Integrate, Mesh, Periodic, dx
+from ngsolve.meshes import MakeStructured2DMesh
+from splitmeshes import (
+    DISKS,
+    area,
+    elements,
+    inner_vertices,
+    interface_mesh,
+    is_conforming,
+    length,
+    min_jacobian,
+    occ_disk,
+    occ_ring,
+    square,
+    vertices,
 )
-from ngsolve.meshes import Make1DMesh, MakeStructured2DMesh
-from scipy.linalg import eigh
 
-import ngslac.mesh
 from ngslac import SplitSlaveFaces
-
-
-def square(maxh=0.3):
-    return Mesh(unit_square.GenerateMesh(maxh=maxh))
-
-
-def occ_disk(maxh=0.4, quads=False):
-    face = Circle((0, 0), 1).Face()
-    face.edges.name, face.faces.name = "rim", "body"
-    return Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=maxh, quad_dominated=quads))
-
-
-def spline_disk(maxh=0.4):
-    geo = SplineGeometry()
-    geo.AddCircle((0, 0), 1, bc="rim")
-    return Mesh(geo.GenerateMesh(maxh=maxh))
-
-
-def occ_ring(maxh=0.4):
-    """The slave boundary is the inner circle: the body is concave there."""
-    hole = Circle((0, 0), 1).Face()
-    hole.edges.name = "rim"
-    body = Circle((0, 0), 2).Face()
-    body.edges.name = "outer"
-    return Mesh(OCCGeometry(body - hole, dim=2).GenerateMesh(maxh=maxh))
-
-
-DISKS = {"occ": occ_disk, "quads": lambda: occ_disk(quads=True), "splines": spline_disk}
-
-
-def area(mesh):
-    return Integrate(CF(1) * dx, mesh)
-
-
-def length(mesh, boundary=".*"):
-    return Integrate(CF(1) * ds(boundary), mesh)
-
-
-def vertices(mesh):
-    return np.array([v.point for v in mesh.vertices])
-
-
-def elements(mesh, vb=VOL):
-    """Sorted vertex numbers, material and curve of every element."""
-    return [(tuple(sorted(v.nr for v in el.vertices)), el.mat) for el in mesh.Elements(vb)]
-
-
-def min_jacobian(mesh):
-    grid = np.linspace(0, 1, 6)
-    least = np.inf
-    for el in mesh.Elements(VOL):
-        trafo = mesh.GetTrafo(el)
-        for xi in grid:
-            for eta in grid:
-                if el.type == ET.QUAD or xi + eta <= 1 + 1e-12:
-                    jac = np.array(trafo(xi, eta).jacobi).reshape(2, 2)
-                    least = min(least, np.linalg.det(jac))
-    return least
-
-
-def is_conforming(mesh):
-    """No hanging vertex: an edge with one volume element is an edge of the boundary."""
-    count = np.zeros(mesh.nedge, dtype=int)
-    for el in mesh.Elements(VOL):
-        for edge in el.edges:
-            count[edge.nr] += 1
-    outer = {edge.nr for el in mesh.Elements(BND) for edge in el.edges}
-    return count.max() <= 2 and {int(e) for e in np.flatnonzero(count == 1)} <= outer
-
-
-def inner_vertices(mesh, split, slave):
-    """New vertices per slave edge of a straight mesh, by position."""
-    points = vertices(split)
-    numbers = []
-    for el in mesh.Boundaries(slave).Elements():
-        a, b = (np.array(mesh[v].point) for v in el.vertices)
-        s = (points - a) @ (b - a) / np.dot(b - a, b - a)
-        off = np.linalg.norm(points - a - np.outer(s, b - a), axis=1)
-        numbers.append(np.sum((off < 1e-12) & (s > 1e-8) & (s < 1 - 1e-8)))
-    return numbers
 
 
 @pytest.mark.parametrize("slave", ["left", "left|bottom", "top|bottom", ".*"])
@@ -230,14 +137,6 @@ def test_mesh_is_untouched():
     assert mesh.GetCurveOrder() == 2
 
 
-def interface_mesh(quads=False):
-    left, right = Rectangle(1, 1).Face(), MoveTo(1, 0).Rectangle(1, 1).Face()
-    left.faces.name, right.faces.name = "A", "B"
-    left.edges.Max(X).name = "interface"
-    right.faces.quad_dominated = quads
-    return Mesh(OCCGeometry(Glue([left, right]), dim=2).GenerateMesh(maxh=0.3))
-
-
 @pytest.mark.parametrize("quads", [False, True])
 def test_interface_between_materials(quads):
     mesh = interface_mesh(quads)
@@ -305,117 +204,3 @@ def test_periodic_mesh_keeps_its_identification():
     free = sum(Periodic(H1(split)).FreeDofs())
     assert free == split.nv - 5
     SplitSlaveFaces(mesh, "left")
-
-
-def poisson_error(mesh, order):
-    exact = exp(x) * cos(y) + sin(x * y)
-    source = (x * x + y * y) * sin(x * y)
-    fes = H1(mesh, order=order, dirichlet=".*")
-    u, v = fes.TnT()
-    a = BilinearForm(grad(u) * grad(v) * dx).Assemble()
-    f = LinearForm(source * v * dx).Assemble()
-    gf = GridFunction(fes)
-    gf.Set(exact, definedon=mesh.Boundaries(".*"))
-    f.vec.data -= a.mat * gf.vec
-    gf.vec.data += a.mat.Inverse(fes.FreeDofs(), inverse="sparsecholesky") * f.vec
-    return Integrate((gf - exact) ** 2 * dx(bonus_intorder=6), mesh) ** 0.5
-
-
-@pytest.mark.parametrize("quads", [False, True])
-@pytest.mark.parametrize("order", [1, 2])
-def test_poisson(order, quads):
-    errors = []
-    for n in (4, 8, 16):
-        mesh = MakeStructured2DMesh(quads=quads, nx=n, ny=n)
-        errors.append(poisson_error(SplitSlaveFaces(mesh, "left|top"), order))
-        assert errors[-1] < 1.1 * poisson_error(mesh, order)
-    rates = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert rates.min() > order + 0.8
-
-
-def test_poisson_on_curved_split():
-    for order in (2, 3):
-        mesh = occ_disk(0.3).Curve(order)
-        assert poisson_error(SplitSlaveFaces(mesh, "rim"), order) < poisson_error(mesh, order)
-
-
-def contact_operator(fes, macros):
-    """S = B A^-1 B^T: B the mean normal trace per macro-element, A the inner product of H1."""
-    u, v = fes.TnT()
-    a = BilinearForm((grad(u) * grad(v) + u * v) * dx).Assemble()
-    inv = a.mat.Inverse(fes.FreeDofs(), inverse="sparsecholesky")
-    columns = []
-    for lower, upper in macros:
-        one = IfPos(x - lower, 1, 0) * IfPos(upper - x, 1, 0)
-        columns.append(LinearForm(one * v * ds("top")).Assemble().vec)
-    solutions = [(inv * b).Evaluate() for b in columns]
-    return np.array([[InnerProduct(b, s) for s in solutions] for b in columns])
-
-
-@pytest.mark.parametrize("kind", ["trigs", "quads"])
-@pytest.mark.parametrize("clamped", ["", "left|right"])
-def test_parent_edges_are_stable_macro_elements(kind, clamped):
-    """The inf-sup constant of one multiplier per parent edge does not fall with the mesh size."""
-    betas = []
-    for n in (4, 8, 16):
-        mesh = MakeStructured2DMesh(quads=kind == "quads", nx=n, ny=n)
-        split = SplitSlaveFaces(mesh, "top")
-        macros = [(k / n, (k + 1) / n) for k in range(n)]
-        lowest, fine = (
-            contact_operator(H1(split, order=p, dirichlet=clamped), macros) for p in (1, 4)
-        )
-        betas.append(eigh(lowest, fine, eigvals_only=True)[0] ** 0.5)
-    assert min(betas) > 0.5
-    assert betas[-1] > 0.95 * betas[-2]
-
-
-def test_example():
-    result = doctest.testmod(ngslac.mesh)
-    assert result.attempted > 0
-    assert result.failed == 0
-
-
-def test_region_argument():
-    mesh = square()
-    by_name = SplitSlaveFaces(mesh, "left|top")
-    by_region = SplitSlaveFaces(mesh, mesh.Boundaries("left") + mesh.Boundaries("top"))
-    assert elements(by_region) == elements(by_name)
-
-
-def test_wrong_arguments():
-    mesh, other = square(), square()
-    with pytest.raises(ValueError, match=r"'rim' matches no boundary; there are 'bottom'"):
-        SplitSlaveFaces(mesh, "rim")
-    with pytest.raises(ValueError, match="region matches no boundary"):
-        SplitSlaveFaces(mesh, mesh.Boundaries("rim"))
-    with pytest.raises(Exception, match="belongs to another mesh"):
-        SplitSlaveFaces(mesh, other.Boundaries("left"))
-    for region in (mesh.Materials(".*"), mesh.BBoundaries(".*")):
-        with pytest.raises(Exception, match="must be one of boundaries"):
-            SplitSlaveFaces(mesh, region)
-    with pytest.raises(TypeError, match="pattern or a Region"):
-        SplitSlaveFaces(mesh, 3)
-    with pytest.raises(TypeError, match=r"ngsolve\.Mesh"):
-        SplitSlaveFaces(mesh.ngmesh, "left")
-
-
-def test_unsupported_meshes():
-    with pytest.raises(Exception, match="SplitSlaveFaces: three-dimensional meshes"):
-        SplitSlaveFaces(Mesh(unit_cube.GenerateMesh(maxh=1)), "top")
-    with pytest.raises(Exception, match="must be two-dimensional"):
-        SplitSlaveFaces(Make1DMesh(3), "left")
-    quadratic = occ_disk().ngmesh
-    quadratic.SecondOrder()
-    with pytest.raises(Exception, match="second order"):
-        SplitSlaveFaces(Mesh(quadratic), "rim")
-
-
-def test_boundary_too_coarse_to_split():
-    """A hole whose circle is met by five edges only: the new vertices would leave the body."""
-    body = MoveTo(-1.2, -1.2).Rectangle(2.4, 2.4).Face() - Circle((0, 0), 1).Face()
-    body.edges.name = "rim"
-    mesh = Mesh(
-        OCCGeometry(body, dim=2).GenerateMesh(maxh=10, curvaturesafety=0.5, segmentsperedge=0.5)
-    )
-    with pytest.raises(Exception, match="fold over"):
-        SplitSlaveFaces(mesh, "rim")
