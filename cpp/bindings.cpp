@@ -74,9 +74,11 @@ NgException
 
 Examples
 --------
->>> V = VectorH1(mesh, order=2, dirichlet="bottom")      # doctest: +SKIP
->>> Q = LACSpace(V, slave="top")                         # doctest: +SKIP
->>> (u, lam), (v, mu) = (V * Q).TnT()                    # doctest: +SKIP
+>>> V = VectorH1(mesh, order=2, dirichlet="bottom")
+>>> Q = LACSpace(V, slave="slave")
+>>> (u, lam), (v, mu) = (V * Q).TnT()
+>>> Q.ndof == mesh.dim * Q.nmacros
+True
 )";
 
 void ExportSpace(py::module & m) {

@@ -42,9 +42,11 @@ class LACSpace(ngsolve.comp.FESpace):
 
     Examples
     --------
-    >>> V = VectorH1(mesh, order=2, dirichlet="bottom")      # doctest: +SKIP
-    >>> Q = LACSpace(V, slave="top")                         # doctest: +SKIP
-    >>> (u, lam), (v, mu) = (V * Q).TnT()                    # doctest: +SKIP
+    >>> V = VectorH1(mesh, order=2, dirichlet="bottom")
+    >>> Q = LACSpace(V, slave="slave")
+    >>> (u, lam), (v, mu) = (V * Q).TnT()
+    >>> Q.ndof == mesh.dim * Q.nmacros
+    True
     """
     def CoreDofs(self, macro: typing.SupportsInt | typing.SupportsIndex) -> pyngcore.pyngcore.Array_I_S:
         """
@@ -146,6 +148,8 @@ class ContactForm:
     def JumpMatrix(self, arg0: Side) -> ngsolve.la.BaseMatrix:
         ...
     def MultiplierDofs(self) -> numpy.typing.NDArray[numpy.int32]:
+        ...
+    def Restore(self) -> None:
         ...
     def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
         ...

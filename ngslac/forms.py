@@ -22,8 +22,10 @@ class FormSum:
 
     Examples
     --------
-    >>> form = FormSum(a, contact)                            # doctest: +SKIP
-    >>> NewtonSolver(form, gf).Solve()                        # doctest: +SKIP
+    >>> form = FormSum(a, contact)
+    >>> form.AssembleLinearization(gf.vec)
+    >>> form.mat.height == fes.ndof
+    True
     """
 
     def __init__(self, a, *contacts):

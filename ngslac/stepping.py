@@ -48,7 +48,10 @@ class LoadStepper:
 
     Examples
     --------
-    >>> LoadStepper(solver, load).Integrate(steps=10)      # doctest: +SKIP
+    >>> load.Set(0)
+    >>> steps = LoadStepper(solver, load).Integrate(steps=4, printing=False)
+    >>> steps[-1].time
+    1.0
     """
 
     def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
