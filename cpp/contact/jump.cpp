@@ -51,6 +51,37 @@ void AddFace(const ProxyInfo & u, int element, FlatArray<Vec<D - 1>> points,
       row.Append(JumpEntry<D>{block * dofs[j / block] + j % block, Vec<D>(sum.Col(j))});
 }
 
+/// Adds what one segment contributes from one of its sides.
+template <int D>
+void AddSegment(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
+                const Pairing<D> & pairing, int number, Side side, Array<JumpEntry<D>> & row,
+                LocalHeap & lh) {
+  auto & segment = pairing.segments[number];
+  bool onslave = side == Side::slave;
+  if (!onslave && segment.master < 0)
+    return;
+  ArrayMem<Vec<D - 1>, 20> points;
+  ArrayMem<double, 20> weights;
+  for (auto & p : pairing.points.Range(pairing.Points(number))) {
+    points.Append(onslave ? p.slave : p.master);
+    weights.Append(onslave ? p.weight : -p.weight);
+  }
+  int element = onslave ? slave.Element(segment.slave) : master->Element(segment.master);
+  AddFace<D>(u, element, points, weights, row, lh);
+}
+
+/// Number of the first segment of each slave face, and one more to close the last.
+template <int D>
+Array<int> FirstSegments(const Pairing<D> & pairing, int nfaces) {
+  Array<int> first(nfaces + 1);
+  for (int f = 0, s = 0; f <= nfaces; f++) {
+    while (s < int(pairing.Size()) && pairing.segments[s].slave < f)
+      s++;
+    first[f] = s;
+  }
+  return first;
+}
+
 /// Sorts by dof and adds up what belongs together.
 template <int D>
 void Compress(Array<JumpEntry<D>> & row) {
@@ -79,12 +110,7 @@ MacroJump<D>::MacroJump(const ProxyInfo & u, const LACSpace & space, const Surfa
     for (int f : Range(slave.Size()))
       creator.Add(space.MacroOfFace()[slave.Element(f)], f);
   auto faces = creator.MoveTable();
-  Array<int> first_segment(slave.Size() + 1);
-  for (int f = 0, s = 0; f <= int(slave.Size()); f++) {
-    while (s < int(pairing.Size()) && pairing.segments[s].slave < f)
-      s++;
-    first_segment[f] = s;
-  }
+  auto first_segment = FirstSegments(pairing, slave.Size());
 
   LocalHeap heap(1000 * 1000, "ngslac-jump", true);
   Array<Array<JumpEntry<D>>> parts(4 * TaskManager::GetNumThreads());
@@ -94,25 +120,13 @@ MacroJump<D>::MacroJump(const ProxyInfo & u, const LACSpace & space, const Surfa
       [&](TaskInfo & ti) {
         LocalHeap lh = heap.Split();
         Array<JumpEntry<D>> row;
-        Array<Vec<D - 1>> points;
-        Array<double> weights;
         for (auto m : IntRange(n).Split(ti.task_nr, ti.ntasks)) {
           row.SetSize0();
           for (int f : faces[m])
-            for (int s : Range(first_segment[f], first_segment[f + 1]))
-              for (auto now : {Side::slave, Side::master}) {
-                auto & segment = pairing.segments[s];
-                bool onslave = now == Side::slave;
-                if (!(int(side) & int(now)) || (!onslave && segment.master < 0))
-                  continue;
-                points.SetSize0(), weights.SetSize0();
-                for (auto & p : pairing.points.Range(pairing.Points(s))) {
-                  points.Append(onslave ? p.slave : p.master);
-                  weights.Append(onslave ? p.weight : -p.weight);
-                }
-                int element = onslave ? slave.Element(f) : master->Element(segment.master);
-                AddFace<D>(u, element, points, weights, row, lh);
-              }
+            for (int segment : Range(first_segment[f], first_segment[f + 1]))
+              for (auto from : {Side::slave, Side::master})
+                if (int(side) & int(from))
+                  AddSegment(u, slave, master, pairing, segment, from, row, lh);
           Compress(row);
           first[m + 1] = row.Size();
           parts[ti.task_nr] += row;
