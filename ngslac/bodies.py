@@ -107,7 +107,8 @@ def NearestMacros(contact):
     table = contact.Table()
     paired = table["area"] > 0
     size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
-    near = paired & (table["gap"] <= table["gap"][paired].min() + 0.05 * size)
+    nearest = table["gap"][paired].min(initial=np.inf)
+    near = paired & (table["gap"] <= nearest + 0.05 * size)
     bits = BitArray(len(near))
     for i, value in enumerate(near):
         bits[i] = bool(value)

@@ -30,7 +30,10 @@ class ContactReport:
         self.unpaired = np.flatnonzero(~paired)
         self.partial = np.flatnonzero(paired & (area < (1 - 1e-6) * full))
         gaps = table["gap"][paired]
-        self.min_gap, self.max_gap = float(gaps.min()), float(gaps.max())
+        # Where only slivers overlap there is no gap.
+        self.min_gap, self.max_gap = (
+            (float(gaps.min()), float(gaps.max())) if len(gaps) else (np.nan, np.nan)
+        )
         size = full ** (1 / (contact.mesh.dim - 1))
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
         self.macro_size = (float(size.min()), float(size.max()))

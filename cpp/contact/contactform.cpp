@@ -67,12 +67,12 @@ public:
       new_pairing = Pair<D>(*new_slave, *new_master, options);
       maxdist = options.maxdist;
     }
-    auto new_jump = make_unique<MacroJump<D>>(u, *space, *new_slave, new_master.get(), new_pairing);
-    if (new_jump->TotalArea() == 0)
+    if (new_pairing.Size() == 0)
       throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
                       "surface within maxdist = " +
                       ToString(maxdist) +
                       "; check the regions, the placement of the bodies and maxdist");
+    auto new_jump = make_unique<MacroJump<D>>(u, *space, *new_slave, new_master.get(), new_pairing);
     slave = std::move(new_slave), master = std::move(new_master), jump = std::move(new_jump);
     pairing = std::move(new_pairing);
     CollectMultiplierDofs();

@@ -181,13 +181,5 @@ Vec<D> MacroJump<D>::Mean(size_t macro, FlatVector<> x) const {
   return area[macro] > 0 ? Vec<D>((1 / area[macro]) * sum) : Vec<D>(0.0);
 }
 
-template <int D>
-double MacroJump<D>::TotalArea() const {
-  double sum = 0;
-  for (double a : area)
-    sum += a;
-  return sum;
-}
-
 template class MacroJump<2>;
 } // namespace ngslac

@@ -35,7 +35,6 @@ public:
   FlatArray<JumpEntry<D>> Row(size_t macro) const {
     return entries.Range(first[macro], area[macro] > 0 ? first[macro + 1] : first[macro]);
   }
-  double TotalArea() const;
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
 

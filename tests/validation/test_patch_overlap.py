@@ -108,6 +108,7 @@ def test_nothing_left_to_touch(kind, left):
     assert np.all(table["area"] == 0)
     assert np.all(table["status"] == 0)
     assert np.all(contact.Force() == 0)
+    assert "without partner" in str(contact.Check())
 
 
 def test_surfaces_that_never_meet_are_an_error():
