@@ -11,7 +11,14 @@ CheckNGSolve()
 # NGSolve loads the libraries that the compiled module needs: it has to come first.
 import ngsolve as _ngsolve  # noqa: E402, F401
 
-from ngslac._ngslac import BubbleVectorH1, LACSpace  # noqa: E402
+try:
+    from ngslac._ngslac import BubbleVectorH1, LACSpace
+except ModuleNotFoundError as error:
+    raise ImportError(
+        f"{__path__[0]} holds the sources of ngslac, not the compiled plugin: install it with "
+        "'pip install -e .' there, or start Python in another folder"
+    ) from error
+
 from ngslac.contact import LACContact  # noqa: E402
 from ngslac.errors import ContactConvergenceError, FloatingBodyError  # noqa: E402
 from ngslac.forms import FormSum  # noqa: E402
