@@ -198,7 +198,12 @@ void ExportContact(py::module & m) {
            })
       .def("MultiplierDofs",
            [](ContactForm & self) { return ToNumPy(Array<int>(self.MultiplierDofs())); })
-      .def("SegmentData", [](ContactForm & self) { return ToNumPy(self.SegmentData()); })
+      .def("Segments",
+           [](ContactForm & self) {
+             auto table = self.Segments();
+             return py::make_tuple(ToNumPy(table.values), ToNumPy(table.corners),
+                                   ToNumPy(table.first));
+           })
       .def_property_readonly("nsegments", &ContactForm::NSegments)
       .def_property_readonly("space", &ContactForm::Space)
       .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })

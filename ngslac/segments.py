@@ -6,7 +6,7 @@ import numpy as np
 
 __all__ = ["Segments"]
 
-VTK_LINE, VTK_QUAD = 3, 9
+VTK_POLYGON, VTK_QUAD = 7, 9
 
 
 class Segments:
@@ -18,49 +18,55 @@ class Segments:
         Boundary element numbers; master -1 for an obstacle.
     area, gap : (n,)
         Slave area and its mean gap along the slave normal (> 0 open).
-    slave_points, master_points : (n, 2, d)
-        End points on both sides; a line from each to its partner is a slave normal.
+    slave_points, master_points : (n, 2, 2) in 2D, (m, 3) in 3D
+        Corners on both sides, end points in 2D; a line from each to its partner is a slave normal.
+    first : (n + 1,) int
+        In 3D the corners of segment i are the rows ``first[i]`` to ``first[i + 1]``.
     """
 
     def __init__(self, form, dim):
-        data = form.SegmentData().reshape(form.nsegments, -1)
-        self.slave, self.master = data[:, 0].astype(int), data[:, 1].astype(int)
-        self.area, self.gap = data[:, 2], data[:, 3]
-        corners = data[:, 4:].reshape(form.nsegments, -1, 2, dim)
-        self.slave_points, self.master_points = corners[:, :, 0], corners[:, :, 1]
+        values, corners, first = form.Segments()
+        self.first = first.astype(int)
+        values = values.reshape(form.nsegments, 4)
+        self.slave, self.master = values[:, 0].astype(int), values[:, 1].astype(int)
+        self.area, self.gap = values[:, 2], values[:, 3]
+        corners = corners.reshape(-1, 2, dim)
+        self.slave_points, self.master_points = corners[:, 0], corners[:, 1]
+        if dim == 2:
+            self.slave_points = self.slave_points.reshape(-1, 2, 2)
+            self.master_points = self.master_points.reshape(-1, 2, 2)
 
     def __len__(self):
         return len(self.slave)
 
     def WriteVTU(self, filename):
-        """Write the segments as quadrilaterals from slave to master for ParaView; returns the path.
+        """Write the segments for ParaView; returns the path.
 
-        Cell data: slave, master, area, gap.
+        2D: quadrilaterals from slave to master. 3D: the polygons on the slave and then those on the
+        master. Cell data: slave, master, area, gap, and in 3D side (1 slave, 2 master).
         """
         path = Path(filename)
         if path.suffix != ".vtu":
             path = path.with_name(path.name + ".vtu")
-        quads = np.stack(
-            [
-                self.slave_points[:, 0],
-                self.slave_points[:, 1],
-                self.master_points[:, 1],
-                self.master_points[:, 0],
-            ],
-            axis=1,
-        )
-        points = np.zeros((4 * len(self), 3))
-        points[:, : quads.shape[2]] = quads.reshape(len(points), -1)
-        cells = np.arange(len(points)).reshape(-1, 4)
         arrays = {"slave": self.slave, "master": self.master, "area": self.area, "gap": self.gap}
-        path.write_text(VTUText(points, cells, VTK_QUAD, arrays))
+        if self.slave_points.ndim == 3:
+            quads = np.concatenate([self.slave_points, self.master_points[:, ::-1]], axis=1)
+            points = np.pad(quads.reshape(-1, 2), ((0, 0), (0, 1)))
+            path.write_text(VTUText(points, 4 * np.arange(1, len(self) + 1), VTK_QUAD, arrays))
+            return path
+        points = np.concatenate([self.slave_points, self.master_points])
+        ends = np.concatenate([self.first[1:], self.first[-1] + self.first[1:]])
+        arrays = {name: np.tile(values, 2) for name, values in arrays.items()}
+        arrays["side"] = np.repeat([1, 2], len(self))
+        path.write_text(VTUText(points, ends, VTK_POLYGON, arrays))
         return path
 
     def _GetWebguiData(self):
-        lines = np.zeros((2 * len(self), 2, 3))
-        dim = self.slave_points.shape[2]
-        lines[:, 0, :dim] = self.slave_points.reshape(-1, dim)
-        lines[:, 1, :dim] = self.master_points.reshape(-1, dim)
+        if self.slave_points.ndim == 3:
+            lines = np.stack([self.slave_points, self.master_points], axis=2)
+            lines = np.pad(lines.reshape(-1, 2, 2), ((0, 0), (0, 0), (0, 1)))
+        else:
+            lines = self._Outlines()
         return {
             "type": "lines",
             "name": "contact segments",
@@ -68,9 +74,24 @@ class Segments:
             "position": lines.ravel().tolist(),
         }
 
+    def _Outlines(self):
+        """Sides of the polygons on the slave, and a line from slave to master in the middle."""
+        following = np.arange(1, len(self.slave_points) + 1)
+        following[self.first[1:] - 1] = self.first[:-1]
+        sides = np.stack([self.slave_points, self.slave_points[following]], axis=1)
+        counts = np.diff(self.first)[:, None]
+        middle = [
+            np.add.reduceat(points, self.first[:-1], axis=0) / counts
+            for points in (self.slave_points, self.master_points)
+        ]
+        return np.concatenate([sides, np.stack(middle, axis=1)])
 
-def VTUText(points, cells, celltype, cell_data):
-    """An unstructured VTK grid as XML text."""
+
+def VTUText(points, ends, celltype, cell_data):
+    """An unstructured VTK grid of cells with points of their own, as XML text.
+
+    Cell i has the points from ``ends[i - 1]`` to ``ends[i]``.
+    """
 
     def Array(values, name, kind, components=1):
         text = " ".join(map(repr, np.asarray(values).ravel().tolist()))
@@ -79,15 +100,14 @@ def VTUText(points, cells, celltype, cell_data):
             f'format="ascii">{text}</DataArray>'
         )
 
-    ncells, npoints = cells.shape
     kinds = {"i": "Int64", "f": "Float64"}
     data = "".join(Array(v, k, kinds[np.asarray(v).dtype.kind]) for k, v in cell_data.items())
     return (
         '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid>'
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{ncells}">'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(ends)}">'
         f"<Points>{Array(points, 'points', 'Float64', 3)}</Points>"
-        f"<Cells>{Array(cells, 'connectivity', 'Int64')}"
-        f"{Array(npoints * np.arange(1, ncells + 1), 'offsets', 'Int64')}"
-        f"{Array(np.full(ncells, celltype), 'types', 'Int64')}</Cells>"
+        f"<Cells>{Array(np.arange(len(points)), 'connectivity', 'Int64')}"
+        f"{Array(ends, 'offsets', 'Int64')}"
+        f"{Array(np.full(len(ends), celltype), 'types', 'Int64')}</Cells>"
         f"<CellData>{data}</CellData></Piece></UnstructuredGrid></VTKFile>\n"
     )

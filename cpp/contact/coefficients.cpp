@@ -71,4 +71,6 @@ void SetObstacleGaps(const CoefficientFunction & gap, const MeshAccess & ma,
 
 template void SetObstacleGaps(const CoefficientFunction &, const MeshAccess &, const Surface<2> &,
                               Pairing<2> &);
+template void SetObstacleGaps(const CoefficientFunction &, const MeshAccess &, const Surface<3> &,
+                              Pairing<3> &);
 } // namespace ngslac

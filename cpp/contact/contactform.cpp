@@ -56,14 +56,16 @@ public:
     auto new_slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
     unique_ptr<Surface<D>> new_master;
     Pairing<D> new_pairing;
-    int quadrature = 2 * order + 4 * (new_slave->Degree() - 1);
+    auto quadrature = [&](int highest) {
+      return (D == 2 ? 2 : 1) * (highest + 2 * (new_slave->Degree() - 1));
+    };
     if (setup.obstacle) {
-      new_pairing = PairWithObstacle<D>(*new_slave, quadrature);
+      new_pairing = PairWithObstacle<D>(*new_slave, (D - 1) * quadrature(u.Order(*new_slave)));
       SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *new_slave, new_pairing);
     } else {
       new_master = make_unique<Surface<D>>(*setup.master, displacement, order);
-      auto options =
-          SearchOptions(*new_slave, *new_master, setup.maxdist, setup.penetration, quadrature);
+      auto options = SearchOptions(*new_slave, *new_master, setup.maxdist, setup.penetration,
+                                   quadrature(max(u.Order(*new_slave), u.Order(*new_master))));
       new_pairing = Pair<D>(*new_slave, *new_master, options);
       maxdist = options.maxdist;
     }
@@ -270,9 +272,9 @@ public:
     return pairing.Size();
   }
 
-  Array<double> SegmentData() const override {
+  SegmentTable Segments() const override {
     CheckPaired();
-    return SegmentTable(pairing, *slave, master.get());
+    return MakeSegmentTable(pairing, *slave, master.get());
   }
 
 private:
@@ -392,6 +394,6 @@ private:
 shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
   if (ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension() == 2)
     return make_shared<T_ContactForm<2>>(setup);
-  throw Exception("LACContact: contact in 3D is not available in this version");
+  return make_shared<T_ContactForm<3>>(setup);
 }
 } // namespace ngslac

@@ -62,7 +62,7 @@ public:
   virtual Array<double> Vectors(const string & name) const = 0;
   virtual Array<double> Scalars(const string & name) const = 0;
   /// see SegmentTable
-  virtual Array<double> SegmentData() const = 0;
+  virtual SegmentTable Segments() const = 0;
   virtual size_t NSegments() const = 0;
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }

@@ -31,4 +31,6 @@ shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArr
 
 template shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<2> &, FlatArray<int>,
                                                        size_t);
+template shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<3> &, FlatArray<int>,
+                                                       size_t);
 } // namespace ngslac

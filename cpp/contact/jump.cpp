@@ -25,6 +25,20 @@ ProxyInfo::ProxyInfo(const CoefficientFunction & cf, const string & name) {
                     "or the multiplier itself, not a derivative");
 }
 
+template <int D>
+int ProxyInfo::Order(const Surface<D> & surface) const {
+  LocalHeap lh(100 * 1000, "ngslac-order");
+  int order = 0;
+  for (size_t f : Range(surface.Size())) {
+    HeapReset hr(lh);
+    order = max(order, component->GetFE(ElementId(BND, surface.Element(f)), lh).Order());
+  }
+  return order;
+}
+
+template int ProxyInfo::Order(const Surface<2> &) const;
+template int ProxyInfo::Order(const Surface<3> &) const;
+
 namespace {
 /// Adds  factor * int N  of one face at some points to the row of a macro-element.
 template <int D>
@@ -146,13 +160,17 @@ void MacroJump<D>::Geometry(size_t macro, FlatArray<int> faces, const Surface<D>
   Vec<D> normals = 0.0, gaps = 0.0, centers = 0.0, moments = 0.0;
   double paired = 0, full = 0;
   // The area of a curved face is no polynomial: a high order makes its error invisible.
-  IntegrationRule rule(D == 2 ? ET_SEGM : ET_TRIG, slave.Degree() == 1 ? 1 : 20);
+  int order = slave.Degree() > 1 ? 20 : D == 3 ? 2 : 1;
   for (int f : faces) {
+    IntegrationRule rule(slave.Type(f), order);
     for (auto & ip : rule) {
       Vec<D> x;
       Mat<D, D - 1> dx;
-      slave.Evaluate(f, ip(0), x, dx);
-      double w = ip.Weight() * L2Norm(dx);
+      Vec<D - 1> xi;
+      for (int k : Range(D - 1))
+        xi(k) = ip(k);
+      slave.Evaluate(f, xi, x, dx);
+      double w = ip.Weight() * Measure(dx);
       full += w;
       centers += w * x;
       normals += w * slave.Normal(f, dx);
@@ -182,4 +200,5 @@ Vec<D> MacroJump<D>::Mean(size_t macro, FlatVector<> x) const {
 }
 
 template class MacroJump<2>;
+template class MacroJump<3>;
 } // namespace ngslac

@@ -21,6 +21,9 @@ struct ProxyInfo {
   shared_ptr<DifferentialOperator> evaluator; // on the boundary
 
   ProxyInfo(const CoefficientFunction & proxy, const string & name);
+  /// highest polynomial order on the faces of a surface
+  template <int D>
+  int Order(const Surface<D> & surface) const;
 };
 
 /// The macro-elements over a pairing: areas, normals, gaps and the operator  u -> int [u1 - u2].

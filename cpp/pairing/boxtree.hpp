@@ -31,9 +31,9 @@ public:
       Build(0, items.Size());
   }
 
-  /// Calls f(item) for every item whose box intersects `box`.
-  template <typename F>
-  void Visit(const netgen::Box<D> & box, F f) const {
+  /// Calls f(item) for every item whose box intersects the query (any kind of box).
+  template <typename Query, typename F>
+  void Visit(const Query & query, F f) const {
     if (nodes.Size() == 0)
       return;
     ArrayMem<int, 100> stack;
@@ -42,14 +42,14 @@ public:
       int i = stack.Last();
       stack.DeleteLast();
       auto & node = nodes[i];
-      if (!node.box.Intersect(box))
+      if (!query.Intersect(node.box))
         continue;
       if (node.right) {
         stack.Append(node.right);
         stack.Append(i + 1);
       } else
         for (int k : Range(node.first, node.last))
-          if (boxes[items[k]].Intersect(box))
+          if (query.Intersect(boxes[items[k]]))
             f(items[k]);
     }
   }

@@ -24,4 +24,5 @@ PairingOptions SearchOptions(const Surface<D> & slave, const Surface<D> & master
 }
 
 template PairingOptions SearchOptions(const Surface<2> &, const Surface<2> &, double, double, int);
+template PairingOptions SearchOptions(const Surface<3> &, const Surface<3> &, double, double, int);
 } // namespace ngslac

@@ -2,6 +2,9 @@
 #include "surface/surface.hpp"
 
 namespace ngslac {
+/// Faces whose normals are less than 100 degrees apart do not touch.
+constexpr double facing_cosine = -0.17;
+
 /// A quadrature point that sees both sides.
 template <int D>
 struct PairPoint {
@@ -21,7 +24,7 @@ struct Segment {
 struct PairingOptions {
   double maxdist;     // farthest opening, along the slave normal
   double penetration; // deepest interpenetration
-  int order;          // of the quadrature on one segment
+  int order;          // of the quadrature, for polynomials of total degree on one segment
 };
 
 /// Options for a search; a distance of 0 is chosen from the sizes of the surfaces: as far as both
@@ -48,10 +51,11 @@ struct Pairing {
 
 /// Cuts every slave face into segments, each facing the nearest master face along the slave normal.
 ///
-/// Master end points are projected onto the slave face along its normal, so that each ray from a
-/// segment meets exactly one master face and the segments tile the overlap. Faces that look the
-/// same way never pair. O(n log n) in the number of faces, threaded, the result independent of the
-/// number of threads.
+/// 2D: master end points are projected onto the slave face along its normal, so that each ray from
+/// a segment meets exactly one master face and the segments tile the overlap. 3D: slave faces are
+/// divided into nearly flat facets, on whose planes the master facets are cut out (Puso and Laursen
+/// 2004); the pieces tile the slave face. Faces that look the same way never pair. O(n log n) in
+/// the number of faces, threaded, the result independent of the number of threads.
 template <int D>
 Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
                 const PairingOptions & options);
@@ -60,9 +64,14 @@ Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
 template <int D>
 Pairing<D> PairWithObstacle(const Surface<D> & slave, int order);
 
-/// One row per segment: slave and master boundary element (-1: obstacle), area, mean gap, and the
-/// corners (slave point, master point, slave point, ...).
+/// Segments as plain numbers, for pictures.
+struct SegmentTable {
+  Array<double> values;  // slave and master boundary element (-1: obstacle), area, mean gap
+  Array<double> corners; // slave point, master point, slave point, ...
+  Array<size_t> first;   // corner of each segment, and one more to close the last
+};
+
 template <int D>
-Array<double> SegmentTable(const Pairing<D> & pairing, const Surface<D> & slave,
-                           const Surface<D> * master);
+SegmentTable MakeSegmentTable(const Pairing<D> & pairing, const Surface<D> & slave,
+                              const Surface<D> * master);
 } // namespace ngslac

@@ -1,10 +1,10 @@
 #include "boxtree.hpp"
-#include "pairing.hpp"
+#include "orientedbox.hpp"
+#include "pieces.hpp"
 
 namespace ngslac {
 namespace {
 constexpr double merge_tolerance = 1e-13; // of reference coordinates
-constexpr double facing_cosine = -0.17;   // faces less than 100 degrees apart do not touch
 
 /// Root of f in [a, b], where it changes sign. `f` returns value and (approximate) derivative.
 template <typename F>
@@ -75,18 +75,23 @@ public:
   }
 
 private:
-  netgen::Box<2> SearchBox(double reach) const {
-    netgen::Box<2> box = slave.Bounds(face);
-    Vec<2> normals[3];
+  OrientedBox<2> SearchBox(double reach) const {
+    Vec<2> points[3], normals[3];
     for (int i : Range(3)) {
-      Vec<2> x;
       Mat<2, 1> dx;
-      slave.Evaluate(face, 0.5 * i, x, dx);
+      slave.Evaluate(face, 0.5 * i, points[i], dx);
       normals[i] = slave.Normal(face, dx);
-      for (double d : {reach, -min(reach, options.penetration)})
-        box.Add(netgen::Point<2>(x(0) + d * normals[i](0), x(1) + d * normals[i](1)));
     }
-    box.Increase(0.05 * size + 0.1 * reach * L2Norm(normals[2] - normals[0]));
+    Vec<2> n = normals[1];
+    double behind = min(reach, options.penetration);
+    OrientedBox<2> box{points[1] + 0.5 * (reach - behind) * n, {n, Vec<2>(-n(1), n(0))}, {0, 0}};
+    for (int i : Range(3))
+      for (double d : {reach, -behind})
+        box.Add(points[i] + d * normals[i]);
+    double margin =
+        (0.05 + slave.Bulge(face)) * size + 0.1 * reach * L2Norm(normals[2] - normals[0]);
+    for (double & half : box.half)
+      half += margin;
     return box;
   }
 
@@ -203,27 +208,6 @@ private:
   }
 };
 
-/// Runs `pair(range, part)` on pieces of the slave faces in threads and joins the parts in order.
-template <typename F>
-Pairing<2> InPieces(size_t nfaces, F pair) {
-  Array<Pairing<2>> parts(4 * TaskManager::GetNumThreads());
-  ParallelJob(
-      [&](TaskInfo & ti) {
-        pair(IntRange(nfaces).Split(ti.task_nr, ti.ntasks), parts[ti.task_nr]);
-      },
-      parts.Size());
-  Pairing<2> result;
-  for (auto & part : parts) {
-    size_t points = result.points.Size(), corners = result.corners.Size();
-    for (auto & s : part.segments)
-      result.segments.Append(
-          Segment{s.slave, s.master, s.first + points, s.first_corner + corners});
-    result.points += part.points;
-    result.corners += part.corners;
-  }
-  result.segments.Append(Segment{-1, -1, result.points.Size(), result.corners.Size()});
-  return result;
-}
 } // namespace
 
 template <>
@@ -238,30 +222,11 @@ Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
   timer_tree.Stop();
 
   IntegrationRule rule(ET_SEGM, options.order);
-  return InPieces(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
+  return InPieces<2>(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
     FacePairer pairer(slave, master, tree, options, rule);
     for (auto f : faces)
       pairer.Do(f, part);
   });
 }
 
-template <>
-Pairing<2> PairWithObstacle(const Surface<2> & slave, int order) {
-  IntegrationRule rule(ET_SEGM, order);
-  return InPieces(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
-    auto put = [&](Array<PairPoint<2>> & points, int f, double xi, double weight) {
-      Vec<2> x;
-      Mat<2, 1> dx;
-      slave.Evaluate(f, xi, x, dx);
-      points.Append(PairPoint<2>{xi, 0.0, weight * L2Norm(dx), 0.0, slave.Normal(f, dx)});
-    };
-    for (int f : faces) {
-      part.segments.Append(Segment{f, -1, part.points.Size(), part.corners.Size()});
-      for (auto & ip : rule)
-        put(part.points, f, ip(0), ip.Weight());
-      for (double xi : {0.0, 1.0})
-        put(part.corners, f, xi, 0);
-    }
-  });
-}
 } // namespace ngslac

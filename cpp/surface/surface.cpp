@@ -1,32 +1,8 @@
 #include "surface.hpp"
+#include "bernstein.hpp"
 
 namespace ngslac {
 namespace {
-/// Bernstein coefficients from values at the interpolation points.
-Matrix<> BernsteinFromValues(FlatArray<double> points) {
-  int n = points.Size() - 1;
-  Matrix<> basis(n + 1, n + 1);
-  for (int i : Range(n + 1))
-    for (int j : Range(n + 1)) {
-      double value = 1;
-      for (int k : Range(j))
-        value *= points[i] * (n - k) / (k + 1.0);
-      for (int k = j; k < n; k++)
-        value *= 1 - points[i];
-      basis(i, j) = value;
-    }
-  CalcInverse(basis);
-  return basis;
-}
-
-Array<double> LobattoPoints(int degree) {
-  Array<double> points(degree + 1);
-  for (int i : Range(degree + 1))
-    points[i] = 0.5 - 0.5 * cos(M_PI * i / degree);
-  points[0] = 0, points[degree] = 1;
-  return points;
-}
-
 /// A point inside of the only volume element of a boundary face.
 template <int D>
 Vec<D> InnerPoint(MeshAccess & ma, ElementId face, LocalHeap & lh) {
@@ -50,68 +26,148 @@ Vec<D> InnerPoint(MeshAccess & ma, ElementId face, LocalHeap & lh) {
   return x;
 }
 
-Vec<2> Rotated(Vec<2> t) {
-  return Vec<2>(t(1), -t(0));
+Vec<2> AreaVector(const Mat<2, 1> & dx) {
+  return Vec<2>(dx(1, 0), -dx(0, 0));
+}
+
+Vec<3> AreaVector(const Mat<3, 2> & dx) {
+  return Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1)));
+}
+
+template <int R>
+IntegrationPoint ToIntegrationPoint(Vec<R> xi) {
+  return IntegrationPoint(xi(0), R == 2 ? xi(R - 1) : 0, 0, 0);
+}
+
+template <int R>
+Vec<R> Center(ELEMENT_TYPE type) {
+  Vec<R> center = 0.0;
+  auto corners = Corners<R>(type);
+  for (auto & c : corners)
+    center += (1.0 / corners.Size()) * c;
+  return center;
 }
 } // namespace
 
 template <>
-Surface<2>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement,
+FlatArray<Vec<1>> Corners(ELEMENT_TYPE) {
+  static Array<Vec<1>> segm{Vec<1>(0.0), Vec<1>(1.0)};
+  return segm;
+}
+
+template <>
+FlatArray<Vec<2>> Corners(ELEMENT_TYPE type) {
+  static Array<Vec<2>> trig{Vec<2>(0, 0), Vec<2>(1, 0), Vec<2>(0, 1)};
+  static Array<Vec<2>> quad{Vec<2>(0, 0), Vec<2>(1, 0), Vec<2>(1, 1), Vec<2>(0, 1)};
+  return type == ET_TRIG ? trig : quad;
+}
+
+template <int D>
+Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement,
                     int order) {
   static Timer timer("ngslac::Surface");
   RegionTimer reg(timer);
   auto ma = region.Mesh();
-  for (size_t i : Range(ma->GetNE(BND)))
-    if (region.Mask().Test(ma->GetElIndex(ElementId(BND, i))))
-      elements.Append(i);
-
   degree = max(1, ma->GetCurveOrder());
   if (auto def = ma->GetDeformation())
     degree = max(degree, def->GetFESpace()->GetOrder());
   if (displacement)
     degree = max(degree, order);
-  auto points = LobattoPoints(degree);
-  auto interpolate = BernsteinFromValues(points);
-  control.SetSize(elements.Size() * (degree + 1));
+
+  first.Append(0);
+  for (size_t i : Range(ma->GetNE(BND)))
+    if (ElementId ei(BND, i); region.Mask().Test(ma->GetElIndex(ei))) {
+      elements.Append(i);
+      types.Append(ma->GetElType(ei));
+      first.Append(first.Last() + NControlPoints(types.Last(), degree));
+    }
+  control.SetSize(first.Last());
   orientation.SetSize(elements.Size());
 
   LocalHeap heap(1000 * 1000, "ngslac-surface", true);
   ParallelForRange(elements.Size(), [&](IntRange range) {
     LocalHeap lh = heap.Split();
-    for (auto f : range) {
-      HeapReset hr(lh);
-      ElementId ei(BND, elements[f]);
-      auto & trafo = ma->GetTrafo(ei, lh);
-      FlatMatrixFixWidth<2> values(degree + 1, lh);
-      for (int i : Range(degree + 1)) {
-        MappedIntegrationPoint<1, 2> mip(IntegrationPoint(points[i], 0, 0, 0), trafo);
-        values.Row(i) = mip.GetPoint();
-        if (i == 0)
-          orientation[f] = InnerProduct(Rotated(Vec<2>(mip.GetJacobian().Col(0))),
-                                        InnerPoint<2>(*ma, ei, lh) - mip.GetPoint()) < 0
-                               ? 1
-                               : -1;
-        if (displacement) {
-          Vec<2> u;
-          displacement->Evaluate(mip, u);
-          values.Row(i) += u;
-        }
-      }
-      for (int i : Range(degree + 1)) {
-        Vec<2> & c = control[f * (degree + 1) + i];
-        c = Trans(values) * interpolate.Row(i);
-        if (!isfinite(c(0)) || !isfinite(c(1)))
-          throw Exception("boundary '" + string(ma->GetMaterial(ei)) +
-                          "': the configuration to pair in holds NaN or infinite coordinates");
-      }
-    }
+    for (auto f : range)
+      AddFace(f, *ma, displacement.get(), lh);
   });
 }
 
-template <>
-double Surface<2>::Diameter(size_t face) const {
-  auto c = Control(face);
-  return L2Norm(c[degree] - c[0]);
+template <int D>
+void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement,
+                         LocalHeap & lh) {
+  HeapReset hr(lh);
+  constexpr int R = D - 1;
+  struct Interpolation {
+    Array<Vec<R>> points;
+    Matrix<> control;
+  };
+  auto interpolate = [](ELEMENT_TYPE type, int degree) {
+    return Interpolation{InterpolationPoints<R>(type, degree), ControlFromValues<R>(type, degree)};
+  };
+  thread_local int known_degree = -1; // few types and degrees, many faces
+  thread_local Interpolation known[2];
+  if (known_degree != degree) {
+    known[0] = interpolate(D == 2 ? ET_SEGM : ET_TRIG, degree);
+    if (D == 3)
+      known[1] = interpolate(ET_QUAD, degree);
+    known_degree = degree;
+  }
+  auto & [points, tocontrol] = known[types[face] == ET_QUAD];
+
+  ElementId ei(BND, elements[face]);
+  auto & trafo = ma.GetTrafo(ei, lh);
+  MappedIntegrationPoint<R, D> middle(ToIntegrationPoint(Center<R>(types[face])), trafo);
+  Vec<D> inwards = InnerPoint<D>(ma, ei, lh) - middle.GetPoint();
+  orientation[face] = InnerProduct(AreaVector(middle.GetJacobian()), inwards) < 0 ? 1 : -1;
+
+  FlatMatrixFixWidth<D> values(points.Size(), lh);
+  for (int i : Range(points)) {
+    MappedIntegrationPoint<R, D> mip(ToIntegrationPoint(points[i]), trafo);
+    values.Row(i) = mip.GetPoint();
+    if (displacement) {
+      Vec<D> u;
+      displacement->Evaluate(mip, u);
+      values.Row(i) += u;
+    }
+  }
+  for (int i : Range(points)) {
+    Vec<D> & c = control[first[face] + i];
+    c = Trans(values) * tocontrol.Row(i);
+    if (!isfinite(L2Norm2(c)))
+      throw Exception("boundary '" + string(ma.GetMaterial(ei)) +
+                      "': the configuration to pair in holds NaN or infinite coordinates");
+  }
+}
+
+template <int D>
+double Surface<D>::Diameter(size_t face) const {
+  auto corners = Corners<D - 1>(types[face]);
+  double diameter = 0;
+  for (int i : Range(corners))
+    for (int j : Range(i))
+      diameter = max(diameter, L2Norm(Point(face, corners[i]) - Point(face, corners[j])));
+  return diameter;
+}
+
+template <int D>
+double Surface<D>::Bulge(size_t face) const {
+  if (degree == 1)
+    return 0;
+  auto corners = Corners<D - 1>(types[face]);
+  Vec<D> c[4];
+  for (int i : Range(corners))
+    c[i] = Point(face, corners[i]);
+  auto sites = ControlSites<D - 1>(types[face], degree);
+  auto points = Control(face);
+  double bulge = 0;
+  for (int i : Range(sites)) {
+    double s = sites[i](0), t = D == 3 ? sites[i](D - 2) : 0;
+    Vec<D> straight = (1 - s - t) * c[0] + s * c[1] + t * c[D == 3 ? 2 : 0];
+    if (types[face] == ET_QUAD)
+      straight = (1 - t) * ((1 - s) * c[0] + s * c[1]) + t * ((1 - s) * c[3] + s * c[2]);
+    bulge = max(bulge, L2Norm(points[i] - straight));
+  }
+  return bulge / Diameter(face);
 }
 
 template <int D>
@@ -126,17 +182,9 @@ netgen::Box<D> Surface<D>::Bounds(size_t face) const {
   return box;
 }
 
-template <>
-void Surface<2>::Evaluate(size_t face, Vec<1> xi, Vec<2> & x, Mat<2, 1> & dx) const {
-  auto c = Control(face);
-  ArrayMem<Vec<2>, 12> b(degree + 1);
-  b = c;
-  double s = xi(0);
-  for (int level = degree; level > 1; level--)
-    for (int i : Range(level))
-      b[i] = (1 - s) * b[i] + s * b[i + 1];
-  x = (1 - s) * b[0] + s * b[1];
-  dx.Col(0) = degree * (b[1] - b[0]);
+template <int D>
+void Surface<D>::Evaluate(size_t face, Vec<D - 1> xi, Vec<D> & x, Mat<D, D - 1> & dx) const {
+  EvaluateBernstein<D>(types[face], degree, Control(face), xi, x, dx);
 }
 
 template <int D>
@@ -147,11 +195,12 @@ Vec<D> Surface<D>::Point(size_t face, Vec<D - 1> xi) const {
   return x;
 }
 
-template <>
-Vec<2> Surface<2>::Normal(size_t face, const Mat<2, 1> & dx) const {
-  Vec<2> n = Rotated(Vec<2>(dx.Col(0)));
+template <int D>
+Vec<D> Surface<D>::Normal(size_t face, const Mat<D, D - 1> & dx) const {
+  Vec<D> n = AreaVector(dx);
   return (orientation[face] / L2Norm(n)) * n;
 }
 
 template class Surface<2>;
+template class Surface<3>;
 } // namespace ngslac

@@ -8,8 +8,8 @@ using namespace ngcomp;
 
 /// The faces of a boundary region as Bernstein polynomials of the reference coordinates.
 ///
-/// The control polygon bounds a face, so that boxes for the search are safe for curved faces too,
-/// and evaluating a face needs neither the mesh nor a heap. Knows no finite elements: a deformed
+/// The control net bounds a face, so that boxes for the search are safe for curved faces too, and
+/// evaluating a face needs neither the mesh nor a heap. Knows no finite elements: a deformed
 /// configuration is the reference one plus a displacement given as a CoefficientFunction.
 template <int D>
 class Surface {
@@ -20,9 +20,12 @@ public:
   size_t Size() const { return elements.Size(); }
   /// number of the boundary element of the mesh
   int Element(size_t face) const { return elements[face]; }
+  ELEMENT_TYPE Type(size_t face) const { return types[face]; }
   int Degree() const { return degree; }
-  /// distance of the end points, the local size of everything that needs a tolerance
+  /// largest distance of two corners, the local size of everything that needs a tolerance
   double Diameter(size_t face) const;
+  /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
+  double Bulge(size_t face) const;
   netgen::Box<D> Bounds(size_t face) const;
   Vec<D> Point(size_t face, Vec<D - 1> xi) const;
   /// point and derivative with respect to the reference coordinates
@@ -32,12 +35,27 @@ public:
 
 private:
   FlatArray<Vec<D>> Control(size_t face) const {
-    return control.Range(face * (degree + 1), (face + 1) * (degree + 1));
+    return control.Range(first[face], first[face + 1]);
   }
+  void AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement, LocalHeap & lh);
 
   Array<int> elements;
-  Array<signed char> orientation; // +1: the rotated derivative points out of the body
+  Array<ELEMENT_TYPE> types;
+  Array<signed char> orientation; // +1: the normal of the reference orientation is the outward one
   int degree;
+  Array<size_t> first; // control point of each face
   Array<Vec<D>> control;
 };
+
+/// Reference coordinates of the corners of a face.
+template <int R>
+FlatArray<Vec<R>> Corners(ELEMENT_TYPE type);
+
+/// Factor of the area element.
+inline double Measure(const Mat<2, 1> & dx) {
+  return L2Norm(dx.Col(0));
+}
+inline double Measure(const Mat<3, 2> & dx) {
+  return L2Norm(Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1))));
+}
 } // namespace ngslac

@@ -1,0 +1,256 @@
+#include "boxtree.hpp"
+#include "facetmap.hpp"
+#include "orientedbox.hpp"
+#include "pieces.hpp"
+#include "polygon.hpp"
+
+namespace ngslac {
+namespace {
+// Relative to a facet, in the plane; nothing smaller is told apart.
+constexpr double clip_tolerance = 1e-14;
+// Master facets that overlap by more than this are two layers, the nearer one is the partner.
+constexpr double layer_tolerance = 1e-9;
+// How far a normal ray may miss its master face: facets have straight sides, faces do not.
+constexpr double outside_tolerance = 0.2;
+
+/// A part of a slave facet that faces one master facet.
+struct Piece {
+  Polygon polygon;
+  const Facet * master;
+  double gap; // in the middle
+};
+
+/// Pairs one slave face after the other; owns the buffers.
+class FacePairer {
+  const Surface<3> & slave;
+  const Surface<3> & master;
+  const Facets & slave_facets;
+  const Facets & master_facets;
+  const BoxTree<3> & tree;
+  const PairingOptions & options;
+  const Quadratures & rules;
+
+  Array<int> candidates;
+  Array<Piece> pieces, kept;
+
+public:
+  FacePairer(const Surface<3> & aslave, const Surface<3> & amaster, const Facets & aslave_facets,
+             const Facets & amaster_facets, const BoxTree<3> & atree,
+             const PairingOptions & aoptions, const Quadratures & arules)
+      : slave(aslave), master(amaster), slave_facets(aslave_facets), master_facets(amaster_facets),
+        tree(atree), options(aoptions), rules(arules) {}
+
+  void Do(int face, Pairing<3> & result) {
+    for (auto & facet : slave_facets.Of(face)) {
+      FacetMap map(facet);
+      if (!(map.Outline().Area() > 0))
+        throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
+                        " of the slave surface is degenerate: it has no area or folds over");
+      // The nearest partner is usually close: widen the search until the facet is covered.
+      for (double reach = facet.size;; reach *= 4) {
+        reach = min(reach, options.maxdist);
+        Search(map, reach);
+        if (reach >= options.maxdist || Covered(map, reach))
+          break;
+      }
+      for (auto & piece : pieces)
+        AddSegment(map, piece, result);
+    }
+  }
+
+private:
+  /// Widens towards the rim of a curved face, where normals differ from that of the facet.
+  OrientedBox<3> SearchBox(const FacetMap & map, double reach) const {
+    auto & facet = map.GetFacet();
+    double behind = min(reach, options.penetration);
+    OrientedBox<3> box{map.Origin() + 0.5 * (reach - behind) * map.Normal(),
+                       {map.Tangent(0), map.Tangent(1), map.Normal()},
+                       {0, 0, 0.5 * (reach + behind)}};
+    double turn = 0;
+    for (int i : Range(facet.n)) {
+      box.Add(facet.x[i]);
+      Vec<3> x;
+      Mat<3, 2> dx;
+      slave.Evaluate(facet.face, facet.xi[i], x, dx);
+      turn = max(turn, L2Norm(slave.Normal(facet.face, dx) - map.Normal()));
+    }
+    for (double & half : box.half)
+      half += 0.05 * facet.size + turn * reach;
+    return box;
+  }
+
+  void Search(const FacetMap & map, double reach) {
+    candidates.SetSize0();
+    tree.Visit(SearchBox(map, reach), [&](int j) { candidates.Append(j); });
+    QuickSort(candidates);
+    pieces.SetSize0();
+    for (int j : candidates)
+      for (auto & facet : master_facets.Of(j))
+        if (InnerProduct(facet.normal, map.Normal()) <= facing_cosine)
+          AddPieces(map, facet);
+    RemoveHidden(map);
+  }
+
+  /// The common part of the slave facet with a master facet, projected along the slave normal.
+  void AddPieces(const FacetMap & map, const Facet & facet) {
+    Polygon outline;
+    for (int i : Range(facet.n))
+      outline.Append(map.Project(facet.x[i]));
+    if (outline.Area() < 0)
+      outline.Reverse();
+    if (outline.IsConvex())
+      return AddPiece(map, facet, outline);
+    for (int i : {0, 2}) // strongly warped
+      if (Polygon half{outline[i], outline[i + 1], outline[(i + 2) % 4]}; half.Area() > 0)
+        AddPiece(map, facet, half);
+  }
+
+  void AddPiece(const FacetMap & map, const Facet & facet, const Polygon & outline) {
+    auto common = Intersection(outline, map.Outline(), clip_tolerance * map.GetFacet().size);
+    if (common.Area() <= clip_tolerance * map.Outline().Area())
+      return;
+    Vec<3> x = map.Lift(common.Centroid());
+    double gap =
+        InnerProduct(facet.normal, facet.Center() - x) / InnerProduct(facet.normal, map.Normal());
+    if (gap <= options.maxdist && gap >= -options.penetration)
+      pieces.Append(Piece{common, &facet, gap});
+  }
+
+  /// Where master facets lie behind each other only the nearest counts.
+  void RemoveHidden(const FacetMap & map) {
+    double tolerance = layer_tolerance * map.GetFacet().size;
+    bool hidden = false;
+    for (int i : Range(pieces))
+      for (int j = 0; j < i && !hidden; j++)
+        hidden = Overlap(pieces[i].polygon, pieces[j].polygon, tolerance);
+    if (!hidden)
+      return;
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](auto & a, auto & b) { return fabs(a.gap) < fabs(b.gap); });
+    kept.SetSize0();
+    Array<Polygon> visible, parts;
+    for (auto & piece : pieces) {
+      visible.SetSize0();
+      visible.Append(piece.polygon);
+      for (auto & nearer : kept) {
+        parts.SetSize0();
+        for (auto & polygon : visible)
+          if (Overlap(polygon, nearer.polygon, tolerance))
+            Subtract(polygon, nearer.polygon, tolerance, parts);
+          else
+            parts.Append(polygon);
+        Swap(visible, parts);
+      }
+      for (auto & polygon : visible)
+        kept.Append(Piece{polygon, piece.master, piece.gap});
+    }
+    Swap(pieces, kept);
+  }
+
+  bool Covered(const FacetMap & map, double reach) const {
+    double area = 0;
+    for (auto & piece : pieces) {
+      area += piece.polygon.Area();
+      if (fabs(piece.gap) > 0.9 * reach)
+        return false;
+    }
+    return area > (1 - 1e-6) * map.Outline().Area();
+  }
+
+  /// The normal ray from a point of the slave facet; NaN in the gap where it misses.
+  PairPoint<3> Ray(const FacetMap & map, const Piece & piece, Vec<2> point, double weight) const {
+    auto [xi, area] = map.Reference(point);
+    int face = map.GetFacet().face;
+    Vec<3> x;
+    Mat<3, 2> dx;
+    slave.Evaluate(face, xi, x, dx);
+    Vec<3> normal = slave.Normal(face, dx);
+    auto [eta, gap] = Shoot(x, normal, *piece.master);
+    return {xi, eta, weight * area * Measure(dx), gap, normal};
+  }
+
+  /// Master coordinates and gap where a ray meets a master face, by Newton's method.
+  pair<Vec<2>, double> Shoot(Vec<3> x, Vec<3> normal, const Facet & target) const {
+    constexpr double missed = numeric_limits<double>::quiet_NaN();
+    Vec<3> t[2], y;
+    Tangents(normal, t);
+    Mat<3, 2> dy;
+    Vec<2> eta = target.Reference(1.0 / target.n);
+    for (int it = 0; it < 20; it++) {
+      master.Evaluate(target.face, eta, y, dy);
+      Vec<2> residual(InnerProduct(t[0], y - x), InnerProduct(t[1], y - x));
+      Mat<2, 2> derivative;
+      for (int i : Range(2))
+        for (int k : Range(2))
+          derivative(i, k) = InnerProduct(t[i], Vec<3>(dy.Col(k)));
+      Vec<2> step = Inv(derivative) * residual;
+      double length = L2Norm(step);
+      if (!isfinite(length))
+        return {eta, missed};
+      eta -= min(1.0, 1 / length) * step;
+      if (length < 1e-9) // the next one would be at rounding errors
+        break;
+    }
+    master.Evaluate(target.face, eta, y, dy);
+    double gap = InnerProduct(normal, y - x);
+    double off = L2Norm(y - x - gap * normal);
+    bool hit = off <= 1e-9 * (target.size + fabs(gap)) && IsInside(eta, target.face) &&
+               gap <= options.maxdist && gap >= -options.penetration &&
+               InnerProduct(normal, master.Normal(target.face, dy)) <= facing_cosine;
+    return {eta, hit ? gap : missed};
+  }
+
+  bool IsInside(Vec<2> eta, int face) const {
+    double least = min(eta(0), eta(1));
+    double most = master.Type(face) == ET_TRIG ? eta(0) + eta(1) : max(eta(0), eta(1));
+    return least >= -outside_tolerance && most <= 1 + outside_tolerance;
+  }
+
+  void AddSegment(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
+    Segment segment{map.GetFacet().face, piece.master->face, result.points.Size(),
+                    result.corners.Size()};
+    auto & polygon = piece.polygon;
+    auto & rule = rules.For(map.GetFacet(), *piece.master);
+    for (int i = 1; i + 1 < polygon.Size(); i++) {
+      Vec<2> a = polygon[i] - polygon[0], b = polygon[i + 1] - polygon[0];
+      double twice = a(0) * b(1) - a(1) * b(0);
+      if (!(twice > 0))
+        continue;
+      for (auto & ip : rule)
+        if (auto ray = Ray(map, piece, polygon[0] + ip(0) * a + ip(1) * b, ip.Weight() * twice);
+            isfinite(ray.gap))
+          result.points.Append(ray);
+    }
+    if (segment.first == result.points.Size())
+      return;
+    result.segments.Append(segment);
+    for (int i : Range(polygon.Size())) {
+      auto corner = Ray(map, piece, polygon[i], 0);
+      if (!isfinite(corner.gap)) // at the rim of the master a ray may just miss
+        corner.gap = piece.gap;
+      result.corners.Append(corner);
+    }
+  }
+};
+} // namespace
+
+template <>
+Pairing<3> Pair(const Surface<3> & slave, const Surface<3> & master,
+                const PairingOptions & options) {
+  static Timer timer("ngslac::Pair"), timer_tree("ngslac::Pair - tree");
+  RegionTimer reg(timer);
+  Facets slave_facets(slave), master_facets(master);
+  timer_tree.Start();
+  Array<netgen::Box<3>> boxes(master.Size());
+  ParallelFor(master.Size(), [&](size_t j) { boxes[j] = master.Bounds(j); });
+  BoxTree<3> tree(std::move(boxes));
+  timer_tree.Stop();
+
+  Quadratures rules(options.order);
+  return InPieces<3>(slave.Size(), [&](IntRange faces, Pairing<3> & part) {
+    FacePairer pairer(slave, master, slave_facets, master_facets, tree, options, rules);
+    for (auto f : faces)
+      pairer.Do(f, part);
+  });
+}
+} // namespace ngslac

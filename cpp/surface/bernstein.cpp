@@ -1,0 +1,144 @@
+#include "bernstein.hpp"
+
+namespace ngslac {
+int NControlPoints(ELEMENT_TYPE type, int degree) {
+  switch (type) {
+  case ET_SEGM:
+    return degree + 1;
+  case ET_TRIG:
+    return (degree + 1) * (degree + 2) / 2;
+  case ET_QUAD:
+    return (degree + 1) * (degree + 1);
+  default:
+    throw Exception("a boundary face is a segment, a triangle or a quadrilateral");
+  }
+}
+
+namespace {
+/// The points of a face with the positions `line` on each edge.
+template <int R>
+Array<Vec<R>> PointsFromLine(ELEMENT_TYPE type, FlatArray<double> line) {
+  int n = line.Size() - 1;
+  Array<Vec<R>> points;
+  if constexpr (R == 1)
+    for (double s : line)
+      points.Append(Vec<1>(s));
+  else
+    for (int j : Range(n + 1))
+      for (int i : Range(type == ET_TRIG ? n + 1 - j : n + 1)) {
+        double s = line[i], t = line[j], r = line[max(0, n - i - j)];
+        // On a triangle the three barycentric coordinates have to add up to one (Blyth and
+        // Pozrikidis 2006).
+        points.Append(type == ET_TRIG ? Vec<2>((1 + 2 * s - t - r) / 3, (1 + 2 * t - s - r) / 3)
+                                      : Vec<2>(s, t));
+      }
+  return points;
+}
+} // namespace
+
+template <int R>
+Array<Vec<R>> ControlSites(ELEMENT_TYPE type, int degree) {
+  Array<double> line(degree + 1);
+  for (int i : Range(degree + 1))
+    line[i] = double(i) / degree;
+  return PointsFromLine<R>(type, line);
+}
+
+template <int R>
+Array<Vec<R>> InterpolationPoints(ELEMENT_TYPE type, int degree) {
+  Array<double> line(degree + 1);
+  for (int i : Range(degree + 1))
+    line[i] = 0.5 - 0.5 * cos(M_PI * i / degree);
+  line[0] = 0, line[degree] = 1;
+  return PointsFromLine<R>(type, line);
+}
+
+template <int R>
+Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree) {
+  constexpr int D = R + 1;
+  auto points = InterpolationPoints<R>(type, degree);
+  int n = points.Size();
+  Matrix<> basis(n, n);
+  Array<Vec<D>> unit(n);
+  for (int j : Range(n)) {
+    unit = Vec<D>(0.0);
+    unit[j](0) = 1;
+    for (int i : Range(n)) {
+      Vec<D> x;
+      Mat<D, R> dx;
+      EvaluateBernstein<D>(type, degree, unit, points[i], x, dx);
+      basis(i, j) = x(0);
+    }
+  }
+  CalcInverse(basis);
+  return basis;
+}
+
+template <>
+void EvaluateBernstein(ELEMENT_TYPE, int degree, FlatArray<Vec<2>> control, Vec<1> xi, Vec<2> & x,
+                       Mat<2, 1> & dx) {
+  ArrayMem<Vec<2>, 12> b(degree + 1);
+  b = control;
+  double s = xi(0);
+  for (int level = degree; level > 1; level--)
+    for (int i : Range(level))
+      b[i] = (1 - s) * b[i] + s * b[i + 1];
+  x = (1 - s) * b[0] + s * b[1];
+  dx.Col(0) = degree * (b[1] - b[0]);
+}
+
+namespace {
+void EvaluateTrig(int degree, FlatArray<Vec<3>> control, Vec<2> xi, Vec<3> & x, Mat<3, 2> & dx) {
+  ArrayMem<Vec<3>, 36> b(control.Size());
+  b = control;
+  double s = xi(0), t = xi(1), r = 1 - s - t;
+  for (int level = degree; level > 1; level--) {
+    int from = 0, to = 0; // rows get shorter: the result never overtakes what it needs
+    for (int j : Range(level)) {
+      int above = from + level + 1 - j;
+      for (int i : Range(level - j))
+        b[to++] = s * b[from + i + 1] + t * b[above + i] + r * b[from + i];
+      from = above;
+    }
+  }
+  x = r * b[0] + s * b[1] + t * b[2];
+  dx.Col(0) = degree * (b[1] - b[0]);
+  dx.Col(1) = degree * (b[2] - b[0]);
+}
+
+void EvaluateQuad(int degree, FlatArray<Vec<3>> control, Vec<2> xi, Vec<3> & x, Mat<3, 2> & dx) {
+  double s = xi(0), t = xi(1);
+  ArrayMem<Vec<3>, 12> row(degree + 1), left(degree + 1), right(degree + 1);
+  for (int j : Range(degree + 1)) {
+    row = control.Range(j * (degree + 1), (j + 1) * (degree + 1));
+    for (int level = degree; level > 1; level--)
+      for (int i : Range(level))
+        row[i] = (1 - s) * row[i] + s * row[i + 1];
+    left[j] = row[0], right[j] = row[1];
+  }
+  for (int level = degree; level > 1; level--)
+    for (int j : Range(level)) {
+      left[j] = (1 - t) * left[j] + t * left[j + 1];
+      right[j] = (1 - t) * right[j] + t * right[j + 1];
+    }
+  Vec<3> across0 = right[0] - left[0], across1 = right[1] - left[1];
+  x = (1 - t) * (left[0] + s * across0) + t * (left[1] + s * across1);
+  dx.Col(0) = degree * ((1 - t) * across0 + t * across1);
+  dx.Col(1) = degree * ((1 - s) * (left[1] - left[0]) + s * (right[1] - right[0]));
+}
+} // namespace
+
+template <>
+void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<3>> control, Vec<2> xi,
+                       Vec<3> & x, Mat<3, 2> & dx) {
+  type == ET_TRIG ? EvaluateTrig(degree, control, xi, x, dx)
+                  : EvaluateQuad(degree, control, xi, x, dx);
+}
+
+template Array<Vec<1>> ControlSites(ELEMENT_TYPE, int);
+template Array<Vec<2>> ControlSites(ELEMENT_TYPE, int);
+template Array<Vec<1>> InterpolationPoints(ELEMENT_TYPE, int);
+template Array<Vec<2>> InterpolationPoints(ELEMENT_TYPE, int);
+template Matrix<> ControlFromValues<1>(ELEMENT_TYPE, int);
+template Matrix<> ControlFromValues<2>(ELEMENT_TYPE, int);
+} // namespace ngslac

@@ -1,0 +1,28 @@
+#pragma once
+#include <fem.hpp>
+
+namespace ngslac {
+using namespace ngfem;
+
+/// Polynomials on a reference face (segment, triangle, square) by their control points.
+///
+/// Triangles: row after row of equal power of the second coordinate. Squares: tensor product.
+int NControlPoints(ELEMENT_TYPE type, int degree);
+
+/// Reference coordinates of the control points, by which a linear function is its own control net.
+template <int R>
+Array<Vec<R>> ControlSites(ELEMENT_TYPE type, int degree);
+
+/// Well placed interpolation points, as many as control points.
+template <int R>
+Array<Vec<R>> InterpolationPoints(ELEMENT_TYPE type, int degree);
+
+/// The matrix that turns values at the interpolation points into control points.
+template <int R>
+Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree);
+
+/// Value and derivative, by de Casteljau's algorithm.
+template <int D>
+void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<D>> control, Vec<D - 1> xi,
+                       Vec<D> & x, Mat<D, D - 1> & dx);
+} // namespace ngslac
