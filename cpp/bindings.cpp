@@ -6,6 +6,7 @@ using namespace ngslac;
 
 namespace ngslac {
 void ExportMeshTools(py::module & m);
+void ExportPolygon(py::module & m);
 }
 
 namespace {
@@ -220,6 +221,7 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportSpace(m);
   ExportContact(m);
   ExportMeshTools(m);
+  ExportPolygon(m);
   m.def(
       "EquilibrationScale",
       [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts) {

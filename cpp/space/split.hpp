@@ -5,11 +5,13 @@
 namespace ngslac {
 using namespace ngcomp;
 
-// The paper's mesh modification: a new mesh in which every edge of the slave region carries nodes
-// of its own, so that a lowest order displacement has a basis function supported by the parent edge
-// alone. Only the volume elements on these edges are split. The given mesh stays as it is; the new
-// one is curved to the same order.
-shared_ptr<MeshAccess> SplitSlaveFaces(shared_ptr<MeshAccess> mesh, const Region & slave);
+// The paper's mesh modification: a new mesh in which every edge (in 3D: face) of the slave region
+// carries vertices of its own, so that a lowest order displacement has a basis function supported
+// by the parent alone. Only the volume elements on these edges or faces are split. The given mesh
+// stays as it is; the new one is curved to the same order. `hexes` chooses the pattern of hexahedra
+// in 3D: "pyramids" or "hexes".
+shared_ptr<MeshAccess> SplitSlaveFaces(shared_ptr<MeshAccess> mesh, const Region & slave,
+                                       const string & hexes = "pyramids");
 
 // Quoted names of all boundaries, for messages.
 string BoundaryNames(const MeshAccess & ma);
