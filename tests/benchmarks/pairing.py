@@ -1,10 +1,11 @@
 """Cost of pairing: 10^3 to 10^6 slave faces against as many master faces that do not match.
 
-Two thin strips of one layer of quadrilaterals, P2 displacements, n faces on the slave side and
-n + 1 on the master side: no inner nodes meet, and there are exactly 2 n segments. Straight, and
-bent to a sine by a displacement, so that every face is a parabola.
+Thin layers of one element, P2 displacements, with slightly more faces on the master side than on
+the slave side: no inner nodes meet. Straight, and bent to a sine by a displacement, so that every
+face is a parabola.
 
     python tests/benchmarks/pairing.py --largest 1000000
+    python tests/benchmarks/pairing.py --dim 3
 
 Every size runs in a process of its own. The whole call `contact.Update` is timed by
 `time.perf_counter` (wall) and `time.process_time` (cpu, all threads, of which the idle ones spin),
@@ -22,11 +23,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from netgen.meshing import Mesh as NetgenMesh
+from layers import LayerMesh, StripMesh
 from ngsolve import (
     CF,
     GridFunction,
-    Mesh,
     SetNumThreads,
     TaskManager,
     Timers,
@@ -66,27 +66,9 @@ class Row:
 # ---------------------------------------------------------------- the problem
 
 
-def StripMesh(n):
-    """Two strips along 0 <= x <= 1, "slave" with n faces above "master" with n + 1."""
-    ngmesh = NetgenMesh(dim=2)
-    for name, count, depth in (("slave", n, 1 / n), ("master", n + 1, -1 / n)):
-        first = len(ngmesh.Points())
-        points = np.zeros((2, count + 1, 3))
-        points[:, :, 0] = np.linspace(0, 1, count + 1)
-        points[1, :, 1] = depth
-        ngmesh.AddPoints(points.reshape(-1, 3))
-        near = np.arange(first, first + count, dtype=np.int32)
-        far = near + count + 1
-        cell = [near, near + 1, far + 1, far] if depth > 0 else [near, far, far + 1, near + 1]
-        cells, faces = np.stack(cell, axis=1), np.stack([near, near + 1], axis=1)
-        ngmesh.AddElements(2, ngmesh.AddRegion(name, dim=2), cells, 0)
-        ngmesh.AddElements(1, ngmesh.AddRegion(name, dim=1), faces, 0)
-    return Mesh(ngmesh)
-
-
-def Contact(n, curved):
+def Contact(n, curved, dim):
     """The contact, its configuration (None: straight), and the time to make the LACSpace."""
-    mesh = StripMesh(n)
+    mesh = StripMesh(n) if dim == 2 else LayerMesh(n)
     V = VectorH1(mesh, order=2)
     start = time.perf_counter()
     Q = LACSpace(V, slave="slave")
@@ -97,7 +79,7 @@ def Contact(n, curved):
     if not curved:
         return contact, None, seconds
     gf = GridFunction(X)
-    bent = CF((0, AMPLITUDE * sin(WAVE * x)))
+    bent = CF((0,) * (dim - 1) + (AMPLITUDE * sin(WAVE * x),))
     gf.components[0].Set(bent, definedon=mesh.Boundaries("slave|master"))
     return contact, gf, seconds
 
@@ -105,19 +87,19 @@ def Contact(n, curved):
 # ---------------------------------------------------------------- measuring
 
 
-def Measure(n, curved=False, threads=None, repeat=5):
+def Measure(n, curved=False, threads=None, repeat=5, dim=2):
     """Pair n slave faces `repeat` times; `threads` changes the number for the whole process."""
     if threads:
         SetNumThreads(threads)
     with TaskManager():
-        contact, gf, space = Contact(n, curved)
+        contact, gf, space = Contact(n, curved, dim)
         before = ResidentBytes()
         runs = [TimedUpdate(contact, gf)]
         memory = ResidentBytes() - before
         runs += [TimedUpdate(contact, gf) for _ in range(repeat - 1)]
         table = contact.Table()
     return Row(
-        n=n,
+        n=len(list(contact.space.slave.Elements())),
         curved=curved,
         threads=threads,
         segments=contact.form.nsegments,
@@ -164,11 +146,11 @@ def Sizes(largest):
     return [10**k for k in range(3, 10) if 10**k <= largest]
 
 
-def Series(sizes, curved, threads, repeat):
+def Series(sizes, curved, threads, repeat, dim):
     """One `Row` per size, each from a fresh process."""
     with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
         for n in sizes:
-            yield pool.apply(Measure, (n, curved, threads, repeat))
+            yield pool.apply(Measure, (n, curved, threads, repeat, dim))
 
 
 # ---------------------------------------------------------------- output
@@ -200,16 +182,16 @@ def Line(row):
     return " ".join(cells)
 
 
-def Report(sizes, threads, repeat):
+def Report(sizes, threads, repeat, dim):
     """Measure and print everything; returns the rows."""
     rows = []
     for curved in (False, True):
         for count in threads:
             shape = "curved" if curved else "straight"
-            print(f"\n{shape}, {count} thread(s); parts in microseconds per slave face")
+            print(f"\n{dim}D, {shape}, {count} thread(s); parts in microseconds per slave face")
             print(Head())
             series = []
-            for row in Series(sizes, curved, count, repeat):
+            for row in Series(sizes, curved, count, repeat, dim):
                 print(Line(row), flush=True)
                 series.append(row)
             PrintGrowth(series, count)
@@ -231,12 +213,13 @@ def main(argv=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    parser.add_argument("--dim", type=int, choices=(2, 3), default=2)
     parser.add_argument("--largest", type=int, default=100_000, help="most slave faces")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeat", type=int, default=5, help="calls of Update; the minimum counts")
     parser.add_argument("--json", metavar="FILE", help="write the rows to this file")
     options = parser.parse_args(argv)
-    rows = Report(Sizes(options.largest), options.threads, options.repeat)
+    rows = Report(Sizes(options.largest), options.threads, options.repeat, options.dim)
     if options.json:
         Path(options.json).write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
 

@@ -7,6 +7,7 @@ import numpy as np
 import pairing
 import phases
 import pytest
+from layers import StripMesh
 from scipy.integrate import quad
 
 N = 300
@@ -35,7 +36,7 @@ def test_strips_pair_completely(curved):
 
 
 def test_strip_nodes_do_not_meet():
-    mesh = pairing.StripMesh(7)
+    mesh = StripMesh(7)
     near = [
         {v.nr for e in mesh.Boundaries(name).Elements() for v in e.vertices}
         for name in ("slave", "master")
