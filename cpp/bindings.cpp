@@ -7,7 +7,7 @@ using namespace ngslac;
 namespace ngslac {
 void ExportMeshTools(py::module & m);
 void ExportPolygon(py::module & m);
-}
+} // namespace ngslac
 
 namespace {
 Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {

@@ -102,13 +102,13 @@ class Bodies:
         ]
 
 
-def NearestMacros(contact):
-    """Macro-elements whose gap exceeds the smallest one by less than a twentieth of their size."""
+def NearestMacros(contact, distance):
+    """Macro-elements whose gap exceeds the smallest one by at most `distance` times their size."""
     table = contact.Table()
     paired = table["area"] > 0
     size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
     nearest = table["gap"][paired].min(initial=np.inf)
-    near = paired & (table["gap"] <= nearest + 0.05 * size)
+    near = paired & (table["gap"] <= nearest + distance * size)
     bits = BitArray(len(near))
     for i, value in enumerate(near):
         bits[i] = bool(value)

@@ -119,6 +119,7 @@ class LACContact:
             penetration=penetration or 0.0,
         )
         self.mesh = mesh
+        self.holds_tangentially = tied or friction is not None or tresca is not None
         self.space = self.form.space
         self.stiffness = stiffness
         self._scaled = False

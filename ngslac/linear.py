@@ -1,6 +1,7 @@
 """Checked solution of the merged and scaled linear systems."""
 
 import ctypes
+import importlib.metadata
 import importlib.util
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,8 @@ from ngslac._ngslac import MergeMatrices
 __all__ = ["AsNumPy", "LinearSolveError", "LinearSolver", "ScalarDofs"]
 
 SAFE = "umfpack"
+# Pardiso's own ordering is no match for nested dissection in three dimensions.
+FLAGS = {"pardiso": {"ordering": "metis"}}
 
 
 @contextmanager
@@ -58,7 +61,7 @@ class LinearSolver:
     def __init__(self, freedofs, inverse=None):
         self.bits = BitArray(freedofs)
         self.free = AsNumPy(freedofs)
-        self.inverse = inverse or ("pardiso" if importlib.util.find_spec("mkl") else SAFE)
+        self.inverse = inverse or DefaultInverse()
 
     def Solve(self, bulk, forms, scale, rhs):
         """x with (bulk + forms) x = rhs on the free dofs, 0 elsewhere; numpy arrays."""
@@ -77,12 +80,12 @@ class LinearSolver:
 
     def _Refined(self, mat, b, inverse):
         size = np.linalg.norm(b.FV().NumPy())
-        x, r = b.CreateVector(), b.CreateVector()
+        x, r, step = b.CreateVector(), b.CreateVector(), b.CreateVector()
         x[:] = 0
         if size == 0:
             return x, 0.0
         try:
-            inv = mat.Inverse(self.bits, inverse=inverse)
+            inv = mat.Inverse(self.bits, inverse=inverse, flags=FLAGS.get(inverse, {}))
         except Exception as error:
             if isinstance(error, ImportError) or "available" in str(error):
                 raise ValueError(f"inverse={inverse!r} is not available: {error}") from error
@@ -90,18 +93,27 @@ class LinearSolver:
         error = np.inf
         for _ in range(self.refinements):
             r.data = b - mat * x
-            r.data = inv * r
-            x.data += r
-            last, r.data = r.FV().NumPy().copy(), b - mat * x
+            step.data = inv * r  # not in place: Pardiso would return zero
+            x.data += step
+            r.data = b - mat * x
             before, error = error, np.linalg.norm(r.FV().NumPy() * self.free) / size
             if not np.isfinite(error):
                 return x, np.inf
             if error > before:  # no better: keep the solution before
-                x.FV().NumPy()[:] -= last
+                x.data -= step
                 return x, before
             if error < 1e-14 or error > 0.5 * before:
                 break
         return x, error
+
+
+def DefaultInverse():
+    """NGSolve's fastest solver for unsymmetric matrices among those installed."""
+    try:
+        importlib.metadata.version("mkl")
+    except importlib.metadata.PackageNotFoundError:
+        return SAFE
+    return "pardiso"
 
 
 def AsNumPy(bits):

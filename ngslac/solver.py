@@ -124,7 +124,7 @@ class ContactSolver:
 
     def _Iterate(self, maxit, tol, printing, callback):
         self._Assemble()
-        self._CloseWhatFloats()
+        self._CloseWhatFloats(start=True)
         for contact in self.contacts:
             contact.form.BeginSolve()
         state = self.residual.Begin(self.scale, tol)
@@ -232,21 +232,28 @@ class ContactSolver:
 
     # --- bodies that nothing holds -------------------------------------------------------------
 
-    def _CloseWhatFloats(self):
-        """Close the nearest macro-elements where a body is held by open contact; True if so."""
+    def _CloseWhatFloats(self, start=False):
+        """Close the nearest macro-elements where a body is held by open contact; True if so.
+
+        At the start the status is no guide: rounding closes some of the macro-elements that touch.
+        """
         for contact in self.contacts:
             contact.Evaluate(self.gf)
-        if all(np.any(contact.Table()["status"]) for contact in self.contacts):
+        if not start and all(np.any(contact.Table()["status"]) for contact in self.contacts):
             return False
         if not self._WhatFloats():
             return False
-        if self.initial == "gap":
+        floating = []
+        for distance in (0.05, 0.1, 0.2, 0.4, 0.8) if self.initial == "gap" else ():
             for contact in self.contacts:
-                contact.form.Close(NearestMacros(contact), self.gf.vec)
+                # Without friction the tilted normals of distant macro-elements would only hide a
+                # motion that is free.
+                reach = distance if contact.holds_tangentially else 0.05
+                contact.form.Close(NearestMacros(contact, reach), self.gf.vec)
                 contact.Evaluate(self.gf)
-        if floating := self._WhatFloats():
-            raise FloatingBodyError(FloatingMessage(floating))
-        return True
+            if not (floating := self._WhatFloats()):
+                return True
+        raise FloatingBodyError(FloatingMessage(floating or self._WhatFloats()))
 
     def _WhatFloats(self):
         if self._bodies is None:

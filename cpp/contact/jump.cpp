@@ -159,10 +159,9 @@ void MacroJump<D>::Geometry(size_t macro, FlatArray<int> faces, const Surface<D>
                             const Pairing<D> & pairing, FlatArray<int> first_segment) {
   Vec<D> normals = 0.0, gaps = 0.0, centers = 0.0, moments = 0.0;
   double paired = 0, full = 0;
-  // The area of a curved face is no polynomial: a high order makes its error invisible.
-  int order = slave.Degree() > 1 ? 20 : D == 3 ? 2 : 1;
   for (int f : faces) {
-    IntegrationRule rule(slave.Type(f), order);
+    // The area of a curved face is no polynomial: a high order makes its error invisible.
+    IntegrationRule rule(slave.Type(f), slave.IsFlat(f) ? D - 1 : 20);
     for (auto & ip : rule) {
       Vec<D> x;
       Mat<D, D - 1> dx;

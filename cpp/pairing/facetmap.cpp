@@ -6,7 +6,7 @@ constexpr int highest_order = 20;
 
 /// How far a facet is from a parallelogram, relative to its size.
 double Twist(const Facet & facet) {
-  if (facet.n == 3)
+  if (facet.n == 3 || !facet.whole) // a part of a curved face is nearly a parallelogram
     return 0;
   return L2Norm(facet.x[0] - facet.x[1] + facet.x[2] - facet.x[3]) / facet.size;
 }

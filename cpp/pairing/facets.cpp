@@ -52,6 +52,8 @@ void Divide(const Surface<3> & surface, size_t face, FlatArray<Facet> facets) {
       if (i + j + 2 <= k)
         facets[count++] = MakeFacet(surface, face, {b, c, d});
     }
+  for (auto & facet : facets)
+    facet.whole = k == 1;
 }
 } // namespace
 

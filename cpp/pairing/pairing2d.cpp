@@ -64,10 +64,10 @@ public:
       throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                       " of the slave surface has length " + ToString(size));
     // The nearest partner is usually close: widen the search until the face is covered.
+    double most = max(options.maxdist, options.penetration);
     for (double reach = size;; reach *= 4) {
-      reach = min(reach, options.maxdist);
       Search(reach);
-      if (reach >= options.maxdist || Covered(reach))
+      if (reach >= most || Covered(reach))
         break;
     }
     for (size_t i = 1; i < breaks.Size(); i++)
@@ -83,13 +83,13 @@ private:
       normals[i] = slave.Normal(face, dx);
     }
     Vec<2> n = normals[1];
-    double behind = min(reach, options.penetration);
-    OrientedBox<2> box{points[1] + 0.5 * (reach - behind) * n, {n, Vec<2>(-n(1), n(0))}, {0, 0}};
+    double ahead = min(reach, options.maxdist), behind = min(reach, options.penetration);
+    OrientedBox<2> box{points[1] + 0.5 * (ahead - behind) * n, {n, Vec<2>(-n(1), n(0))}, {0, 0}};
     for (int i : Range(3))
-      for (double d : {reach, -behind})
+      for (double d : {ahead, -behind})
         box.Add(points[i] + d * normals[i]);
-    double margin =
-        (0.05 + slave.Bulge(face)) * size + 0.1 * reach * L2Norm(normals[2] - normals[0]);
+    double margin = (0.05 + slave.Bulge(face)) * size +
+                    0.1 * max(ahead, behind) * L2Norm(normals[2] - normals[0]);
     for (double & half : box.half)
       half += margin;
     return box;

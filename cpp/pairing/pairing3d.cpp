@@ -10,6 +10,10 @@ namespace {
 constexpr double clip_tolerance = 1e-14;
 // Master facets that overlap by more than this are two layers, the nearer one is the partner.
 constexpr double layer_tolerance = 1e-9;
+// Part of a facet that the slits between curved master faces may leave free.
+constexpr double widest_slits = 5e-3;
+// Area of a face that is none, relative to its diameter squared.
+constexpr double degenerate = 1e-12;
 // How far a normal ray may miss its master face: facets have straight sides, faces do not.
 constexpr double outside_tolerance = 0.2;
 
@@ -17,7 +21,9 @@ constexpr double outside_tolerance = 0.2;
 struct Piece {
   Polygon polygon;
   const Facet * master;
-  double gap; // in the middle
+  double gap;  // to the plane of the master facet, at the origin of the slave facet
+  Vec<2> tilt; // its slope
+  double Gap(Vec<2> p) const { return gap + InnerProduct(tilt, p); }
 };
 
 /// Pairs one slave face after the other; owns the buffers.
@@ -31,7 +37,8 @@ class FacePairer {
   const Quadratures & rules;
 
   Array<int> candidates;
-  Array<Piece> pieces, kept;
+  Array<Piece> pieces, visible;
+  double stretch; // of the weights
 
 public:
   FacePairer(const Surface<3> & aslave, const Surface<3> & amaster, const Facets & aslave_facets,
@@ -43,16 +50,17 @@ public:
   void Do(int face, Pairing<3> & result) {
     for (auto & facet : slave_facets.Of(face)) {
       FacetMap map(facet);
-      if (!(map.Outline().Area() > 0))
+      if (!(map.Outline().Area() > degenerate * sqr(facet.size)) || !map.Outline().IsConvex())
         throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                         " of the slave surface is degenerate: it has no area or folds over");
       // The nearest partner is usually close: widen the search until the facet is covered.
+      double most = max(options.maxdist, options.penetration);
       for (double reach = facet.size;; reach *= 4) {
-        reach = min(reach, options.maxdist);
         Search(map, reach);
-        if (reach >= options.maxdist || Covered(map, reach))
+        if (reach >= most || Covered(map, reach))
           break;
       }
+      stretch = Stretch(map);
       for (auto & piece : pieces)
         AddSegment(map, piece, result);
     }
@@ -62,10 +70,10 @@ private:
   /// Widens towards the rim of a curved face, where normals differ from that of the facet.
   OrientedBox<3> SearchBox(const FacetMap & map, double reach) const {
     auto & facet = map.GetFacet();
-    double behind = min(reach, options.penetration);
-    OrientedBox<3> box{map.Origin() + 0.5 * (reach - behind) * map.Normal(),
+    double ahead = min(reach, options.maxdist), behind = min(reach, options.penetration);
+    OrientedBox<3> box{map.Origin() + 0.5 * (ahead - behind) * map.Normal(),
                        {map.Tangent(0), map.Tangent(1), map.Normal()},
-                       {0, 0, 0.5 * (reach + behind)}};
+                       {0, 0, 0.5 * (ahead + behind)}};
     double turn = 0;
     for (int i : Range(facet.n)) {
       box.Add(facet.x[i]);
@@ -75,7 +83,7 @@ private:
       turn = max(turn, L2Norm(slave.Normal(facet.face, dx) - map.Normal()));
     }
     for (double & half : box.half)
-      half += 0.05 * facet.size + turn * reach;
+      half += 0.05 * facet.size + turn * max(ahead, behind);
     return box;
   }
 
@@ -100,20 +108,28 @@ private:
       outline.Reverse();
     if (outline.IsConvex())
       return AddPiece(map, facet, outline);
-    for (int i : {0, 2}) // strongly warped
-      if (Polygon half{outline[i], outline[i + 1], outline[(i + 2) % 4]}; half.Area() > 0)
-        AddPiece(map, facet, half);
+    for (int i : {0, 1}) { // strongly warped: cut from the reentrant corner
+      Polygon one{outline[i], outline[i + 1], outline[i + 2]};
+      Polygon two{outline[i + 2], outline[(i + 3) % 4], outline[i]};
+      if (one.Area() > 0 && two.Area() > 0) {
+        AddPiece(map, facet, one);
+        AddPiece(map, facet, two);
+        return;
+      }
+    }
   }
 
   void AddPiece(const FacetMap & map, const Facet & facet, const Polygon & outline) {
     auto common = Intersection(outline, map.Outline(), clip_tolerance * map.GetFacet().size);
     if (common.Area() <= clip_tolerance * map.Outline().Area())
       return;
-    Vec<3> x = map.Lift(common.Centroid());
-    double gap =
-        InnerProduct(facet.normal, facet.Center() - x) / InnerProduct(facet.normal, map.Normal());
+    double slope = InnerProduct(facet.normal, map.Normal());
+    Piece piece{common, &facet, InnerProduct(facet.normal, facet.Center() - map.Origin()) / slope};
+    for (int k : Range(2))
+      piece.tilt(k) = -InnerProduct(facet.normal, map.Tangent(k)) / slope;
+    double gap = piece.Gap(common.Centroid());
     if (gap <= options.maxdist && gap >= -options.penetration)
-      pieces.Append(Piece{common, &facet, gap});
+      pieces.Append(piece);
   }
 
   /// Where master facets lie behind each other only the nearest counts.
@@ -125,33 +141,53 @@ private:
         hidden = Overlap(pieces[i].polygon, pieces[j].polygon, tolerance);
     if (!hidden)
       return;
-    std::stable_sort(pieces.begin(), pieces.end(),
-                     [](auto & a, auto & b) { return fabs(a.gap) < fabs(b.gap); });
-    kept.SetSize0();
-    Array<Polygon> visible, parts;
-    for (auto & piece : pieces) {
-      visible.SetSize0();
-      visible.Append(piece.polygon);
-      for (auto & nearer : kept) {
-        parts.SetSize0();
-        for (auto & polygon : visible)
-          if (Overlap(polygon, nearer.polygon, tolerance))
-            Subtract(polygon, nearer.polygon, tolerance, parts);
+    visible.SetSize0();
+    Array<Polygon> parts, rest;
+    for (int i : Range(pieces)) {
+      parts.SetSize0();
+      parts.Append(pieces[i].polygon);
+      for (int j : Range(pieces)) {
+        if (i == j || !IsNearer(j, i, tolerance))
+          continue;
+        rest.SetSize0();
+        for (auto & part : parts)
+          if (Overlap(part, pieces[j].polygon, tolerance))
+            Subtract(part, pieces[j].polygon, tolerance, rest);
           else
-            parts.Append(polygon);
-        Swap(visible, parts);
+            rest.Append(part);
+        Swap(parts, rest);
       }
-      for (auto & polygon : visible)
-        kept.Append(Piece{polygon, piece.master, piece.gap});
+      for (auto & part : parts)
+        visible.Append(Piece{part, pieces[i].master, pieces[i].gap, pieces[i].tilt});
     }
-    Swap(pieces, kept);
+    Swap(pieces, visible);
+  }
+
+  /// Is piece j nearer than piece i, in the middle of where they overlap?
+  bool IsNearer(int j, int i, double tolerance) const {
+    if (!Overlap(pieces[i].polygon, pieces[j].polygon, tolerance))
+      return false;
+    Vec<2> p = Intersection(pieces[i].polygon, pieces[j].polygon, 0).Centroid();
+    double difference = fabs(pieces[j].Gap(p)) - fabs(pieces[i].Gap(p));
+    return difference < 0 || (difference == 0 && j < i);
+  }
+
+  /// Neighbouring master faces that are divided differently leave slits between their facets.
+  double Stretch(const FacetMap & map) const {
+    double area = 0, full = map.Outline().Area();
+    bool divided = false;
+    for (auto & piece : pieces) {
+      area += piece.polygon.Area();
+      divided = divided || master_facets.Of(piece.master->face).Size() > 1;
+    }
+    return divided && area > (1 - widest_slits) * full ? full / area : 1;
   }
 
   bool Covered(const FacetMap & map, double reach) const {
     double area = 0;
     for (auto & piece : pieces) {
       area += piece.polygon.Area();
-      if (fabs(piece.gap) > 0.9 * reach)
+      if (fabs(piece.Gap(piece.polygon.Centroid())) > 0.9 * reach)
         return false;
     }
     return area > (1 - 1e-6) * map.Outline().Area();
@@ -166,7 +202,7 @@ private:
     slave.Evaluate(face, xi, x, dx);
     Vec<3> normal = slave.Normal(face, dx);
     auto [eta, gap] = Shoot(x, normal, *piece.master);
-    return {xi, eta, weight * area * Measure(dx), gap, normal};
+    return {xi, eta, stretch * weight * area * Measure(dx), gap, normal};
   }
 
   /// Master coordinates and gap where a ray meets a master face, by Newton's method.
@@ -227,7 +263,7 @@ private:
     for (int i : Range(polygon.Size())) {
       auto corner = Ray(map, piece, polygon[i], 0);
       if (!isfinite(corner.gap)) // at the rim of the master a ray may just miss
-        corner.gap = piece.gap;
+        corner.gap = piece.Gap(polygon[i]);
       result.corners.Append(corner);
     }
   }

@@ -52,7 +52,8 @@ Vec<2> Polygon::Centroid() const {
 bool Polygon::IsConvex() const {
   for (int i = 0; i < n; i++) {
     auto & corner = corners[(i + 1) % n];
-    if (Cross(corner - corners[i], corners[(i + 2) % n] - corner) < 0)
+    Vec<2> in = corner - corners[i], out = corners[(i + 2) % n] - corner;
+    if (Cross(in, out) < -1e-12 * L2Norm(in) * L2Norm(out))
       return false;
   }
   return true;

@@ -27,10 +27,10 @@ static void SetSlaveFlag(py::object slave, Flags * flags, py::list info) {
 void ExportMeshTools(py::module & m) {
   m.def(
       "SplitSlaveFaces",
-      [](shared_ptr<MeshAccess> mesh, const Region & slave) {
-        return SplitSlaveFaces(mesh, slave);
+      [](shared_ptr<MeshAccess> mesh, const Region & slave, const string & hexes) {
+        return SplitSlaveFaces(mesh, slave, hexes);
       },
-      py::arg("mesh"), py::arg("slave"),
+      py::arg("mesh"), py::arg("slave"), py::arg("hexes") = "pyramids",
       "New mesh with the slave faces split; see ngslac.SplitSlaveFaces");
 
   auto space = ExportFESpace<BubbleVectorH1FESpace, VectorH1FESpace>(m, "BubbleVectorH1");

@@ -18,14 +18,15 @@ struct Traces {
   int dim;
 };
 
-/// Mean and maximum of the traces of all basis functions, summed up face by face.
-struct TraceSums {
-  Array<Vec<3>> integral;
-  Array<double> area, maximum;
+/// The trace of one basis function on one face.
+struct Trace {
+  int dof;
+  Vec<3> integral;
+  double area, maximum;
 };
 
-void AddFace(const FESpace & fes, ElementId ei, TraceSums & sums, Array<int> & touched,
-             Vec<3> & normal, LocalHeap & lh) {
+/// All that is not zero on a face.
+Array<Trace> TracesOnFace(const FESpace & fes, ElementId ei, Vec<3> & normal, LocalHeap & lh) {
   HeapReset hr(lh);
   auto ma = fes.GetMeshAccess();
   int dim = ma->GetDimension(), block = fes.GetDimension();
@@ -56,17 +57,21 @@ void AddFace(const FESpace & fes, ElementId ei, TraceSums & sums, Array<int> & t
                   : static_cast<const DimMappedIntegrationPoint<3> &>(mip).GetNV();
     normal += mip.GetWeight() * nv;
   }
+  if (!(area > 0))
+    throw Exception("LACSpace: boundary element " + ToString(ei.Nr()) + " of boundary '" +
+                    string(ma->GetMaterial(ei)) + "' has area " + ToString(area) +
+                    "; repair the mesh, or use a finer one");
   normal /= area;
+  Array<Trace> traces;
   for (int j : Range(n)) {
     if (!IsRegularDof(dofs[j / block]) || maximum(j) < 1e-12)
       continue;
-    int dof = block * dofs[j / block] + j % block;
+    Trace trace{block * dofs[j / block] + j % block, Vec<3>(0.0), area, maximum(j)};
     for (int k : Range(dim))
-      sums.integral[dof](k) += integral(j, k);
-    sums.area[dof] += area;
-    sums.maximum[dof] = max(sums.maximum[dof], maximum(j));
-    touched.Append(dof);
+      trace.integral(k) = integral(j, k);
+    traces.Append(trace);
   }
+  return traces;
 }
 
 Table<int> VertexNeighbours(const MeshAccess & ma, FlatArray<int> faces) {
@@ -134,25 +139,33 @@ Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
   tr.inner_dofs = InnerDofs(fes, tr.faces, tr.slave_of_face);
 
   size_t ndof = fes.GetNDof() * fes.GetDimension();
-  TraceSums sums{Array<Vec<3>>(ndof), Array<double>(ndof), Array<double>(ndof)};
-  sums.integral = Vec<3>(0.0), sums.area = 0.0, sums.maximum = 0.0;
   tr.normals.SetSize(tr.faces.Size());
-  LocalHeap lh(10 * 1000 * 1000, "ngslac-partition");
-  Array<Array<int>> touched(tr.faces.Size());
-  for (int s : Range(tr.faces))
-    AddFace(fes, ElementId(BND, tr.faces[s]), sums, touched[s], tr.normals[s], lh);
+  Array<Array<Trace>> traces(tr.faces.Size());
+  LocalHeap heap(10 * 1000 * 1000, "ngslac-partition", true);
+  ParallelForRange(tr.faces.Size(), [&](IntRange range) {
+    LocalHeap lh = heap.Split();
+    for (auto s : range)
+      traces[s] = TracesOnFace(fes, ElementId(BND, tr.faces[s]), tr.normals[s], lh);
+  });
 
   TableCreator<int> creator(ndof);
   for (; !creator.Done(); creator++)
-    for (int s : Range(touched))
-      for (int dof : touched[s])
-        creator.Add(dof, s);
+    for (int s : Range(traces))
+      for (auto & trace : traces[s])
+        creator.Add(trace.dof, s);
   tr.dof_faces = creator.MoveTable();
+  Array<double> area(ndof), maximum(ndof);
   tr.dof_mean.SetSize(ndof);
+  tr.dof_mean = Vec<3>(0.0), area = 0.0, maximum = 0.0;
+  for (auto & face : traces)
+    for (auto & trace : face) {
+      tr.dof_mean[trace.dof] += trace.integral;
+      area[trace.dof] += trace.area;
+      maximum[trace.dof] = max(maximum[trace.dof], trace.maximum);
+    }
   for (size_t i : Range(ndof))
-    tr.dof_mean[i] = sums.area[i] > 0
-                         ? Vec<3>(1 / (sums.area[i] * sums.maximum[i]) * sums.integral[i])
-                         : Vec<3>(0.0);
+    if (area[i] > 0)
+      tr.dof_mean[i] *= 1 / (area[i] * maximum[i]);
   return tr;
 }
 

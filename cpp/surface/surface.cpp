@@ -171,6 +171,20 @@ double Surface<D>::Bulge(size_t face) const {
 }
 
 template <int D>
+bool Surface<D>::IsFlat(size_t face) const {
+  if (Bulge(face) > 1e-14)
+    return false;
+  auto corners = Corners<D - 1>(types[face]);
+  Vec<D> normals[2], x;
+  Mat<D, D - 1> dx;
+  for (int i : {0, 1}) {
+    Evaluate(face, corners[i ? corners.Size() / 2 : 0], x, dx);
+    normals[i] = Normal(face, dx);
+  }
+  return L2Norm(normals[1] - normals[0]) < 1e-13;
+}
+
+template <int D>
 netgen::Box<D> Surface<D>::Bounds(size_t face) const {
   netgen::Box<D> box(netgen::Box<D>::EMPTY_BOX);
   for (auto & c : Control(face)) {

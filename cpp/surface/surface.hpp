@@ -26,6 +26,8 @@ public:
   double Diameter(size_t face) const;
   /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
   double Bulge(size_t face) const;
+  /// Straight, and in 3D plane: the normal does not change.
+  bool IsFlat(size_t face) const;
   netgen::Box<D> Bounds(size_t face) const;
   Vec<D> Point(size_t face, Vec<D - 1> xi) const;
   /// point and derivative with respect to the reference coordinates
