@@ -1,0 +1,248 @@
+"""Partial slip of spheres under a tangential load at constant normal load (Cattaneo, Mindlin)."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ._checks import finite, nonnegative, points
+from ._means import semi_ellipse
+from ._polygons import semi_ellipsoid_mean
+from .hertz3d import HertzPoint
+
+__all__ = ["CattaneoMindlinPoint", "MindlinPointReversal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CattaneoMindlinPoint:
+    """A Hertz point contact, loaded tangentially after the normal load is complete.
+
+    The contact sticks for r < c and slips for c < r < a, with c = a (1 - |Q|/(F P))^(1/3) and
+
+        tau(r) = sign(Q) F p0 (sqrt(1 - r^2/a^2) - (c/a) sqrt(1 - r^2/c^2)),
+
+    where each root counts as zero where its argument is negative, all in the direction of Q.
+
+    Valid where tangential tractions leave the pressure alone, that is for `hertz.beta == 0`, as
+    with equal materials. All conditions hold but one: for Poisson ratios other than zero, slip
+    also has a component across the load (see `Slip`; up to 0.18 of that along for nu = 0.3), to
+    which the friction should turn. So the solution is exact for nu = 0 and otherwise approximate
+    in the slip zone: computed tractions have a small component across the load, and the computed
+    stick zone is not quite a circle.
+
+    Sources: Cattaneo (1938); Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics
+    (Cambridge, 1985), section 7.2(d).
+
+    Parameters
+    ----------
+    hertz : HertzPoint
+        The normal contact; gives P, a, p0 and the elastic constants.
+    shear : float
+        Resultant Q of the tangential tractions on the slave; |Q| <= F P. It balances the
+        tangential load that is put on the slave body.
+    friction : float
+        Coefficient of friction F >= 0.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> partial = CattaneoMindlinPoint(hertz=hertz, shear=17.5, friction=0.2)
+    >>> print(f"{partial.ratio:.3f} {partial.Traction(0) / (0.2 * hertz.peak):.3f}")
+    0.500 0.500
+    """
+
+    hertz: HertzPoint
+    shear: float
+    friction: float
+
+    def __post_init__(self):
+        finite("shear", self.shear)
+        nonnegative("friction", self.friction)
+        limit = self.friction * self.hertz.force
+        if abs(self.shear) > limit * (1.0 + 1e-12):
+            raise ValueError(
+                f"shear = {self.shear!r} is not valid: the bodies would slide, "
+                f"keep |shear| <= friction * hertz.force = {limit!r}"
+            )
+        if abs(self.hertz.beta) > 1e-12:
+            raise ValueError(
+                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
+                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
+            )
+
+    @classmethod
+    def FromShift(cls, *, hertz, shift, friction):
+        """State after the far parts of the bodies have been moved by `shift`, see there.
+
+        Examples
+        --------
+        >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+        >>> state = CattaneoMindlinPoint.FromShift(hertz=hertz, shift=1e-4, friction=0.2)
+        >>> print(f"{state.shear:.4f}")
+        3.5819
+        """
+        finite("shift", shift)
+        limit = cls(hertz=hertz, shear=friction * hertz.force, friction=friction)
+        if abs(shift) > limit.shift * (1.0 + 1e-12):
+            raise ValueError(
+                f"shift = {shift!r} is not valid: the bodies would slide, "
+                f"keep |shift| <= {limit.shift!r}"
+            )
+        left = max(0.0, 1.0 - abs(shift) / (limit.shift or 1.0))
+        shear = np.copysign(limit.shear * (1.0 - left**1.5), shift)
+        return cls(hertz=hertz, shear=float(shear), friction=friction)
+
+    @property
+    def ratio(self):
+        """Stick ratio c/a, from 1 (no tangential load) to 0 (sliding)."""
+        if self.shear == 0:
+            return 1.0
+        rest = 1.0 - abs(self.shear) / (self.friction * self.hertz.force)
+        return max(0.0, rest) ** (1.0 / 3.0)
+
+    @property
+    def stick(self):
+        """Radius c of the stick zone."""
+        return self.ratio * self.hertz.contact_radius
+
+    @property
+    def _scale(self):
+        return np.sign(self.shear) * self.friction * self.hertz.peak
+
+    @property
+    def _compliances(self):
+        """Sums over both bodies of (2 - nu)/G and of nu/G."""
+        nu1, nu2 = self.hertz.nu1, self.hertz.nu2
+        return self.hertz._ShearSum(2.0 - nu1, 2.0 - nu2), self.hertz._ShearSum(nu1, nu2)
+
+    @property
+    def shift(self):
+        """How far the master has moved against the slave, far from the contact.
+
+        Of the sign of Q: 3 F P ((2 - nu1)/G1 + (2 - nu2)/G2)/(16 a) (1 - (c/a)^2), for small loads
+        Q ((2 - nu1)/G1 + (2 - nu2)/G2)/(8 a).
+        """
+        a, c = self.hertz.contact_radius, self.stick
+        return float(pi * self._scale * self._compliances[0] * (a * a - c * c) / (8.0 * a))
+
+    def Traction(self, r):
+        """Tangential traction on the slave, along Q, at distance `r` from the middle."""
+        r = points("r", r)
+        outer, inner = semi_ellipse(r, self.hertz.contact_radius), semi_ellipse(r, self.stick)
+        return self._scale * (outer - self.ratio * inner)
+
+    def MeanTraction(self, vertices):
+        """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
+        outer = semi_ellipsoid_mean(vertices, self.hertz.contact_radius)
+        return self._scale * (outer - self.ratio * semi_ellipsoid_mean(vertices, self.stick))
+
+    def Slip(self, x, y):
+        """Slip of the slave against the master at (x, y) inside the contact, x along Q.
+
+        Both components, as a tuple: the surface displacements of the tractions less `shift`. Zero
+        in stick, nearly against the traction in slip, NaN for r > a, where the surfaces do not
+        touch. For |Q| = F P the rigid sliding is left out.
+        """
+        x, y = np.broadcast_arrays(points("x", x), points("y", y))
+        a, c = self.hertz.contact_radius, self.stick
+        outer, inner = (self._SurfaceMotion(x, y, radius) for radius in (a, c))
+        r = np.hypot(x, y)
+        along, across = (
+            np.where(r <= a, np.where(r > c, o - i, 0.0), np.nan)
+            for o, i in zip((outer[0] - self.shift, outer[1]), inner, strict=True)
+        )
+        return along[()], across[()]
+
+    def _SurfaceMotion(self, x, y, radius):
+        """Relative displacements of the surfaces under scale/a sqrt(radius^2 - r^2) along x.
+
+        Source: Johnson, section 3.6.
+        """
+        mean, twin = self._compliances
+        r = np.hypot(x, y)
+        out = np.maximum(r, radius)
+        if radius == 0:
+            return np.zeros_like(r), np.zeros_like(r)
+        angle, root = np.arcsin(radius / out), radius * np.sqrt(out**2 - radius**2)
+        radial = (2.0 * radius**2 - out**2) * angle + root
+        double = out**2 * angle + (2.0 * radius**2 - out**2) * root / out**2
+        # Inside, angle = pi/2: the polynomial continues with the true radius.
+        radial = np.where(r < radius, 0.5 * pi * (2.0 * radius**2 - r**2), radial)
+        double = np.where(r < radius, 0.5 * pi, double / out**2)
+        factor = self._scale / (8.0 * self.hertz.contact_radius)
+        along = factor * (mean * radial + 0.5 * twin * double * (x * x - y * y))
+        return along, factor * twin * double * x * y
+
+    def Reverse(self, shear):
+        """State after the tangential load has gone back from here to `shear`."""
+        return MindlinPointReversal(start=self, shear=shear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MindlinPointReversal:
+    """A Cattaneo-Mindlin point contact whose tangential load is brought back, once and steadily.
+
+    From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edge of the
+    contact. The change is a Cattaneo-Mindlin state with twice the friction, so the state is that
+    of Q* less twice that of (Q* - Q)/2. At Q = 0 tractions and a shift remain, at Q = -Q* all is
+    mirrored, and the way back up closes a loop. Sources: Mindlin and Deresiewicz, J. Appl. Mech.
+    20 (1953) 327; Johnson, Contact Mechanics (Cambridge, 1985), section 7.4.
+
+    Parameters
+    ----------
+    start : CattaneoMindlinPoint
+        The state at the point of reversal.
+    shear : float
+        Present resultant Q of the tangential tractions on the slave, -|Q*| <= Q <= |Q*|.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> loaded = CattaneoMindlinPoint(hertz=hertz, shear=17.5, friction=0.2)
+    >>> print(f"{loaded.Reverse(0).shift / loaded.shift:.4f}")
+    0.1505
+    """
+
+    start: CattaneoMindlinPoint
+    shear: float
+
+    def __post_init__(self):
+        finite("shear", self.shear)
+        if abs(self.shear) > abs(self.start.shear):
+            raise ValueError(
+                f"shear = {self.shear!r} is not valid: keep |shear| <= |start.shear| = "
+                f"{abs(self.start.shear)!r}, beyond it use a CattaneoMindlinPoint with this shear"
+            )
+
+    @property
+    def _change(self):
+        start, half = self.start, 0.5 * (self.start.shear - self.shear)
+        return CattaneoMindlinPoint(hertz=start.hertz, shear=half, friction=start.friction)
+
+    @property
+    def ratio(self):
+        """Part b/a of the contact that has not slipped since the reversal."""
+        return self._change.ratio
+
+    @property
+    def stick(self):
+        """Radius b of that part."""
+        return self._change.stick
+
+    @property
+    def shift(self):
+        """How far the master has moved against the slave, far from the contact."""
+        return self.start.shift - 2.0 * self._change.shift
+
+    def Traction(self, r):
+        """Tangential traction on the slave, along the load, at distance `r` from the middle."""
+        return self.start.Traction(r) - 2.0 * self._change.Traction(r)
+
+    def MeanTraction(self, vertices):
+        """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
+        return self.start.MeanTraction(vertices) - 2.0 * self._change.MeanTraction(vertices)
+
+    def Slip(self, x, y):
+        """Slip of the slave against the master since the first loading, see there."""
+        pairs = zip(self.start.Slip(x, y), self._change.Slip(x, y), strict=True)
+        return tuple(before - 2.0 * change for before, change in pairs)

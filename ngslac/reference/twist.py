@@ -1,0 +1,283 @@
+"""Partial slip of spheres that are twisted about their common normal (Lubkin)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import exp, expm1, inf, pi
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipeinc, ellipkinc, ellipkm1
+
+from ._checks import finite, nonnegative, points
+from ._means import _tanh_sinh, integral_mean, semi_ellipse
+from ._polygons import PolygonEdges
+from ._torsion import DEEPEST, SLIDES, e_prime, scaled_angle, scaled_moment
+from .hertz3d import HertzPoint
+
+__all__ = ["TwistPoint", "TwistReversal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwistPoint:
+    """A Hertz point contact, twisted about its normal after the normal load is complete.
+
+    The contact sticks for r < c and slips for c < r < a, where the traction, around the normal,
+    is F p. Twist and pressure do not interact, so the bodies may be of any materials, and one may
+    be rigid. With k = c/a, k'^2 = 1 - k^2, 1/G* = 1/G1 + 1/G2, E'(s) = E(sqrt(1 - s^2)) and
+    elliptic integrals of the modulus named::
+
+        angle  = F p0 (K(k') - E(k')) / (2 G*),      moment = (8/3) F p0 a^3 int_k^1 s^2 E'(s) ds,
+        tau(r) = F p0 sqrt(1 - r^2/a^2) (1 - L) for r < c,  tan(psi) = sqrt(c^2 - r^2)/(k' r),
+        L      = (2/pi) (K(k') E(psi, k) - (K(k') - E(k')) F(psi, k)),   Heuman's function.
+
+    For small moments, moment = (16/3) G* a^3 angle; the limit (3 pi/16) F P a belongs to an
+    infinite angle.
+
+    *Derivation.* A rigid disc of radius t twisted by phi has the traction
+    (4 G* phi/pi) r/sqrt(t^2 - r^2) and the moment (16/3) G* t^3 phi (Reissner and Sagoci, 1944),
+    and all points r < t turn by phi. The sum of discs c < t < a with
+    tau(r) = r int w(t)/sqrt(t^2 - r^2) dt turns r < c as one body. That tau = F p for r > c is an
+    Abel equation with the solution w(t) = (2/pi) F p0 E'(t/a)/t; the angle and the moment are
+    sums over the discs. The derivative of L with respect to k confirms the traction.
+
+    Sources: Lubkin, J. Appl. Mech. 18 (1951) 183; Hetenyi and McDonald, J. Appl. Mech. 25 (1958)
+    396; Jager, Arch. Appl. Mech. 65 (1995) 478 for the sum over discs; Johnson, Contact Mechanics
+    (Cambridge, 1985), chapter 7.
+
+    Parameters
+    ----------
+    hertz : HertzPoint
+        The normal contact; gives P, a, p0 and the elastic constants.
+    moment : float
+        Moment M about the normal of the tangential tractions on the slave, |M| <= 3 pi F P a/16;
+        it balances the moment that is put on the slave body. M > 0 where tractions go around the
+        normal from x to y.
+    friction : float
+        Coefficient of friction F >= 0.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> twist = TwistPoint.FromAngle(hertz=hertz, angle=1.5e-3, friction=0.2)
+    >>> print(f"{twist.ratio:.4f} {twist.moment / twist.limit:.4f}")
+    0.4743 0.9132
+    """
+
+    hertz: HertzPoint
+    moment: float
+    friction: float
+
+    def __post_init__(self):
+        finite("moment", self.moment)
+        nonnegative("friction", self.friction)
+        if abs(self.moment) > self.limit * (1.0 + 1e-12):
+            raise ValueError(
+                f"moment = {self.moment!r} is not valid: the bodies would turn freely, "
+                f"keep |moment| <= 3 pi/16 friction * hertz.force * a = {self.limit!r}"
+            )
+
+    @classmethod
+    def FromAngle(cls, *, hertz, angle, friction):
+        """State after the far parts of the bodies have been turned by `angle`, see there.
+
+        Every finite angle has its state, in partial slip, but beyond about 5 F p0/G* the moment is
+        the limit to rounding.
+
+        Examples
+        --------
+        >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+        >>> print(f"{TwistPoint.FromAngle(hertz=hertz, angle=-1e-3, friction=0.2).moment:.4f}")
+        -3.8172
+        """
+        finite("angle", angle)
+        nonnegative("friction", friction)
+        unit = 0.5 * friction * hertz.peak * hertz._ShearSum()
+        if angle == 0 or unit == 0:
+            return cls(hertz=hertz, moment=0.0, friction=friction)
+        value, part = abs(angle) / unit, 1.0
+        if value < 2.0 * DEEPEST:  # K - E lies between depth and pi/2 depth
+            depth = brentq(
+                lambda y: scaled_angle(y) - value, 0.5 * value, value, xtol=1e-15 * value
+            )
+            part = scaled_moment(depth)
+        limit = cls(hertz=hertz, moment=0.0, friction=friction).limit
+        return cls(hertz=hertz, moment=float(np.copysign(part * limit, angle)), friction=friction)
+
+    @property
+    def limit(self):
+        """Moment (3 pi/16) F P a of complete slip."""
+        return 3.0 * pi / 16.0 * self.friction * self.hertz.force * self.hertz.contact_radius
+
+    @property
+    def stiffness(self):
+        """Moment over angle for small moments, (16/3) G* a^3."""
+        return 16.0 / 3.0 * self.hertz.contact_radius**3 / self.hertz._ShearSum()
+
+    @cached_property
+    def _depth(self):
+        """log(a/c), from 0 (no moment) to inf (complete slip)."""
+        if self.moment == 0:
+            return 0.0
+        part = abs(self.moment) / self.limit
+        if part >= SLIDES:
+            return inf
+        least = part * 3.0 * pi / 32.0  # the relation for small moments, which is concave
+        return brentq(lambda y: scaled_moment(y) - part, 0.5 * least, DEEPEST, xtol=1e-15 * least)
+
+    @property
+    def ratio(self):
+        """Stick ratio k = c/a, from 1 (no moment) to 0 (complete slip)."""
+        return exp(-self._depth)
+
+    @property
+    def stick(self):
+        """Radius c of the stick zone."""
+        return self.ratio * self.hertz.contact_radius
+
+    @property
+    def _scale(self):
+        return np.sign(self.moment) * self.friction * self.hertz.peak
+
+    @property
+    def angle(self):
+        """How far the master has turned against the slave, far from the contact, in radians.
+
+        Of the sign of the moment; infinite for the limit moment.
+        """
+        if self.moment == 0:
+            return 0.0
+        value = scaled_angle(self._depth) if self._depth < inf else inf
+        return float(0.5 * self._scale * self.hertz._ShearSum() * value)
+
+    def Traction(self, r):
+        """Traction on the slave around the normal, from x to y, at distance `r`."""
+        r, a, k = np.abs(points("r", r)), self.hertz.contact_radius, self.ratio
+        limit = self._scale * semi_ellipse(r, a)
+        if self.moment == 0 or k == 0:
+            return limit if k == 0 else np.zeros_like(r)[()]
+        difference = scaled_angle(self._depth)
+        other = np.sqrt(-expm1(-2.0 * self._depth))
+        psi = np.arctan2(np.sqrt(np.maximum((k * a) ** 2 - r**2, 0.0)), other * r)
+        lag = ellipkm1(k * k) * ellipeinc(psi, k * k) - difference * ellipkinc(psi, k * k)
+        return limit * np.where(r < k * a, np.maximum(1.0 - 2.0 / pi * lag, 0.0), 1.0)[()]
+
+    def MeanTraction(self, vertices):
+        """Average of the traction over polygons, to about 1e-12.
+
+        By Stokes' theorem the sum over discs becomes one integral for each edge.
+
+        Parameters
+        ----------
+        vertices : array of shape (..., corners, 2)
+            Corners relative to the middle of the contact, in either sense of rotation.
+
+        Returns
+        -------
+        array of shape (..., 2)
+            Components along x and y.
+        """
+        edges = PolygonEdges.FromVertices(vertices)
+        if self.moment == 0:
+            return np.zeros((*edges.area.shape, 2))
+        a, c = self.hertz.contact_radius, self.stick
+
+        def density(t):
+            t = np.maximum(t, 1e-200 * a)
+            return e_prime(t / a) / t * edges.RootIntegral(t)
+
+        radii = (np.hypot(s, edges.distance) for s in (edges.start, edges.end))
+        breaks = np.stack([np.abs(edges.distance), *radii], axis=-1)
+        shape = edges.start.shape
+        mean = integral_mean(density, np.full(shape, c), np.full(shape, a), breaks)
+        flow = (edges.tangent * mean[..., None]).sum(axis=-2) / edges.area[..., None]
+        return -2.0 / pi * self._scale * (a - c) * flow
+
+    def Slip(self, r):
+        """Slip of the slave against the master around the normal, from x to y.
+
+        Zero in stick, against the traction in slip, NaN for r > a, where the surfaces do not
+        touch; infinite for the limit moment. From the rotation of the discs t < r as seen at r.
+        """
+        r, a = np.abs(points("r", r)), self.hertz.contact_radius
+        c = self.stick
+        if c == 0:
+            return np.where(r <= a, -self._scale * np.where(r > 0, inf, 0.0), np.nan)[()]
+        top = np.arccos(c / np.maximum(r, c))[..., None]
+        nodes, weights = _tanh_sinh()
+        chi = 0.5 * top * (1.0 + nodes)
+        shape = np.tan(chi) * (chi + 0.5 * np.sin(2.0 * chi))
+        lag = (0.5 * top * weights * shape * e_prime(r[..., None] / a * np.cos(chi))).sum(axis=-1)
+        slip = -self._scale * self.hertz._ShearSum() / pi * r * lag
+        return np.where(r <= a, slip, np.nan)[()]
+
+    def Reverse(self, moment):
+        """State after the moment has gone back from here to `moment`."""
+        return TwistReversal(start=self, moment=moment)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwistReversal:
+    """A twisted point contact whose moment is brought back, once and steadily.
+
+    From M* = `start.moment` to M = `moment`, with |M| <= |M*|, slip comes back from the edge of
+    the contact. The change is a twist with twice the friction, so the state is that of M* less
+    twice that of (M* - M)/2. Sources: Deresiewicz, J. Appl. Mech. 21 (1954) 52; Jager, Arch.
+    Appl. Mech. 65 (1995) 478.
+
+    Parameters
+    ----------
+    start : TwistPoint
+        The state at the point of reversal.
+    moment : float
+        Present moment M of the tangential tractions on the slave, -|M*| <= M <= |M*|.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> twist = TwistPoint.FromAngle(hertz=hertz, angle=1.5e-3, friction=0.2)
+    >>> print(f"{twist.Reverse(0).angle / twist.angle:.4f}")
+    0.4592
+    """
+
+    start: TwistPoint
+    moment: float
+
+    def __post_init__(self):
+        finite("moment", self.moment)
+        if abs(self.moment) > abs(self.start.moment):
+            raise ValueError(
+                f"moment = {self.moment!r} is not valid: keep |moment| <= |start.moment| = "
+                f"{abs(self.start.moment)!r}, beyond it use a TwistPoint with this moment"
+            )
+
+    @cached_property
+    def _change(self):
+        start, half = self.start, 0.5 * (self.start.moment - self.moment)
+        return TwistPoint(hertz=start.hertz, moment=half, friction=start.friction)
+
+    @property
+    def ratio(self):
+        """Part b/a of the contact that has not slipped since the reversal."""
+        return self._change.ratio
+
+    @property
+    def stick(self):
+        """Radius b of that part."""
+        return self._change.stick
+
+    @property
+    def angle(self):
+        """How far the master has turned against the slave, far from the contact, in radians."""
+        return self.start.angle - 2.0 * self._change.angle
+
+    def Traction(self, r):
+        """Traction on the slave around the normal, from x to y, at distance `r`."""
+        return self.start.Traction(r) - 2.0 * self._change.Traction(r)
+
+    def MeanTraction(self, vertices):
+        """Average of the traction over polygons, see `TwistPoint.MeanTraction`."""
+        return self.start.MeanTraction(vertices) - 2.0 * self._change.MeanTraction(vertices)
+
+    def Slip(self, r):
+        """Slip of the slave against the master since the first twist; NaN for r > a."""
+        return self.start.Slip(r) - 2.0 * self._change.Slip(r)
