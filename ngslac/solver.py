@@ -72,7 +72,7 @@ class ContactSolver:
             inner &= ~space.FreeDofs(True)
             self._inner = AsNumPy(ScalarDofs(inner, space))
         self.residual = Residual(a, gf, self.contacts, rhs, self.linear.free | self._inner)
-        self.history = []
+        self.history, self._closings = [], 0
         self._bodies = None
         self._islinear = False  # the bulk, as far as seen: its matrix is kept
 
@@ -105,7 +105,7 @@ class ContactSolver:
             raise ValueError("the space was refined: make a new ContactSolver")
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
-        self.history = []
+        self.history, self._closings = [], 0
         try:
             return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:
@@ -241,8 +241,13 @@ class ContactSolver:
             contact.Evaluate(self.gf)
         if not start and all(np.any(contact.Table()["status"]) for contact in self.contacts):
             return False
-        if not self._WhatFloats():
+        if not (floating := self._WhatFloats()):
             return False
+        self._closings += 1
+        if self._closings > 5:  # each time the iteration opened what was closed
+            raise FloatingBodyError(
+                FloatingMessage(floating) + ". The loads seem to pull it away from the contact"
+            )
         floating = []
         for distance in (0.05, 0.1, 0.2, 0.4, 0.8) if self.initial == "gap" else ():
             for contact in self.contacts:

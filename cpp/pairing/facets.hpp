@@ -6,7 +6,7 @@ namespace ngslac {
 /// straight sides in space and in the reference coordinates of its face.
 struct Facet {
   int face;
-  bool whole; // all of its face
+  bool whole;    // all of its face
   int n;         // 3 or 4 corners, in the order of the reference orientation
   Vec<2> xi[4];  // reference coordinates of the corners
   Vec<3> x[4];   // and their positions

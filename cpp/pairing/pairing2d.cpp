@@ -5,6 +5,7 @@
 namespace ngslac {
 namespace {
 constexpr double merge_tolerance = 1e-13; // of reference coordinates
+constexpr double rounding = 1e-14;        // of positions
 
 /// Root of f in [a, b], where it changes sign. `f` returns value and (approximate) derivative.
 template <typename F>
@@ -48,6 +49,7 @@ class FacePairer {
 
   int face;
   double size;
+  double merge; // break points of the face nearer than this are one
   Array<int> candidates;
   Array<Overlap> overlaps;
   Array<double> breaks;
@@ -96,6 +98,8 @@ private:
   }
 
   void Search(double reach) {
+    double extent = L2Norm(slave.Point(face, 0.5)) + size;
+    merge = max(merge_tolerance, rounding * extent / size);
     candidates.SetSize0();
     tree.Visit(SearchBox(reach), [&](int j) { candidates.Append(j); });
     QuickSort(candidates);
@@ -105,7 +109,7 @@ private:
       double a = Project(master.Point(j, 0.0)), b = Project(master.Point(j, 1.0));
       if (a > b)
         Swap(a, b);
-      if (b - a > merge_tolerance && FindHit(j, 0.5 * (a + b))) {
+      if (b - a > merge && FindHit(j, 0.5 * (a + b))) {
         overlaps.Append(Overlap{a, b, j});
         breaks.Append(a);
         breaks.Append(b);
@@ -114,7 +118,7 @@ private:
     QuickSort(breaks);
     size_t kept = 0;
     for (double b : breaks)
-      if (kept == 0 || b - breaks[kept - 1] > merge_tolerance)
+      if (kept == 0 || b - breaks[kept - 1] > merge)
         breaks[kept++] = b;
     breaks.SetSize(kept);
   }

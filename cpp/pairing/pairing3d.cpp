@@ -142,34 +142,56 @@ private:
     if (!hidden)
       return;
     visible.SetSize0();
-    Array<Polygon> parts, rest;
-    for (int i : Range(pieces)) {
-      parts.SetSize0();
-      parts.Append(pieces[i].polygon);
-      for (int j : Range(pieces)) {
-        if (i == j || !IsNearer(j, i, tolerance))
-          continue;
-        rest.SetSize0();
-        for (auto & part : parts)
-          if (Overlap(part, pieces[j].polygon, tolerance))
-            Subtract(part, pieces[j].polygon, tolerance, rest);
-          else
-            rest.Append(part);
-        Swap(parts, rest);
-      }
-      for (auto & part : parts)
-        visible.Append(Piece{part, pieces[i].master, pieces[i].gap, pieces[i].tilt});
-    }
+    for (auto & piece : pieces)
+      Insert(piece, tolerance);
     Swap(pieces, visible);
   }
 
-  /// Is piece j nearer than piece i, in the middle of where they overlap?
-  bool IsNearer(int j, int i, double tolerance) const {
-    if (!Overlap(pieces[i].polygon, pieces[j].polygon, tolerance))
-      return false;
-    Vec<2> p = Intersection(pieces[i].polygon, pieces[j].polygon, 0).Centroid();
-    double difference = fabs(pieces[j].Gap(p)) - fabs(pieces[i].Gap(p));
-    return difference < 0 || (difference == 0 && j < i);
+  /// Adds a piece to the visible ones, which stay disjoint: whatever one loses another keeps.
+  void Insert(const Piece & piece, double tolerance) {
+    Array<Piece> parts{piece}, behind;
+    for (size_t k = 0; k < visible.Size(); k++) {
+      Array<Piece> rest, shortened;
+      bool cut = false;
+      for (auto & part : parts)
+        if (!Overlap(part.polygon, visible[k].polygon, tolerance))
+          rest.Append(part);
+        else if (IsNearer(visible[k], part))
+          Without(part, visible[k].polygon, tolerance, rest);
+        else {
+          // all parts belong to one master facet: what is left of the visible one is behind
+          rest.Append(part);
+          if (!cut)
+            shortened.Append(visible[k]);
+          cut = true;
+          Array<Piece> remaining;
+          for (auto & old : shortened)
+            Without(old, part.polygon, tolerance, remaining);
+          Swap(shortened, remaining);
+        }
+      Swap(parts, rest);
+      if (cut) {
+        visible.DeleteElement(k--);
+        behind += shortened;
+      }
+    }
+    visible += behind;
+    visible += parts;
+  }
+
+  /// Is piece a nearer than piece b, in the middle of where they overlap?
+  static bool IsNearer(const Piece & a, const Piece & b) {
+    Vec<2> p = Intersection(a.polygon, b.polygon, 0).Centroid();
+    return fabs(a.Gap(p)) <= fabs(b.Gap(p));
+  }
+
+  /// Appends what is left of a piece.
+  static void Without(const Piece & piece, const Polygon & hole, double tolerance,
+                      Array<Piece> & rest) {
+    Array<Polygon> polygons;
+    Subtract(piece.polygon, hole, tolerance, polygons);
+    for (auto & polygon : polygons)
+      rest.Append(Piece{polygon, piece.master, piece.gap, piece.tilt});
   }
 
   /// Neighbouring master faces that are divided differently leave slits between their facets.
@@ -202,6 +224,10 @@ private:
     slave.Evaluate(face, xi, x, dx);
     Vec<3> normal = slave.Normal(face, dx);
     auto [eta, gap] = Shoot(x, normal, *piece.master);
+    if (!isfinite(gap)) { // far away the rays spread; the piece was cut along the facet's normal
+      normal = map.Normal();
+      tie(eta, gap) = Shoot(x, normal, *piece.master);
+    }
     return {xi, eta, stretch * weight * area * Measure(dx), gap, normal};
   }
 
