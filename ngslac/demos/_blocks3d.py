@@ -1,0 +1,212 @@
+"""Two blocks on each other in 3D, in every element shape: meshes for patch tests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from netgen.meshing import Mesh as NetgenMesh
+from netgen.occ import Box, OCCGeometry, Pnt
+from ngsolve import Mesh
+
+from ._boxes import SIDES, AddBody, Cells, StructuredBox
+from ._geometry import CheckPositive
+from ._geometry3d import CheckNonMatching3D, RotationMatrix
+
+__all__ = ["TwoBlocks3D"]
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """Shape of the interface, size and position of the whole."""
+
+    middle: np.ndarray  # (x, y) where the interface passes z = 0
+    gradient: np.ndarray  # of the interface height, (dz/dx, dz/dy)
+    height: float
+    matrix: np.ndarray  # rotation and scale
+
+    def Map(self, points):
+        """Incline the interface, keep the far sides, scale and rotate."""
+        shear = (points[:, :2] - self.middle) @ self.gradient
+        z = points[:, 2] + shear * (1 - np.abs(points[:, 2]) / self.height)
+        return np.column_stack([points[:, :2], z]) @ self.matrix.T
+
+
+def TwoBlocks3D(
+    kind_upper="hex",
+    kind_lower=None,
+    n_slave=2,
+    n_master=3,
+    *,
+    layers=(1, 1),
+    shape="flat",
+    slope=20.0,
+    azimuth=30.0,
+    overhang=0.0,
+    aligned=True,
+    perturb=0.0,
+    unstructured=False,
+    width=1.0,
+    height=1.0,
+    scale=1.0,
+    rotation=None,
+    seed=1,
+):
+    """Mesh of a block "upper" on a block "lower" whose contact faces do not match.
+
+    The narrower block covers ``[0, width] x [0, width]``; the interface passes through
+    ``(width / 2, width / 2, 0)``, and the blocks end at ``z = height`` and ``z = -height``. They
+    share no vertex. Boundaries: "slave" (lower face of "upper"), "master" (upper face of
+    "lower"), "top", "bottom", and "left_", "right_" (x), "front_", "back_" (y) followed by
+    "upper" or "lower".
+
+    Parameters
+    ----------
+    kind_upper, kind_lower : {"tet", "hex", "prism", "prism_side", "pyramid"}
+        Cells of the blocks, as in `StructuredBox`; by default both are the same.
+    n_slave, n_master : int or (int, int)
+        Divisions of the contact faces in x and y.
+    layers : (int, int)
+        Layers of cubes in the upper and the lower block.
+    shape : {"flat", "oblique"}
+        Interface horizontal, or inclined by `slope` degrees towards `azimuth`.
+    slope, azimuth : float
+        Degrees: angle of inclination, and direction of ascent measured from the x axis.
+    overhang : float
+        By how much the lower block is wider on each of its four sides; the upper one if negative.
+    aligned : bool
+        With an overhang: end faces of the wider block where the narrower one ends. The faces
+        outside are then named "master_rim" ("slave_rim"), and the divisions count those
+        inside. Otherwise the whole face is divided evenly and has one name.
+    perturb : float
+        Moves the points of the grids at random, see `StructuredBox`: an irregular interface.
+    unstructured : bool
+        Tetrahedra from Netgen in place of grids; the edges of the interface have the given
+        divisions. Without `perturb`, and with ``aligned=False`` where there is an overhang.
+    width, height : float
+        Sizes of the blocks.
+    scale : float
+        Factor for all coordinates.
+    rotation : (3, 3) array_like or (axis, float), optional
+        Rotation about the origin, see `RotationMatrix`. Neither it nor `scale` changes the
+        topology.
+    seed : int
+        Of the random numbers.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching3D` has passed.
+
+    Raises
+    ------
+    ValueError
+        For bad sizes, names or rotations, and if the divisions make the two meshes match.
+
+    Examples
+    --------
+    >>> from ngslac.demos._blocks3d import TwoBlocks3D
+    >>> mesh = TwoBlocks3D("hex", "tet", 2, 3)
+    >>> mesh.GetMaterials(), mesh.ne
+    (('upper', 'lower'), 58)
+    """
+    CheckPositive(width=width, height=height, scale=scale)
+    if shape not in ("flat", "oblique"):
+        raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
+    if unstructured and (perturb or (overhang and aligned)):
+        raise ValueError("an unstructured mesh has no perturb, and aligned=False with an overhang")
+    frame = _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation)
+    grids = _Grids(_Pair(n_slave), _Pair(n_master), overhang, aligned, width)
+    z = [np.linspace(0, height, layers[0] + 1), np.linspace(-height, 0, layers[1] + 1)]
+    kinds = (kind_upper, kind_lower or kind_upper)
+    ngmesh = NetgenMesh(dim=3)
+    for i, name in enumerate(("upper", "lower")):
+        names = _Names(name, width if aligned else math.inf)
+        if unstructured:
+            box = _TetBox(grids[i], z[i], names)
+        else:
+            options = {"perturb": perturb, "fixed": (0.0, width), "seed": seed + i}
+            box = StructuredBox(*grids[i], z[i], kinds[i], names=names, **options)
+        AddBody(ngmesh, name, replace(box, points=frame.Map(box.points)))
+    ngmesh.Compress()
+    mesh = Mesh(ngmesh)
+    CheckNonMatching3D(mesh)
+    return mesh
+
+
+# ---------------------------------------------------------------- pieces
+
+
+def _Pair(n):
+    pair = (n, n) if isinstance(n, int) else tuple(n)
+    if len(pair) != 2 or min(pair) < 1:
+        raise ValueError(f"divisions must be one or two positive integers, but are {n}")
+    return pair
+
+
+def _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation):
+    rise = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
+    direction = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth))])
+    if abs(rise) * np.abs(direction).sum() * (width / 2 + abs(overhang)) >= height:
+        raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
+    matrix = scale * RotationMatrix(rotation)
+    return _Frame(np.full(2, width / 2), rise * direction, height, matrix)
+
+
+def _Grids(n_slave, n_master, overhang, aligned, width):
+    """Grid positions (x, y) of the upper and of the lower block."""
+    grids = []
+    for counts, wider in ((n_slave, -overhang), (n_master, overhang)):
+        wider, grid = max(wider, 0.0), []
+        for n in counts:
+            inside = np.linspace(0, width, n + 1)
+            if wider and aligned:
+                rim = np.linspace(0, wider, max(1, round(wider * n / width)) + 1)
+                inside = np.concatenate([rim[:-1] - wider, inside, width + rim[1:]])
+            elif wider:
+                inside = np.linspace(-wider, width + wider, n + 1)
+            grid.append(inside)
+        grids.append(grid)
+    return grids
+
+
+def _Names(body, width):
+    """Names of the outer faces of a block; faces of the interface outside `width` are its rim."""
+    contact, facing, far = (
+        ("slave", "bottom", "top") if body == "upper" else ("master", "top", "bottom")
+    )
+
+    def Name(side, centre):
+        if side == facing:
+            inside = math.isinf(width) or np.all((centre[:2] > 0) & (centre[:2] < width))
+            return contact if inside else f"{contact}_rim"
+        return far if side == far else f"{side}_{body}"
+
+    return Name
+
+
+def _TetBox(grid, z, names):
+    """A box meshed by Netgen on its own, with the edges at the interface divided evenly."""
+    (x, y), low, high = grid, [c[0] for c in (*grid, z)], [c[-1] for c in (*grid, z)]
+    shape = Box(Pnt(*low), Pnt(*high))
+    for edge in shape.edges:
+        n = len(x) - 1 if edge.center.x not in (low[0], high[0]) else len(y) - 1
+        if edge.center.z in (z[0], z[-1]):
+            edge.partition = [k / n for k in range(1, n)]
+    ngmesh = OCCGeometry(shape).GenerateMesh(
+        maxh=max(np.diff(x).max(), np.diff(y).max()), parallel_meshing=False
+    )
+    points = np.array([p.p for p in ngmesh.Points()])
+    cells = [[v.nr - 1 for v in el.vertices] for el in ngmesh.Elements3D()]
+    faces = []
+    for el in ngmesh.Elements2D():
+        face = [v.nr - 1 for v in el.vertices]
+        corners = points[face]
+        at = [
+            np.ptp(corners[:, a]) == 0 and corners[0, a] == e[a]
+            for a in range(3)
+            for e in (low, high)
+        ]
+        faces.append((names(SIDES[at.index(True)], corners.mean(axis=0)), face))
+    return Cells(points, [(a, c, b, d) for a, b, c, d in cells], faces)

@@ -1,0 +1,265 @@
+"""Spheres in contact: meshes for Hertz, Mindlin and twist problems in 3D."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
+
+from ._geometry import CheckPositive
+from ._geometry3d import CheckNonMatching3D, GenerateMesh3D
+
+__all__ = ["SphereOnBlock", "TwoSpheres"]
+
+_RADIUS = 50.0  # all is meshed with this radius of the upper sphere: Netgen has absolute lengths
+
+
+def SphereOnBlock(
+    h,
+    *,
+    radius=50.0,
+    zone=None,
+    width=None,
+    height=None,
+    ratio=1.2,
+    model="quarter",
+    order=2,
+    grading=0.45,
+    maxh=None,
+    scale=1.0,
+    rotation=None,
+):
+    """Mesh of the lower half of a sphere on a block, fine and non-matching where they touch.
+
+    The lowest point of the sphere touches the block at the origin; z points up. Bodies
+    (materials) are "sphere" and "block". Boundaries: "slave" and "master" (round faces about the
+    origin), "cap" (rest of the sphere), "top" (its flat upper side at ``z = radius``),
+    "surface" (rest of the block's top), "bottom", "side", and the symmetry planes "sym_x" (x =
+    0, only in the quarter model) and "sym_y" (y = 0, not in the full model).
+
+    Parameters
+    ----------
+    h : float
+        Size of the elements on the slave side; on the master side it is ``ratio * h``.
+    radius : float
+        Radius of the sphere.
+    zone : float, optional
+        Radius of the slave face, which has to contain the contact area; by default ``0.13 *
+        radius``, which suits a contact radius of a tenth of the sphere's. The master face is
+        wider by a fifteenth. Some 1.3 times the contact radius is a good value.
+    width, height : float, optional
+        Half width and height of the block, by default ``2 * radius``.
+    ratio : float
+        Master size over slave size.
+    model : {"quarter", "half", "full"}
+        x, y >= 0; or y >= 0, for tangential loads in x; or all.
+    order : int
+        Order of the curved geometry.
+    grading : float
+        Growth of the element size away from the contact zone. With the default the quarter model
+        with twelve elements along the contact radius has about 28,000 displacements of order 2.
+    maxh : float, optional
+        Largest size of elements, by default ``radius / 2``.
+    scale : float
+        Factor for all coordinates.
+    rotation : (3, 3) array_like or (axis, float), optional
+        Rotation about the origin, see `RotationMatrix`. The topology depends on neither.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching3D` has passed.
+
+    Raises
+    ------
+    ValueError
+        For sizes that are not positive, a zone that does not fit, or an unknown model.
+
+    Examples
+    --------
+    >>> from ngslac.demos._spheres import SphereOnBlock
+    >>> mesh = SphereOnBlock(2.0, radius=50, zone=6.5)
+    >>> mesh.GetMaterials()
+    ('sphere', 'block')
+    >>> sorted(set(mesh.GetBoundaries()))[:5]
+    ['bottom', 'cap', 'master', 'side', 'slave']
+    """
+    width = 2 * radius if width is None else width
+    height = 2 * radius if height is None else height
+    CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
+    size = radius / _RADIUS
+    zone = _Zone(zone, radius, model) / size
+    if zone * 16 / 15 >= width / size:
+        raise ValueError("zone is too wide for the block")
+    h = h / size
+
+    def Solids(distance):
+        return [
+            _Cap(model, _RADIUS, zone, h, ("sphere", "slave", "cap", "top")),
+            _Block(model, width / size, height / size, zone * 16 / 15, ratio * h, -distance),
+        ]
+
+    mesh = GenerateMesh3D(
+        Solids,
+        order=order,
+        scale=scale * size,
+        rotation=rotation,
+        maxh=_RADIUS / 2 if maxh is None else maxh / size,
+        grading=grading,
+    )
+    CheckNonMatching3D(mesh)
+    return mesh
+
+
+def TwoSpheres(
+    h,
+    *,
+    radius=50.0,
+    radius_lower=None,
+    zone=None,
+    ratio=1.2,
+    model="quarter",
+    order=2,
+    grading=0.45,
+    maxh=None,
+    scale=1.0,
+    rotation=None,
+):
+    """Mesh of the lower half of a sphere on the upper half of another one.
+
+    They touch at the origin; z points up. Bodies (materials) are "upper" and "lower". Boundaries:
+    "slave" and "master" (round faces about the origin), "cap_upper" and "cap_lower" (the rest of
+    the spheres), "top" and "bottom" (the flat sides, at ``z = radius`` and ``z =
+    -radius_lower``), "sym_x" and "sym_y" as in `SphereOnBlock`.
+
+    Parameters
+    ----------
+    radius, radius_lower : float
+        Radii of the upper and the lower sphere, by default equal.
+    h, zone, ratio, model, order, grading, maxh, scale, rotation
+        As in `SphereOnBlock`.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching3D` has passed.
+
+    Raises
+    ------
+    ValueError
+        For sizes that are not positive, a zone that does not fit, or an unknown model.
+
+    Examples
+    --------
+    >>> from ngslac.demos._spheres import TwoSpheres
+    >>> TwoSpheres(4.0, zone=13.0).GetMaterials()
+    ('upper', 'lower')
+    """
+    radius_lower = radius if radius_lower is None else radius_lower
+    CheckPositive(h=h, radius=radius, radius_lower=radius_lower, ratio=ratio, scale=scale)
+    size = radius / _RADIUS
+    zone = _Zone(zone, radius, model) / size
+    lower = radius_lower / size
+    if zone * 16 / 15 >= 0.9 * lower:
+        raise ValueError("zone is too wide for the lower sphere")
+    h = h / size
+
+    def Solids(distance):
+        below = _Cap(
+            model, lower, zone * 16 / 15, ratio * h, ("lower", "master", "cap_lower", "bottom"), -1
+        )
+        return [
+            _Cap(model, _RADIUS, zone, h, ("upper", "slave", "cap_upper", "top")),
+            below.Move((0, 0, -distance)),
+        ]
+
+    mesh = GenerateMesh3D(
+        Solids,
+        order=order,
+        scale=scale * size,
+        rotation=rotation,
+        maxh=_RADIUS / 2 if maxh is None else maxh / size,
+        grading=grading,
+    )
+    CheckNonMatching3D(mesh)
+    return mesh
+
+
+# ---------------------------------------------------------------- shapes
+
+
+def _Zone(zone, radius, model):
+    zone = 0.13 * radius if zone is None else zone
+    CheckPositive(zone=zone)
+    if zone >= 0.9 * radius:
+        raise ValueError("zone is too wide for the sphere")
+    if model not in ("quarter", "half", "full"):
+        raise ValueError(f'model must be "quarter", "half" or "full", but is {model!r}')
+    return zone
+
+
+def _Space(model, size, low, high):
+    """The part of space that a model consists of, between two heights."""
+    x, y = (0.0 if model == "quarter" else -size), (-size if model == "full" else 0.0)
+    return Box(Pnt(x, y, low), Pnt(size, size, high))
+
+
+def _Imprint(solid, model, zone, height):
+    """Divide the face about the origin by a circle of radius `zone` at a height."""
+    angles = {"quarter": [0, 90], "half": [0, 180], "full": [0, 180, 360]}[model]
+
+    def Point(degrees):
+        t = math.radians(degrees)
+        return Pnt(zone * math.cos(t), zone * math.sin(t), height)
+
+    arcs = [ArcOfCircle(Point(a), Point((a + b) / 2), Point(b)) for a, b in pairwise(angles)]
+    return Glue([solid, *arcs]).solids[0]
+
+
+def _Cap(model, radius, zone, h, names, up=1):
+    """The half of a sphere that touches the origin from above (or from below) with named faces."""
+    body, contact, rest, far = names
+    ball = Sphere(Pnt(0, 0, 0), radius)
+    # Turn the seam of the parametrization to the half that is cut away, and its poles to the
+    # great circle between the halves: outside of the quarter model, and away from the corners.
+    ball = ball.Rotate(Axis(Pnt(0, 0, 0), Y), -90 * up)
+    ball = ball.Rotate(Axis(Pnt(0, 0, 0), Z), -45)
+    ball = ball.Move((0, 0, up * radius))
+    height = up * (radius - math.sqrt(radius**2 - zone**2))
+    low, high = sorted((-up * radius, up * radius))
+    solid = _Imprint(ball * _Space(model, 2 * radius, low, high), model, zone, height)
+    solid.name = body
+    for face in solid.faces:
+        face.name = rest
+    _NameSymmetry(solid, model)
+    max(solid.faces, key=lambda f: up * f.center.z).name = far
+    _Fine(min(solid.faces, key=lambda f: up * f.center.z), contact, h)
+    return solid
+
+
+def _Block(model, width, height, zone, h, top):
+    """The block below z = `top` with named faces."""
+    solid = _Imprint(_Space(model, width, top - height, top), model, zone, top)
+    solid.name = "block"
+    for face in solid.faces:
+        face.name = "side"
+    _NameSymmetry(solid, model)
+    min(solid.faces, key=lambda f: f.center.z).name = "bottom"
+    *_, outer, contact = sorted(solid.faces, key=lambda f: (round(f.center.z, 6), -f.mass))
+    outer.name = "surface"
+    _Fine(contact, "master", h)
+    return solid
+
+
+def _NameSymmetry(solid, model):
+    if model == "quarter":
+        min(solid.faces, key=lambda f: f.center.x).name = "sym_x"
+    if model != "full":
+        min(solid.faces, key=lambda f: f.center.y).name = "sym_y"
+
+
+def _Fine(face, name, h):
+    face.name, face.maxh = name, h
+    for edge in face.edges:
+        edge.maxh = h
