@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'Side', 'SplitSlaveFaces']
+__all__: list[str] = ['BubbleVectorH1', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -153,7 +153,7 @@ class ContactForm:
         ...
     def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
         ...
-    def SegmentData(self) -> numpy.typing.NDArray[numpy.float64]:
+    def Segments(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint64]]:
         ...
     def SetConstant(self, c: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
@@ -293,7 +293,13 @@ def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Se
     ...
 def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> ngsolve.la.BaseMatrix:
     ...
-def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region) -> ngsolve.comp.Mesh:
+def PolygonDifference(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[list[typing.Annotated[list[float], "FixedSize(2)"]]]:
+    ...
+def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[typing.Annotated[list[float], "FixedSize(2)"]]:
+    ...
+def PolygonOverlap(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> bool:
+    ...
+def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region, hexes: str = 'pyramids') -> ngsolve.comp.Mesh:
     """
     New mesh with the slave faces split; see ngslac.SplitSlaveFaces
     """

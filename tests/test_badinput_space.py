@@ -1,12 +1,10 @@
 """Wrong input to LACSpace: partitions that are unstable, spaces that do not fit."""
 
-import numpy as np
 import pytest
-from netgen.csg import unit_cube
-from ngsolve import H1, Mesh, VectorH1, VectorL2
+from ngsolve import H1, VectorH1, VectorL2
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngslac import BubbleVectorH1, LACContact, LACSpace, SplitSlaveFaces
+from ngslac import BubbleVectorH1, LACSpace, SplitSlaveFaces
 
 REMEDY = r"Remedy: SplitSlaveFaces\(mesh, slave\), BubbleVectorH1\(mesh, slave=...\)"
 
@@ -114,15 +112,3 @@ def test_arguments(mesh):
         LACSpace(V, "bottom")
     with pytest.raises(TypeError):
         LACSpace(V, slave=3)
-
-
-def test_3d_contact_says_that_it_is_missing():
-    """The space exists, the pairing does not yet."""
-    mesh = Mesh(unit_cube.GenerateMesh(maxh=0.5))
-    V = VectorH1(mesh, order=3)
-    Q = LACSpace(V, slave="bottom")
-    assert Q.ndof == 3 * Q.nmacros
-    u, lam = (V * Q).TrialFunction()
-    with raises("contact in 3D is not available in this version"):
-        LACContact(u, lam, master="top")
-    assert np.sum(np.array(Q.macros) >= 0) > 0
