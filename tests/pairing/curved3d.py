@@ -25,12 +25,11 @@ def cube_on_sphere(n, cut=(), turn=None):
     return rigid(turn)(points), faces
 
 
-def deformed(mesh, order, field, region):
-    """Bend the boundaries of a region by a field, as polynomials; keep the result alive."""
+def bend(mesh, order, field, region):
+    """Move boundaries by a field, which turns into polynomials of an order on each face."""
     deformation = GridFunction(VectorH1(mesh, order=order))
     deformation.Set(field, definedon=mesh.Boundaries(region))
     mesh.SetDeformation(deformation)
-    return deformation
 
 
 def spheres(n, m, order, opening, cut=((), ()), seed=1):
@@ -46,13 +45,8 @@ def spheres(n, m, order, opening, cut=((), ()), seed=1):
     )
     radius = mesh.BoundaryCF({"ball": 1, "shell": 1 + opening}, default=1)
     field = (radius / sqrt(x * x + y * y + z * z) - 1) * CF((x, y, z))
-    return mesh, deformed(mesh, order, field, "ball|shell")
-
-
-def bent(sheets, order, field):
-    """Sheets whose contact faces are bent by a field."""
-    mesh = sheet_mesh(*sheets)
-    return mesh, deformed(mesh, order, field, "slave|master")
+    bend(mesh, order, field, "ball|shell")
+    return mesh
 
 
 def cylinders(order, kinds, arc, n=3):
@@ -74,4 +68,5 @@ def cylinders(order, kinds, arc, n=3):
     radii = {"slave": 1, "master": 1.05}
     mesh = sheet_mesh(*sheets)
     stretch = mesh.BoundaryCF(radii, default=1) / sqrt(x * x + z * z) - 1
-    return mesh, deformed(mesh, order, CF((stretch * x, 0, stretch * z)), "slave|master")
+    bend(mesh, order, CF((stretch * x, 0, stretch * z)), "slave|master")
+    return mesh

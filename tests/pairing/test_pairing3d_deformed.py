@@ -146,7 +146,7 @@ def test_gaps_count_from_the_configuration():
 @pytest.mark.parametrize("order", [2, 3])
 def test_inflated_ball(order):
     """A displacement on top of a curved geometry."""
-    mesh, deformation = spheres(2, 2, order, 0.1, ("all", "all"))
+    mesh = spheres(2, 2, order, 0.1, ("all", "all"))
     contact = contact_on(mesh, slave="ball", master="shell", order=order)
     before = contact.Table()
     contact.Update(displaced(contact, **{"in": (0.05 * x, 0.05 * y, 0.05 * z)}))
@@ -155,7 +155,6 @@ def test_inflated_ball(order):
     assert after["fullarea"] == pytest.approx(1.05**2 * before["fullarea"], rel=1e-9)
     assert after["normal"] == pytest.approx(before["normal"], abs=1e-9)
     segments = contact.Segments()
-    assert deformation.space.mesh is mesh
     mean = segments.area @ segments.gap / segments.area.sum()
     assert mean == pytest.approx(0.05, abs=6e-3)  # of the geometry, with 48 faces
 
