@@ -1,0 +1,103 @@
+"""Bodies from plane meshes of triangles: sectors of bodies of revolution, and slices.
+
+A triangle becomes a prism; in a sector with one vertex on the axis a pyramid, with two a
+tetrahedron. Faces are flat: the sector is that of a regular prism with many sides.
+"""
+
+import numpy as np
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import BND, Mesh
+
+from ngslac.demos._boxes import AddBody, Cells
+
+__all__ = ["SectorMesh", "SliceMesh"]
+
+
+def SectorMesh(plane, angle):
+    """The sector 0 <= theta <= angle (radians) of the body whose half section is `plane`.
+
+    Parameters
+    ----------
+    plane : ngsolve.Mesh
+        Triangles in the (r, z) plane, r >= 0. Materials and boundaries keep their names; those on
+        the axis vanish.
+    angle : float
+
+    Returns
+    -------
+    ngsolve.Mesh
+        With the boundaries "front" (y = 0) and "oblique" (theta = angle) in addition.
+    """
+
+    def Ends(r, z):
+        return (np.column_stack([r * np.cos(t), r * np.sin(t), z]) for t in (0.0, angle))
+
+    return _Swept(plane, Ends, "oblique")
+
+
+def SliceMesh(plane, thickness):
+    """The slice 0 <= y <= thickness over the (x, z) plane; "front" and "back" are its sides."""
+
+    def Ends(x, z):
+        return (np.column_stack([x, np.full_like(x, y), z]) for y in (0.0, thickness))
+
+    return _Swept(plane, Ends, "back")
+
+
+def _Swept(plane, Ends, back):
+    mesh = NetgenMesh(dim=3)
+    for name in dict.fromkeys(plane.GetMaterials()):
+        AddBody(mesh, name, _Body(plane, plane.Materials(name), Ends, back))
+    mesh.Compress()
+    return Mesh(mesh)
+
+
+def _Body(plane, body, Ends, back):
+    """The cells between both positions of the triangles; where these agree there is one point."""
+    triangles = [[v.nr for v in el.vertices] for el in body.Elements()]
+    numbers = sorted({nr for t in triangles for nr in t})
+    at = np.array([plane.vertices[nr].point for nr in numbers])
+    local = {nr: i for i, nr in enumerate(numbers)}
+    first, second = Ends(*at.T)
+    axis = np.linalg.norm(second - first, axis=1) < 1e-9 * np.ptp(at)
+    moved = np.where(axis, np.arange(len(at)), len(at) + np.cumsum(~axis) - 1)
+    points = np.concatenate([first, second[~axis]])
+    cells, faces, directed = [], [], set()
+    for triangle in triangles:
+        a = _Counterclockwise([local[nr] for nr in triangle], at)
+        cells.append(_Cell(a, moved, axis))
+        directed |= {(a[k - 1], a[k]) for k in range(3)}
+        # Seen from outside: the section at y = 0 looks along -y.
+        faces.append(("front", tuple(a)))
+        faces.append((back, tuple(int(moved[i]) for i in reversed(a))))
+    for el in plane.Elements(BND):
+        ends = [local.get(v.nr, -1) for v in el.vertices]
+        if tuple(ends) in directed:
+            ends.reverse()
+        i, j = ends
+        if (j, i) in directed and not (axis[i] and axis[j]):
+            face = [i, j, int(moved[j]), int(moved[i])]
+            faces.append((el.mat, tuple(dict.fromkeys(face))))
+    return Cells(points, cells, faces)
+
+
+def _Counterclockwise(triangle, at):
+    a, b, c = at[triangle]
+    if np.linalg.det([b - a, c - a]) < 0:
+        triangle[1], triangle[2] = triangle[2], triangle[1]
+    return triangle
+
+
+def _Cell(a, moved, axis):
+    """Vertex numbers of the swept triangle, orientation as in `Cells` (first face from inside)."""
+    b = [int(moved[i]) for i in a]
+    on = [k for k in range(3) if axis[a[k]]]
+    if not on:  # (r, z) counter-clockwise is seen from -y: y grows away from there
+        return (a[0], a[1], a[2], b[0], b[1], b[2])
+    if len(on) == 1:
+        k = on[0]
+        i, j = (k + 1) % 3, (k + 2) % 3
+        return (a[i], b[i], b[j], a[j], a[k])
+    k = next(k for k in range(3) if k not in on)
+    i, j = (k + 1) % 3, (k + 2) % 3
+    return (a[k], a[i], a[j], b[k])
