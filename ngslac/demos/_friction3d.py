@@ -1,0 +1,289 @@
+"""A sphere on a block of the same material, pressed and then moved tangentially: the model.
+
+The flat upper side of the half sphere is moved as a rigid body: down, sideways, and about the z
+axis. The block is fixed at its bottom. Both are large against the contact.
+
+*The quarter model of a twist.* Pressing is symmetric about the planes x = 0 and y = 0; a twist is
+antisymmetric, points of these planes move across them only. Bodies of revolution respond to the
+twist without a change of the pressure, so the two do not mix, and the quarter is pressed with the
+one and twisted with the other conditions. That neglects how slip releases the radial tractions
+that pressing leaves (they are small, of the order contact radius over radius). The full model
+neglects nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from ngsolve import (
+    CF,
+    BilinearForm,
+    GridFunction,
+    Id,
+    InnerProduct,
+    Parameter,
+    Sym,
+    TaskManager,
+    Trace,
+    VectorH1,
+    dx,
+    x,
+    y,
+)
+from ngsolve import Grad as Gradient
+
+from .. import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
+from ..reference import HertzPoint
+from ._geometry import CheckPositive
+from ._spheres import SphereOnBlock
+
+__all__ = ["OPEN", "SLIP", "STICK", "Model", "Sphere", "State"]
+
+OPEN, STICK, SLIP = 0, 1, 2
+COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere:
+    """What both demos have in common.
+
+    Parameters
+    ----------
+    model : {"quarter", "half", "full"}
+        The half (y >= 0) is for shifts along x, the quarter for twists.
+    elements : float
+        Element edges along the contact radius.
+    order : int
+        Order of the displacement.
+    stabilize : {"none", "bubble"}
+        "none": macro-elements of several triangles (two for order 2). "bubble": one displacement
+        bubble for each slave face, which makes every face a macro-element.
+    friction, young, nu : float
+        Coulomb's coefficient, and the elastic constants of both bodies (MPa).
+    radius : float
+        Radius of the sphere (mm). The block's half width and height are the same.
+    contact : float
+        Radius of the contact to aim at (mm): the approach is contact^2 / radius. Since the bodies
+        are finite the contact gets a bit larger.
+    zone : float
+        Radius of the slave face over `contact`.
+    grading : float
+        Growth of the element size away from the contact.
+    press, steps : int
+        Number of steps of the normal and of the tangential motion.
+    inverse : str, optional
+        Sparse direct solver, see `ContactSolver`.
+    """
+
+    model: str
+    elements: float
+    order: int = 2
+    stabilize: str = "none"
+    friction: float = 0.3
+    young: float = 70e3
+    nu: float = 0.3
+    radius: float = 50.0
+    contact: float = 1.0
+    zone: float = 1.25
+    grading: float = 0.5
+    press: int = 2
+    steps: int
+    inverse: str | None = None
+
+    def __post_init__(self):
+        names = ["elements", "friction", "young", "radius", "contact", "zone", "grading"]
+        CheckPositive(**{name: getattr(self, name) for name in names})
+        if self.stabilize not in ("none", "bubble"):
+            raise ValueError(f"stabilize must be none or bubble, not {self.stabilize!r}")
+        if self.model not in COPIES:
+            raise ValueError(f"model must be one of {', '.join(COPIES)}, not {self.model!r}")
+
+    @property
+    def approach(self):
+        """Displacement of the top towards the block, at which Hertz' radius is `contact`."""
+        return self.contact**2 / self.radius
+
+    @property
+    def shear_modulus(self):
+        return self.young / (2 * (1 + self.nu))
+
+    def Hertz(self, force):
+        """Hertz' solution for a normal force."""
+        elastic = dict(young1=self.young, nu1=self.nu, young2=self.young, nu2=self.nu)
+        return HertzPoint(force=force, radius1=self.radius, **elastic)
+
+    def Mesh(self):
+        """The mesh of the model."""
+        return SphereOnBlock(
+            self.contact / self.elements,
+            radius=self.radius,
+            zone=self.zone * self.contact,
+            width=self.radius,
+            height=self.radius,
+            model=self.model,
+            grading=self.grading,
+        )
+
+    def Stress(self, u):
+        """Stress of a displacement."""
+        strain = Sym(Gradient(u))
+        return (
+            2 * self.shear_modulus * (strain + self.nu / (1 - 2 * self.nu) * Trace(strain) * Id(3))
+        )
+
+
+@dataclass(frozen=True)
+class State:
+    """A converged step. Arrays run over the macro-elements of the model.
+
+    `force` and `moment` (about the z axis) act on the slave, and are those of the whole contact;
+    `motion` has the approach, shift and angle of the top.
+    """
+
+    motion: dict
+    force: np.ndarray
+    moment: float
+    area: np.ndarray
+    pressure: np.ndarray
+    traction: np.ndarray  # (n, 2), tangential, in the plane
+    slip: np.ndarray  # (n, 2), of the last step
+    status: np.ndarray
+    iterations: int
+    copies: int  # of the model in the whole
+    vector: object  # of the solution
+
+    def Radius(self, *status):
+        """Radius of a disc with the area of all macro-elements of these statuses."""
+        area = self.copies * self.area[np.isin(self.status, status)].sum()
+        return float(np.sqrt(area / np.pi))
+
+
+@dataclass
+class Model:
+    """The discrete problem, at rest.
+
+    Attributes
+    ----------
+    mesh, displacement, solution, contact : the NGSolve objects
+    states : list[State]
+        All converged steps.
+    """
+
+    problem: Sphere
+    mesh: object = field(init=False)
+    solution: GridFunction = field(init=False)
+    contact: LACContact = field(init=False)
+    states: list = field(default_factory=list)
+
+    def __post_init__(self):
+        self.mesh = self.problem.Mesh()
+        V = self._Displacements()
+        X = V * LACSpace(V, slave="slave")
+        (u, lam), (v, _) = X.TnT()
+        self.form = BilinearForm(X)
+        self.form += InnerProduct(self.problem.Stress(u), Sym(Gradient(v))) * dx
+        self.solution = GridFunction(X)
+        self.contact = LACContact(u, lam, master="master", friction=self.problem.friction)
+        self.motion = {name: Parameter(0.0) for name in ("approach", "shift", "angle")}
+        self._SetModes(V)
+
+    @property
+    def displacement(self):
+        return self.solution.components[0]
+
+    def _Displacements(self, odd=False):
+        """The displacement space; with `odd` the symmetry planes are those of a twist."""
+        held = "top|bottom"
+        fixed = {"dirichletx": "sym_x", "dirichlety": "sym_y", "dirichletz": ""}
+        if odd:
+            fixed = {"dirichletx": "sym_y", "dirichlety": "sym_x", "dirichletz": "sym_x|sym_y"}
+        fixed = {name: f"{held}|{planes}" for name, planes in fixed.items()}
+        options = {"order": self.problem.order, **fixed}
+        if self.problem.stabilize == "bubble":
+            return BubbleVectorH1(self.mesh, slave="slave", **options)
+        return VectorH1(self.mesh, **options)
+
+    def _SetModes(self, V):
+        """The dofs of the top, and their values in each of its motions."""
+        mode, top = GridFunction(V), self.mesh.Boundaries("top")
+        held = np.fromiter(V.GetDofs(top), dtype=bool, count=V.ndof)
+        self._top = np.flatnonzero(np.repeat(held, V.dim))
+        self._modes = {}
+        for name, value in {
+            "approach": (0, 0, -1),
+            "shift": (1, 0, 0),
+            "angle": (-y, x, 0),
+        }.items():
+            mode.Set(CF(value), definedon=top)
+            self._modes[name] = mode.vec.FV().NumPy()[self._top].copy()
+
+    def _Prescribe(self, gf):
+        values = sum(load.Get() * self._modes[name] for name, load in self.motion.items())
+        gf.components[0].vec.FV().NumPy()[self._top] = values
+
+    # --- loading -------------------------------------------------------------------------------
+
+    def Press(self, callback=None):
+        """Press the sphere on the block; the radius of the contact grows by equal parts."""
+        stepper, n = self._Stepper("approach"), self.problem.press
+        for k in range(1, n + 1):
+            self._Move(stepper, (k / n) ** 2 * self.problem.approach, 1, callback)
+        return self.states[-1]
+
+    def Shift(self, *ends, callback=None):
+        """Move the top along x to each of the displacements `ends`."""
+        return self._Path("shift", ends, callback)
+
+    def Turn(self, *ends, callback=None):
+        """Turn the top about the z axis to each of the angles `ends`."""
+        return self._Path("angle", ends, callback)
+
+    def _Path(self, name, ends, callback):
+        stepper = self._Stepper(name)
+        for end in ends:
+            self._Move(stepper, end, 1, callback)
+        return self.states[-len(ends) :]
+
+    def _Stepper(self, name):
+        options = {"inverse": self.problem.inverse}
+        if name == "angle" and self.problem.model == "quarter":
+            space = self._Displacements(odd=True) * self.solution.space.components[1]
+            options |= {"freedofs": space.FreeDofs(), "rhs": self._Reactions()}
+        solver = ContactSolver(self.form, self.solution, self.contact, **options)
+        return LoadStepper(solver, self.motion[name], prescribe=self._Prescribe)
+
+    def _Reactions(self):
+        """Forces that hold the present state, where it is not free."""
+        forces, contact = (self.solution.vec.CreateVector() for _ in range(2))
+        self.form.Apply(self.solution.vec, forces)
+        self.contact.Apply(self.solution.vec, contact)
+        forces.data += contact
+        return forces
+
+    def _Move(self, stepper, end, steps, callback):
+        def Record(step):
+            self.states.append(self._State(step.iterations))
+            if callback:
+                callback(self.states[-1])
+
+        with TaskManager():
+            stepper.Integrate(end, steps=steps, printing=False, callback=Record)
+
+    def _State(self, iterations):
+        table, copies = self.contact.Table(), COPIES[self.problem.model]
+        tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
+        force = copies * np.asarray(self.contact.Force())
+        return State(
+            motion={name: load.Get() for name, load in self.motion.items()},
+            force=force,
+            moment=copies * float(self.contact.Moment((0, 0, 0))[2]),
+            area=table["area"].copy(),
+            pressure=table["pressure"].copy(),
+            traction=tangential[:, :2].copy(),
+            slip=table["slip"][:, :2].copy(),
+            status=table["status"].copy(),
+            iterations=iterations,
+            copies=copies,
+            vector=self.solution.vec.CreateVector(copy=True),
+        )

@@ -1,0 +1,155 @@
+"""A slice of a cylinder on a block, of prisms: a plane mesh of triangles drawn into the depth."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from netgen.meshing import Mesh as NetgenMesh
+from netgen.occ import ArcOfCircle, Face, OCCGeometry, Pnt, Segment, Wire
+from ngsolve import BND, Mesh
+
+from ._boxes import AddBody, Cells
+from ._geometry import CheckPositive
+from ._geometry3d import CheckNonMatching3D
+
+__all__ = ["THICKNESS", "CylinderOnBlock"]
+
+THICKNESS = 1.0
+LAYERS = {"cylinder": 2, "block": 3}
+
+
+def CylinderOnBlock(
+    h, *, radius=50.0, zone=None, width=None, ratio=1.2, model="quarter", grading=0.3, scale=1.0
+):
+    """Mesh of a slice of the lower half of a cylinder on a block, of prisms.
+
+    The cylinder's axis points along y, the slice lies between y = 0 and y = `THICKNESS` (times
+    `scale`); z points up and the origin is the point of contact. Faces are straight; on the slave
+    side they are quadrilaterals, two along the axis against three on the master side. Bodies are
+    "cylinder" and "block"; boundaries "slave", "master", "top", "bottom", "side", the symmetry
+    planes "sym_y" (both faces of the slice) and "sym_x" (x = 0, of the quarter model).
+
+    Parameters
+    ----------
+    h : float
+        Size of the slave faces across the axis; on the master side it is ``ratio * h``.
+    radius, zone, width : float
+        Radius of the cylinder, half width of the slave face (by default ``0.07 * radius``), half
+        width and height of the block (by default ``2 * radius``).
+    model : {"quarter", "full"}
+        x >= 0, or all.
+    grading, ratio, scale : float
+        As in `SphereOnBlock`.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        The mesh; `CheckNonMatching3D` has passed.
+
+    Examples
+    --------
+    >>> from ngslac.demos._hertz3d_mesh import CylinderOnBlock
+    >>> CylinderOnBlock(1.0).GetMaterials()
+    ('cylinder', 'block')
+    """
+    zone = 0.07 * radius if zone is None else zone
+    width = 2 * radius if width is None else width
+    CheckPositive(h=h, radius=radius, zone=zone, width=width, ratio=ratio, scale=scale)
+    if model not in ("quarter", "full"):
+        raise ValueError(f'model must be "quarter" or "full", but is {model!r}')
+    if not zone < min(0.9 * radius, 0.9 * width):
+        raise ValueError("zone is too wide")
+    plane = []
+    for sides in (
+        _HalfDisc(radius, zone, h, model == "full"),
+        _Rectangle(width, zone * 16 / 15, ratio * h, model == "full"),
+    ):  # apart from each other, so that their sizes do not mix
+        face = Face(Wire([edge for edge, _, _ in sides]))
+        for edge, (_, name, maxh) in zip(face.edges, sides, strict=True):  # in the same order
+            edge.name, edge.maxh = name, maxh
+        geometry = OCCGeometry(face, dim=2)
+        plane.append(Mesh(geometry.GenerateMesh(maxh=radius / 2, grading=grading)))
+    mesh = _Extruded(plane, scale)
+    CheckNonMatching3D(mesh)
+    return mesh
+
+
+def _HalfDisc(radius, zone, h, full):
+    """Sides of the lower half of a disc that touches the origin from above."""
+
+    def Point(t):
+        return Pnt(radius * math.sin(t), radius * (1 - math.cos(t)), 0)
+
+    def Arc(a, b, name, maxh=1e99):
+        return ArcOfCircle(Point(a), Point((a + b) / 2), Point(b)), name, maxh
+
+    end, right = math.asin(zone / radius), math.pi / 2
+    if full:
+        return [
+            Arc(-right, -end, "cap"),
+            Arc(-end, end, "slave", h),
+            Arc(end, right, "cap"),
+            _Line(Point(right), Point(-right), "top"),
+        ]
+    centre = Pnt(0, radius, 0)
+    return [
+        Arc(0, end, "slave", h),
+        Arc(end, right, "cap"),
+        _Line(Point(right), centre, "top"),
+        _Line(centre, Point(0), "sym_x"),
+    ]
+
+
+def _Rectangle(width, zone, h, full):
+    """Sides of the block below the origin."""
+    start = -1 if full else 0
+    x = [start * width, width, width, zone, start * zone]
+    y = [-width, -width, 0, 0, 0]
+    names = ["bottom", "side", "surface", "master", "sym_x"]
+    if full:
+        x, y, names = [*x, -width], [*y, 0], [*names[:-1], "surface", "side"]
+    corners = [Pnt(*xy, 0) for xy in zip(x, y, strict=True)]
+    return [
+        _Line(a, b, name, h if name == "master" else 1e99)
+        for a, b, name in zip(corners, [*corners[1:], corners[0]], names, strict=True)
+    ]
+
+
+def _Line(a, b, name, maxh=1e99):
+    return Segment(a, b), name, maxh
+
+
+def _Extruded(plane, scale):
+    """Draw the plane meshes of the bodies into the depth; their y becomes z."""
+    out = NetgenMesh(dim=3)
+    for mesh, (name, layers) in zip(plane, LAYERS.items(), strict=True):
+        AddBody(out, name, _Prisms(mesh, np.linspace(0, THICKNESS, layers + 1), scale))
+    out.Compress()
+    return Mesh(out)
+
+
+def _Prisms(mesh, depth, scale):
+    """The prisms on the triangles of a plane mesh and their outer faces."""
+    flat = np.array([v.point for v in mesh.vertices])
+    number = np.arange(len(depth) * len(flat)).reshape(len(depth), len(flat))
+    points = np.empty((*number.shape, 3))
+    points[..., [0, 2]], points[..., 1] = flat, depth[:, None]
+    cells, faces = [], []
+    directed = set()
+    for el in mesh.Elements():
+        triangle = [v.nr for v in el.vertices]
+        (ax, ay), (bx, by) = (flat[triangle[i]] - flat[triangle[0]] for i in (1, 2))
+        if ax * by < ay * bx:
+            triangle.reverse()
+        cells += [(*far[triangle], *near[triangle]) for near, far in pairwise(number)]
+        faces += [("sym_y", number[0][triangle]), ("sym_y", number[-1][triangle[::-1]])]
+        directed |= {(triangle[i - 1], triangle[i]) for i in range(3)}
+    for el in mesh.Elements(BND):
+        a, b = (v.nr for v in el.vertices)
+        side = [a, b] if (a, b) in directed else [b, a]
+        faces += [(el.mat, (*near[side[::-1]], *far[side])) for near, far in pairwise(number)]
+    as_numbers = [tuple(int(i) for i in cell) for cell in cells]
+    named = [(name, tuple(int(i) for i in face)) for name, face in faces]
+    return Cells(scale * points.reshape(-1, 3), as_numbers, named)

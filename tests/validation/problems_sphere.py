@@ -1,0 +1,177 @@
+"""Spheres in contact: two equal ones (T04), and a rigid one on a block of hexahedra.
+
+Both are quarter models of linear elasticity. Lengths in mm, stresses in MPa.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from elasticity import Displacements
+from elasticity3d import Pair3D, Solid
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import CF, Mesh, TaskManager
+
+from ngslac.demos._boxes import AddBody, Cells, StructuredBox
+from ngslac.demos._geometry3d import CheckNonMatching3D
+from ngslac.demos._hertz3d_figures import Comparison, Macros
+from ngslac.demos._spheres import TwoSpheres
+from ngslac.reference import HertzPoint
+
+RADIUS = 50.0
+SYMMETRY = {"dirichletx": "sym_x", "dirichlety": "sym_y"}
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved problem, with Hertz' solution of the same force.
+
+    Pressures are forces per area of the undeformed slave side.
+    """
+
+    pair: Pair3D
+    hertz: HertzPoint
+    macros: Macros
+    pressure: np.ndarray
+    status: np.ndarray
+
+    @classmethod
+    def Of(cls, pair, **bodies):
+        force = 4 * abs(float(pair.contact.Force()[2]))
+        table = pair.contact.Table()
+        macros = Macros(pair.mesh, pair.Q.macros)
+        hertz = HertzPoint(force=force, **bodies)
+        vertical = -table["traction"] @ (0, 0, 1.0) * np.sign(table["normal"][:, 2])
+        pressure = vertical * table["area"] / macros.area
+        return cls(pair, hertz, macros, pressure, table["status"])
+
+    @property
+    def figures(self):
+        return Comparison(self.macros, self.hertz, self.pressure, self.status)
+
+
+# ---------------------------------------------------------------- two spheres (T04)
+
+SPHERES = {"radius1": RADIUS, "radius2": RADIUS} | dict(young1=2e4, nu1=0.3, young2=2e4, nu2=0.3)
+
+
+def PressSpheres(approach, elements, space="P2", *, updates=0, **options):
+    """Move the planes through the middles of two half spheres towards each other.
+
+    Parameters
+    ----------
+    approach : float
+        Sum of both displacements; Hertz' contact radius belongs to it.
+    elements : float
+        Faces along this contact radius.
+    space : str
+        See `Displacements`.
+    updates : int
+        How often the surfaces are paired anew, in the deformed configuration.
+    """
+    radius = HertzPoint.FromApproach(approach=approach, **SPHERES).contact_radius
+    mesh = TwoSpheres(radius / elements, radius=RADIUS, zone=1.3 * radius, **options)
+    V = Displacements(mesh, space, dirichletz="top|bottom", **SYMMETRY)
+    pair = Pair3D(V, Solid(young=2e4, nu=0.3))
+    down = {"top": -0.5 * approach, "bottom": 0.5 * approach}
+    pair.Hold(CF((0, 0, mesh.BoundaryCF(down, default=0.0))), "top|bottom")
+    with TaskManager():
+        pair.Solve(tol=1e-10)
+        for _ in range(updates):
+            pair.contact.Update(pair.gf)
+            pair.Solve(tol=1e-10)
+    return Solution.Of(pair, **SPHERES)
+
+
+# ---------------------------------------------------------------- a rigid sphere on hexahedra
+
+YOUNG, FORCE = 70e3, 24e3
+GROWTH, SHELLS = 1.6, 7
+FIXED = {
+    "dirichletx": "sym_x|rigid|master",
+    "dirichlety": "sym_y|rigid|master",
+    "dirichletz": "rigid|master",
+}
+# Faces of a hexahedron, counter-clockwise seen from outside.
+SIDES = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+
+
+def PressBlock(elements, space="P2"):
+    """Press a block of hexahedra, which is the slave, against a rigid sphere that lies on it.
+
+    Parameters
+    ----------
+    elements : int
+        Rows of faces in the slave's square, whose side is 1.3 contact radii.
+    space : str
+        See `Displacements`.
+    """
+    bodies = dict(radius1=RADIUS, young1=np.inf, nu1=0.0, young2=YOUNG, nu2=0.3)
+    size = 1.3 * HertzPoint(force=FORCE, **bodies).contact_radius
+    mesh = BlockUnderSphere(elements, size)
+    pair = Pair3D(Displacements(mesh, space, **FIXED), Solid(young=YOUNG, nu=0.3))
+    bottom = (size * GROWTH**SHELLS) ** 2
+    pair.Load(CF((0, 0, 0.25 * FORCE / bottom)), "bottom")
+    with TaskManager():
+        pair.Solve(tol=1e-10)
+    return Solution.Of(pair, **bodies)
+
+
+def BlockUnderSphere(elements, size):
+    """A block of hexahedra under a rigid plate whose lower side is a sphere.
+
+    The faces of the plate are straight, and so small that this does not matter.
+    """
+    out = NetgenMesh(dim=3)
+    AddBody(out, "block", NestedCubes(elements, size))
+    grid = np.linspace(0, 1.15 * size, 2 * elements + 1)
+    names = {"bottom": "master"}
+    box = StructuredBox(grid, grid, [0, size], names=lambda side, _: names.get(side, "rigid"))
+    points = box.points.copy()
+    points[:, 2] += RADIUS - np.sqrt(RADIUS**2 - (points[:, :2] ** 2).sum(axis=1))
+    AddBody(out, "sphere", Cells(points, box.cells, box.faces))
+    out.Compress()
+    mesh = Mesh(out)
+    CheckNonMatching3D(mesh)
+    return mesh
+
+
+def NestedCubes(elements, size):
+    """A cube below the origin in shells (on three of its sides) that grow by `GROWTH`.
+
+    The cube's upper side is "slave", the rest of the upper side "surface".
+    """
+    n = elements
+    inner = list(np.ndindex(n + 1, n + 1, n + 1))
+    keys = [(0, i) for i in inner]
+    keys += [(shell, i) for shell in range(1, SHELLS + 1) for i in inner if max(i) == n]
+    number = {key: k for k, key in enumerate(keys)}
+    grid = np.array([GROWTH**shell * np.array(i) for shell, i in keys]) * size / n
+    points = grid[:, [1, 0, 2]] * (1, 1, -1)  # the third index counts downwards
+    corner = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    cells = [
+        tuple(number[0, (i + a, j + b, k + c)] for c in (0, 1) for a, b in corner)
+        for i, j, k in np.ndindex(n, n, n)
+    ]
+    for shell, axis, i, j in np.ndindex(SHELLS, 3, n, n):
+        around = corner if axis != 1 else corner[::-1]
+        quad = [(*q[:axis], n, *q[axis:]) for q in ((i + a, j + b) for a, b in around)]
+        cells.append(tuple(number[shell + s, q] for s in (0, 1) for q in quad))
+    return Cells(points, cells, _OuterFaces(points, cells, size))
+
+
+def _OuterFaces(points, cells, size):
+    faces = {}
+    for cell in cells:
+        for side in SIDES:
+            face = tuple(cell[i] for i in side)
+            if faces.pop(frozenset(face), None) is None:
+                faces[frozenset(face)] = face
+    far = 0.999 * np.abs(points).max()
+
+    def Name(face):
+        x, y, z = points[list(face)].mean(axis=0)
+        if z == 0:
+            return "slave" if max(x, y) < size else "surface"
+        return "sym_x" if x == 0 else "sym_y" if y == 0 else "bottom" if -z > far else "side"
+
+    return [(Name(face), face) for face in faces.values()]
