@@ -1,18 +1,9 @@
-"""The tutorials run, and what they compute is right."""
-
-import json
-import os
-from pathlib import Path
+"""The tutorials run, and what they compute is right (03: test_tutorial_space.py)."""
 
 import nbformat
 import numpy as np
 import pytest
-from nbclient import NotebookClient
-
-import ngslac
-
-FOLDER = Path(__file__).parents[2] / "tutorials"
-CONTACT, HERTZ = "01_contact_in_twenty_lines", "02_hertz"
+from notebooks import CONTACT, FOLDER, HERTZ, SPACE, Errors, Execute, Pictures
 
 CONTACT_VALUES = """
 reaction = GridFunction(V)
@@ -47,38 +38,6 @@ VALUES = dict(
 )
 """
 
-PRINT = """
-import json
-
-print(json.dumps(VALUES, default=lambda value: value.tolist()))
-"""
-
-
-def Execute(name, values, replace=None):
-    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
-    notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
-    for old, new in (replace or {}).items():
-        (cell,) = (cell for cell in notebook.cells if old in cell.source)
-        cell.source = cell.source.replace(old, new)
-    notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
-    with pytest.MonkeyPatch.context() as patch:
-        # The kernel takes the package from where the tests have it, and shows its pictures.
-        paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
-        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
-        patch.delenv("MPLBACKEND", raising=False)
-        NotebookClient(notebook, kernel_name="python3", timeout=500).execute()
-    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-    text = "".join(cell.text for cell in notebook.cells[-1].outputs if "text" in cell)
-    return json.loads(text, object_hook=Arrays), outputs
-
-
-def Arrays(values):
-    return {k: np.array(v) if isinstance(v, list) else v for k, v in values.items()}
-
-
-def Pictures(outputs):
-    return sum("image/png" in output.get("data", {}) for output in outputs)
-
 
 @pytest.fixture(scope="module")
 def contact():
@@ -91,10 +50,10 @@ def hertz():
 
 
 def test_every_tutorial_is_tested():
-    assert sorted(path.stem for path in FOLDER.glob("*.ipynb")) == [CONTACT, HERTZ]
+    assert sorted(path.stem for path in FOLDER.glob("*.ipynb")) == [CONTACT, HERTZ, SPACE]
 
 
-@pytest.mark.parametrize("name", [CONTACT, HERTZ])
+@pytest.mark.parametrize("name", [CONTACT, HERTZ, SPACE])
 def test_stored_without_outputs(name):
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     nbformat.validate(notebook)
@@ -106,7 +65,7 @@ def test_stored_without_outputs(name):
 
 def test_no_errors_and_pictures(contact, hertz):
     for (_, outputs), pictures in (contact, 2), (hertz, 1):
-        assert not [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]
+        assert not Errors(outputs)
         assert Pictures(outputs) == pictures
 
 

@@ -1,0 +1,53 @@
+"""Runs the notebooks of the tutorials in a kernel, and gets values out of it."""
+
+import json
+import os
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from nbclient import NotebookClient
+
+import ngslac
+
+FOLDER = Path(__file__).parents[2] / "tutorials"
+CONTACT, HERTZ, SPACE = "01_contact_in_twenty_lines", "02_hertz", "03_three_dimensions"
+
+PRINT = """
+import json
+
+print(json.dumps(VALUES, default=lambda value: value.tolist()))
+"""
+
+
+def Execute(name, values, replace=None, folder=None):
+    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
+    notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+    for old, new in (replace or {}).items():
+        (cell,) = (cell for cell in notebook.cells if old in cell.source)
+        cell.source = cell.source.replace(old, new)
+    notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
+    with pytest.MonkeyPatch.context() as patch:
+        # The kernel takes the package from where the tests have it, and shows its pictures.
+        paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
+        patch.delenv("MPLBACKEND", raising=False)
+        resources = {"metadata": {"path": str(folder)}} if folder else {}
+        client = NotebookClient(notebook, kernel_name="python3", timeout=500, resources=resources)
+        client.execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    text = "".join(cell.text for cell in notebook.cells[-1].outputs if "text" in cell)
+    return json.loads(text, object_hook=Arrays), outputs
+
+
+def Arrays(values):
+    return {k: np.array(v) if isinstance(v, list) else v for k, v in values.items()}
+
+
+def Pictures(outputs):
+    return sum("image/png" in output.get("data", {}) for output in outputs)
+
+
+def Errors(outputs):
+    return [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]

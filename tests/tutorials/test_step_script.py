@@ -1,0 +1,99 @@
+"""The script from a STEP file to contact forces runs, and what it computes is right."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from netgen.occ import OCCGeometry
+from ngsolve import CF, Integrate, x, y, z
+
+from ngslac.demos import CheckNonMatching3D
+
+pytestmark = pytest.mark.slow
+
+SCRIPT = Path(__file__).parents[2] / "tutorials" / "step_to_contact.py"
+
+
+@pytest.fixture(scope="module")
+def script(tmp_path_factory):
+    """The names of the script when it has run, among them `folder`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", [str(SCRIPT), str(tmp_path_factory.mktemp("step"))])
+        return runpy.run_path(str(SCRIPT))
+
+
+def test_two_solids_in_the_step_file(script):
+    solids = OCCGeometry(str(script["folder"] / "assembly.step")).shape.solids
+    hole = np.pi * 4.5**2
+    foot, back, boss = 40 * 30 * 8, 8 * 30 * 32, np.pi * 8**2
+    bracket, plate = foot + back + boss - 9 * hole, 60 * 40 * 10 - np.pi * 4**2 * 10
+    assert sorted(s.mass for s in solids) == pytest.approx([bracket, plate], rel=1e-6)
+
+
+def test_parts_are_meshed_separately(script):
+    mesh = script["mesh"]
+    assert mesh.GetMaterials() == ("plate", "bracket")
+    nodes = [
+        {v.nr for el in mesh.Materials(name).Elements() for v in el.vertices}
+        for name in mesh.GetMaterials()
+    ]
+    assert not nodes[0] & nodes[1]
+    assert CheckNonMatching3D(mesh) > 1e-3
+
+
+def test_faces_found_by_position(script):
+    areas = script["areas"]
+    ring = np.pi * (8**2 - 4.5**2)
+    exact = {"back": 1200, "washer": ring, "slave": 1200 - np.pi * 4.5**2}
+    exact |= dict.fromkeys(("bottom", "master"), 2400 - np.pi * 4**2)
+    assert areas == pytest.approx(exact, rel=1e-3)
+    report = script["contact"].Check()
+    assert report.paired_area == pytest.approx(areas["slave"], rel=1e-9)
+    assert len(report.unpaired) == len(report.partial) == len(report.penetrating) == 0
+
+
+def test_steps(script):
+    rows = np.array(script["rows"])
+    np.testing.assert_allclose(rows[:, 0], 1)
+    np.testing.assert_allclose(rows[:, 1], np.arange(6) / 5, atol=1e-12)
+    assert np.all(np.diff(rows[:, 8]) > 0)  # the largest pressure grows with the pull
+    assert rows[-1, 8] == pytest.approx(46.8, rel=0.05)
+    assert rows[-1, 9] == pytest.approx(643, rel=0.1)
+
+
+def test_contact_force_balances_the_loads(script):
+    rows = np.array(script["rows"])
+    loads = rows[:, :1] * script["bolt_force"] + rows[:, 1:2] * script["pull_force"]
+    np.testing.assert_allclose(rows[:, 2:5], -loads, rtol=0, atol=1e-8 * 12000)
+
+
+def test_contact_moment_balances_the_loads(script):
+    rows, mesh = np.array(script["rows"]), script["mesh"]
+    back, washer = mesh.Boundaries("back"), mesh.Boundaries("washer")
+    moments = []
+    for region, force in (washer, script["bolt_force"]), (back, script["pull_force"]):
+        area = Integrate(CF(1), region)
+        center = np.array(Integrate(CF((x, y, z)), region)) / area
+        moments.append(np.cross(center, force) / 1000)
+    loads = rows[:, :1] * moments[0] + rows[:, 1:2] * moments[1]
+    np.testing.assert_allclose(rows[:, 5:8], -loads, rtol=0, atol=1e-8 * abs(loads).max())
+
+
+def test_friction_law(script):
+    table, coefficient = script["contact"].Table(), 0.3
+    p, status = table["pressure"], table["status"]
+    friction = np.linalg.norm(table["traction"] + p[:, None] * table["normal"], axis=1)
+    size = p.max()
+    assert p.min() > -1e-9 * size
+    assert np.bincount(status, minlength=3).min() >= 2  # open, stick and slip
+    slips = status == 2
+    np.testing.assert_allclose(friction[slips], coefficient * p[slips], atol=1e-8 * size)
+    assert np.all(friction[status == 1] < coefficient * p[status == 1])
+
+
+def test_files(script):
+    sizes = {path.name: path.stat().st_size for path in script["folder"].iterdir()}
+    assert sorted(sizes) == ["assembly.step", "contact.vtu", "segments.vtu", "volume.vtu"]
+    assert min(sizes.values()) > 10000
