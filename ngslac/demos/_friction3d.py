@@ -72,6 +72,10 @@ class Sphere:
         Growth of the element size away from the contact.
     press, steps : int
         Number of steps of the normal and of the tangential motion.
+    rough : bool
+        Friction acts while the normal load grows, too. It should not matter much, since bodies of
+        the same material have no reason to slip then; what it leaves are small radial tractions,
+        from the curvature and from the discretization.
     inverse : str, optional
         Sparse direct solver, see `ContactSolver`.
     """
@@ -89,6 +93,7 @@ class Sphere:
     grading: float = 0.5
     press: int = 2
     steps: int
+    rough: bool = True
     inverse: str | None = None
 
     def __post_init__(self):
@@ -184,7 +189,8 @@ class Model:
         self.form = BilinearForm(X)
         self.form += InnerProduct(self.problem.Stress(u), Sym(Gradient(v))) * dx
         self.solution = GridFunction(X)
-        self.contact = LACContact(u, lam, master="master", friction=self.problem.friction)
+        self.friction = Parameter(self.problem.friction)
+        self.contact = LACContact(u, lam, master="master", friction=self.friction)
         self.motion = {name: Parameter(0.0) for name in ("approach", "shift", "angle")}
         self._SetModes(V)
 
@@ -227,8 +233,10 @@ class Model:
     def Press(self, callback=None):
         """Press the sphere on the block; the radius of the contact grows by equal parts."""
         stepper, n = self._Stepper("approach"), self.problem.press
+        self.friction.Set(self.problem.friction if self.problem.rough else 0.0)
         for k in range(1, n + 1):
-            self._Move(stepper, (k / n) ** 2 * self.problem.approach, 1, callback)
+            self._Move(stepper, (k / n) ** 2 * self.problem.approach, callback)
+        self.friction.Set(self.problem.friction)
         return self.states[-1]
 
     def Shift(self, *ends, callback=None):
@@ -242,7 +250,7 @@ class Model:
     def _Path(self, name, ends, callback):
         stepper = self._Stepper(name)
         for end in ends:
-            self._Move(stepper, end, 1, callback)
+            self._Move(stepper, end, callback)
         return self.states[-len(ends) :]
 
     def _Stepper(self, name):
@@ -261,14 +269,14 @@ class Model:
         forces.data += contact
         return forces
 
-    def _Move(self, stepper, end, steps, callback):
+    def _Move(self, stepper, end, callback):
         def Record(step):
             self.states.append(self._State(step.iterations))
             if callback:
                 callback(self.states[-1])
 
         with TaskManager():
-            stepper.Integrate(end, steps=steps, printing=False, callback=Record)
+            stepper.Integrate(end, steps=1, printing=False, callback=Record)
 
     def _State(self, iterations):
         table, copies = self.contact.Table(), COPIES[self.problem.model]

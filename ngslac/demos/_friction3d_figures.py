@@ -13,7 +13,7 @@ from ngsolve import Grad as Gradient
 from scipy.optimize import minimize_scalar
 
 from ._friction3d import COPIES, OPEN, SLIP, STICK
-from ._hertz3d_figures import Macros
+from ._hertz3d_macros import Macros
 
 __all__ = ["BulkCompliance", "Faces", "Parser", "Row", "Summary", "Table", "WriteJSON"]
 
@@ -189,6 +189,9 @@ def Parser(name, text, problem):
     Add("stabilize", "how macro-elements are made", choices=("none", "bubble"))
     Add("friction", "coefficient of friction", type=float)
     Add("nu", "Poisson's ratio", type=float)
+    parser.add_argument(
+        "--smooth", dest="rough", action="store_false", help="no friction while pressing"
+    )
     Add("steps", "steps of the tangential load", type=int)
     Add("inverse", "sparse direct solver, such as umfpack or pardiso")
     parser.add_argument("--out", metavar="DIR", help="write pictures, scenes and VTU files there")

@@ -62,7 +62,8 @@ def TractionPicture(results, file, *, shown=4):
     states, exact = results.states, results.exact
     chosen = np.unique(np.linspace(0, len(states) - 1, shown).round().astype(int))
     with mpl.rc_context(STYLE):
-        figure = mpl.figure.Figure(figsize=(2.6 * len(chosen), 3.2), layout="constrained")
+        height = 2.1 if results.problem.model == "half" else 3.2
+        figure = mpl.figure.Figure(figsize=(2.6 * len(chosen), height), layout="constrained")
         axes = figure.subplots(1, len(chosen), squeeze=False)[0]
         for ax, k in zip(axes, chosen, strict=True):
             _Macros(mpl, ax, results, states[k], exact[k])

@@ -88,7 +88,8 @@ def _Faces(mpl, ax, results):
     ax.set_aspect("equal")
     ax.set_xlabel("x [mm]")
     ax.set_ylabel("y [mm]")
-    ax.set_title("seen from below, and Hertz' contact radius", pad=10)
+    width = "contact radius" if problem.shape == "sphere" else "half width"
+    ax.set_title(f"seen from below, and Hertz' {width}", pad=10)
     return faces
 
 
@@ -100,7 +101,10 @@ def SectionPicture(results, file):
         figure = mpl.figure.Figure(figsize=(9.4, 4.1), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
         areas = _Section(mpl, left, results, hertz)
-        bar = figure.colorbar(areas, ax=left, shrink=0.85, label=r"$\sigma_{zz}$ [MPa]")
+        ticks = mpl.ticker.MaxNLocator(8, steps=[1, 2, 5, 10])
+        bar = figure.colorbar(
+            areas, ax=left, shrink=0.85, ticks=ticks, label=r"$\sigma_{zz}$ [MPa]"
+        )
         bar.outline.set_linewidth(0.5)
         _Axis(right, results, hertz)
         Save(figure, file)

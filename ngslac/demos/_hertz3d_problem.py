@@ -115,7 +115,7 @@ class Problem:
         hertz = self.Hertz()
         # A coarse, soft master of linear elements deforms with kinks. A stiff slave has to follow
         # them, which single faces answer by oscillating pressures: these need a finer master.
-        ratio = 0.6 if self.order == 1 else 1.2
+        ratio = 0.6 if self.order == 1 and self.stabilize != "none" else 1.2
         sizes = dict(radius=RADIUS, model=self.model, scale=self.length, ratio=ratio)
         if self.shape == "cylinder":
             return CylinderOnBlock(self.h, zone=1.3 * hertz.halfwidth, **sizes)

@@ -7,9 +7,10 @@ stick zone and the tractions. Start it with::
 
     python -m ngslac.demos.cattaneo3d --out results
 
-Mindlin's solution assumes that tractions have no component across the load, although slip has one
-unless nu = 0. Computed tractions turn to the slip, by up to a tenth of their size at nu = 0.3; the
-force hardly notices.
+Mindlin's solution assumes tractions along the load, although slip also has a component across it
+unless nu = 0. Computed tractions turn to the slip: at nu = 0.3 they have a component across of
+about a twentieth of friction times the peak pressure (figure "lateral", best seen with ``--smooth
+--elements 6``), and hardly a different resultant.
 """
 
 from __future__ import annotations
@@ -38,6 +39,9 @@ from ._pictures import INK, Matplotlib
 __all__ = ["Problem", "Results", "Run", "main"]
 
 
+FIRST = 0.01  # tangential force of the first step over friction times normal force
+
+
 @dataclass(frozen=True, kw_only=True)
 class Problem(Sphere):
     """What to compute: the fields of `Sphere`, and the path of the load.
@@ -47,7 +51,8 @@ class Problem(Sphere):
     shear : float
         Largest tangential force over friction times normal force, less than 1.
     steps : int
-        Steps of the loading, of equal displacement.
+        Steps of the loading, of equal displacement. A step to a hundredth of friction times normal
+        force, which tells the stiffness before slip, comes first.
     reverse : int
         Steps back from there, to half the opposite force; 0: none.
     """
@@ -83,7 +88,8 @@ class Problem(Sphere):
             for part in parts
         ]
         back = np.arange(1, self.reverse + 1) / max(1, self.reverse)
-        return up + [top.Reverse(top.shear * (1 - 1.5 * part)) for part in back]
+        first = self.Partial(force, -FIRST * limit)
+        return [first] + up + [top.Reverse(top.shear * (1 - 1.5 * part)) for part in back]
 
 
 @dataclass
@@ -101,8 +107,8 @@ class Results:
 
     @property
     def states(self):
-        """The states of the tangential load."""
-        return self.model.states[self.problem.press :]
+        """The states of the tangential load, without the first small step."""
+        return self.model.states[self.problem.press + 1 :]
 
 
 def Run(*, out=None, quiet=True, **options):
@@ -188,6 +194,16 @@ def _Rows(results, compliance):
     return rows
 
 
+def _Stiffness(results, compliance):
+    """Force over displacement before slip, relative to that of half-spaces that stick."""
+    problem = results.problem
+    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
+    force = pressed.force[0] - first.force[0]
+    a = problem.Hertz(first.force[2]).contact_radius
+    exact = 4 * problem.shear_modulus * a / (2 - problem.nu)
+    return force / (first.motion["shift"] - compliance * force) / exact
+
+
 def _Figures(results, compliance, seconds):
     problem = results.problem
     results.exact = _Exact(problem, results.states)
@@ -195,6 +211,7 @@ def _Figures(results, compliance, seconds):
     force = results.states[0].force[2]
     slides = abs(problem.Partial(force, problem.friction * force).shift)
     return {
+        "stiffness_ratio": _Stiffness(results, compliance),
         "force_error": max(abs(r["shear"] / r["shear_exact"] - 1) for r in rows[: problem.steps]),
         "shift_error": max(abs(r["shift_half_spaces"] - r["shift_exact"]) for r in rows) / slides,
         "compliance": compliance,
@@ -221,6 +238,7 @@ def Report(results):
             "",
             Table(columns, figures["steps"]),
             "",
+            f"stiffness without slip over 4 G a / (2 - nu)  {figures['stiffness_ratio']:.4f}",
             f"largest error of the force {figures['force_error']:.4f}, of the shift "
             f"{figures['shift_error']:.4f}, of the stick radius {figures['stick_error']:.4f} "
             f"(fit {figures['stick_fit_error']:.4f}) contact radii",

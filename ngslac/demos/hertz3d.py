@@ -24,7 +24,8 @@ from ngsolve import BilinearForm, GridFunction, Parameter, Sym, TaskManager
 from ngsolve import Grad as Gradient
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
-from ._hertz3d_figures import Figures, Macros, Report
+from ._hertz3d_figures import Figures, Report
+from ._hertz3d_macros import Macros
 from ._hertz3d_pictures import Write
 from ._hertz3d_problem import Displacements, Form, Problem, Stress
 from ._pictures import Matplotlib
@@ -84,7 +85,7 @@ def _Model(problem):
         results.stress = Stress(problem, mesh, Sym(Gradient(displacement)))
         line = problem.shape == "cylinder"
         results.macros = Macros(mesh, Q.macros, line, problem.frame, problem.length)
-    with results.Phase("pairing"):
+    with results.Phase("pairing"), TaskManager():
         results.contact = LACContact(u, lam, master="master", friction=problem.friction or None)
         results.contact.Update()
     solver = ContactSolver(a, gf, results.contact, inverse=problem.inverse)
@@ -119,13 +120,12 @@ def Run(*, out=None, quiet=True, **options):
         if not quiet:
             print(f"  t = {step.time:.3f}   {step.iterations} Newton iterations", flush=True)
 
-    with TaskManager():
-        stepper, results = _Model(problem)
-        if not quiet:
-            size = len(results.solution.vec)
-            print(f"{results.mesh.ne} elements, {size} unknowns", flush=True)
-        with results.Phase("solution"):
-            stepper.Integrate(steps=problem.steps, callback=Record, printing=False)
+    stepper, results = _Model(problem)
+    if not quiet:
+        size = len(results.solution.vec)
+        print(f"{results.mesh.ne} elements, {size} unknowns", flush=True)
+    with results.Phase("solution"), TaskManager():
+        stepper.Integrate(steps=problem.steps, callback=Record, printing=False)
     results.figures = Figures(results)
     if not quiet:
         print(Report(results))

@@ -29,6 +29,9 @@ from ._pictures import INK, Matplotlib
 __all__ = ["Problem", "Results", "Run", "main"]
 
 
+FIRST = 0.01  # the angle of the first step, in units of F p0 / (2 G*)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Problem(Sphere):
     """What to compute: the fields of `Sphere`, and the path of the load.
@@ -38,7 +41,8 @@ class Problem(Sphere):
     angle : float
         Largest angle, in units of F p0 / (2 G*), where G* = G/2.
     steps : int
-        Steps to this angle, all equal.
+        Steps to this angle, all equal. One of a hundredth of the unit, which tells the stiffness
+        before slip, comes first.
     """
 
     model: str = "quarter"
@@ -60,7 +64,8 @@ class Problem(Sphere):
     def Angles(self, force):
         """The angles of the steps, at a normal force."""
         unit = self.friction * self.Hertz(force).peak / self.shear_modulus
-        return self.angle * unit * np.arange(1, self.steps + 1) / self.steps
+        parts = np.arange(1, self.steps + 1) / self.steps
+        return unit * np.array([FIRST, *self.angle * parts])
 
 
 @dataclass
@@ -78,8 +83,8 @@ class Results:
 
     @property
     def states(self):
-        """The states of the twist."""
-        return self.model.states[self.problem.press :]
+        """The states of the twist, without the first small step."""
+        return self.model.states[self.problem.press + 1 :]
 
 
 def Run(*, out=None, quiet=True, **options):
@@ -157,7 +162,10 @@ def _Figures(results, seconds):
         moment = np.clip(state.moment, -limit, limit)
         results.exact.append(problem.Twisted(state.force[2], float(moment)))
     rows = _Rows(results)
+    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
+    slope = (pressed.moment - first.moment) / first.motion["angle"]
     return {
+        "stiffness_ratio": slope / problem.Twisted(first.force[2], 0.0).stiffness,
         "moment_error": max(abs(r["moment_ratio"] / r["moment_exact"] - 1) for r in rows),
         **Summary(results.model, rows, seconds),
     }
@@ -181,6 +189,7 @@ def Report(results):
             "",
             Table(columns, figures["steps"]),
             "",
+            f"stiffness without slip over 16/3 G* a^3  {figures['stiffness_ratio']:.4f}",
             f"largest error of the moment {figures['moment_error']:.4f}, of the stick radius "
             f"{figures['stick_error']:.4f} (fit {figures['stick_fit_error']:.4f}) contact radii",
             f"{figures['seconds']:.1f} s without pictures",
@@ -193,9 +202,7 @@ def Curve(ax, results):
     problem, rows = results.problem, results.figures["steps"]
     hertz = problem.Hertz(results.states[-1].force[2])
     angles = np.linspace(0, 1.05 * rows[-1]["angle"], 61)
-    exact = [
-        TwistPoint.FromAngle(hertz=hertz, angle=t, friction=problem.friction) for t in angles
-    ]
+    exact = [TwistPoint.FromAngle(hertz=hertz, angle=t, friction=problem.friction) for t in angles]
     ax.plot(1e3 * angles, [e.moment / e.limit for e in exact], color=INK, lw=0.9, label="Lubkin")
     slope = exact[0].stiffness / exact[0].limit
     ax.plot(1e3 * angles, slope * angles, "--", color=INK, lw=0.7, label="no slip")

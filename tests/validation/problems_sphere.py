@@ -13,7 +13,8 @@ from ngsolve import CF, Mesh, TaskManager
 
 from ngslac.demos._boxes import AddBody, Cells, StructuredBox
 from ngslac.demos._geometry3d import CheckNonMatching3D
-from ngslac.demos._hertz3d_figures import Comparison, Macros
+from ngslac.demos._hertz3d_figures import Comparison
+from ngslac.demos._hertz3d_macros import Macros
 from ngslac.demos._spheres import TwoSpheres
 from ngslac.reference import HertzPoint
 

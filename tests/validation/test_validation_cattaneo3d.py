@@ -32,6 +32,11 @@ def test_force_over_displacement(results, rows):
     assert shears == pytest.approx([0.40, 0.724, 0.95], abs=2e-3)
 
 
+def test_stiffness_without_slip(results):
+    """4 G a / (2 - nu), of two half-spaces that stick together on the contact area."""
+    assert results.figures["stiffness_ratio"] == pytest.approx(1, abs=0.03)
+
+
 def test_hysteresis(results, rows):
     """Displacements of all steps, relative to the one at which the sphere slides."""
     assert results.figures["shift_error"] <= 0.01
@@ -73,7 +78,7 @@ def test_coulomb(results):
         assert np.all(size[state.status == STICK] <= 1.02 * scale)
         along = -(state.traction * state.slip).sum(axis=1)[slips]
         full = (size * np.linalg.norm(state.slip, axis=1))[slips]
-        assert np.all(along >= 0.99 * full)
+        assert np.all(along >= 0.999 * full)
 
 
 def test_traction_profile(results):
@@ -93,9 +98,11 @@ def test_newton(results):
 
 
 @pytest.mark.slow
-def test_without_poisson_effect():
-    """For nu = 0 Mindlin's solution is exact."""
-    figures = cattaneo3d.Run(elements=4, steps=2, reverse=0, press=1, nu=0.0).figures
-    assert figures["force_error"] <= 0.01
-    assert figures["shift_error"] <= 0.005
-    assert figures["stick_fit_error"] <= 0.02
+def test_where_the_solution_is_exact():
+    """For nu = 0 slip has no component across the load. No friction while pressing: no history."""
+    options = dict(elements=4, steps=2, reverse=0, press=1, nu=0.0, rough=False)
+    figures = cattaneo3d.Run(**options).figures
+    assert figures["force_error"] <= 0.004
+    assert figures["shift_error"] <= 0.004
+    assert figures["stick_fit_error"] <= 0.015
+    assert figures["steps"][-1]["lateral"] <= 0.04

@@ -24,7 +24,7 @@ from ngslac.reference import HertzPoint
 
 # Without friction each load is a problem of its own; the edge of the contact crosses the mesh in
 # another way each time.
-LOADS = 4
+LOADS = 3
 SPHERE = [(4, "none"), (6, "none"), (4, "bubble")]
 
 
@@ -102,6 +102,19 @@ def test_refinement_halves_the_errors():
         assert errors[1] <= 0.6 * errors[0]
 
 
+@pytest.mark.slow
+def test_twelve_elements_along_the_radius():
+    """The accuracy that is asked for; the bounds above would allow as much."""
+    results = Run(h=Radius(Problem().Hertz()) / 12)
+    figures, state = results.figures, results.states[-1]
+    assert figures["p0_ratio"] == pytest.approx(1, abs=0.006)
+    assert figures["p0_ratio_fit"] == pytest.approx(1, abs=0.015)
+    assert figures["contact_radius_ratio"] == pytest.approx(1, abs=0.006)
+    assert EdgeMisfit(results.macros, results.problem.Hertz(), state.status) <= 1e-12
+    assert figures["profile_error"] <= 0.05
+    assert figures["oscillation"] <= 0.03
+
+
 @pytest.mark.parametrize("case", SPHERE)
 def test_force_of_every_load(case):
     forces = [state.force for state in Sphere(*case).states]
@@ -114,19 +127,22 @@ def test_newton_iterations(case):
     assert max(Sphere(*case).figures["newton_iterations"]) <= 7
 
 
-@pytest.mark.parametrize(("stabilize", "peak"), [("none", 0.15), ("bubble", 0.1), ("split", 0.1)])
-def test_linear_tetrahedra(stabilize, peak):
+@pytest.mark.parametrize(
+    ("stabilize", "h", "peak"), [("none", 0.3125, 0.1), ("bubble", 0.5, 0.1), ("split", 0.5, 0.1)]
+)
+def test_linear_tetrahedra(stabilize, h, peak):
     """They are much less accurate, most of all with macro-elements made of stars of faces.
 
-    The master is finer than the slave here; otherwise its kinks show in the pressures.
+    Where macro-elements are single faces the demo makes the master finer than the slave; otherwise
+    the kinks of its deformation show in the pressures.
     """
-    results = Run(h=0.5, order=1, stabilize=stabilize)
+    results = Run(h=h, order=1, stabilize=stabilize)
     figures = results.figures
     assert figures["force_ratio"] == pytest.approx(1, abs=1e-9)
     assert figures["p0_ratio"] == pytest.approx(1, abs=peak)
     assert figures["contact_radius_ratio"] == pytest.approx(1, abs=0.1)
     assert figures["profile_error"] <= 0.35
-    assert (figures["oscillation"] or 0.0) <= 0.35
+    assert figures["oscillation"] <= 0.35
 
 
 # ---------------------------------------------------------------- other elements
