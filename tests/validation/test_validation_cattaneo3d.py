@@ -11,12 +11,12 @@ import pytest
 from ngslac.demos import cattaneo3d
 from ngslac.demos._friction3d import SLIP, STICK
 
-STEPS = 3
+STEPS = 2
 
 
 @pytest.fixture(scope="module")
 def results():
-    return cattaneo3d.Run(elements=4, steps=STEPS, reverse=2)
+    return cattaneo3d.Run(elements=4, steps=STEPS, reverse=2, press=1)
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +26,9 @@ def rows(results):
 
 @pytest.mark.slow
 def test_force_over_displacement(results, rows):
-    assert results.figures["force_error"] <= 0.015
-    # From a little below sliding to three quarters of all slip.
+    assert results.figures["force_error"] <= 0.01
     shears = [row["shear_exact"] for row in rows[:STEPS]]
-    assert shears == pytest.approx([0.40, 0.724, 0.95], abs=2e-3)
+    assert shears == pytest.approx([0.572, 0.95], abs=2e-3)
 
 
 def test_stiffness_without_slip(results):
@@ -39,7 +38,7 @@ def test_stiffness_without_slip(results):
 
 def test_hysteresis(results, rows):
     """Displacements of all steps, relative to the one at which the sphere slides."""
-    assert results.figures["shift_error"] <= 0.01
+    assert results.figures["shift_error"] <= 0.006
     top, back = rows[STEPS - 1], rows[STEPS]
     alone = results.problem.Partial(results.states[STEPS].force[2], results.states[STEPS].force[0])
     assert back["shift_half_spaces"] - abs(alone.shift) > 0.15 * top["shift_half_spaces"]
@@ -52,7 +51,7 @@ def test_finite_bodies_matter_and_are_accounted_for(results, rows):
 
 
 def test_stick_radius(results, rows):
-    assert results.figures["stick_fit_error"] <= 0.025
+    assert results.figures["stick_fit_error"] <= 0.02
     for row in rows:
         assert row["stick_ratio"] == pytest.approx(row["stick_ratio_exact"], abs=0.07)
     ratios = [row["stick_ratio"] for row in rows[:STEPS]]
@@ -85,12 +84,12 @@ def test_traction_profile(results):
     """At the largest load; the error is that of the macro-elements at the edge of the contact."""
     k = STEPS - 1
     state, means = results.states[k], results.faces.Means(results.exact[k])
-    assert results.faces.Misfit(state, results.exact[k]) <= 0.2
+    assert results.faces.Misfit(state, results.exact[k]) <= 0.15
     hertz = results.problem.Hertz(state.force[2])
     inside = np.linalg.norm(results.faces.middle, axis=1) < 0.75 * hertz.contact_radius
     errors = (state.traction - means)[inside] / (0.3 * hertz.peak)
     assert np.sqrt((errors**2).mean()) <= 0.06
-    assert np.abs(errors[:, 1]).max() <= 0.2
+    assert np.abs(errors[:, 1]).max() <= 0.12
 
 
 def test_newton(results):
@@ -100,7 +99,7 @@ def test_newton(results):
 @pytest.mark.slow
 def test_where_the_solution_is_exact():
     """For nu = 0 slip has no component across the load. No friction while pressing: no history."""
-    options = dict(elements=4, steps=2, reverse=0, press=1, nu=0.0, rough=False)
+    options = dict(elements=4, steps=1, shear=0.8, reverse=0, press=1, nu=0.0, rough=False)
     figures = cattaneo3d.Run(**options).figures
     assert figures["force_error"] <= 0.004
     assert figures["shift_error"] <= 0.004

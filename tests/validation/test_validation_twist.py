@@ -15,7 +15,7 @@ from ngslac.demos._friction3d import STICK, Model
 @pytest.fixture(scope="module")
 def run():
     """The demo, and the state after turning far beyond."""
-    results = twist.Run(elements=6, steps=3, angle=1.5)
+    results = twist.Run(elements=6, steps=3, angle=1.5, press=1)
     angles = results.problem.Angles(results.states[-1].force[2])
     rows, states = results.figures["steps"], list(results.states)
     (last,) = results.model.Turn(4 * angles[-1])
@@ -74,7 +74,7 @@ def test_newton(run):
 @pytest.mark.slow
 def test_quarter_and_full_model():
     """Equally coarse, but not the same meshes."""
-    options = dict(elements=3.5, radius=15.0, grading=0.7, press=1, steps=1, angle=0.7)
+    options = dict(elements=3.0, radius=15.0, grading=0.7, press=1, steps=1, angle=0.7)
     ratios, sticks = [], []
     for model in ("quarter", "full"):
         problem = twist.Problem(model=model, **options)
@@ -84,6 +84,7 @@ def test_quarter_and_full_model():
         exact = problem.Twisted(state.force[2], 0.0)
         ratios.append(-state.moment / exact.limit)
         sticks.append(state.Radius(STICK) / exact.hertz.contact_radius)
-    assert np.linalg.norm(state.force[:2]) <= 0.01 * 0.3 * force
+    # The meshes have no symmetry, hence a small resultant, relative to friction times pressure.
+    assert np.linalg.norm(state.force[:2]) <= 0.05 * problem.friction * force
     assert ratios[0] == pytest.approx(ratios[1], rel=0.04)
     assert sticks[0] == pytest.approx(sticks[1], abs=0.05)
