@@ -5,8 +5,9 @@ from math import pi
 
 import numpy as np
 
-from ._checks import finite, nonnegative, points
+from ._checks import finite, points
 from ._means import semi_ellipse
+from ._partial import PartialSlip, Reversal
 from ._polygons import semi_ellipsoid_mean
 from .hertz3d import HertzPoint
 
@@ -14,7 +15,7 @@ __all__ = ["CattaneoMindlinPoint", "MindlinPointReversal"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class CattaneoMindlinPoint:
+class CattaneoMindlinPoint(PartialSlip):
     """A Hertz point contact, loaded tangentially after the normal load is complete.
 
     The contact sticks for r < c and slips for c < r < a, with c = a (1 - |Q|/(F P))^(1/3) and
@@ -52,23 +53,6 @@ class CattaneoMindlinPoint:
     """
 
     hertz: HertzPoint
-    shear: float
-    friction: float
-
-    def __post_init__(self):
-        finite("shear", self.shear)
-        nonnegative("friction", self.friction)
-        limit = self.friction * self.hertz.force
-        if abs(self.shear) > limit * (1.0 + 1e-12):
-            raise ValueError(
-                f"shear = {self.shear!r} is not valid: the bodies would slide, "
-                f"keep |shear| <= friction * hertz.force = {limit!r}"
-            )
-        if abs(self.hertz.beta) > 1e-12:
-            raise ValueError(
-                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
-                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
-            )
 
     @classmethod
     def FromShift(cls, *, hertz, shift, friction):
@@ -104,10 +88,6 @@ class CattaneoMindlinPoint:
     def stick(self):
         """Radius c of the stick zone."""
         return self.ratio * self.hertz.contact_radius
-
-    @property
-    def _scale(self):
-        return np.sign(self.shear) * self.friction * self.hertz.peak
 
     @property
     def _compliances(self):
@@ -179,7 +159,7 @@ class CattaneoMindlinPoint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MindlinPointReversal:
+class MindlinPointReversal(Reversal):
     """A Cattaneo-Mindlin point contact whose tangential load is brought back, once and steadily.
 
     From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edge of the
@@ -206,41 +186,18 @@ class MindlinPointReversal:
     start: CattaneoMindlinPoint
     shear: float
 
-    def __post_init__(self):
-        finite("shear", self.shear)
-        if abs(self.shear) > abs(self.start.shear):
-            raise ValueError(
-                f"shear = {self.shear!r} is not valid: keep |shear| <= |start.shear| = "
-                f"{abs(self.start.shear)!r}, beyond it use a CattaneoMindlinPoint with this shear"
-            )
-
-    @property
-    def _change(self):
-        start, half = self.start, 0.5 * (self.start.shear - self.shear)
-        return CattaneoMindlinPoint(hertz=start.hertz, shear=half, friction=start.friction)
-
-    @property
-    def ratio(self):
-        """Part b/a of the contact that has not slipped since the reversal."""
-        return self._change.ratio
-
-    @property
-    def stick(self):
-        """Radius b of that part."""
-        return self._change.stick
-
     @property
     def shift(self):
         """How far the master has moved against the slave, far from the contact."""
-        return self.start.shift - 2.0 * self._change.shift
+        return self._Superposed(lambda state: state.shift)
 
     def Traction(self, r):
         """Tangential traction on the slave, along the load, at distance `r` from the middle."""
-        return self.start.Traction(r) - 2.0 * self._change.Traction(r)
+        return self._Superposed(lambda state: state.Traction(r))
 
     def MeanTraction(self, vertices):
         """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
-        return self.start.MeanTraction(vertices) - 2.0 * self._change.MeanTraction(vertices)
+        return self._Superposed(lambda state: state.MeanTraction(vertices))
 
     def Slip(self, x, y):
         """Slip of the slave against the master since the first loading, see there."""

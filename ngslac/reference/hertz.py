@@ -1,17 +1,16 @@
 """Line contact of two elastic cylinders without friction (Hertz, plane strain)."""
 
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import pi, sqrt
 
-from ._checks import positive
 from ._means import semi_ellipse, semi_ellipse_mean
-from .dundurs import ContactModulus, DundursBeta
+from ._pair import HertzPair
 
 __all__ = ["HertzLine"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class HertzLine:
+class HertzLine(HertzPair):
     """Two cylinders with parallel axes, pressed together by a force per length.
 
     Both bodies are half-planes to the pressure, so the contact must stay narrow against the radii
@@ -38,44 +37,6 @@ class HertzLine:
     >>> print(f"{hertz.halfwidth:.4f} {hertz.peak:.2f} {hertz.MeanPressure(0, 1):.2f}")
     6.2146 3585.36 3569.83
     """
-
-    force: float
-    radius1: float
-    radius2: float = inf
-    young1: float
-    nu1: float
-    young2: float
-    nu2: float
-
-    def __post_init__(self):
-        positive("force", self.force)
-        positive("radius1", self.radius1, infinite=True)
-        positive("radius2", self.radius2, infinite=True)
-        if self.radius1 == inf and self.radius2 == inf:
-            raise ValueError(
-                f"radius2 = {self.radius2!r} is not valid: surface 1 is flat already, "
-                "give one of the radii a finite value"
-            )
-        _ = self.modulus  # checks the elastic constants
-
-    @property
-    def _elastic(self):
-        return dict(young1=self.young1, nu1=self.nu1, young2=self.young2, nu2=self.nu2)
-
-    @property
-    def modulus(self):
-        """Contact modulus E* (see `ContactModulus`)."""
-        return ContactModulus(**self._elastic)
-
-    @property
-    def beta(self):
-        """Second Dundurs constant, with body 1 as the slave (see `DundursBeta`)."""
-        return DundursBeta(**self._elastic)
-
-    @property
-    def radius(self):
-        """Relative radius R, 1/R = 1/R1 + 1/R2."""
-        return 1.0 / (1.0 / self.radius1 + 1.0 / self.radius2)
 
     @property
     def halfwidth(self):

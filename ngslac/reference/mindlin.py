@@ -5,15 +5,16 @@ from math import sqrt
 
 import numpy as np
 
-from ._checks import finite, nonnegative, points
+from ._checks import points
 from ._means import semi_ellipse, semi_ellipse_mean
+from ._partial import PartialSlip, Reversal
 from .hertz import HertzLine
 
 __all__ = ["CattaneoMindlin", "MindlinReversal"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class CattaneoMindlin:
+class CattaneoMindlin(PartialSlip):
     """A Hertz line contact, loaded tangentially after the normal load is complete.
 
     The contact sticks for |x| < c and slips for c < |x| < a, with c = a sqrt(1 - |Q|/(F P)) and
@@ -44,23 +45,6 @@ class CattaneoMindlin:
     """
 
     hertz: HertzLine
-    shear: float
-    friction: float
-
-    def __post_init__(self):
-        finite("shear", self.shear)
-        nonnegative("friction", self.friction)
-        limit = self.friction * self.hertz.force
-        if abs(self.shear) > limit * (1.0 + 1e-12):
-            raise ValueError(
-                f"shear = {self.shear!r} is not valid: the bodies would slide, "
-                f"keep |shear| <= friction * hertz.force = {limit!r}"
-            )
-        if abs(self.hertz.beta) > 1e-12:
-            raise ValueError(
-                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
-                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
-            )
 
     @property
     def ratio(self):
@@ -73,10 +57,6 @@ class CattaneoMindlin:
     def stick(self):
         """Half width c of the stick zone."""
         return self.ratio * self.hertz.halfwidth
-
-    @property
-    def _scale(self):
-        return np.sign(self.shear) * self.friction * self.hertz.peak
 
     def Traction(self, x):
         """Tangential traction on the slave at distance `x` from the middle."""
@@ -109,7 +89,7 @@ class CattaneoMindlin:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MindlinReversal:
+class MindlinReversal(Reversal):
     """A Cattaneo-Mindlin contact whose tangential load is brought back, once and steadily.
 
     From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edges of the
@@ -136,37 +116,14 @@ class MindlinReversal:
     start: CattaneoMindlin
     shear: float
 
-    def __post_init__(self):
-        finite("shear", self.shear)
-        if abs(self.shear) > abs(self.start.shear):
-            raise ValueError(
-                f"shear = {self.shear!r} is not valid: keep |shear| <= |start.shear| = "
-                f"{abs(self.start.shear)!r}, beyond it use a CattaneoMindlin with this shear"
-            )
-
-    @property
-    def _change(self):
-        half = 0.5 * (self.start.shear - self.shear)
-        return CattaneoMindlin(hertz=self.start.hertz, shear=half, friction=self.start.friction)
-
-    @property
-    def ratio(self):
-        """Part b/a of the contact that has not slipped since the reversal."""
-        return self._change.ratio
-
-    @property
-    def stick(self):
-        """Half width b of that part."""
-        return self._change.stick
-
     def Traction(self, x):
         """Tangential traction on the slave at distance `x` from the middle."""
-        return self.start.Traction(x) - 2.0 * self._change.Traction(x)
+        return self._Superposed(lambda state: state.Traction(x))
 
     def MeanTraction(self, x0, x1):
         """Exact average of the traction over each interval from `x0` to `x1`."""
-        return self.start.MeanTraction(x0, x1) - 2.0 * self._change.MeanTraction(x0, x1)
+        return self._Superposed(lambda state: state.MeanTraction(x0, x1))
 
     def Slip(self, x):
         """Slip of the slave against the master since the first loading; NaN for |x| > a."""
-        return self.start.Slip(x) - 2.0 * self._change.Slip(x)
+        return self._Superposed(lambda state: state.Slip(x))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, expm1, inf, pi
+from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import brentq
@@ -10,6 +11,7 @@ from scipy.special import ellipeinc, ellipkinc, ellipkm1
 
 from ._checks import finite, nonnegative, points
 from ._means import _tanh_sinh, integral_mean, semi_ellipse
+from ._partial import Reversal
 from ._polygons import PolygonEdges
 from ._torsion import DEEPEST, SLIDES, e_prime, scaled_angle, scaled_moment
 from .hertz3d import HertzPoint
@@ -216,7 +218,7 @@ class TwistPoint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwistReversal:
+class TwistReversal(Reversal):
     """A twisted point contact whose moment is brought back, once and steadily.
 
     From M* = `start.moment` to M = `moment`, with |M| <= |M*|, slip comes back from the edge of
@@ -241,43 +243,21 @@ class TwistReversal:
 
     start: TwistPoint
     moment: float
-
-    def __post_init__(self):
-        finite("moment", self.moment)
-        if abs(self.moment) > abs(self.start.moment):
-            raise ValueError(
-                f"moment = {self.moment!r} is not valid: keep |moment| <= |start.moment| = "
-                f"{abs(self.start.moment)!r}, beyond it use a TwistPoint with this moment"
-            )
-
-    @cached_property
-    def _change(self):
-        start, half = self.start, 0.5 * (self.start.moment - self.moment)
-        return TwistPoint(hertz=start.hertz, moment=half, friction=start.friction)
-
-    @property
-    def ratio(self):
-        """Part b/a of the contact that has not slipped since the reversal."""
-        return self._change.ratio
-
-    @property
-    def stick(self):
-        """Radius b of that part."""
-        return self._change.stick
+    _load: ClassVar[str] = "moment"
 
     @property
     def angle(self):
         """How far the master has turned against the slave, far from the contact, in radians."""
-        return self.start.angle - 2.0 * self._change.angle
+        return self._Superposed(lambda state: state.angle)
 
     def Traction(self, r):
         """Traction on the slave around the normal, from x to y, at distance `r`."""
-        return self.start.Traction(r) - 2.0 * self._change.Traction(r)
+        return self._Superposed(lambda state: state.Traction(r))
 
     def MeanTraction(self, vertices):
         """Average of the traction over polygons, see `TwistPoint.MeanTraction`."""
-        return self.start.MeanTraction(vertices) - 2.0 * self._change.MeanTraction(vertices)
+        return self._Superposed(lambda state: state.MeanTraction(vertices))
 
     def Slip(self, r):
         """Slip of the slave against the master since the first twist; NaN for r > a."""
-        return self.start.Slip(r) - 2.0 * self._change.Slip(r)
+        return self._Superposed(lambda state: state.Slip(r))
