@@ -55,7 +55,7 @@ void SetObstacleGaps(const CoefficientFunction & gap, const MeshAccess & ma,
       auto & trafo = ma.GetTrafo(ElementId(BND, slave.Element(face)), lh);
       auto set = [&](PairPoint<D> & p) {
         HeapReset hr(lh);
-        IntegrationPoint ip(p.slave(0), D == 3 ? p.slave(D - 2) : 0, 0, 0);
+        auto ip = ToIntegrationPoint(p.slave);
         p.gap = gap.Evaluate(trafo(ip, lh));
         if (!isfinite(p.gap))
           throw Exception("LACContact: the gap to the obstacle is " + ToString(p.gap) + " at " +

@@ -56,16 +56,15 @@ public:
     auto new_slave = make_unique<Surface<D>>(space->SlaveRegion(), displacement, order);
     unique_ptr<Surface<D>> new_master;
     Pairing<D> new_pairing;
-    auto quadrature = [&](int highest) {
-      return (D == 2 ? 2 : 1) * (highest + 2 * (new_slave->Degree() - 1));
-    };
+    auto degree = [&](int highest) { return highest + 2 * (new_slave->Degree() - 1); };
     if (setup.obstacle) {
-      new_pairing = PairWithObstacle<D>(*new_slave, (D - 1) * quadrature(u.Order(*new_slave)));
+      new_pairing = PairWithObstacle<D>(*new_slave, 2 * degree(u.Order(*new_slave)));
       SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *new_slave, new_pairing);
     } else {
       new_master = make_unique<Surface<D>>(*setup.master, displacement, order);
-      auto options = SearchOptions(*new_slave, *new_master, setup.maxdist, setup.penetration,
-                                   quadrature(max(u.Order(*new_slave), u.Order(*new_master))));
+      auto options =
+          SearchOptions(*new_slave, *new_master, setup.maxdist, setup.penetration,
+                        (D == 2 ? 2 : 1) * degree(max(u.Order(*new_slave), u.Order(*new_master))));
       new_pairing = Pair<D>(*new_slave, *new_master, options);
       maxdist = options.maxdist;
     }
@@ -216,7 +215,10 @@ public:
 
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override {
     CheckPaired();
-    MacroJump<D> op(u, *space, *slave, master.get(), pairing, side);
+    unique_ptr<MacroJump<D>> one; // of both sides there is one already
+    if (side != Side::both)
+      one = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing, side);
+    auto & op = one ? *one : *jump;
     Array<int> rows, cols;
     Array<double> values;
     size_t offset = u.offset * u.fes->GetDimension();

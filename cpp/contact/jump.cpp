@@ -56,7 +56,7 @@ void AddFace(const ProxyInfo & u, int element, FlatArray<Vec<D - 1>> points,
   IntRange used = u.evaluator->UsedDofs(fel);
   for (int q : Range(points)) {
     HeapReset hr(lh);
-    IntegrationPoint ip(points[q](0), D == 3 ? points[q](D - 2) : 0, 0, 0);
+    auto ip = ToIntegrationPoint(points[q]);
     u.evaluator->CalcMatrix(fel, trafo(ip, lh), shape, lh);
     sum.Cols(used) += weights[q] * shape.Cols(used);
   }
@@ -165,10 +165,7 @@ void MacroJump<D>::Geometry(size_t macro, FlatArray<int> faces, const Surface<D>
     for (auto & ip : rule) {
       Vec<D> x;
       Mat<D, D - 1> dx;
-      Vec<D - 1> xi;
-      for (int k : Range(D - 1))
-        xi(k) = ip(k);
-      slave.Evaluate(f, xi, x, dx);
+      slave.Evaluate(f, ReferencePoint<D - 1>(ip), x, dx);
       double w = ip.Weight() * Measure(dx);
       full += w;
       centers += w * x;

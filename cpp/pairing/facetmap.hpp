@@ -28,7 +28,6 @@ public:
   Vec<2> Project(Vec<3> x) const {
     return {InnerProduct(tangents[0], x - origin), InnerProduct(tangents[1], x - origin)};
   }
-  Vec<3> Lift(Vec<2> p) const { return origin + p(0) * tangents[0] + p(1) * tangents[1]; }
   /// Reference coordinates of the face, and their area per area of the plane.
   pair<Vec<2>, double> Reference(Vec<2> p) const;
 };

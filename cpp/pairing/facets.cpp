@@ -11,10 +11,6 @@ int Divisions(const Surface<3> & surface, size_t face) {
   return min(most_divisions, max(1, int(ceil(sqrt(surface.Bulge(face) / tolerance)))));
 }
 
-int NFacets(const Surface<3> & surface, size_t face) {
-  return sqr(Divisions(surface, face));
-}
-
 Facet MakeFacet(const Surface<3> & surface, size_t face, std::initializer_list<Vec<2>> corners) {
   Facet facet;
   facet.face = face;
@@ -36,8 +32,7 @@ Facet MakeFacet(const Surface<3> & surface, size_t face, std::initializer_list<V
   return facet;
 }
 
-void Divide(const Surface<3> & surface, size_t face, FlatArray<Facet> facets) {
-  int k = Divisions(surface, face);
+void Divide(const Surface<3> & surface, size_t face, int k, FlatArray<Facet> facets) {
   size_t count = 0;
   auto at = [&](int i, int j) { return Vec<2>(double(i) / k, double(j) / k); };
   bool trig = surface.Type(face) == ET_TRIG;
@@ -72,12 +67,14 @@ Vec<2> Facet::Reference(Vec<2> local) const {
 Facets::Facets(const Surface<3> & surface) : first(surface.Size() + 1) {
   static Timer timer("ngslac::Facets");
   RegionTimer reg(timer);
-  ParallelFor(surface.Size(), [&](size_t f) { first[f + 1] = NFacets(surface, f); });
+  Array<int> divisions(surface.Size());
+  ParallelFor(surface.Size(), [&](size_t f) { divisions[f] = Divisions(surface, f); });
   first[0] = 0;
   for (size_t f : Range(surface.Size()))
-    first[f + 1] += first[f];
+    first[f + 1] = first[f] + sqr(divisions[f]);
   facets.SetSize(first.Last());
-  ParallelFor(surface.Size(),
-              [&](size_t f) { Divide(surface, f, facets.Range(first[f], first[f + 1])); });
+  ParallelFor(surface.Size(), [&](size_t f) {
+    Divide(surface, f, divisions[f], facets.Range(first[f], first[f + 1]));
+  });
 }
 } // namespace ngslac

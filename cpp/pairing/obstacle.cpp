@@ -14,12 +14,8 @@ Pairing<D> PairWithObstacle(const Surface<D> & slave, int order) {
     for (int f : faces) {
       part.segments.Append(Segment{f, -1, part.points.Size(), part.corners.Size()});
       IntegrationRule rule(slave.Type(f), order);
-      for (auto & ip : rule) {
-        Vec<D - 1> xi;
-        for (int k : Range(D - 1))
-          xi(k) = ip(k);
-        put(part.points, f, xi, ip.Weight());
-      }
+      for (auto & ip : rule)
+        put(part.points, f, ReferencePoint<D - 1>(ip), ip.Weight());
       for (auto & xi : Corners<D - 1>(slave.Type(f)))
         put(part.corners, f, xi, 0);
     }

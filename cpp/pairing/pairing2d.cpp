@@ -1,4 +1,3 @@
-#include "boxtree.hpp"
 #include "orientedbox.hpp"
 #include "pieces.hpp"
 
@@ -65,6 +64,8 @@ public:
     if (!(size > 0))
       throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                       " of the slave surface has length " + ToString(size));
+    double extent = L2Norm(slave.Point(face, 0.5)) + size;
+    merge = max(merge_tolerance, rounding * extent / size);
     // The nearest partner is usually close: widen the search until the face is covered.
     double most = max(options.maxdist, options.penetration);
     for (double reach = size;; reach *= 4) {
@@ -98,8 +99,6 @@ private:
   }
 
   void Search(double reach) {
-    double extent = L2Norm(slave.Point(face, 0.5)) + size;
-    merge = max(merge_tolerance, rounding * extent / size);
     candidates.SetSize0();
     tree.Visit(SearchBox(reach), [&](int j) { candidates.Append(j); });
     QuickSort(candidates);
@@ -217,13 +216,9 @@ private:
 template <>
 Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
                 const PairingOptions & options) {
-  static Timer timer("ngslac::Pair"), timer_tree("ngslac::Pair - tree");
+  static Timer timer("ngslac::Pair");
   RegionTimer reg(timer);
-  timer_tree.Start();
-  Array<netgen::Box<2>> boxes(master.Size());
-  ParallelFor(master.Size(), [&](size_t j) { boxes[j] = master.Bounds(j); });
-  BoxTree<2> tree(std::move(boxes));
-  timer_tree.Stop();
+  auto tree = FaceTree(master);
 
   IntegrationRule rule(ET_SEGM, options.order);
   return InPieces<2>(slave.Size(), [&](IntRange faces, Pairing<2> & part) {

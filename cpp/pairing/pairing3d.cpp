@@ -1,4 +1,3 @@
-#include "boxtree.hpp"
 #include "facetmap.hpp"
 #include "orientedbox.hpp"
 #include "pieces.hpp"
@@ -151,7 +150,7 @@ private:
   void Insert(const Piece & piece, double tolerance) {
     Array<Piece> parts{piece}, behind;
     for (size_t k = 0; k < visible.Size(); k++) {
-      Array<Piece> rest, shortened;
+      Array<Piece> rest, shortened{visible[k]};
       bool cut = false;
       for (auto & part : parts)
         if (!Overlap(part.polygon, visible[k].polygon, tolerance))
@@ -161,8 +160,6 @@ private:
         else {
           // all parts belong to one master facet: what is left of the visible one is behind
           rest.Append(part);
-          if (!cut)
-            shortened.Append(visible[k]);
           cut = true;
           Array<Piece> remaining;
           for (auto & old : shortened)
@@ -299,14 +296,10 @@ private:
 template <>
 Pairing<3> Pair(const Surface<3> & slave, const Surface<3> & master,
                 const PairingOptions & options) {
-  static Timer timer("ngslac::Pair"), timer_tree("ngslac::Pair - tree");
+  static Timer timer("ngslac::Pair");
   RegionTimer reg(timer);
   Facets slave_facets(slave), master_facets(master);
-  timer_tree.Start();
-  Array<netgen::Box<3>> boxes(master.Size());
-  ParallelFor(master.Size(), [&](size_t j) { boxes[j] = master.Bounds(j); });
-  BoxTree<3> tree(std::move(boxes));
-  timer_tree.Stop();
+  auto tree = FaceTree(master);
 
   Quadratures rules(options.order);
   return InPieces<3>(slave.Size(), [&](IntRange faces, Pairing<3> & part) {

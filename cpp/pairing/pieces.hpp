@@ -1,7 +1,18 @@
 #pragma once
+#include "boxtree.hpp"
 #include "pairing.hpp"
 
 namespace ngslac {
+/// The faces of a surface, to be searched.
+template <int D>
+BoxTree<D> FaceTree(const Surface<D> & surface) {
+  static Timer timer("ngslac::Pair - tree");
+  RegionTimer reg(timer);
+  Array<netgen::Box<D>> boxes(surface.Size());
+  ParallelFor(surface.Size(), [&](size_t f) { boxes[f] = surface.Bounds(f); });
+  return BoxTree<D>(std::move(boxes));
+}
+
 /// Runs `pair(range, part)` on pieces of the slave faces in threads and joins the parts in order.
 template <int D, typename F>
 Pairing<D> InPieces(size_t nfaces, F pair) {

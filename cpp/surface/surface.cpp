@@ -35,11 +35,6 @@ Vec<3> AreaVector(const Mat<3, 2> & dx) {
 }
 
 template <int R>
-IntegrationPoint ToIntegrationPoint(Vec<R> xi) {
-  return IntegrationPoint(xi(0), R == 2 ? xi(R - 1) : 0, 0, 0);
-}
-
-template <int R>
 Vec<R> Center(ELEMENT_TYPE type) {
   Vec<R> center = 0.0;
   auto corners = Corners<R>(type);

@@ -53,6 +53,19 @@ private:
 template <int R>
 FlatArray<Vec<R>> Corners(ELEMENT_TYPE type);
 
+/// Reference coordinates as NGSolve's integration points have them, and back.
+template <int R>
+IntegrationPoint ToIntegrationPoint(Vec<R> xi) {
+  return IntegrationPoint(xi(0), R == 2 ? xi(R - 1) : 0, 0, 0);
+}
+template <int R>
+Vec<R> ReferencePoint(const IntegrationPoint & ip) {
+  Vec<R> xi;
+  for (int k : Range(R))
+    xi(k) = ip(k);
+  return xi;
+}
+
 /// Factor of the area element.
 inline double Measure(const Mat<2, 1> & dx) {
   return L2Norm(dx.Col(0));
