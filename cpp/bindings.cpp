@@ -150,15 +150,15 @@ void ExportContact(py::module & m) {
       .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
                        optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
                        shared_ptr<CoefficientFunction> friction,
-                       shared_ptr<CoefficientFunction> tresca, bool tied, double maxdist,
-                       double penetration) {
+                       shared_ptr<CoefficientFunction> tresca, bool tied, bool finite,
+                       double maxdist, double penetration) {
              return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                     tied, maxdist, penetration});
+                                                     tied, finite, maxdist, penetration});
            }),
            py::kw_only(), py::arg("u"), py::arg("lam"), py::arg("master") = nullopt,
            py::arg("obstacle") = nullptr, py::arg("friction") = nullptr,
-           py::arg("tresca") = nullptr, py::arg("tied") = false, py::arg("maxdist") = 0.0,
-           py::arg("penetration") = 0.0)
+           py::arg("tresca") = nullptr, py::arg("tied") = false, py::arg("finite") = false,
+           py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
       .def("Update", &ContactForm::Update, py::arg("gf") = nullptr,
            py::call_guard<py::gil_scoped_release>())
       .def(
@@ -169,6 +169,7 @@ void ExportContact(py::module & m) {
           },
           py::arg("bulk"), py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
       .def("SetConstant", &ContactForm::SetConstant, py::arg("c"))
+      .def("Follow", &ContactForm::Follow, py::call_guard<py::gil_scoped_release>())
       .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())
       .def("AssembleLinearization", &ContactForm::AssembleLinearization,
            py::call_guard<py::gil_scoped_release>())

@@ -42,6 +42,11 @@ class LACContact:
         stays closed, since its traction jumps to zero where contact opens.
     tied : bool
         Glue the surfaces: equal mean displacements (counted from the reference), any traction.
+    finite : bool
+        Sliding, rotations and strains may be large: pairing, gap, slip, normals and forces are those
+        of the current configuration and follow the displacement in every iteration. `lam` is the
+        traction per area of the reference configuration. False: pairs, weights and normals stay
+        those of the last `Update`.
     maxdist : float
         Farthest opening at which faces pair. Default: the diameter of both surfaces.
     penetration : float
@@ -89,6 +94,7 @@ class LACContact:
         friction=None,
         tresca=None,
         tied=False,
+        finite=False,
         maxdist=None,
         penetration=None,
         stiffness=1.0,
@@ -115,6 +121,7 @@ class LACContact:
             friction=Coefficient(friction, "friction"),
             tresca=Coefficient(tresca, "tresca"),
             tied=tied,
+            finite=finite,
             maxdist=maxdist or 0.0,
             penetration=penetration or 0.0,
         )
@@ -176,6 +183,15 @@ class LACContact:
             self.form.SetStiffness(bulk, self.stiffness)
             self._scaled = True
 
+    def Follow(self, gf):
+        """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.
+
+        The solver calls it for each iterate; slip keeps counting from the last `Commit`. Until the
+        next call the quadrature points on the slave and the master faces that they see stay.
+        """
+        if self.form.paired:
+            self.form.Follow(gf.vec)
+
     def AddApply(self, x, y):
         """y += residual at x."""
         self.form.AddApply(x, y)
@@ -212,7 +228,7 @@ class LACContact:
 
     def _Fill(self):
         table = self.Table()
-        for name in ("pressure", "gap", "status", "traction", "slip"):
+        for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
             getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()
 
     # --- results -------------------------------------------------------------------------------

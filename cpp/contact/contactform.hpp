@@ -11,6 +11,7 @@ struct ContactSetup {
   shared_ptr<CoefficientFunction> friction;  // Coulomb's coefficient, null: frictionless
   shared_ptr<CoefficientFunction> threshold; // Tresca's bound, null: none
   bool tied = false;
+  bool finite = false;    // sliding and deformation may be large
   double maxdist = 0;     // 0: chosen from the size of the surfaces
   double penetration = 0; // 0: chosen from the size of the surfaces
 };
@@ -27,9 +28,10 @@ struct MacroState {
 /// Residual, for the displacement and for the multipliers (rows scaled by the paired area):
 ///   R_v = - sum_m lambda_m . int [v1 - v2]
 ///   R_m = A_m / c_m (P_m(lambda_m - c_m j_m) - lambda_m)
-/// with the projection P of the contact law and j = mean (gap along n, slip increment). The matrix
-/// is symmetric where all macro-elements stick. Dof numbers count the scalar entries of the
-/// vectors.
+/// with the projection P of the contact law and j = mean (gap along n, slip increment). With small
+/// sliding partners, weights and normals are those of the last Update, gap and slip are linear, and
+/// the matrix is symmetric where all macro-elements stick. With finite sliding all of them follow
+/// the displacement. Dof numbers count the scalar entries of the vectors.
 class ContactForm {
 public:
   virtual ~ContactForm() = default;
@@ -37,6 +39,9 @@ public:
 
   /// Pairs in the configuration of `gf` (null: reference); slip counts from there.
   virtual void Update(shared_ptr<GridFunction> gf) = 0;
+  /// Finite sliding: pairs anew at x. The points on the slave faces and the partners stay until the
+  /// next call. Nothing to do with small sliding.
+  virtual void Follow(const BaseVector & /* x */) {}
   /// Chooses c of every macro-element from the diagonal of the bulk matrix.
   virtual void SetStiffness(FlatVector<> diagonal, double factor) = 0;
   virtual void SetConstant(double c) = 0;

@@ -1,6 +1,19 @@
 #include "jump.hpp"
 
 namespace ngslac {
+shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && table) {
+  size_t n = table.Size();
+  Array<int> sizes(n);
+  ParallelFor(n, [&](size_t i) {
+    QuickSort(table[i]);
+    sizes[i] = std::unique(table[i].begin(), table[i].end()) - table[i].begin();
+  });
+  auto mat = make_shared<SparseMatrix<double>>(sizes, n);
+  ParallelFor(n, [&](size_t i) { mat->GetRowIndices(i) = table[i].Range(0, sizes[i]); });
+  mat->SetZero();
+  return mat;
+}
+
 template <int D>
 shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,
                                               size_t ndof) {
@@ -17,16 +30,7 @@ shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArr
             creator.Add(e.dof, row);
         }
       }
-  auto table = creator.MoveTable();
-  Array<int> sizes(ndof);
-  ParallelFor(ndof, [&](size_t i) {
-    QuickSort(table[i]);
-    sizes[i] = table[i].Size();
-  });
-  auto mat = make_shared<SparseMatrix<double>>(sizes, ndof);
-  ParallelFor(ndof, [&](size_t i) { mat->GetRowIndices(i) = table[i]; });
-  mat->SetZero();
-  return mat;
+  return MatrixOf(creator.MoveTable());
 }
 
 template shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<2> &, FlatArray<int>,

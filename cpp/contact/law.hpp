@@ -29,9 +29,15 @@ struct LawData {
 template <int D>
 struct Projection {
   Vec<D> traction;
-  Mat<D, D> derivative;
+  Mat<D, D> derivative; // by the trial traction
+  Mat<D, D> by_normal;  // where the normal moves, too
   Status status;
 };
+
+template <int D>
+Projection<D> Sticking(Vec<D> trial) {
+  return {trial, Id<D>(), Mat<D, D>(0.0), Status::stick};
+}
 
 /// Unilateral contact with friction as one projection.
 ///
@@ -42,30 +48,34 @@ struct Projection {
 /// (Alart and Curnier 1991; macro-element by macro-element as in Abbas et al. 2017, eq. 7).
 template <int D>
 Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
-  Projection<D> result;
+  Projection<D> result{Vec<D>(0.0), Mat<D, D>(0.0), Mat<D, D>(0.0), Status::open};
   const Vec<D> & n = data.normal;
   Mat<D, D> identity = Id<D>();
   double pressure = -InnerProduct(trial, n);
   if (data.tied)
-    return {trial, identity, Status::stick};
+    return Sticking(trial);
   if (pressure <= 0)
-    return {Vec<D>(0.0), Mat<D, D>(0.0), Status::open};
+    return result;
 
   Vec<D> tangential = trial + pressure * n;
   double size = L2Norm(tangential);
   auto [bound, slope] = data.Bound(pressure);
   if (size <= bound && bound > 0)
-    return {trial, identity, Status::stick};
+    return Sticking(trial);
 
   Mat<D, D> nn = n * Trans(n);
   result.status = Status::slip;
   result.traction = -pressure * n;
   result.derivative = nn;
+  result.by_normal = n * Trans(trial) - pressure * identity;
   if (bound > 0) {
     Vec<D> direction = (1 / size) * tangential;
+    Mat<D, D> across = (bound / size) * (identity - direction * Trans(direction));
     result.traction += bound * direction;
-    result.derivative += (bound / size) * (identity - nn - direction * Trans(direction));
+    result.derivative += across - (bound / size) * nn;
     result.derivative -= slope * direction * Trans(n);
+    result.by_normal += pressure * across - across * n * Trans(trial);
+    result.by_normal -= slope * direction * Trans(trial);
   }
   return result;
 }

@@ -74,6 +74,96 @@ Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree) {
   return basis;
 }
 
+namespace {
+/// All B^n_i(s) = binomial(n, i) s^i (1 - s)^(n - i), by their recursion.
+void CalcLine(int degree, double s, FlatVector<> b) {
+  b(0) = 1;
+  for (int n = 1; n <= degree; n++) {
+    b(n) = s * b(n - 1);
+    for (int i = n - 1; i > 0; i--)
+      b(i) = (1 - s) * b(i) + s * b(i - 1);
+    b(0) *= 1 - s;
+  }
+}
+
+/// Derivatives from the polynomials of one degree less.
+void CalcLineDerivative(int degree, double s, FlatVector<> db) {
+  ArrayMem<double, 12> lower(degree);
+  CalcLine(degree - 1, s, FlatVector<>(degree, lower.Data()));
+  for (int i : Range(degree + 1))
+    db(i) = degree * ((i > 0 ? lower[i - 1] : 0) - (i < degree ? lower[i] : 0));
+}
+
+int TrigNumber(int degree, int i, int j) {
+  return j * (degree + 1) - j * (j - 1) / 2 + i;
+}
+
+/// B^n_ij by the recursion over the degree.
+void CalcTrig(int degree, Vec<2> xi, FlatVector<> b) {
+  double s = xi(0), t = xi(1), r = 1 - s - t;
+  ArrayMem<double, 36> old(b.Size());
+  b(0) = 1;
+  for (int n = 1; n <= degree; n++) {
+    for (int k : Range(NControlPoints(ET_TRIG, n - 1)))
+      old[k] = b(k);
+    for (int j : Range(n + 1))
+      for (int i : Range(n + 1 - j)) {
+        double value = 0;
+        if (i > 0)
+          value += s * old[TrigNumber(n - 1, i - 1, j)];
+        if (j > 0)
+          value += t * old[TrigNumber(n - 1, i, j - 1)];
+        if (i + j < n)
+          value += r * old[TrigNumber(n - 1, i, j)];
+        b(TrigNumber(n, i, j)) = value;
+      }
+  }
+}
+
+void CalcTrigDerivative(int degree, Vec<2> xi, FlatMatrixFixWidth<2> db) {
+  ArrayMem<double, 36> memory(NControlPoints(ET_TRIG, degree - 1));
+  FlatVector<> lower(memory.Size(), memory.Data());
+  CalcTrig(degree - 1, xi, lower);
+  for (int j : Range(degree + 1))
+    for (int i : Range(degree + 1 - j)) {
+      double along = i + j < degree ? lower(TrigNumber(degree - 1, i, j)) : 0;
+      int k = TrigNumber(degree, i, j);
+      db(k, 0) = degree * ((i > 0 ? lower(TrigNumber(degree - 1, i - 1, j)) : 0) - along);
+      db(k, 1) = degree * ((j > 0 ? lower(TrigNumber(degree - 1, i, j - 1)) : 0) - along);
+    }
+}
+} // namespace
+
+template <>
+void CalcBernstein(ELEMENT_TYPE, int degree, Vec<1> xi, FlatVector<> basis,
+                   FlatMatrixFixWidth<1> derivative) {
+  CalcLine(degree, xi(0), basis);
+  CalcLineDerivative(degree, xi(0), derivative.AsVector());
+}
+
+template <>
+void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<2> xi, FlatVector<> basis,
+                   FlatMatrixFixWidth<2> derivative) {
+  if (type == ET_TRIG) {
+    CalcTrig(degree, xi, basis);
+    CalcTrigDerivative(degree, xi, derivative);
+    return;
+  }
+  int n = degree + 1;
+  ArrayMem<double, 48> memory(4 * n);
+  FlatVector<> s(n, &memory[0]), t(n, &memory[n]), ds(n, &memory[2 * n]), dt(n, &memory[3 * n]);
+  CalcLine(degree, xi(0), s);
+  CalcLine(degree, xi(1), t);
+  CalcLineDerivative(degree, xi(0), ds);
+  CalcLineDerivative(degree, xi(1), dt);
+  for (int j : Range(n))
+    for (int i : Range(n)) {
+      basis(j * n + i) = s(i) * t(j);
+      derivative(j * n + i, 0) = ds(i) * t(j);
+      derivative(j * n + i, 1) = s(i) * dt(j);
+    }
+}
+
 template <>
 void EvaluateBernstein(ELEMENT_TYPE, int degree, FlatArray<Vec<2>> control, Vec<1> xi, Vec<2> & x,
                        Mat<2, 1> & dx) {

@@ -21,6 +21,11 @@ Array<Vec<R>> InterpolationPoints(ELEMENT_TYPE type, int degree);
 template <int R>
 Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree);
 
+/// The polynomials that belong to the control points, and their derivatives (a row each).
+template <int R>
+void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<R> xi, FlatVector<> basis,
+                   FlatMatrixFixWidth<R> derivative);
+
 /// Value and derivative, by de Casteljau's algorithm.
 template <int D>
 void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<D>> control, Vec<D - 1> xi,

@@ -66,8 +66,7 @@ Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
   degree = max(1, ma->GetCurveOrder());
   if (auto def = ma->GetDeformation())
     degree = max(degree, def->GetFESpace()->GetOrder());
-  if (displacement)
-    degree = max(degree, order);
+  degree = max(degree, order);
 
   first.Append(0);
   for (size_t i : Range(ma->GetNE(BND)))
@@ -85,6 +84,7 @@ Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
     for (auto f : range)
       AddFace(f, *ma, displacement.get(), lh);
   });
+  CheckFinite(*ma);
 }
 
 template <int D>
@@ -128,10 +128,16 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   for (int i : Range(points)) {
     Vec<D> & c = control[first[face] + i];
     c = Trans(values) * tocontrol.Row(i);
-    if (!isfinite(L2Norm2(c)))
-      throw Exception("boundary '" + string(ma.GetMaterial(ei)) +
-                      "': the configuration to pair in holds NaN or infinite coordinates");
   }
+}
+
+template <int D>
+void Surface<D>::CheckFinite(const MeshAccess & ma) const {
+  for (size_t f : Range(Size()))
+    for (auto & c : Control(f))
+      if (!isfinite(L2Norm2(c)))
+        throw Exception("boundary '" + string(ma.GetMaterial(ElementId(BND, elements[f]))) +
+                        "': the configuration to pair in holds NaN or infinite coordinates");
 }
 
 template <int D>

@@ -14,7 +14,8 @@ using namespace ngcomp;
 template <int D>
 class Surface {
 public:
-  /// `displacement` may be null (reference configuration); `order` is its polynomial order.
+  /// `displacement` may be null (reference configuration); faces are polynomials of degree `order`
+  /// at least.
   Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order);
 
   size_t Size() const { return elements.Size(); }
@@ -22,6 +23,12 @@ public:
   int Element(size_t face) const { return elements[face]; }
   ELEMENT_TYPE Type(size_t face) const { return types[face]; }
   int Degree() const { return degree; }
+  /// control points of a face, which may be moved
+  FlatArray<Vec<D>> Control(size_t face) const {
+    return control.Range(first[face], first[face + 1]);
+  }
+  /// Throws where control points are NaN or infinite.
+  void CheckFinite(const MeshAccess & ma) const;
   /// largest distance of two corners, the local size of everything that needs a tolerance
   double Diameter(size_t face) const;
   /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
@@ -36,9 +43,6 @@ public:
   Vec<D> Normal(size_t face, const Mat<D, D - 1> & dx) const;
 
 private:
-  FlatArray<Vec<D>> Control(size_t face) const {
-    return control.Range(first[face], first[face + 1]);
-  }
   void AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement, LocalHeap & lh);
 
   Array<int> elements;

@@ -1,0 +1,319 @@
+#include "formbase.hpp"
+#include "macromotion.hpp"
+
+namespace ngslac {
+namespace {
+template <int D>
+Table<int> SegmentsOfMacros(const Pairing<D> & pairing, const Surface<D> & slave,
+                            const LACSpace & space) {
+  TableCreator<int> creator(space.NMacros());
+  for (; !creator.Done(); creator++)
+    for (int s : Range(pairing.Size()))
+      creator.Add(space.MacroOfFace()[slave.Element(pairing.segments[s].slave)], s);
+  return creator.MoveTable();
+}
+
+/// Partners, gap, slip, normals and forces are those of the current configuration.
+///
+/// Areas, and with them the multipliers, count in the reference configuration. Between two calls of
+/// Follow the points on the slave faces and their master faces stay; the derivative is exact for
+/// that. Moving the points, too, would change nothing but errors of quadrature, since what is
+/// integrated is continuous across the edges of segments, except at the rim of the master.
+template <int D>
+class FiniteSliding : public FormBase<D> {
+  using Base = FormBase<D>;
+  using Base::accepted, Base::c, Base::jump, Base::lamdof, Base::mat, Base::nscalars;
+  using Base::pairing, Base::reference, Base::space, Base::states, Base::u;
+
+  unique_ptr<Surface<D>> slave_reference, master_reference;
+  unique_ptr<FaceShapes<D>> slave_shapes, master_shapes;
+  Array<double> fullarea;                  // in the reference configuration
+  shared_ptr<const MacroPoints<D>> points; // of the last Follow
+  shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
+  Array<double> last_gap;                  // at the last Commit
+  unique_ptr<MovingSurfaces<D>> now;
+
+public:
+  using Base::Base;
+
+  void Update(shared_ptr<GridFunction> gf) override {
+    static Timer timer("ngslac::FiniteSliding::Update");
+    RegionTimer reg(timer);
+    this->CheckSpace(gf);
+    int order = u.component->GetOrder();
+    slave_reference = make_unique<Surface<D>>(space->SlaveRegion(), nullptr, order);
+    master_reference = make_unique<Surface<D>>(*this->setup.master, nullptr, order);
+    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference);
+    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference);
+    Pairing<D> none;
+    none.segments.Append(Segment{-1, -1, 0, 0});
+    fullarea = MacroJump<D>(u, *space, *slave_reference, nullptr, none).fullarea;
+
+    nscalars = u.fes->GetNDof() * u.fes->GetDimension();
+    Vector<> x(nscalars);
+    x = 0.0;
+    if (gf)
+      x = gf->GetVector().FV<double>();
+    PairAnew(x);
+    this->Reset();
+    start = points;
+    reference = Vec<D>(0.0);
+    last_gap.SetSize(jump->Size());
+    Configure(x);
+    for (size_t m : Range(jump->Size())) {
+      last_gap[m] = Place(m, x).gap;
+      states[m] = MacroState{0, last_gap[m], Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    accepted = states;
+    mat = make_shared<SparseMatrix<double>>(0, 0);
+  }
+
+  void Follow(const BaseVector & bx) override {
+    static Timer timer("ngslac::FiniteSliding::Follow");
+    RegionTimer reg(timer);
+    this->CheckSize(bx.FV<double>().Size());
+    PairAnew(bx.FV<double>());
+  }
+
+  void AddApply(const BaseVector & bx, BaseVector & by) override {
+    static Timer timer("ngslac::FiniteSliding::Apply");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    this->CheckSize(by.FV<double>().Size());
+    auto x = bx.FV<double>(), y = by.FV<double>();
+    Configure(x);
+    LocalHeap heap(10 * 1000 * 1000, "ngslac-finite", true);
+    ParallelForRange(jump->Size(), [&](IntRange range) {
+      LocalHeap lh = heap.Split();
+      for (auto m : range) {
+        auto place = Place(m, x);
+        auto p = Project(this->Data(m, place.normal), this->Trial(m, place, x));
+        Vec<D> traction = this->AddMultiplierResidual(m, x, p, y);
+        if (L2Norm2(traction) > 0)
+          AddForces<D>(*now, *points, m, -traction, y, lh);
+      }
+    });
+  }
+
+  void AssembleLinearization(const BaseVector & bx) override {
+    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+      return Project(this->Data(m, normal), trial);
+    });
+  }
+
+  void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    auto x = bx.FV<double>(), y = residual.FV<double>();
+    LocalHeap lh(10 * 1000 * 1000, "ngslac-step");
+    Array<Projection<D>> projections(jump->Size());
+    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+      return projections[m] = this->ProjectWithMemory(m, normal, trial);
+    });
+    for (size_t m : Range(jump->Size())) {
+      Vec<D> traction = this->AddMultiplierResidual(m, x, projections[m], y);
+      if (L2Norm2(traction) > 0)
+        AddForces<D>(*now, *points, m, -traction, y, lh);
+    }
+  }
+
+  void Commit(const BaseVector & bx) override {
+    Follow(bx);
+    this->Evaluate(bx);
+    accepted = states;
+    for (size_t m : Range(jump->Size())) {
+      double approach = last_gap[m] - states[m].gap;
+      Vec<D> slip;
+      for (int k : Range(D))
+        slip(k) = states[m].slip(k);
+      double motion = sqrt(sqr(approach) + L2Norm2(slip));
+      reference[m] = this->TimeToTouch(states[m], approach, motion) * slip;
+      last_gap[m] = states[m].gap;
+    }
+    start = points;
+  }
+
+protected:
+  void Configure(FlatVector<> x) override {
+    now = make_unique<MovingSurfaces<D>>(MovingSurfaces<D>{
+        *slave_shapes, *master_shapes, slave_shapes->Displaced(*slave_reference, x),
+        master_shapes->Displaced(*master_reference, x)});
+  }
+
+  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+    if (points->area[m] == 0)
+      return {jump->normal[m], 0, Vec<D>(0.0), Vec<D>(0.0)};
+    auto [gap, normal] = MeanGap<D>(*now, *points, m);
+    Vec<D> slip = 0.0;
+    if (Slides(m))
+      slip = MeanSlip<D>(*now, *start, m) - reference[m];
+    return PlaceOf(gap, normal, slip);
+  }
+
+  LawData<D> Data(size_t m, const Vec<D> & normal) const override {
+    auto data = Base::Data(m, normal);
+    if (!Slides(m)) // it has just met its partner: what it slid in this step is not known
+      data.friction = data.threshold = -1;
+    return data;
+  }
+
+private:
+  bool Slides(size_t m) const {
+    return start->area[m] > 0 && max(this->friction[m], this->threshold[m]) >= 0;
+  }
+
+  static MacroPlace<D> PlaceOf(double gap, const Vec<D> & normal, const Vec<D> & slip) {
+    Vec<D> along = slip - InnerProduct(slip, normal) * normal;
+    return {normal, gap, along, along - gap * normal};
+  }
+
+  void PairAnew(FlatVector<> x) {
+    auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
+    auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
+    slave->CheckFinite(*u.fes->GetMeshAccess());
+    master->CheckFinite(*u.fes->GetMeshAccess());
+    auto paired = this->PairAt(std::move(slave), std::move(master));
+    CountReferenceAreas(*paired.slave, paired.pairing);
+    this->Take(std::move(paired));
+    jump->fullarea = fullarea;
+    points = make_shared<MacroPoints<D>>(MacroPoints<D>{
+        pairing, SegmentsOfMacros(pairing, *this->slave, *space), Array<double>(jump->area)});
+  }
+
+  void CountReferenceAreas(const Surface<D> & current, Pairing<D> & pairs) const {
+    ParallelFor(pairs.Size(), [&](size_t s) {
+      int face = pairs.segments[s].slave;
+      for (auto & p : pairs.points.Range(pairs.Points(s))) {
+        Vec<D> x;
+        Mat<D, D - 1> before, after;
+        slave_reference->Evaluate(face, p.slave, x, before);
+        current.Evaluate(face, p.slave, x, after);
+        p.weight *= Measure(before) / Measure(after);
+      }
+    });
+  }
+
+  /// Dofs that a macro-element's gap and slip depend on, sorted.
+  Array<int> Dofs(size_t m) const {
+    Array<int> dofs;
+    auto add = [&](const MacroPoints<D> & from) {
+      for (int s : from.segments[m]) {
+        auto & segment = from.pairing.segments[s];
+        dofs += slave_shapes->Dofs(segment.slave);
+        dofs += master_shapes->Dofs(segment.master);
+      }
+    };
+    add(*points);
+    if (Slides(m))
+      add(*start);
+    QuickSort(dofs);
+    dofs.SetSize(std::unique(dofs.begin(), dofs.end()) - dofs.begin());
+    return dofs;
+  }
+
+  bool Pushes(size_t m, FlatVector<> x) const { return L2Norm2(this->Multiplier(m, x)) > 0; }
+
+  void MakeGraph(FlatVector<> x) {
+    static Timer timer("ngslac::FiniteSliding - graph");
+    RegionTimer reg(timer);
+    TableCreator<int> creator(nscalars);
+    for (; !creator.Done(); creator++)
+      ParallelFor(jump->Size(), [&](size_t m) {
+        FlatArray<int> own = lamdof.Range(D * m, D * (m + 1));
+        for (int row : own)
+          for (int col : own)
+            creator.Add(row, col);
+        if (points->area[m] == 0)
+          return;
+        for (int dof : Dofs(m))
+          for (int row : own) {
+            creator.Add(row, dof);
+            creator.Add(dof, row);
+          }
+        if (Pushes(m, x))
+          for (int s : points->segments[m]) {
+            auto & segment = points->pairing.segments[s];
+            for (int row : master_shapes->Dofs(segment.master)) {
+              creator.Add(row, slave_shapes->Dofs(segment.slave));
+              creator.Add(row, master_shapes->Dofs(segment.master));
+            }
+          }
+      });
+    mat = MatrixOf(creator.MoveTable());
+  }
+
+  template <typename PROJECT>
+  void Assemble(const BaseVector & bx, PROJECT project) {
+    static Timer timer("ngslac::FiniteSliding::Assemble");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    auto x = bx.FV<double>();
+    Configure(x);
+    MakeGraph(x);
+    LocalHeap heap(20 * 1000 * 1000, "ngslac-finite", true);
+    ParallelForRange(jump->Size(), [&](IntRange range) {
+      LocalHeap lh = heap.Split();
+      for (auto m : range) {
+        HeapReset hr(lh);
+        AssembleMacro(m, x, project, lh);
+      }
+    });
+  }
+
+  template <typename PROJECT>
+  void AssembleMacro(size_t m, FlatVector<> x, PROJECT project, LocalHeap & lh) {
+    if (points->area[m] == 0) {
+      auto p = project(m, jump->normal[m], jump->normal[m]);
+      SetMultiplierBlock(m, p.derivative);
+      return;
+    }
+    MacroRows<D> rows(Dofs(m));
+    auto add = [&](FlatArray<int> masters, FlatArray<int> slaves, FlatMatrix<> block) {
+      for (int i : Range(masters)) {
+        for (int j : Range(slaves))
+          AtomicAdd((*mat)(masters[i], slaves[j]), block(i, j));
+        for (int j : Range(masters))
+          AtomicAdd((*mat)(masters[i], masters[j]), block(i, slaves.Size() + j));
+      }
+    };
+    auto [gap, normal] = MeanGap<D>(*now, *points, m, this->Multiplier(m, x), rows, add, lh);
+    Vec<D> slip = 0.0;
+    if (Slides(m))
+      slip = MeanSlip<D>(*now, *start, m, rows, lh) - reference[m];
+    auto place = PlaceOf(gap, normal, slip);
+    auto p = project(m, normal, this->Trial(m, place, x));
+    SetMultiplierBlock(m, p.derivative);
+
+    ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
+    double area = points->area[m];
+    for (int j : Range(rows.dofs)) {
+      Vec<D> turn = rows.normal.Col(j);
+      Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
+      moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
+      moved -= rows.gap(j) * normal + gap * turn;
+      Vec<D> entry = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
+      for (int k : Range(D)) {
+        (*mat)(lamdof[D * m + k], rows.dofs[j]) = entry(k);
+        (*mat)(rows.dofs[j], lamdof[D * m + k]) = -rows.force(k, j);
+      }
+    }
+  }
+
+  void SetMultiplierBlock(size_t m, const ngbla::Mat<D, D> & derivative) {
+    ngbla::Mat<D, D> by_lam = (this->RowArea(m) / c[m]) * (derivative - Id<D>());
+    for (int k : Range(D))
+      for (int l : Range(D))
+        (*mat)(lamdof[D * m + k], lamdof[D * m + l]) = by_lam(k, l);
+  }
+};
+} // namespace
+
+template <int D>
+shared_ptr<ContactForm> MakeFiniteSliding(const ContactSetup & setup) {
+  if (setup.obstacle || setup.tied)
+    throw Exception("LACContact: finite=True needs a master surface that slides; for a rigid "
+                    "obstacle mesh a body and fix it, and tied surfaces need no finite");
+  return make_shared<FiniteSliding<D>>(setup);
+}
+
+template shared_ptr<ContactForm> MakeFiniteSliding<2>(const ContactSetup &);
+template shared_ptr<ContactForm> MakeFiniteSliding<3>(const ContactSetup &);
+} // namespace ngslac

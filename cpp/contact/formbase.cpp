@@ -1,0 +1,287 @@
+#include "formbase.hpp"
+#include "coefficients.hpp"
+
+namespace ngslac {
+template <int D>
+typename FormBase<D>::Paired
+FormBase<D>::PairIn(shared_ptr<CoefficientFunction> displacement) const {
+  int order = displacement || setup.finite ? u.component->GetOrder() : 1;
+  auto surface = [&](const Region & region) {
+    return make_unique<Surface<D>>(region, displacement, order);
+  };
+  return PairAt(surface(space->SlaveRegion()), setup.master ? surface(*setup.master) : nullptr);
+}
+
+template <int D>
+typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
+                                                 unique_ptr<Surface<D>> master) const {
+  Paired result;
+  auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
+  double maxdist = 0;
+  if (setup.obstacle) {
+    result.pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
+    SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *slave, result.pairing);
+  } else {
+    auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration,
+                                 (D == 2 ? 2 : 1) * degree(max(u.Order(*slave), u.Order(*master))));
+    result.pairing = Pair<D>(*slave, *master, options);
+    maxdist = options.maxdist;
+  }
+  if (result.pairing.Size() == 0)
+    throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
+                    "surface within maxdist = " +
+                    ToString(maxdist) +
+                    "; check the regions, the placement of the bodies and maxdist");
+  result.slave = std::move(slave), result.master = std::move(master);
+  return result;
+}
+
+template <int D>
+void FormBase<D>::Take(Paired && paired) {
+  auto new_jump =
+      make_unique<MacroJump<D>>(u, *space, *paired.slave, paired.master.get(), paired.pairing);
+  slave = std::move(paired.slave), master = std::move(paired.master), jump = std::move(new_jump);
+  pairing = std::move(paired.pairing);
+}
+
+template <int D>
+void FormBase<D>::Reset() {
+  nscalars = u.fes->GetNDof() * u.fes->GetDimension();
+  CollectMultiplierDofs();
+  FindFriction();
+  size_t n = jump->Size();
+  c.SetSize(n), states.SetSize(n), reference.SetSize(n), direction.SetSize(n);
+  c = 0.0;
+  BeginSolve();
+}
+
+template <int D>
+void FormBase<D>::SetStiffness(FlatVector<> diagonal, double factor) {
+  CheckSize(diagonal.Size());
+  double sum = 0;
+  int paired = 0;
+  for (size_t m : Range(jump->Size())) {
+    double compliance = 0;
+    for (auto & e : jump->Row(m))
+      if (diagonal(e.dof) > 0)
+        compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
+    c[m] = compliance > 0 ? factor * jump->area[m] / compliance : 0;
+    sum += c[m];
+    paired += c[m] > 0;
+  }
+  // A macro-element without a partner still needs a regular row of the right size.
+  for (double & value : c)
+    if (value == 0)
+      value = paired ? sum / paired : factor;
+}
+
+template <int D>
+void FormBase<D>::Evaluate(const BaseVector & bx) {
+  CheckSize(bx.FV<double>().Size());
+  auto x = bx.FV<double>();
+  Configure(x);
+  ParallelFor(jump->Size(), [&](size_t m) {
+    auto place = Place(m, x);
+    Vec<D> traction = Multiplier(m, x);
+    auto & state = states[m];
+    state.pressure = -InnerProduct(traction, place.normal);
+    state.gap = place.gap;
+    state.traction = 0.0, state.slip = 0.0;
+    for (int k : Range(D))
+      state.traction(k) = traction(k), state.slip(k) = place.slip(k);
+    jump->normal[m] = place.normal;
+    state.status = Project(Data(m, place.normal), Trial(m, place, x)).status;
+  });
+}
+
+template <int D>
+void FormBase<D>::Close(const BitArray & macros, BaseVector & bx) {
+  CheckSize(bx.FV<double>().Size());
+  auto x = bx.FV<double>();
+  Configure(x);
+  for (size_t m : Range(jump->Size()))
+    if (macros.Test(m) && jump->area[m] > 0) {
+      // just enough for a positive trial pressure
+      auto place = Place(m, x);
+      double pressure = c[m] * (fabs(place.gap) + 1e-6 * pow(jump->fullarea[m], 1.0 / (D - 1)));
+      for (int k : Range(D))
+        x(lamdof[D * m + k]) = -pressure * place.normal(k);
+    }
+}
+
+template <int D>
+void FormBase<D>::AddScale(FlatVector<> scale) {
+  CheckSize(scale.Size());
+  for (size_t m : Range(jump->Size()))
+    for (int k : Range(D))
+      scale(lamdof[D * m + k]) = sqrt(c[m] / RowArea(m));
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> FormBase<D>::JumpMatrix(Side side) {
+  CheckPaired();
+  unique_ptr<MacroJump<D>> one; // of both sides there is one already
+  if (side != Side::both)
+    one = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing, side);
+  auto & op = one ? *one : *jump;
+  Array<int> rows, cols;
+  Array<double> values;
+  size_t offset = u.offset * u.fes->GetDimension();
+  for (size_t m : Range(op.Size()))
+    if (op.area[m] > 0)
+      for (auto & e : op.Row(m))
+        for (int k : Range(D))
+          if (e.integral(k) != 0) { // D and M are both positive
+            rows.Append(D * m + k);
+            cols.Append(e.dof - offset);
+            values.Append(side == Side::master ? -e.integral(k) : e.integral(k));
+          }
+  return make_shared<SparseMatrix<double>>(std::move(*SparseMatrixTM<double>::CreateFromCOO(
+      rows, cols, values, D * op.Size(), u.component->GetNDof() * u.fes->GetDimension())));
+}
+
+template <int D>
+Array<double> FormBase<D>::Vectors(const string & name) const {
+  CheckPaired();
+  auto flat = [](FlatArray<Vec<D>> vectors) {
+    Array<double> values;
+    for (auto & v : vectors)
+      for (int k : Range(D))
+        values.Append(v(k));
+    return values;
+  };
+  if (name == "normal")
+    return flat(jump->normal);
+  if (name == "center")
+    return flat(jump->center);
+  if (name == "moment")
+    return flat(jump->moment);
+  if (name == "reference")
+    return flat(reference);
+  throw Exception("ContactForm: no vectors named " + name);
+}
+
+template <int D>
+Array<double> FormBase<D>::Scalars(const string & name) const {
+  CheckPaired();
+  auto copy = [](FlatArray<double> a) { return Array<double>(a); };
+  if (name == "area")
+    return copy(jump->area);
+  if (name == "fullarea")
+    return copy(jump->fullarea);
+  if (name == "c")
+    return copy(c);
+  if (name == "friction")
+    return copy(friction);
+  throw Exception("ContactForm: no scalars named " + name);
+}
+
+template <int D>
+size_t FormBase<D>::NSegments() const {
+  CheckPaired();
+  return pairing.Size();
+}
+
+template <int D>
+SegmentTable FormBase<D>::Segments() const {
+  CheckPaired();
+  return MakeSegmentTable(pairing, *slave, master.get());
+}
+
+template <int D>
+Vec<D> FormBase<D>::Multiplier(size_t m, FlatVector<> x) const {
+  Vec<D> traction;
+  for (int k : Range(D))
+    traction(k) = x(lamdof[D * m + k]);
+  return traction;
+}
+
+template <int D>
+Vec<D> FormBase<D>::AddMultiplierResidual(size_t m, FlatVector<> x, const Projection<D> & p,
+                                          FlatVector<> y) const {
+  Vec<D> traction = Multiplier(m, x);
+  Vec<D> residual = (RowArea(m) / c[m]) * (p.traction - traction);
+  for (int k : Range(D))
+    y(lamdof[D * m + k]) += residual(k);
+  return traction;
+}
+
+template <int D>
+Projection<D> FormBase<D>::ProjectWithMemory(size_t m, const Vec<D> & normal,
+                                             const Vec<D> & trial) {
+  Vec<D> now = 0.0;
+  auto p = Project(Data(m, normal), trial);
+  if (p.status == Status::slip && max(friction[m], threshold[m]) > 0)
+    now = trial - InnerProduct(trial, normal) * normal;
+  if (InnerProduct(now, direction[m]) < 0) {
+    p = Sticking(trial);
+    now = 0.0;
+  }
+  direction[m] = now;
+  return p;
+}
+
+template <int D>
+void FormBase<D>::CheckSize(size_t entries) const {
+  CheckPaired();
+  if (entries != nscalars)
+    throw Exception("LACContact: got " + ToString(entries) +
+                    " entries, but the pairing was made "
+                    "for a product space with " +
+                    ToString(nscalars) +
+                    "; after a refinement call Update() and make a new solver");
+}
+
+template <int D>
+void FormBase<D>::CheckPaired() const {
+  if (!jump)
+    throw Exception("LACContact: no pairing yet; call Update() first");
+}
+
+template <int D>
+void FormBase<D>::Prepare(const BaseVector & x) {
+  CheckSize(x.FV<double>().Size());
+  for (auto & cf : {setup.friction, setup.threshold})
+    if (cf && !dynamic_pointer_cast<ConstantCoefficientFunction>(cf)) {
+      FindFriction(); // a Parameter may have changed
+      break;
+    }
+  for (double value : c)
+    if (!(value > 0))
+      throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
+                      "ContactSolver or FormSum do it");
+}
+
+template <int D>
+void FormBase<D>::CollectMultiplierDofs() {
+  lamdof.SetSize(D * space->NMacros());
+  LocalHeap lh(1000 * 1000, "ngslac-multipliers");
+  int block = lam.fes->GetDimension();
+  Array<DofId> dofs;
+  for (size_t f : Range(slave->Size())) {
+    HeapReset hr(lh);
+    ElementId ei(BND, slave->Element(f));
+    lam.fes->GetDofNrs(ei, dofs);
+    IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
+    for (int k : Range(D))
+      lamdof[D * space->MacroOfFace()[ei.Nr()] + k] =
+          block * dofs[(used.First() + k) / block] + (used.First() + k) % block;
+  }
+}
+
+template <int D>
+void FormBase<D>::FindFriction() {
+  auto means = [&](shared_ptr<CoefficientFunction> function, const char * name) {
+    if (function)
+      return MacroMeans(*function, *space, name);
+    Array<double> none(space->NMacros());
+    none = -1.0;
+    return none;
+  };
+  friction = means(setup.friction, "friction");
+  threshold = means(setup.threshold, "tresca");
+}
+
+template class FormBase<2>;
+template class FormBase<3>;
+} // namespace ngslac

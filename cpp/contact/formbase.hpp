@@ -1,0 +1,98 @@
+#pragma once
+#include "contactform.hpp"
+
+namespace ngslac {
+template <int D>
+shared_ptr<ContactForm> MakeSmallSliding(const ContactSetup & setup);
+template <int D>
+shared_ptr<ContactForm> MakeFiniteSliding(const ContactSetup & setup);
+
+/// Where a macro-element is: means over its paired part.
+template <int D>
+struct MacroPlace {
+  Vec<D> normal;
+  double gap;  // along the slave normals
+  Vec<D> slip; // of this step, perpendicular to the normal
+  Vec<D> jump; // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
+};
+
+/// What does not depend on how the surfaces move: macro-elements, scales, law, results.
+template <int D>
+class FormBase : public ContactForm {
+public:
+  explicit FormBase(const ContactSetup & asetup) : ContactForm(asetup) {}
+
+  void SetStiffness(FlatVector<> diagonal, double factor) override;
+  void SetConstant(double value) override { c = value; }
+  void BeginSolve() override { direction = Vec<D>(0.0); }
+  void Evaluate(const BaseVector & x) override;
+  void Restore() override { states = accepted; }
+  void Close(const BitArray & macros, BaseVector & x) override;
+  void AddScale(FlatVector<> scale) override;
+  shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
+  Array<double> Vectors(const string & name) const override;
+  Array<double> Scalars(const string & name) const override;
+  size_t NSegments() const override;
+  SegmentTable Segments() const override;
+
+protected:
+  /// Cuts one configuration into segments; null displacement: the reference one.
+  struct Paired {
+    unique_ptr<Surface<D>> slave, master; // no master: an obstacle
+    Pairing<D> pairing;
+  };
+  Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
+  Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
+  /// Takes over a new pairing and its macro-elements.
+  void Take(Paired && paired);
+  /// Scales, law and states for new macro-elements.
+  void Reset();
+  void CollectMultiplierDofs();
+  void FindFriction();
+
+  /// Called before Place with another x.
+  virtual void Configure(FlatVector<> /* x */) {}
+  virtual MacroPlace<D> Place(size_t m, FlatVector<> x) const = 0;
+  virtual LawData<D> Data(size_t m, const Vec<D> & normal) const {
+    return {normal, c[m], friction[m], threshold[m], setup.tied && jump->area[m] > 0};
+  }
+
+  double RowArea(size_t m) const { return jump->area[m] > 0 ? jump->area[m] : jump->fullarea[m]; }
+  Vec<D> Multiplier(size_t m, FlatVector<> x) const;
+  /// Adds the residual of the multiplier's rows; returns the multiplier.
+  Vec<D> AddMultiplierResidual(size_t m, FlatVector<> x, const Projection<D> & p,
+                               FlatVector<> y) const;
+  /// An open macro-element that goes on as in the last step will touch where its path meets the
+  /// master: what it moves until then, counted in such steps, is no slip.
+  static double TimeToTouch(const MacroState & state, double approach, double motion) {
+    bool touches = state.status == Status::open && state.gap > 0 && approach > 0.1 * motion &&
+                   state.gap < 10 * approach;
+    return touches ? state.gap / approach : 0;
+  }
+  /// The traction before the projection. Macro-elements without a partner stay open.
+  Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
+    if (jump->area[m] == 0)
+      return place.normal;
+    return Multiplier(m, x) - c[m] * place.jump;
+  }
+  /// The projection, but what slips the other way than in the last Newton step sticks.
+  Projection<D> ProjectWithMemory(size_t m, const Vec<D> & normal, const Vec<D> & trial);
+  void CheckSpace(const shared_ptr<GridFunction> & gf) const {
+    if (gf && gf->GetFESpace() != u.fes)
+      throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one "
+                      "on the product space");
+  }
+  void CheckSize(size_t entries) const;
+  void CheckPaired() const;
+  void Prepare(const BaseVector & x);
+
+  unique_ptr<Surface<D>> slave, master;
+  Pairing<D> pairing;
+  unique_ptr<MacroJump<D>> jump;
+  Array<double> c, friction, threshold;
+  size_t nscalars = 0;        // entries of a vector on the product space
+  Array<Vec<D>> reference;    // slip counts from there
+  Array<Vec<D>> direction;    // of slip in the last Newton step
+  Array<MacroState> accepted; // at the last committed step
+};
+} // namespace ngslac

@@ -1,0 +1,211 @@
+#include "macromotion.hpp"
+#include "ray.hpp"
+
+namespace ngslac {
+template <int D>
+MacroRows<D>::MacroRows(Array<int> && adofs) : dofs(std::move(adofs)) {
+  size_t n = dofs.Size();
+  gap.SetSize(n);
+  normal.SetSize(D, n), slip.SetSize(D, n), force.SetSize(D, n);
+  gap = 0.0, normal = 0.0, slip = 0.0, force = 0.0;
+}
+
+namespace {
+template <int D>
+MacroGap<D> Finish(double gap, Vec<D> normals, double area) {
+  return {gap / area, (1 / L2Norm(normals)) * normals};
+}
+
+template <int D>
+Array<int> Positions(const MacroRows<D> & rows, FlatArray<int> dofs) {
+  Array<int> positions(dofs.Size());
+  for (int i : Range(dofs))
+    positions[i] = rows.Position(dofs[i]);
+  return positions;
+}
+
+/// Derivative of the unit normal by the dofs of a slave face.
+template <int D>
+FlatMatrix<> NormalDerivative(Vec<D> normal, const Mat<D, D - 1> & dx,
+                              const typename FaceShapes<D>::Values & shapes, LocalHeap & lh) {
+  FlatMatrix<> result(D, shapes.value.Width(), lh);
+  auto dual = DualBasis<D>(dx);
+  result = 0.0;
+  for (int j : Range(result.Width()))
+    for (int a : Range(D - 1))
+      result.Col(j) -= InnerProduct(normal, shapes.derivative[a].Col(j)) * dual.Col(a);
+  return result;
+}
+} // namespace
+
+template <int D>
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
+  double gap = 0;
+  Vec<D> normals = 0.0;
+  for (int s : points.segments[macro]) {
+    auto & segment = points.pairing.segments[s];
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+      gap += p.weight * ray.gap;
+      normals += p.weight * ray.normal;
+    }
+  }
+  return Finish(gap, normals, points.area[macro]);
+}
+
+template <int D>
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    Vec<D> traction, MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh) {
+  double gap = 0;
+  Vec<D> normals = 0.0;
+  for (int s : points.segments[macro]) {
+    HeapReset hr(lh);
+    auto & segment = points.pairing.segments[s];
+    auto slave_dofs = now.slave_shapes.Dofs(segment.slave);
+    auto master_dofs = now.master_shapes.Dofs(segment.master);
+    auto slave_at = Positions(rows, slave_dofs), master_at = Positions(rows, master_dofs);
+    int n1 = slave_dofs.Size(), n2 = master_dofs.Size();
+    FlatMatrix<> block(n2, n1 + n2, lh);
+    block = 0.0;
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+      HeapReset hr(lh);
+      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
+      auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
+      auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
+      FlatMatrix<> moved(D, n1 + n2, lh), response(D, n1 + n2, lh);
+      moved.Cols(0, n1) = on_slave.value + ray.gap * turn;
+      moved.Cols(n1, n1 + n2) = -on_master.value;
+      response = ray.response * moved;
+      for (int j : Range(n1))
+        response(D - 1, j) += InnerProduct(ray.miss, turn.Col(j));
+
+      gap += p.weight * ray.gap;
+      normals += p.weight * ray.normal;
+      for (int j : Range(n1)) {
+        rows.gap(slave_at[j]) += p.weight * response(D - 1, j);
+        rows.normal.Col(slave_at[j]) += p.weight * turn.Col(j);
+        rows.force.Col(slave_at[j]) += p.weight * on_slave.value.Col(j);
+      }
+      for (int j : Range(n2)) {
+        rows.gap(master_at[j]) += p.weight * response(D - 1, n1 + j);
+        rows.force.Col(master_at[j]) -= p.weight * on_master.value.Col(j);
+      }
+      for (int a : Range(D - 1))
+        for (int i : Range(n2))
+          block.Row(i) +=
+              p.weight * InnerProduct(traction, on_master.derivative[a].Col(i)) * response.Row(a);
+    }
+    if (L2Norm2(traction) > 0)
+      add(master_dofs, slave_dofs, block);
+  }
+  auto result = Finish(gap, normals, points.area[macro]);
+  rows.gap *= 1 / points.area[macro];
+  Mat<D, D> across = Id<D>() - result.normal * Trans(result.normal);
+  across *= 1 / L2Norm(normals);
+  for (int j : Range(rows.dofs)) {
+    Vec<D> turn = across * Vec<D>(rows.normal.Col(j));
+    rows.normal.Col(j) = turn;
+  }
+  return result;
+}
+
+template <int D>
+void AddForces(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+               Vec<D> traction, FlatVector<> y, LocalHeap & lh) {
+  for (int s : points.segments[macro]) {
+    HeapReset hr(lh);
+    auto & segment = points.pairing.segments[s];
+    auto slave_dofs = now.slave_shapes.Dofs(segment.slave);
+    auto master_dofs = now.master_shapes.Dofs(segment.master);
+    FlatVector<> slave_forces(slave_dofs.Size(), lh), master_forces(master_dofs.Size(), lh);
+    slave_forces = 0.0, master_forces = 0.0;
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+      HeapReset hr(lh);
+      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+      Vec<D> force = p.weight * traction;
+      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
+      auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
+      for (int j : Range(slave_dofs))
+        slave_forces(j) += InnerProduct(force, on_slave.value.Col(j));
+      for (int j : Range(master_dofs))
+        master_forces(j) -= InnerProduct(force, on_master.value.Col(j));
+    }
+    for (int j : Range(slave_dofs))
+      AtomicAdd(y(slave_dofs[j]), slave_forces(j));
+    for (int j : Range(master_dofs))
+      AtomicAdd(y(master_dofs[j]), master_forces(j));
+  }
+}
+
+namespace {
+/// A pair of points that once faced each other.
+template <int D>
+struct OldPair {
+  Vec<D> apart, normal;
+  Mat<D, D - 1> dx;
+
+  OldPair(const MovingSurfaces<D> & now, const Segment & segment, const PairPoint<D> & p) {
+    Vec<D> x;
+    now.slave.Evaluate(segment.slave, p.slave, x, dx);
+    normal = now.slave.Normal(segment.slave, dx);
+    apart = x - now.master.Point(segment.master, p.master);
+  }
+  Vec<D> Slip() const { return apart - InnerProduct(normal, apart) * normal; }
+};
+} // namespace
+
+template <int D>
+Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
+  Vec<D> sum = 0.0;
+  for (int s : points.segments[macro])
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s)))
+      sum += p.weight * OldPair<D>(now, points.pairing.segments[s], p).Slip();
+  return (1 / points.area[macro]) * sum;
+}
+
+template <int D>
+Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                MacroRows<D> & rows, LocalHeap & lh) {
+  Vec<D> sum = 0.0;
+  double mean = 1 / points.area[macro];
+  for (int s : points.segments[macro]) {
+    auto & segment = points.pairing.segments[s];
+    auto slave_at = Positions(rows, now.slave_shapes.Dofs(segment.slave));
+    auto master_at = Positions(rows, now.master_shapes.Dofs(segment.master));
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+      HeapReset hr(lh);
+      OldPair<D> old(now, segment, p);
+      sum += p.weight * old.Slip();
+      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
+      auto on_master = now.master_shapes.Calc(now.master, segment.master, p.master, lh);
+      auto turn = NormalDerivative<D>(old.normal, old.dx, on_slave, lh);
+      Mat<D, D> across = Id<D>() - old.normal * Trans(old.normal);
+      across *= mean * p.weight;
+      double opening = InnerProduct(old.normal, old.apart);
+      for (int j : Range(slave_at)) {
+        rows.slip.Col(slave_at[j]) += across * Vec<D>(on_slave.value.Col(j));
+        rows.slip.Col(slave_at[j]) -= mean * p.weight * opening * turn.Col(j);
+        rows.slip.Col(slave_at[j]) -=
+            mean * p.weight * InnerProduct(turn.Col(j), old.apart) * old.normal;
+      }
+      for (int j : Range(master_at))
+        rows.slip.Col(master_at[j]) -= across * Vec<D>(on_master.value.Col(j));
+    }
+  }
+  return mean * sum;
+}
+
+#define INSTANTIATE(D)                                                                             \
+  template struct MacroRows<D>;                                                                    \
+  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
+  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,  \
+                               MacroRows<D> &, const ForceBlock &, LocalHeap &);                   \
+  template void AddForces(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,       \
+                          FlatVector<>, LocalHeap &);                                              \
+  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
+  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
+                           MacroRows<D> &, LocalHeap &);
+INSTANTIATE(2)
+INSTANTIATE(3)
+} // namespace ngslac

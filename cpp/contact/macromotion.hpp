@@ -1,0 +1,69 @@
+#pragma once
+#include "faceshapes.hpp"
+
+namespace ngslac {
+/// Both surfaces in one configuration, and how they move with the dofs.
+template <int D>
+struct MovingSurfaces {
+  const FaceShapes<D> & slave_shapes;
+  const FaceShapes<D> & master_shapes;
+  Surface<D> slave, master;
+};
+
+/// Quadrature points on the slave surface with the master faces they see: of one pairing, fixed in
+/// the coordinates of the slave faces.
+template <int D>
+struct MacroPoints {
+  Pairing<D> pairing;
+  Table<int> segments; // of each macro-element
+  Array<double> area;  // of each macro-element, 0 where too little is paired
+};
+
+/// Derivatives of what moves with a macro-element, a column for each dof.
+template <int D>
+struct MacroRows {
+  Array<int> dofs; // sorted
+  Vector<> gap;
+  Matrix<> normal, slip;
+  Matrix<> force; // integral of slave minus master shape functions
+
+  explicit MacroRows(Array<int> && adofs);
+  int Position(int dof) const {
+    return std::lower_bound(dofs.begin(), dofs.end(), dof) - dofs.begin();
+  }
+};
+
+/// A block of the derivative of the contact forces, from rays that move along the master.
+using ForceBlock =
+    std::function<void(FlatArray<int> rows, FlatArray<int> slave_cols, FlatMatrix<> block)>;
+
+/// Where the slave normals meet the master: mean gap and normal of a macro-element.
+///
+/// From a point x of the slave with normal n the ray  x + g n  meets the master at y(eta); both eta
+/// and g follow the displacement. Weights are areas of the reference configuration.
+template <int D>
+struct MacroGap {
+  double gap = 0;
+  Vec<D> normal;
+};
+template <int D>
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
+
+/// The same with derivatives, and the blocks  d(force) . traction.
+template <int D>
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    Vec<D> traction, MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh);
+
+/// Adds  factor * traction . integral of (slave minus master shape functions)  to a vector.
+template <int D>
+void AddForces(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+               Vec<D> traction, FlatVector<> y, LocalHeap & lh);
+
+/// How far the slave slid along the master since the points were paired: the mean of the tangential
+/// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.
+template <int D>
+Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
+template <int D>
+Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                MacroRows<D> & rows, LocalHeap & lh);
+} // namespace ngslac

@@ -1,0 +1,64 @@
+#include "ray.hpp"
+
+namespace ngslac {
+namespace {
+// How far beyond its face the polynomial of a master face is trusted, in reference coordinates.
+constexpr double farthest_outside = 1;
+} // namespace
+
+template <int D>
+Ray<D>::Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master, int master_face,
+            const PairPoint<D> & start)
+    : eta(start.master), gap(start.gap), miss(0.0) {
+  slave.Evaluate(slave_face, start.slave, x, dx);
+  normal = slave.Normal(slave_face, dx);
+  if (Shoot(master, master_face, L2Norm(dx)))
+    return;
+  // Far away, where rays spread, the partner of the pairing stays.
+  eta = start.master;
+  master.Evaluate(master_face, eta, y, dy);
+  gap = InnerProduct(normal, y - x);
+  miss = y - x - gap * normal;
+  response = 0.0;
+  response.Row(D - 1) = -normal;
+}
+
+template <int D>
+bool Ray<D>::Shoot(const Surface<D> & master, int face, double size) {
+  for (int it = 0; it < 20; it++) {
+    master.Evaluate(face, eta, y, dy);
+    Mat<D, D> derivative;
+    for (int i : Range(D)) {
+      for (int k : Range(D - 1))
+        derivative(i, k) = dy(i, k);
+      derivative(i, D - 1) = -normal(i);
+    }
+    response = Inv(derivative);
+    Vec<D> step = response * Vec<D>(y - x - gap * normal);
+    double length = 0;
+    for (int k : Range(D - 1)) {
+      eta(k) -= step(k);
+      length = max(length, fabs(step(k)));
+      if (!(fabs(eta(k) - 0.5) < 0.5 + farthest_outside))
+        return false;
+    }
+    gap -= step(D - 1);
+    if (length < 1e-14 || (length < 1e-9 && fabs(step(D - 1)) < 1e-9 * size)) {
+      master.Evaluate(face, eta, y, dy);
+      return true;
+    }
+  }
+  return false;
+}
+
+template <int D>
+Mat<D, D - 1> DualBasis(const Mat<D, D - 1> & dx) {
+  Mat<D - 1, D - 1> metric = Trans(dx) * dx;
+  return dx * Inv(metric);
+}
+
+template struct Ray<2>;
+template struct Ray<3>;
+template Mat<2, 1> DualBasis(const Mat<2, 1> &);
+template Mat<3, 2> DualBasis(const Mat<3, 2> &);
+} // namespace ngslac

@@ -1,0 +1,26 @@
+#pragma once
+#include "pairing/pairing.hpp"
+
+namespace ngslac {
+/// A point of the slave and the point of a master face that its normal meets.
+template <int D>
+struct Ray {
+  Vec<D> x, y, normal;
+  Mat<D, D - 1> dx, dy;
+  Vec<D - 1> eta;
+  double gap;
+  /// Turns  d(x) + gap d(normal) - d(y at fixed eta)  into  (d eta, d gap).
+  Mat<D, D> response;
+  Vec<D> miss; // y - x - gap normal, 0 unless the ray misses
+
+  Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master, int master_face,
+      const PairPoint<D> & start);
+
+private:
+  bool Shoot(const Surface<D> & master, int face, double size);
+};
+
+/// Columns a^1 (and a^2) with  a^i . a_j = delta_ij  in the tangent plane.
+template <int D>
+Mat<D, D - 1> DualBasis(const Mat<D, D - 1> & dx);
+} // namespace ngslac

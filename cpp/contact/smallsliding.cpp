@@ -1,0 +1,128 @@
+#include "formbase.hpp"
+
+namespace ngslac {
+namespace {
+/// Partners, weights and normals stay those of the last Update; gap and slip are linear.
+template <int D>
+class SmallSliding : public FormBase<D> {
+  using Base = FormBase<D>;
+  using Base::accepted, Base::c, Base::jump, Base::lamdof, Base::mat, Base::reference, Base::setup;
+  using Base::states, Base::u;
+
+  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
+
+public:
+  using Base::Base;
+
+  void Update(shared_ptr<GridFunction> gf) override {
+    static Timer timer("ngslac::SmallSliding::Update");
+    RegionTimer reg(timer);
+    this->CheckSpace(gf);
+    shared_ptr<CoefficientFunction> displacement;
+    if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
+      displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
+    this->Take(this->PairIn(displacement)); // a failure leaves the old pairing as it was
+    this->Reset();
+    size_t n = jump->Size();
+    committed.SetSize(n);
+    for (size_t m : Range(n)) {
+      committed[m] = gf ? jump->Mean(m, gf->GetVector().FV<double>()) : Vec<D>(0.0);
+      if (displacement) // the gap is linear in u, counted from the paired configuration
+        jump->gapvector[m] -= committed[m];
+      reference[m] = committed[m];
+      states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    accepted = states;
+    mat = ContactGraph(*jump, lamdof, this->nscalars);
+  }
+
+  void AddApply(const BaseVector & bx, BaseVector & by) override {
+    static Timer timer("ngslac::SmallSliding::Apply");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    this->CheckSize(by.FV<double>().Size());
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) { AddResidual(m, x, ProjectAt(m, x), by); });
+  }
+
+  void AssembleLinearization(const BaseVector & bx) override {
+    static Timer timer("ngslac::SmallSliding::AssembleLinearization");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) { SetRows(m, ProjectAt(m, x).derivative); });
+  }
+
+  void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    static Timer timer("ngslac::SmallSliding::AssembleStep");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    auto x = bx.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
+      AddResidual(m, x, p, residual);
+      SetRows(m, p.derivative);
+    });
+  }
+
+  void Commit(const BaseVector & bx) override {
+    this->Evaluate(bx);
+    accepted = states;
+    auto x = bx.FV<double>();
+    for (size_t m : Range(jump->Size())) {
+      Vec<D> mean = jump->Mean(m, x), velocity = mean - committed[m];
+      committed[m] = mean;
+      double approach = InnerProduct(velocity, jump->normal[m]);
+      reference[m] = mean + this->TimeToTouch(states[m], approach, L2Norm(velocity)) * velocity;
+    }
+  }
+
+protected:
+  MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
+    auto & n = jump->normal[m];
+    Vec<D> mean = jump->Mean(m, x), slip = mean - reference[m];
+    slip -= InnerProduct(slip, n) * n;
+    double gap = Gap(m, mean);
+    return {n, gap, slip, setup.tied ? mean : Vec<D>(slip - gap * n)};
+  }
+
+private:
+  double Gap(size_t m, Vec<D> mean) const {
+    return -InnerProduct(jump->normal[m], mean + jump->gapvector[m]);
+  }
+
+  Projection<D> ProjectAt(size_t m, FlatVector<> x) const {
+    return Project(this->Data(m, jump->normal[m]), this->Trial(m, Place(m, x), x));
+  }
+
+  void AddResidual(size_t m, FlatVector<> x, const Projection<D> & p, BaseVector & by) const {
+    auto y = by.FV<double>();
+    Vec<D> traction = this->AddMultiplierResidual(m, x, p, y);
+    for (auto & e : jump->Row(m))
+      AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
+  }
+
+  void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
+    ngbla::Mat<D, D> by_lam = (this->RowArea(m) / c[m]) * (derivative - Id<D>());
+    for (int k : Range(D)) {
+      int row = lamdof[D * m + k];
+      for (int l : Range(D))
+        (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
+      for (auto & e : jump->Row(m)) {
+        (*mat)(row, e.dof) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
+        if (e.integral(k) != 0)
+          (*mat)(e.dof, row) = -e.integral(k);
+      }
+    }
+  }
+};
+} // namespace
+
+template <int D>
+shared_ptr<ContactForm> MakeSmallSliding(const ContactSetup & setup) {
+  return make_shared<SmallSliding<D>>(setup);
+}
+
+template shared_ptr<ContactForm> MakeSmallSliding<2>(const ContactSetup &);
+template shared_ptr<ContactForm> MakeSmallSliding<3>(const ContactSetup &);
+} // namespace ngslac
