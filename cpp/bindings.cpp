@@ -178,6 +178,26 @@ void ExportContact(py::module & m) {
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
       .def("Restore", &ContactForm::Restore)
+      .def("History",
+           [](ContactForm & self) {
+             py::dict history;
+             for (auto & [name, values] : self.History())
+               history[name.c_str()] = ToNumPy(values);
+             return history;
+           })
+      .def("SetHistory",
+           [](ContactForm & self, const std::map<string, py::array_t<double>> & history) {
+             std::map<string, Array<double>> copy;
+             for (auto & [name, values] : history)
+               copy[name] = FlatArray<double>(values.size(), const_cast<double *>(values.data()));
+             self.SetHistory(copy);
+           })
+      .def(
+          "AssembleAugmented",
+          [](ContactForm & self, const BaseVector & x, BaseVector & residual)
+              -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual); },
+          py::call_guard<py::gil_scoped_release>())
+      .def("UpdateMultipliers", &ContactForm::UpdateMultipliers)
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
@@ -188,14 +208,8 @@ void ExportContact(py::module & m) {
       .def("States",
            [](ContactForm & self) {
              Array<double> values;
-             for (auto & s : self.States()) {
-               values.Append(s.pressure);
-               values.Append(s.gap);
-               values.Append(int(s.status));
-               for (auto * v : {&s.traction, &s.slip})
-                 for (int k : Range(3))
-                   values.Append((*v)(k));
-             }
+             for (auto & s : self.States())
+               AppendState(values, s);
              return ToNumPy(values);
            })
       .def("MultiplierDofs",

@@ -129,7 +129,8 @@ class LACContact:
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self.space = self.form.space
         self.stiffness = stiffness
-        self._scaled = False
+        self.finite = finite
+        self._scaled, self._paired = False, None
         self._CheckRegions(region)
         self._MakeFields()
 
@@ -173,6 +174,7 @@ class LACContact:
             self._MakeFields()
         self.form.Update(gf)
         self._scaled = False
+        self._paired = None if gf is None else gf.vec.FV().NumPy().copy()
         self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
 
     def Prepare(self, bulk):
@@ -212,6 +214,30 @@ class LACContact:
         path of the last step meets the master.
         """
         self.form.Commit(gf.vec)
+        if self.finite:
+            self._paired = gf.vec.FV().NumPy().copy()
+
+    def State(self):
+        """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
+
+        Restore it with `SetState` on a contact that was built in the same way.
+        """
+        history = self.form.History() if self.form.paired else {}
+        return {"paired": self._paired, "scaled": self._scaled} | history
+
+    def SetState(self, state):
+        """Pair in the saved configuration and take over the saved history, see `State`."""
+        history = {name: state[name] for name in state if name not in ("paired", "scaled")}
+        if not history:
+            return
+        gf = None
+        if state["paired"] is not None:
+            gf = GridFunction(self.form.fes)
+            gf.vec.FV().NumPy()[:] = state["paired"]
+        self.Update(gf)
+        self.form.SetHistory(history)
+        self._scaled = state["scaled"]
+        self._Fill()
 
     def Evaluate(self, gf):
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.

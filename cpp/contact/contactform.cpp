@@ -22,6 +22,13 @@ ContactForm::ContactForm(const ContactSetup & asetup)
                     " components each (LACSpace without components=...)");
 }
 
+void AppendState(Array<double> & flat, const MacroState & state) {
+  flat += Array<double>{state.pressure, state.gap, double(state.status)};
+  for (auto * v : {&state.traction, &state.slip})
+    for (int k : Range(3))
+      flat.Append((*v)(k));
+}
+
 shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
   int dim = ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension();
   if (setup.finite)

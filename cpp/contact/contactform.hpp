@@ -1,6 +1,7 @@
 #pragma once
 #include "jump.hpp"
 #include "law.hpp"
+#include <map>
 
 namespace ngslac {
 /// What a contact form needs besides the two fields.
@@ -22,6 +23,9 @@ struct MacroState {
   Vec<3> traction, slip;
   Status status;
 };
+
+/// Appends its numbers: pressure, gap, status, traction, slip.
+void AppendState(Array<double> & flat, const MacroState & state);
 
 /// Contact of one slave with one master surface as a nonlinear form on the product space.
 ///
@@ -57,6 +61,15 @@ public:
   virtual void Commit(const BaseVector & x) = 0;
   /// States as at the last Commit.
   virtual void Restore() = 0;
+  /// What a later solve depends on, besides the configuration of the pairing.
+  virtual std::map<string, Array<double>> History() const = 0;
+  virtual void SetHistory(const std::map<string, Array<double>> & history) = 0;
+  /// Augmented Lagrangian: matrix and residual of the displacements alone, whose contact traction
+  /// is the projection of  lambda - c j  with the multipliers of x kept.
+  virtual shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & x,
+                                                             BaseVector & residual) = 0;
+  /// Its outer iteration: the multipliers of x become the projections.
+  virtual void UpdateMultipliers(BaseVector & x) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

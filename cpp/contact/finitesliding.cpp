@@ -75,26 +75,6 @@ public:
     PairAnew(bx.FV<double>());
   }
 
-  void AddApply(const BaseVector & bx, BaseVector & by) override {
-    static Timer timer("ngslac::FiniteSliding::Apply");
-    RegionTimer reg(timer);
-    this->Prepare(bx);
-    this->CheckSize(by.FV<double>().Size());
-    auto x = bx.FV<double>(), y = by.FV<double>();
-    Configure(x);
-    LocalHeap heap(10 * 1000 * 1000, "ngslac-finite", true);
-    ParallelForRange(jump->Size(), [&](IntRange range) {
-      LocalHeap lh = heap.Split();
-      for (auto m : range) {
-        auto place = Place(m, x);
-        auto p = Project(this->Data(m, place.normal), this->Trial(m, place, x));
-        Vec<D> traction = this->AddMultiplierResidual(m, x, p, y);
-        if (L2Norm2(traction) > 0)
-          AddForces<D>(*now, *points, m, -traction, y, lh);
-      }
-    });
-  }
-
   void AssembleLinearization(const BaseVector & bx) override {
     Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
       return Project(this->Data(m, normal), trial);
@@ -102,17 +82,33 @@ public:
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
-    auto x = bx.FV<double>(), y = residual.FV<double>();
-    LocalHeap lh(10 * 1000 * 1000, "ngslac-step");
     Array<Projection<D>> projections(jump->Size());
     Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
       return projections[m] = this->ProjectWithMemory(m, normal, trial);
     });
-    for (size_t m : Range(jump->Size())) {
-      Vec<D> traction = this->AddMultiplierResidual(m, x, projections[m], y);
-      if (L2Norm2(traction) > 0)
-        AddForces<D>(*now, *points, m, -traction, y, lh);
-    }
+    auto x = bx.FV<double>(), y = residual.FV<double>();
+    this->ForMacros([&](size_t m, LocalHeap & lh) {
+      AddForces(m, this->AddMultiplierResidual(m, x, projections[m], y), y, lh);
+    });
+  }
+
+  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx,
+                                                     BaseVector & residual) override {
+    this->Prepare(bx);
+    auto x = bx.FV<double>(), y = residual.FV<double>();
+    Configure(x);
+    Array<Vec<D>> tractions(jump->Size());
+    this->ForMacros([&](size_t m, LocalHeap & lh) {
+      tractions[m] = this->ProjectAt(m, x).traction;
+      AddForces(m, tractions[m], y, lh);
+    });
+    Assemble(
+        bx,
+        [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+          return Project(this->Data(m, normal), trial);
+        },
+        &tractions);
+    return this->Penalized();
   }
 
   void Commit(const BaseVector & bx) override {
@@ -136,6 +132,13 @@ protected:
     now = make_unique<MovingSurfaces<D>>(MovingSurfaces<D>{
         *slave_shapes, *master_shapes, slave_shapes->Displaced(*slave_reference, x),
         master_shapes->Displaced(*master_reference, x)});
+  }
+
+  FlatArray<double> Memory() const override { return last_gap; }
+
+  void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y, LocalHeap & lh) const override {
+    if (L2Norm2(traction) > 0)
+      AddTraction<D>(*now, *points, m, -traction, y, lh);
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
@@ -209,9 +212,7 @@ private:
     return dofs;
   }
 
-  bool Pushes(size_t m, FlatVector<> x) const { return L2Norm2(this->Multiplier(m, x)) > 0; }
-
-  void MakeGraph(FlatVector<> x) {
+  void MakeGraph(FlatArray<Vec<D>> tractions) {
     static Timer timer("ngslac::FiniteSliding - graph");
     RegionTimer reg(timer);
     TableCreator<int> creator(nscalars);
@@ -228,7 +229,7 @@ private:
             creator.Add(row, dof);
             creator.Add(dof, row);
           }
-        if (Pushes(m, x))
+        if (L2Norm2(tractions[m]) > 0)
           for (int s : points->segments[m]) {
             auto & segment = points->pairing.segments[s];
             for (int row : master_shapes->Dofs(segment.master)) {
@@ -241,25 +242,22 @@ private:
   }
 
   template <typename PROJECT>
-  void Assemble(const BaseVector & bx, PROJECT project) {
+  void Assemble(const BaseVector & bx, PROJECT project, const Array<Vec<D>> * given = nullptr) {
     static Timer timer("ngslac::FiniteSliding::Assemble");
     RegionTimer reg(timer);
     this->Prepare(bx);
     auto x = bx.FV<double>();
     Configure(x);
-    MakeGraph(x);
-    LocalHeap heap(20 * 1000 * 1000, "ngslac-finite", true);
-    ParallelForRange(jump->Size(), [&](IntRange range) {
-      LocalHeap lh = heap.Split();
-      for (auto m : range) {
-        HeapReset hr(lh);
-        AssembleMacro(m, x, project, lh);
-      }
-    });
+    Array<Vec<D>> tractions(jump->Size()); // which the forces are made of
+    for (size_t m : Range(tractions))
+      tractions[m] = given ? (*given)[m] : this->Multiplier(m, x);
+    MakeGraph(tractions);
+    this->ForMacros(
+        [&](size_t m, LocalHeap & lh) { AssembleMacro(m, x, tractions[m], project, lh); });
   }
 
   template <typename PROJECT>
-  void AssembleMacro(size_t m, FlatVector<> x, PROJECT project, LocalHeap & lh) {
+  void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, PROJECT project, LocalHeap & lh) {
     if (points->area[m] == 0) {
       auto p = project(m, jump->normal[m], jump->normal[m]);
       SetMultiplierBlock(m, p.derivative);
@@ -274,7 +272,7 @@ private:
           AtomicAdd((*mat)(masters[i], masters[j]), block(i, slaves.Size() + j));
       }
     };
-    auto [gap, normal] = MeanGap<D>(*now, *points, m, this->Multiplier(m, x), rows, add, lh);
+    auto [gap, normal] = MeanGap<D>(*now, *points, m, traction, rows, add, lh);
     Vec<D> slip = 0.0;
     if (Slides(m))
       slip = MeanSlip<D>(*now, *start, m, rows, lh) - reference[m];

@@ -95,6 +95,121 @@ void FormBase<D>::Evaluate(const BaseVector & bx) {
 }
 
 template <int D>
+void FormBase<D>::AddApply(const BaseVector & bx, BaseVector & by) {
+  static Timer timer("ngslac::ContactForm::Apply");
+  RegionTimer reg(timer);
+  Prepare(bx);
+  CheckSize(by.FV<double>().Size());
+  auto x = bx.FV<double>(), y = by.FV<double>();
+  Configure(x);
+  ForMacros([&](size_t m, LocalHeap & lh) {
+    Vec<D> traction = AddMultiplierResidual(m, x, ProjectAt(m, x), y);
+    AddForces(m, traction, y, lh);
+  });
+}
+
+template <int D>
+void FormBase<D>::UpdateMultipliers(BaseVector & bx) {
+  Prepare(bx);
+  auto x = bx.FV<double>();
+  Configure(x);
+  ParallelFor(jump->Size(), [&](size_t m) {
+    Vec<D> traction = ProjectAt(m, x).traction;
+    for (int k : Range(D))
+      x(lamdof[D * m + k]) = traction(k);
+  });
+}
+
+namespace {
+constexpr int state_size = 9; // numbers in a MacroState
+
+MacroState StateAt(FlatArray<double> flat) {
+  return {flat[0], flat[1], Vec<3>(flat[3], flat[4], flat[5]), Vec<3>(flat[6], flat[7], flat[8]),
+          Status(int(flat[2]))};
+}
+} // namespace
+
+template <int D>
+std::map<string, Array<double>> FormBase<D>::History() const {
+  CheckPaired();
+  std::map<string, Array<double>> history;
+  history["c"] = c;
+  history["memory"] = Memory();
+  history["reference"] = Vectors("reference");
+  for (auto & s : states)
+    AppendState(history["states"], s);
+  for (auto & s : accepted)
+    AppendState(history["accepted"], s);
+  return history;
+}
+
+template <int D>
+void FormBase<D>::SetHistory(const std::map<string, Array<double>> & history) {
+  CheckPaired();
+  auto expected = History();
+  for (auto & [name, values] : expected)
+    if (!history.count(name) || history.at(name).Size() != values.Size())
+      throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
+                      ToString(values.Size()) + " numbers");
+  c = history.at("c");
+  Memory() = history.at("memory");
+  for (size_t m : Range(jump->Size())) {
+    for (int k : Range(D))
+      reference[m](k) = history.at("reference")[D * m + k];
+    auto at = IntRange(state_size * m, state_size * (m + 1));
+    states[m] = StateAt(history.at("states").Range(at));
+    accepted[m] = StateAt(history.at("accepted").Range(at));
+  }
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> FormBase<D>::Penalized() const {
+  static Timer timer("ngslac::ContactForm::Penalized");
+  RegionTimer reg(timer);
+  BitArray multiplier(nscalars);
+  multiplier.Clear();
+  for (int dof : lamdof)
+    multiplier.SetBit(dof);
+  auto displacements = [&](int row) {
+    Array<int> dofs;
+    for (int col : mat->GetRowIndices(row))
+      if (!multiplier.Test(col))
+        dofs.Append(col);
+    return dofs;
+  };
+  TableCreator<int> creator(nscalars);
+  for (; !creator.Done(); creator++) {
+    ParallelFor(nscalars, [&](size_t i) {
+      if (!multiplier.Test(i))
+        for (int j : displacements(i))
+          creator.Add(i, j);
+    });
+    ParallelFor(jump->Size(), [&](size_t m) {
+      auto dofs = displacements(lamdof[D * m]); // the same for all components
+      for (int i : dofs)
+        creator.Add(i, dofs);
+    });
+  }
+  auto result = MatrixOf(creator.MoveTable());
+  ParallelFor(nscalars, [&](size_t i) {
+    if (!multiplier.Test(i))
+      for (int j : displacements(i))
+        (*result)(i, j) = (*mat)(i, j);
+  });
+  ParallelFor(jump->Size(), [&](size_t m) {
+    auto dofs = displacements(lamdof[D * m]);
+    for (int k : Range(D)) {
+      int row = lamdof[D * m + k];
+      for (int i : dofs)
+        if (mat->GetPositionTest(i, row) != numeric_limits<size_t>::max())
+          for (int j : dofs)
+            AtomicAdd((*result)(i, j), c[m] / RowArea(m) * (*mat)(i, row) * (*mat)(row, j));
+    }
+  });
+  return result;
+}
+
+template <int D>
 void FormBase<D>::Close(const BitArray & macros, BaseVector & bx) {
   CheckSize(bx.FV<double>().Size());
   auto x = bx.FV<double>();

@@ -27,8 +27,12 @@ public:
   void BeginSolve() override { direction = Vec<D>(0.0); }
   void Evaluate(const BaseVector & x) override;
   void Restore() override { states = accepted; }
+  std::map<string, Array<double>> History() const override;
+  void SetHistory(const std::map<string, Array<double>> & history) override;
+  void UpdateMultipliers(BaseVector & x) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
+  void AddApply(const BaseVector & x, BaseVector & y) override;
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
   Array<double> Vectors(const string & name) const override;
   Array<double> Scalars(const string & name) const override;
@@ -50,6 +54,11 @@ protected:
   void CollectMultiplierDofs();
   void FindFriction();
 
+  /// Numbers of the last committed step that a kind of kinematics keeps.
+  virtual FlatArray<double> Memory() const = 0;
+  /// Subtracts the virtual work of a traction on one macro-element.
+  virtual void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y,
+                         LocalHeap & lh) const = 0;
   /// Called before Place with another x.
   virtual void Configure(FlatVector<> /* x */) {}
   virtual MacroPlace<D> Place(size_t m, FlatVector<> x) const = 0;
@@ -75,6 +84,18 @@ protected:
       return place.normal;
     return Multiplier(m, x) - c[m] * place.jump;
   }
+  /// Runs f(macro, heap) in threads.
+  template <typename F>
+  void ForMacros(F f) const {
+    LocalHeap heap(20 * 1000 * 1000, "ngslac-macros", true);
+    ParallelForRange(jump->Size(), [&](IntRange range) {
+      LocalHeap lh = heap.Split();
+      for (auto m : range) {
+        HeapReset hr(lh);
+        f(m, lh);
+      }
+    });
+  }
   /// The projection, but what slips the other way than in the last Newton step sticks.
   Projection<D> ProjectWithMemory(size_t m, const Vec<D> & normal, const Vec<D> & trial);
   void CheckSpace(const shared_ptr<GridFunction> & gf) const {
@@ -82,6 +103,12 @@ protected:
       throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one "
                       "on the product space");
   }
+  Projection<D> ProjectAt(size_t m, FlatVector<> x) const {
+    auto place = Place(m, x);
+    return Project(Data(m, place.normal), Trial(m, place, x));
+  }
+  /// Matrix of the displacements with the multipliers' rows of `mat` eliminated by their penalty.
+  shared_ptr<SparseMatrix<double>> Penalized() const;
   void CheckSize(size_t entries) const;
   void CheckPaired() const;
   void Prepare(const BaseVector & x);

@@ -111,8 +111,8 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 }
 
 template <int D>
-void AddForces(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-               Vec<D> traction, FlatVector<> y, LocalHeap & lh) {
+void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                 Vec<D> traction, FlatVector<> y, LocalHeap & lh) {
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
     auto & segment = points.pairing.segments[s];
@@ -201,8 +201,8 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,  \
                                MacroRows<D> &, const ForceBlock &, LocalHeap &);                   \
-  template void AddForces(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,       \
-                          FlatVector<>, LocalHeap &);                                              \
+  template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,     \
+                            FlatVector<>, LocalHeap &);                                            \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
                            MacroRows<D> &, LocalHeap &);

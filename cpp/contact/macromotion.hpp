@@ -56,8 +56,8 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 
 /// Adds  factor * traction . integral of (slave minus master shape functions)  to a vector.
 template <int D>
-void AddForces(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-               Vec<D> traction, FlatVector<> y, LocalHeap & lh);
+void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                 Vec<D> traction, FlatVector<> y, LocalHeap & lh);
 
 /// How far the slave slid along the master since the points were paired: the mean of the tangential
 /// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.

@@ -36,33 +36,33 @@ public:
     mat = ContactGraph(*jump, lamdof, this->nscalars);
   }
 
-  void AddApply(const BaseVector & bx, BaseVector & by) override {
-    static Timer timer("ngslac::SmallSliding::Apply");
-    RegionTimer reg(timer);
-    this->Prepare(bx);
-    this->CheckSize(by.FV<double>().Size());
-    auto x = bx.FV<double>();
-    ParallelFor(jump->Size(), [&](size_t m) { AddResidual(m, x, ProjectAt(m, x), by); });
-  }
-
   void AssembleLinearization(const BaseVector & bx) override {
     static Timer timer("ngslac::SmallSliding::AssembleLinearization");
     RegionTimer reg(timer);
     this->Prepare(bx);
     auto x = bx.FV<double>();
-    ParallelFor(jump->Size(), [&](size_t m) { SetRows(m, ProjectAt(m, x).derivative); });
+    ParallelFor(jump->Size(), [&](size_t m) { SetRows(m, this->ProjectAt(m, x).derivative); });
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
     static Timer timer("ngslac::SmallSliding::AssembleStep");
     RegionTimer reg(timer);
     this->Prepare(bx);
-    auto x = bx.FV<double>();
-    ParallelFor(jump->Size(), [&](size_t m) {
+    auto x = bx.FV<double>(), y = residual.FV<double>();
+    this->ForMacros([&](size_t m, LocalHeap & lh) {
       auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
-      AddResidual(m, x, p, residual);
+      AddForces(m, this->AddMultiplierResidual(m, x, p, y), y, lh);
       SetRows(m, p.derivative);
     });
+  }
+
+  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx,
+                                                     BaseVector & residual) override {
+    AssembleLinearization(bx);
+    auto x = bx.FV<double>(), y = residual.FV<double>();
+    this->ForMacros(
+        [&](size_t m, LocalHeap & lh) { AddForces(m, this->ProjectAt(m, x).traction, y, lh); });
+    return this->Penalized();
   }
 
   void Commit(const BaseVector & bx) override {
@@ -78,6 +78,15 @@ public:
   }
 
 protected:
+  FlatArray<double> Memory() const override {
+    return FlatArray<double>(D * committed.Size(), committed.Size() ? &committed[0](0) : nullptr);
+  }
+
+  void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y, LocalHeap &) const override {
+    for (auto & e : jump->Row(m))
+      AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
+  }
+
   MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
     auto & n = jump->normal[m];
     Vec<D> mean = jump->Mean(m, x), slip = mean - reference[m];
@@ -89,17 +98,6 @@ protected:
 private:
   double Gap(size_t m, Vec<D> mean) const {
     return -InnerProduct(jump->normal[m], mean + jump->gapvector[m]);
-  }
-
-  Projection<D> ProjectAt(size_t m, FlatVector<> x) const {
-    return Project(this->Data(m, jump->normal[m]), this->Trial(m, Place(m, x), x));
-  }
-
-  void AddResidual(size_t m, FlatVector<> x, const Projection<D> & p, BaseVector & by) const {
-    auto y = by.FV<double>();
-    Vec<D> traction = this->AddMultiplierResidual(m, x, p, y);
-    for (auto & e : jump->Row(m))
-      AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
   }
 
   void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
