@@ -285,19 +285,15 @@ class LACContact:
 
     def Force(self):
         """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
-        table = self.Table()
-        return table["area"] @ table["traction"]
+        return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
 
     def Moment(self, point):
         """Moment of the tractions on the slave about `point`: a number in 2D, (3,) in 3D."""
-        table = self.Table()
-        arms = self.form.Vectors("moment").reshape(-1, self.mesh.dim) - np.outer(
-            table["area"], np.asarray(point, dtype=float)
-        )
-        traction = table["traction"]
-        if self.mesh.dim == 2:
-            return float(np.sum(arms[:, 0] * traction[:, 1] - arms[:, 1] * traction[:, 0]))
-        return np.cross(arms, traction).sum(axis=0)
+        total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
+        arm, force = np.zeros(3), np.zeros(3)
+        arm[: self.mesh.dim], force[: self.mesh.dim] = point, self.Force()
+        moment = total - np.cross(arm, force)
+        return float(moment[2]) if self.mesh.dim == 2 else moment
 
     def Mortar(self):
         """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.

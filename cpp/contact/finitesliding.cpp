@@ -83,12 +83,14 @@ public:
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
     Array<Projection<D>> projections(jump->Size());
+    Array<Vec<D>> normals(jump->Size());
     Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+      normals[m] = normal;
       return projections[m] = this->ProjectWithMemory(m, normal, trial);
     });
     auto x = bx.FV<double>(), y = residual.FV<double>();
     this->ForMacros([&](size_t m, LocalHeap & lh) {
-      AddForces(m, this->AddMultiplierResidual(m, x, projections[m], y), y, lh);
+      AddForces(m, normals[m], this->AddMultiplierResidual(m, x, projections[m], y), y, lh);
     });
   }
 
@@ -99,8 +101,9 @@ public:
     Configure(x);
     Array<Vec<D>> tractions(jump->Size());
     this->ForMacros([&](size_t m, LocalHeap & lh) {
-      tractions[m] = this->ProjectAt(m, x).traction;
-      AddForces(m, tractions[m], y, lh);
+      auto place = Place(m, x);
+      tractions[m] = this->ProjectAt(m, place, x).traction;
+      AddForces(m, place.normal, tractions[m], y, lh);
     });
     Assemble(
         bx,
@@ -136,9 +139,16 @@ protected:
 
   FlatArray<double> Memory() const override { return last_gap; }
 
-  void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y, LocalHeap & lh) const override {
-    if (L2Norm2(traction) > 0)
-      AddTraction<D>(*now, *points, m, -traction, y, lh);
+  void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, FlatVector<> y,
+                 LocalHeap & lh) const override {
+    if (points->area[m] > 0 && L2Norm2(traction) > 0)
+      AddTraction<D>(*now, *points, m, MacroTraction<D>(traction, normal), y, lh);
+  }
+
+  pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
+    if (points->area[m] == 0 || L2Norm2(traction) == 0)
+      return {Vec<D>(0.0), Vec<3>(0.0)};
+    return Resultant<D>(*now, *points, m, MacroTraction<D>(traction, jump->normal[m]));
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
@@ -207,9 +217,21 @@ private:
     add(*points);
     if (Slides(m))
       add(*start);
+    return Sorted(std::move(dofs));
+  }
+
+  static Array<int> Sorted(Array<int> && dofs) {
     QuickSort(dofs);
     dofs.SetSize(std::unique(dofs.begin(), dofs.end()) - dofs.begin());
-    return dofs;
+    return std::move(dofs);
+  }
+
+  /// Dofs that a macro-element's normal depends on.
+  Array<int> SlaveDofs(size_t m) const {
+    Array<int> dofs;
+    for (int s : points->segments[m])
+      dofs += slave_shapes->Dofs(points->pairing.segments[s].slave);
+    return Sorted(std::move(dofs));
   }
 
   void MakeGraph(FlatArray<Vec<D>> tractions) {
@@ -229,14 +251,16 @@ private:
             creator.Add(row, dof);
             creator.Add(dof, row);
           }
-        if (L2Norm2(tractions[m]) > 0)
-          for (int s : points->segments[m]) {
-            auto & segment = points->pairing.segments[s];
-            for (int row : master_shapes->Dofs(segment.master)) {
-              creator.Add(row, slave_shapes->Dofs(segment.slave));
-              creator.Add(row, master_shapes->Dofs(segment.master));
-            }
-          }
+        if (L2Norm2(tractions[m]) == 0)
+          return;
+        for (int s : points->segments[m]) {
+          auto & segment = points->pairing.segments[s];
+          for (int row : master_shapes->Dofs(segment.master))
+            creator.Add(row, master_shapes->Dofs(segment.master));
+        }
+        auto turning = SlaveDofs(m);
+        for (int row : Dofs(m)) // of those the normal depends on
+          creator.Add(row, turning);
       });
     mat = MatrixOf(creator.MoveTable());
   }
@@ -264,15 +288,21 @@ private:
       return;
     }
     MacroRows<D> rows(Dofs(m));
-    auto add = [&](FlatArray<int> masters, FlatArray<int> slaves, FlatMatrix<> block) {
-      for (int i : Range(masters)) {
-        for (int j : Range(slaves))
-          AtomicAdd((*mat)(masters[i], slaves[j]), block(i, j));
-        for (int j : Range(masters))
-          AtomicAdd((*mat)(masters[i], masters[j]), block(i, slaves.Size() + j));
+    bool pushes = L2Norm2(traction) > 0;
+    auto add = [&](FlatArray<int> slaves, FlatArray<int> masters, FlatMatrix<> block) {
+      int n1 = slaves.Size();
+      for (int i : Range(pushes ? block.Height() : 0)) {
+        int row = i < n1 ? slaves[i] : masters[i - n1];
+        for (int j : Range(n1))
+          AtomicAdd((*mat)(row, slaves[j]), block(i, j));
+        for (int j : Range(i < n1 ? 0 : masters.Size()))
+          AtomicAdd((*mat)(row, masters[j]), block(i, n1 + j));
       }
     };
-    auto [gap, normal] = MeanGap<D>(*now, *points, m, traction, rows, add, lh);
+    MacroTraction<D> parts(traction, MeanGap<D>(*now, *points, m).normal);
+    auto [gap, normal] = MeanGap<D>(*now, *points, m, parts, rows, add, lh);
+    if (pushes)
+      AddTurningTraction(m, normal, traction, parts.pressure, rows);
     Vec<D> slip = 0.0;
     if (Slides(m))
       slip = MeanSlip<D>(*now, *start, m, rows, lh) - reference[m];
@@ -288,10 +318,24 @@ private:
       moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
       moved -= rows.gap(j) * normal + gap * turn;
       Vec<D> entry = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
+      Vec<D> force = across * Vec<D>(rows.force.Col(j)) + rows.squeeze(j) * normal;
       for (int k : Range(D)) {
         (*mat)(lamdof[D * m + k], rows.dofs[j]) = entry(k);
-        (*mat)(rows.dofs[j], lamdof[D * m + k]) = -rows.force(k, j);
+        (*mat)(rows.dofs[j], lamdof[D * m + k]) = -force(k);
       }
+    }
+  }
+
+  /// The split of the multiplier into pressure and tangential traction turns with the normal.
+  void AddTurningTraction(size_t m, const Vec<D> & normal, const Vec<D> & traction, double pressure,
+                          const MacroRows<D> & rows) {
+    for (int col : SlaveDofs(m)) {
+      Vec<D> turn = rows.normal.Col(rows.Position(col));
+      double pressing = -InnerProduct(traction, turn);
+      Vec<D> tangential = pressing * normal + pressure * turn;
+      for (int i : Range(rows.dofs))
+        AtomicAdd((*mat)(rows.dofs[i], col),
+                  pressing * rows.squeeze(i) - InnerProduct(tangential, rows.force.Col(i)));
     }
   }
 

@@ -103,8 +103,9 @@ void FormBase<D>::AddApply(const BaseVector & bx, BaseVector & by) {
   auto x = bx.FV<double>(), y = by.FV<double>();
   Configure(x);
   ForMacros([&](size_t m, LocalHeap & lh) {
-    Vec<D> traction = AddMultiplierResidual(m, x, ProjectAt(m, x), y);
-    AddForces(m, traction, y, lh);
+    auto place = Place(m, x);
+    Vec<D> traction = AddMultiplierResidual(m, x, ProjectAt(m, place, x), y);
+    AddForces(m, place.normal, traction, y, lh);
   });
 }
 
@@ -114,7 +115,7 @@ void FormBase<D>::UpdateMultipliers(BaseVector & bx) {
   auto x = bx.FV<double>();
   Configure(x);
   ParallelFor(jump->Size(), [&](size_t m) {
-    Vec<D> traction = ProjectAt(m, x).traction;
+    Vec<D> traction = ProjectAt(m, Place(m, x), x).traction;
     for (int k : Range(D))
       x(lamdof[D * m + k]) = traction(k);
   });
@@ -269,8 +270,18 @@ Array<double> FormBase<D>::Vectors(const string & name) const {
     return flat(jump->normal);
   if (name == "center")
     return flat(jump->center);
-  if (name == "moment")
-    return flat(jump->moment);
+  if (name == "force" || name == "moment") {
+    Array<double> values;
+    for (size_t m : Range(jump->Size())) {
+      Vec<D> traction;
+      for (int k : Range(D))
+        traction(k) = states[m].traction(k);
+      auto [force, moment] = ResultantOf(m, traction);
+      for (int k : Range(name == "force" ? D : 3))
+        values.Append(name == "force" ? force(k) : moment(k));
+    }
+    return values;
+  }
   if (name == "reference")
     return flat(reference);
   throw Exception("ContactForm: no vectors named " + name);

@@ -56,9 +56,11 @@ protected:
 
   /// Numbers of the last committed step that a kind of kinematics keeps.
   virtual FlatArray<double> Memory() const = 0;
-  /// Subtracts the virtual work of a traction on one macro-element.
-  virtual void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y,
+  /// Subtracts the virtual work of a traction on one macro-element, whose normal is given.
+  virtual void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, FlatVector<> y,
                          LocalHeap & lh) const = 0;
+  /// Resultant of a traction, and its moment about the origin.
+  virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
   /// Called before Place with another x.
   virtual void Configure(FlatVector<> /* x */) {}
   virtual MacroPlace<D> Place(size_t m, FlatVector<> x) const = 0;
@@ -103,8 +105,7 @@ protected:
       throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one "
                       "on the product space");
   }
-  Projection<D> ProjectAt(size_t m, FlatVector<> x) const {
-    auto place = Place(m, x);
+  Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return Project(Data(m, place.normal), Trial(m, place, x));
   }
   /// Matrix of the displacements with the multipliers' rows of `mat` eliminated by their penalty.

@@ -11,6 +11,14 @@ struct JumpEntry {
   Vec<D> integral; // slave minus master
 };
 
+/// Moment about the origin; in 2D only its last component is not 0.
+inline Vec<3> Moment(const Vec<2> & x, const Vec<2> & force) {
+  return {0, 0, x(0) * force(1) - x(1) * force(0)};
+}
+inline Vec<3> Moment(const Vec<3> & x, const Vec<3> & force) {
+  return Cross(x, force);
+}
+
 enum class Side { slave = 1, master = 2, both = 3 };
 
 /// Where the values of a proxy come from.

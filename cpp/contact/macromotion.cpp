@@ -5,9 +5,9 @@ namespace ngslac {
 template <int D>
 MacroRows<D>::MacroRows(Array<int> && adofs) : dofs(std::move(adofs)) {
   size_t n = dofs.Size();
-  gap.SetSize(n);
+  gap.SetSize(n), squeeze.SetSize(n);
   normal.SetSize(D, n), slip.SetSize(D, n), force.SetSize(D, n);
-  gap = 0.0, normal = 0.0, slip = 0.0, force = 0.0;
+  gap = 0.0, squeeze = 0.0, normal = 0.0, slip = 0.0, force = 0.0;
 }
 
 namespace {
@@ -53,51 +53,82 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
   return Finish(gap, normals, points.area[macro]);
 }
 
+namespace {
+/// Adds what one quadrature point contributes to the derivatives; `pressed`: there are forces.
+template <int D>
+class PointDerivative {
+  const MovingSurfaces<D> & now;
+  const Segment & segment;
+  Array<int> slave_at, master_at;
+  MacroRows<D> & rows;
+
+public:
+  FlatMatrix<> block; // of the forces, slave dofs first
+  Vec<D> normals = 0.0;
+  double gap = 0;
+
+  PointDerivative(const MovingSurfaces<D> & anow, const Segment & asegment, MacroRows<D> & arows,
+                  LocalHeap & lh)
+      : now(anow), segment(asegment),
+        slave_at(Positions(arows, now.slave_shapes.Dofs(segment.slave))),
+        master_at(Positions(arows, now.master_shapes.Dofs(segment.master))), rows(arows),
+        block(slave_at.Size() + master_at.Size(), slave_at.Size() + master_at.Size(), lh) {
+    block = 0.0;
+  }
+
+  void Add(const PairPoint<D> & p, const MacroTraction<D> & traction, LocalHeap & lh) {
+    int n1 = slave_at.Size(), n2 = master_at.Size();
+    Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+    auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
+    auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
+    auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
+    FlatMatrix<> moved(D, n1 + n2, lh), response(D, n1 + n2, lh);
+    moved.Cols(0, n1) = on_slave.value + ray.gap * turn;
+    moved.Cols(n1, n1 + n2) = -on_master.value;
+    response = ray.response * moved;
+    for (int j : Range(n1))
+      response(D - 1, j) += InnerProduct(ray.miss, turn.Col(j));
+
+    double w = p.weight;
+    gap += w * ray.gap;
+    normals += w * ray.normal;
+    for (int j : Range(n1))
+      rows.normal.Col(slave_at[j]) += w * turn.Col(j);
+    for (int j : Range(n1 + n2)) {
+      int at = j < n1 ? slave_at[j] : master_at[j - n1];
+      Vec<D> jump = j < n1 ? Vec<D>(on_slave.value.Col(j)) : Vec<D>(-on_master.value.Col(j - n1));
+      rows.gap(at) += w * response(D - 1, j);
+      rows.force.Col(at) += w * jump;
+      rows.squeeze(at) += w * InnerProduct(jump, ray.normal);
+      for (int l : Range(n1))
+        block(j, l) += w * traction.pressure * InnerProduct(jump, turn.Col(l));
+    }
+    Vec<D> force = w * traction.At(ray.normal);
+    for (int a : Range(D - 1))
+      for (int i : Range(n2))
+        block.Row(n1 + i) += InnerProduct(force, on_master.derivative[a].Col(i)) * response.Row(a);
+  }
+};
+} // namespace
+
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    Vec<D> traction, MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh) {
+                    const MacroTraction<D> & traction, MacroRows<D> & rows, const ForceBlock & add,
+                    LocalHeap & lh) {
   double gap = 0;
   Vec<D> normals = 0.0;
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
     auto & segment = points.pairing.segments[s];
-    auto slave_dofs = now.slave_shapes.Dofs(segment.slave);
-    auto master_dofs = now.master_shapes.Dofs(segment.master);
-    auto slave_at = Positions(rows, slave_dofs), master_at = Positions(rows, master_dofs);
-    int n1 = slave_dofs.Size(), n2 = master_dofs.Size();
-    FlatMatrix<> block(n2, n1 + n2, lh);
-    block = 0.0;
+    PointDerivative<D> derivative(now, segment, rows, lh);
     for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
       HeapReset hr(lh);
-      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
-      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
-      auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
-      auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
-      FlatMatrix<> moved(D, n1 + n2, lh), response(D, n1 + n2, lh);
-      moved.Cols(0, n1) = on_slave.value + ray.gap * turn;
-      moved.Cols(n1, n1 + n2) = -on_master.value;
-      response = ray.response * moved;
-      for (int j : Range(n1))
-        response(D - 1, j) += InnerProduct(ray.miss, turn.Col(j));
-
-      gap += p.weight * ray.gap;
-      normals += p.weight * ray.normal;
-      for (int j : Range(n1)) {
-        rows.gap(slave_at[j]) += p.weight * response(D - 1, j);
-        rows.normal.Col(slave_at[j]) += p.weight * turn.Col(j);
-        rows.force.Col(slave_at[j]) += p.weight * on_slave.value.Col(j);
-      }
-      for (int j : Range(n2)) {
-        rows.gap(master_at[j]) += p.weight * response(D - 1, n1 + j);
-        rows.force.Col(master_at[j]) -= p.weight * on_master.value.Col(j);
-      }
-      for (int a : Range(D - 1))
-        for (int i : Range(n2))
-          block.Row(i) +=
-              p.weight * InnerProduct(traction, on_master.derivative[a].Col(i)) * response.Row(a);
+      derivative.Add(p, traction, lh);
     }
-    if (L2Norm2(traction) > 0)
-      add(master_dofs, slave_dofs, block);
+    gap += derivative.gap;
+    normals += derivative.normals;
+    add(now.slave_shapes.Dofs(segment.slave), now.master_shapes.Dofs(segment.master),
+        derivative.block);
   }
   auto result = Finish(gap, normals, points.area[macro]);
   rows.gap *= 1 / points.area[macro];
@@ -112,7 +143,7 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 Vec<D> traction, FlatVector<> y, LocalHeap & lh) {
+                 const MacroTraction<D> & traction, FlatVector<> y, LocalHeap & lh) {
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
     auto & segment = points.pairing.segments[s];
@@ -123,19 +154,38 @@ void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, s
     for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
       HeapReset hr(lh);
       Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
-      Vec<D> force = p.weight * traction;
+      Vec<D> force = p.weight * traction.At(ray.normal);
       auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
       auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
       for (int j : Range(slave_dofs))
-        slave_forces(j) += InnerProduct(force, on_slave.value.Col(j));
+        slave_forces(j) -= InnerProduct(force, on_slave.value.Col(j));
       for (int j : Range(master_dofs))
-        master_forces(j) -= InnerProduct(force, on_master.value.Col(j));
+        master_forces(j) += InnerProduct(force, on_master.value.Col(j));
     }
     for (int j : Range(slave_dofs))
       AtomicAdd(y(slave_dofs[j]), slave_forces(j));
     for (int j : Range(master_dofs))
       AtomicAdd(y(master_dofs[j]), master_forces(j));
   }
+}
+
+template <int D>
+pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<D> & points,
+                               size_t macro, const MacroTraction<D> & traction) {
+  Vec<D> force = 0.0;
+  Vec<3> moment = 0.0;
+  for (int s : points.segments[macro]) {
+    int face = points.pairing.segments[s].slave;
+    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+      Vec<D> x;
+      Mat<D, D - 1> dx;
+      now.slave.Evaluate(face, p.slave, x, dx);
+      Vec<D> part = p.weight * traction.At(now.slave.Normal(face, dx));
+      force += part;
+      moment += Moment(x, part);
+    }
+  }
+  return {force, moment};
 }
 
 namespace {
@@ -199,10 +249,13 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
 #define INSTANTIATE(D)                                                                             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
-  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,  \
-                               MacroRows<D> &, const ForceBlock &, LocalHeap &);                   \
-  template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, Vec<D>,     \
-                            FlatVector<>, LocalHeap &);                                            \
+  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
+                               const MacroTraction<D> &, MacroRows<D> &, const ForceBlock &,       \
+                               LocalHeap &);                                                       \
+  template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
+                            const MacroTraction<D> &, FlatVector<>, LocalHeap &);                  \
+  template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \
+                                          size_t, const MacroTraction<D> &);                       \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
                            MacroRows<D> &, LocalHeap &);

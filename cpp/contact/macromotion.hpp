@@ -25,7 +25,8 @@ struct MacroRows {
   Array<int> dofs; // sorted
   Vector<> gap;
   Matrix<> normal, slip;
-  Matrix<> force; // integral of slave minus master shape functions
+  Matrix<> force;   // integral of slave minus master shape functions
+  Vector<> squeeze; // the same along the slave normals
 
   explicit MacroRows(Array<int> && adofs);
   int Position(int dof) const {
@@ -33,9 +34,22 @@ struct MacroRows {
   }
 };
 
-/// A block of the derivative of the contact forces, from rays that move along the master.
+/// The traction on the slave: the pressure acts along the normal of each point, so that the
+/// constant directions of macro-elements do not show on curved surfaces.
+template <int D>
+struct MacroTraction {
+  double pressure;
+  Vec<D> tangential;
+
+  MacroTraction(const Vec<D> & traction, const Vec<D> & normal)
+      : pressure(-InnerProduct(traction, normal)), tangential(traction + pressure * normal) {}
+  Vec<D> At(const Vec<D> & normal) const { return tangential - pressure * normal; }
+};
+
+/// A block of the derivative of the contact forces at fixed pressure and tangential traction, for
+/// the dofs of a slave and of a master face.
 using ForceBlock =
-    std::function<void(FlatArray<int> rows, FlatArray<int> slave_cols, FlatMatrix<> block)>;
+    std::function<void(FlatArray<int> slave, FlatArray<int> master, FlatMatrix<> block)>;
 
 /// Where the slave normals meet the master: mean gap and normal of a macro-element.
 ///
@@ -49,15 +63,21 @@ struct MacroGap {
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
 
-/// The same with derivatives, and the blocks  d(force) . traction.
+/// The same with derivatives of gap, normal and forces.
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    Vec<D> traction, MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh);
+                    const MacroTraction<D> & traction, MacroRows<D> & rows, const ForceBlock & add,
+                    LocalHeap & lh);
 
-/// Adds  factor * traction . integral of (slave minus master shape functions)  to a vector.
+/// Subtracts the virtual work of a traction from a vector.
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 Vec<D> traction, FlatVector<> y, LocalHeap & lh);
+                 const MacroTraction<D> & traction, FlatVector<> y, LocalHeap & lh);
+
+/// Resultant of a traction on the slave, and its moment about the origin (2D: the last component).
+template <int D>
+pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<D> & points,
+                               size_t macro, const MacroTraction<D> & traction);
 
 /// How far the slave slid along the master since the points were paired: the mean of the tangential
 /// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.

@@ -41,7 +41,8 @@ public:
     RegionTimer reg(timer);
     this->Prepare(bx);
     auto x = bx.FV<double>();
-    ParallelFor(jump->Size(), [&](size_t m) { SetRows(m, this->ProjectAt(m, x).derivative); });
+    ParallelFor(jump->Size(),
+                [&](size_t m) { SetRows(m, this->ProjectAt(m, Place(m, x), x).derivative); });
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
@@ -51,7 +52,7 @@ public:
     auto x = bx.FV<double>(), y = residual.FV<double>();
     this->ForMacros([&](size_t m, LocalHeap & lh) {
       auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
-      AddForces(m, this->AddMultiplierResidual(m, x, p, y), y, lh);
+      AddForces(m, jump->normal[m], this->AddMultiplierResidual(m, x, p, y), y, lh);
       SetRows(m, p.derivative);
     });
   }
@@ -60,8 +61,9 @@ public:
                                                      BaseVector & residual) override {
     AssembleLinearization(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
-    this->ForMacros(
-        [&](size_t m, LocalHeap & lh) { AddForces(m, this->ProjectAt(m, x).traction, y, lh); });
+    this->ForMacros([&](size_t m, LocalHeap & lh) {
+      AddForces(m, jump->normal[m], this->ProjectAt(m, Place(m, x), x).traction, y, lh);
+    });
     return this->Penalized();
   }
 
@@ -82,7 +84,12 @@ protected:
     return FlatArray<double>(D * committed.Size(), committed.Size() ? &committed[0](0) : nullptr);
   }
 
-  void AddForces(size_t m, const Vec<D> & traction, FlatVector<> y, LocalHeap &) const override {
+  pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
+    return {jump->area[m] * traction, Moment(jump->moment[m], traction)};
+  }
+
+  void AddForces(size_t m, const Vec<D> &, const Vec<D> & traction, FlatVector<> y,
+                 LocalHeap &) const override {
     for (auto & e : jump->Row(m))
       AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
   }
