@@ -3,13 +3,13 @@
 
 namespace ngslac {
 namespace {
-template <int D>
-Table<int> SegmentsOfMacros(const Pairing<D> & pairing, const Surface<D> & slave,
-                            const LACSpace & space) {
+/// Numbers of things that belong to slave faces, macro-element by macro-element.
+template <int D, typename FACE>
+Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpace & space) {
   TableCreator<int> creator(space.NMacros());
   for (; !creator.Done(); creator++)
-    for (int s : Range(pairing.Size()))
-      creator.Add(space.MacroOfFace()[slave.Element(pairing.segments[s].slave)], s);
+    for (int i : Range(n))
+      creator.Add(space.MacroOfFace()[slave.Element(face(i))], i);
   return creator.MoveTable();
 }
 
@@ -32,6 +32,7 @@ class FiniteSliding : public FormBase<D> {
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
   Array<double> last_gap;                  // at the last Commit
   unique_ptr<MovingSurfaces<D>> now;
+  bool moving_rim = false; // does the matrix see that the overlap changes?
 
 public:
   using Base::Base;
@@ -40,9 +41,8 @@ public:
     static Timer timer("ngslac::FiniteSliding::Update");
     RegionTimer reg(timer);
     this->CheckSpace(gf);
-    int order = u.component->GetOrder();
-    slave_reference = make_unique<Surface<D>>(space->SlaveRegion(), nullptr, order);
-    master_reference = make_unique<Surface<D>>(*this->setup.master, nullptr, order);
+    slave_reference = this->SurfaceOf(space->SlaveRegion(), nullptr);
+    master_reference = this->SurfaceOf(*this->setup.master, nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference);
     master_shapes = make_unique<FaceShapes<D>>(u, *master_reference);
     Pairing<D> none;
@@ -76,12 +76,14 @@ public:
   }
 
   void AssembleLinearization(const BaseVector & bx) override {
+    moving_rim = false;
     Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
       return Project(this->Data(m, normal), trial);
     });
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    moving_rim = true;
     Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> normals(jump->Size());
     Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
@@ -99,18 +101,17 @@ public:
     this->Prepare(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     Configure(x);
+    moving_rim = true;
+    Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> tractions(jump->Size());
     this->ForMacros([&](size_t m, LocalHeap & lh) {
       auto place = Place(m, x);
-      tractions[m] = this->ProjectAt(m, place, x).traction;
+      projections[m] = this->ProjectWithMemory(m, place.normal, this->Trial(m, place, x));
+      tractions[m] = projections[m].traction;
       AddForces(m, place.normal, tractions[m], y, lh);
     });
     Assemble(
-        bx,
-        [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
-          return Project(this->Data(m, normal), trial);
-        },
-        &tractions);
+        bx, [&](size_t m, const Vec<D> &, const Vec<D> &) { return projections[m]; }, &tractions);
     return this->Penalized();
   }
 
@@ -154,11 +155,11 @@ protected:
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
     if (points->area[m] == 0)
       return {jump->normal[m], 0, Vec<D>(0.0), Vec<D>(0.0)};
-    auto [gap, normal] = MeanGap<D>(*now, *points, m);
+    auto mean = MeanGap<D>(*now, *points, m);
     Vec<D> slip = 0.0;
     if (Slides(m))
       slip = MeanSlip<D>(*now, *start, m) - reference[m];
-    return PlaceOf(gap, normal, slip);
+    return PlaceOf(mean.gap, mean.normal, slip);
   }
 
   LawData<D> Data(size_t m, const Vec<D> & normal) const override {
@@ -187,21 +188,34 @@ private:
     CountReferenceAreas(*paired.slave, paired.pairing);
     this->Take(std::move(paired));
     jump->fullarea = fullarea;
+    auto & segments = pairing.segments;
+    auto of_segments =
+        OfMacros(pairing.Size(), [&](int i) { return segments[i].slave; }, *this->slave, *space);
+    auto of_rim = OfMacros(
+        pairing.rim.Size(), [&](int i) { return segments[pairing.rim[i].segment].slave; },
+        *this->slave, *space);
     points = make_shared<MacroPoints<D>>(MacroPoints<D>{
-        pairing, SegmentsOfMacros(pairing, *this->slave, *space), Array<double>(jump->area)});
+        pairing, std::move(of_segments), std::move(of_rim), Array<double>(jump->area)});
   }
 
   void CountReferenceAreas(const Surface<D> & current, Pairing<D> & pairs) const {
     ParallelFor(pairs.Size(), [&](size_t s) {
       int face = pairs.segments[s].slave;
-      for (auto & p : pairs.points.Range(pairs.Points(s))) {
-        Vec<D> x;
-        Mat<D, D - 1> before, after;
-        slave_reference->Evaluate(face, p.slave, x, before);
-        current.Evaluate(face, p.slave, x, after);
-        p.weight *= Measure(before) / Measure(after);
-      }
+      for (auto & p : pairs.points.Range(pairs.Points(s)))
+        p.weight *= ReferenceMeasure(face, p) / MeasureAt(current, face, p);
     });
+    for (auto & r : pairs.rim)
+      r.point.weight = ReferenceMeasure(pairs.segments[r.segment].slave, r.point);
+  }
+
+  static double MeasureAt(const Surface<D> & surface, int face, const PairPoint<D> & p) {
+    Vec<D> x;
+    Mat<D, D - 1> dx;
+    surface.Evaluate(face, p.slave, x, dx);
+    return Measure(dx);
+  }
+  double ReferenceMeasure(int face, const PairPoint<D> & p) const {
+    return MeasureAt(*slave_reference, face, p);
   }
 
   /// Dofs that a macro-element's gap and slip depend on, sorted.
@@ -227,10 +241,14 @@ private:
   }
 
   /// Dofs that a macro-element's normal depends on.
-  Array<int> SlaveDofs(size_t m) const {
+  Array<int> TurningDofs(size_t m) const {
     Array<int> dofs;
     for (int s : points->segments[m])
       dofs += slave_shapes->Dofs(points->pairing.segments[s].slave);
+    if (moving_rim)
+      for (int r : points->rim[m])
+        dofs +=
+            master_shapes->Dofs(points->pairing.segments[points->pairing.rim[r].segment].master);
     return Sorted(std::move(dofs));
   }
 
@@ -258,7 +276,7 @@ private:
           for (int row : master_shapes->Dofs(segment.master))
             creator.Add(row, master_shapes->Dofs(segment.master));
         }
-        auto turning = SlaveDofs(m);
+        auto turning = TurningDofs(m);
         for (int row : Dofs(m)) // of those the normal depends on
           creator.Add(row, turning);
       });
@@ -295,18 +313,21 @@ private:
         int row = i < n1 ? slaves[i] : masters[i - n1];
         for (int j : Range(n1))
           AtomicAdd((*mat)(row, slaves[j]), block(i, j));
-        for (int j : Range(i < n1 ? 0 : masters.Size()))
-          AtomicAdd((*mat)(row, masters[j]), block(i, n1 + j));
+        for (int j : Range(masters))
+          if (block(i, n1 + j) != 0)
+            AtomicAdd((*mat)(row, masters[j]), block(i, n1 + j));
       }
     };
-    MacroTraction<D> parts(traction, MeanGap<D>(*now, *points, m).normal);
-    auto [gap, normal] = MeanGap<D>(*now, *points, m, parts, rows, add, lh);
+    auto mean = MeanGap<D>(*now, *points, m);
+    auto & normal = mean.normal;
+    MacroTraction<D> parts(traction, normal);
+    AddDerivatives<D>(*now, *points, m, mean, parts, moving_rim, rows, add, lh);
     if (pushes)
       AddTurningTraction(m, normal, traction, parts.pressure, rows);
     Vec<D> slip = 0.0;
     if (Slides(m))
       slip = MeanSlip<D>(*now, *start, m, rows, lh) - reference[m];
-    auto place = PlaceOf(gap, normal, slip);
+    auto place = PlaceOf(mean.gap, normal, slip);
     auto p = project(m, normal, this->Trial(m, place, x));
     SetMultiplierBlock(m, p.derivative);
 
@@ -316,7 +337,7 @@ private:
       Vec<D> turn = rows.normal.Col(j);
       Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
       moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
-      moved -= rows.gap(j) * normal + gap * turn;
+      moved -= rows.gap(j) * normal + mean.gap * turn;
       Vec<D> entry = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
       Vec<D> force = across * Vec<D>(rows.force.Col(j)) + rows.squeeze(j) * normal;
       for (int k : Range(D)) {
@@ -329,7 +350,7 @@ private:
   /// The split of the multiplier into pressure and tangential traction turns with the normal.
   void AddTurningTraction(size_t m, const Vec<D> & normal, const Vec<D> & traction, double pressure,
                           const MacroRows<D> & rows) {
-    for (int col : SlaveDofs(m)) {
+    for (int col : TurningDofs(m)) {
       Vec<D> turn = rows.normal.Col(rows.Position(col));
       double pressing = -InnerProduct(traction, turn);
       Vec<D> tangential = pressing * normal + pressure * turn;

@@ -3,13 +3,19 @@
 
 namespace ngslac {
 template <int D>
+unique_ptr<Surface<D>> FormBase<D>::SurfaceOf(const Region & region,
+                                              shared_ptr<CoefficientFunction> displacement) const {
+  auto surface = make_unique<Surface<D>>(region, nullptr, 1);
+  if (!displacement && !setup.finite)
+    return surface;
+  return make_unique<Surface<D>>(region, displacement, u.Order(*surface));
+}
+
+template <int D>
 typename FormBase<D>::Paired
 FormBase<D>::PairIn(shared_ptr<CoefficientFunction> displacement) const {
-  int order = displacement || setup.finite ? u.component->GetOrder() : 1;
-  auto surface = [&](const Region & region) {
-    return make_unique<Surface<D>>(region, displacement, order);
-  };
-  return PairAt(surface(space->SlaveRegion()), setup.master ? surface(*setup.master) : nullptr);
+  return PairAt(SurfaceOf(space->SlaveRegion(), displacement),
+                setup.master ? SurfaceOf(*setup.master, displacement) : nullptr);
 }
 
 template <int D>

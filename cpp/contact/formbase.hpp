@@ -45,6 +45,9 @@ protected:
     unique_ptr<Surface<D>> slave, master; // no master: an obstacle
     Pairing<D> pairing;
   };
+  /// A surface of the order of the displacement, where that matters.
+  unique_ptr<Surface<D>> SurfaceOf(const Region & region,
+                                   shared_ptr<CoefficientFunction> displacement) const;
   Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
   Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
   /// Takes over a new pairing and its macro-elements.

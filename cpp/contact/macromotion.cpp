@@ -12,11 +12,6 @@ MacroRows<D>::MacroRows(Array<int> && adofs) : dofs(std::move(adofs)) {
 
 namespace {
 template <int D>
-MacroGap<D> Finish(double gap, Vec<D> normals, double area) {
-  return {gap / area, (1 / L2Norm(normals)) * normals};
-}
-
-template <int D>
 Array<int> Positions(const MacroRows<D> & rows, FlatArray<int> dofs) {
   Array<int> positions(dofs.Size());
   for (int i : Range(dofs))
@@ -50,13 +45,14 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
       normals += p.weight * ray.normal;
     }
   }
-  return Finish(gap, normals, points.area[macro]);
+  double length = L2Norm(normals);
+  return {gap / points.area[macro], (1 / length) * normals, length};
 }
 
 namespace {
-/// Adds what one quadrature point contributes to the derivatives; `pressed`: there are forces.
+/// Adds what the points of one segment contribute to the derivatives.
 template <int D>
-class PointDerivative {
+class SegmentDerivative {
   const MovingSurfaces<D> & now;
   const Segment & segment;
   Array<int> slave_at, master_at;
@@ -64,11 +60,9 @@ class PointDerivative {
 
 public:
   FlatMatrix<> block; // of the forces, slave dofs first
-  Vec<D> normals = 0.0;
-  double gap = 0;
 
-  PointDerivative(const MovingSurfaces<D> & anow, const Segment & asegment, MacroRows<D> & arows,
-                  LocalHeap & lh)
+  SegmentDerivative(const MovingSurfaces<D> & anow, const Segment & asegment, MacroRows<D> & arows,
+                    LocalHeap & lh)
       : now(anow), segment(asegment),
         slave_at(Positions(arows, now.slave_shapes.Dofs(segment.slave))),
         master_at(Positions(arows, now.master_shapes.Dofs(segment.master))), rows(arows),
@@ -90,12 +84,10 @@ public:
       response(D - 1, j) += InnerProduct(ray.miss, turn.Col(j));
 
     double w = p.weight;
-    gap += w * ray.gap;
-    normals += w * ray.normal;
     for (int j : Range(n1))
       rows.normal.Col(slave_at[j]) += w * turn.Col(j);
     for (int j : Range(n1 + n2)) {
-      int at = j < n1 ? slave_at[j] : master_at[j - n1];
+      int at = At(j);
       Vec<D> jump = j < n1 ? Vec<D>(on_slave.value.Col(j)) : Vec<D>(-on_master.value.Col(j - n1));
       rows.gap(at) += w * response(D - 1, j);
       rows.force.Col(at) += w * jump;
@@ -108,37 +100,65 @@ public:
       for (int i : Range(n2))
         block.Row(n1 + i) += InnerProduct(force, on_master.derivative[a].Col(i)) * response.Row(a);
   }
+
+  /// The overlap grows where the image of the master's end moves outwards.
+  void AddRim(const RimPoint<D> & rim, const MacroGap<D> & mean, const MacroTraction<D> & traction,
+              LocalHeap & lh) {
+    int n1 = slave_at.Size(), n2 = master_at.Size();
+    Ray<D> ray(now.slave, segment.slave, now.master, segment.master, rim.point);
+    auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, rim.point.slave, lh);
+    auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
+    auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
+    Vec<D> direction = DualBasis<D>(ray.dx) * rim.outwards;
+    Vec<D> force = traction.At(ray.normal);
+    FlatVector<> growth(n1 + n2, lh), work(n1 + n2, lh);
+    for (int j : Range(n1)) {
+      growth(j) = -InnerProduct(direction, on_slave.value.Col(j) + ray.gap * turn.Col(j));
+      work(j) = InnerProduct(force, on_slave.value.Col(j));
+    }
+    for (int j : Range(n2)) {
+      growth(n1 + j) = InnerProduct(direction, on_master.value.Col(j));
+      work(n1 + j) = -InnerProduct(force, on_master.value.Col(j));
+    }
+    growth *= rim.point.weight;
+    for (int j : Range(n1 + n2)) {
+      rows.gap(At(j)) += growth(j) * (ray.gap - mean.gap);
+      rows.normal.Col(At(j)) += growth(j) * ray.normal;
+    }
+    block -= work * Trans(growth);
+  }
+
+private:
+  int At(int j) const { return j < slave_at.Size() ? slave_at[j] : master_at[j - slave_at.Size()]; }
 };
 } // namespace
 
 template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    const MacroTraction<D> & traction, MacroRows<D> & rows, const ForceBlock & add,
-                    LocalHeap & lh) {
-  double gap = 0;
-  Vec<D> normals = 0.0;
+void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    const MacroGap<D> & mean, const MacroTraction<D> & traction, bool moving_rim,
+                    MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh) {
+  auto & pairing = points.pairing;
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
-    auto & segment = points.pairing.segments[s];
-    PointDerivative<D> derivative(now, segment, rows, lh);
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+    auto & segment = pairing.segments[s];
+    SegmentDerivative<D> derivative(now, segment, rows, lh);
+    for (auto & p : pairing.points.Range(pairing.Points(s))) {
       HeapReset hr(lh);
       derivative.Add(p, traction, lh);
     }
-    gap += derivative.gap;
-    normals += derivative.normals;
+    for (int r : points.rim[macro])
+      if (moving_rim && pairing.rim[r].segment == s)
+        derivative.AddRim(pairing.rim[r], mean, traction, lh);
     add(now.slave_shapes.Dofs(segment.slave), now.master_shapes.Dofs(segment.master),
         derivative.block);
   }
-  auto result = Finish(gap, normals, points.area[macro]);
   rows.gap *= 1 / points.area[macro];
-  Mat<D, D> across = Id<D>() - result.normal * Trans(result.normal);
-  across *= 1 / L2Norm(normals);
+  Mat<D, D> across = Id<D>() - mean.normal * Trans(mean.normal);
+  across *= 1 / mean.length;
   for (int j : Range(rows.dofs)) {
     Vec<D> turn = across * Vec<D>(rows.normal.Col(j));
     rows.normal.Col(j) = turn;
   }
-  return result;
 }
 
 template <int D>
@@ -249,9 +269,9 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
 #define INSTANTIATE(D)                                                                             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
-  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
-                               const MacroTraction<D> &, MacroRows<D> &, const ForceBlock &,       \
-                               LocalHeap &);                                                       \
+  template void AddDerivatives(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
+                               const MacroGap<D> &, const MacroTraction<D> &, bool,                \
+                               MacroRows<D> &, const ForceBlock &, LocalHeap &);                   \
   template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
                             const MacroTraction<D> &, FlatVector<>, LocalHeap &);                  \
   template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \

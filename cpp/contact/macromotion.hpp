@@ -16,6 +16,7 @@ template <int D>
 struct MacroPoints {
   Pairing<D> pairing;
   Table<int> segments; // of each macro-element
+  Table<int> rim;      // of each macro-element, points of the pairing's rim
   Array<double> area;  // of each macro-element, 0 where too little is paired
 };
 
@@ -57,17 +58,19 @@ using ForceBlock =
 /// and g follow the displacement. Weights are areas of the reference configuration.
 template <int D>
 struct MacroGap {
-  double gap = 0;
+  double gap;
   Vec<D> normal;
+  double length; // of the mean of the points' normals, times the area
 };
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
 
-/// The same with derivatives of gap, normal and forces.
+/// Derivatives of gap, normal and forces at this mean. `moving_rim`: the overlap changes where the
+/// master ends, which the value at fixed points does not see.
 template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    const MacroTraction<D> & traction, MacroRows<D> & rows, const ForceBlock & add,
-                    LocalHeap & lh);
+void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    const MacroGap<D> & mean, const MacroTraction<D> & traction, bool moving_rim,
+                    MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh);
 
 /// Subtracts the virtual work of a traction from a vector.
 template <int D>

@@ -59,10 +59,12 @@ public:
 
   shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx,
                                                      BaseVector & residual) override {
-    AssembleLinearization(bx);
+    this->Prepare(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     this->ForMacros([&](size_t m, LocalHeap & lh) {
-      AddForces(m, jump->normal[m], this->ProjectAt(m, Place(m, x), x).traction, y, lh);
+      auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
+      AddForces(m, jump->normal[m], p.traction, y, lh);
+      SetRows(m, p.derivative);
     });
     return this->Penalized();
   }

@@ -21,6 +21,14 @@ struct Segment {
   size_t first_corner; // number of its first corner
 };
 
+/// A point where the master ends within a slave face, for integrals over a moving overlap.
+template <int D>
+struct RimPoint {
+  int segment;
+  PairPoint<D> point;
+  Vec<D - 1> outwards; // normal in reference coordinates, times length and quadrature weight
+};
+
 struct PairingOptions {
   double maxdist;     // farthest opening, along the slave normal
   double penetration; // deepest interpenetration
@@ -39,6 +47,7 @@ struct Pairing {
   Array<Segment> segments; // one more at the end closes the last one
   Array<PairPoint<D>> points;
   Array<PairPoint<D>> corners; // of the overlap, without weights: for pictures
+  Array<RimPoint<D>> rim;
 
   size_t Size() const { return segments.Size() - 1; }
   IntRange Points(size_t segment) const {

@@ -73,8 +73,17 @@ public:
       if (reach >= most || Covered(reach))
         break;
     }
-    for (size_t i = 1; i < breaks.Size(); i++)
-      AddSegment(breaks[i - 1], breaks[i], result);
+    bool before = breaks.Size() && breaks[0] <= merge; // the neighbouring face goes on
+    for (size_t i = 1; i < breaks.Size(); i++) {
+      bool added = AddSegment(breaks[i - 1], breaks[i], result);
+      if (added && !before)
+        AddRim(-1, result);
+      if (!added && before && i > 1)
+        AddRim(1, result);
+      before = added;
+    }
+    if (before && breaks.Size() > 1 && breaks.Last() < 1 - merge)
+      AddRim(1, result);
   }
 
 private:
@@ -191,10 +200,18 @@ private:
     return {xi, hit.eta, weight * L2Norm(dx), hit.gap, slave.Normal(face, dx)};
   }
 
-  void AddSegment(double begin, double end, Pairing<2> & result) const {
+  /// The end of the last segment on one side is one of the master.
+  static void AddRim(double side, Pairing<2> & result) {
+    result.rim.Append(RimPoint<2>{int(result.segments.Size()) - 1,
+                                  result.corners[result.corners.Size() - (side > 0 ? 1 : 2)],
+                                  Vec<1>(side)});
+  }
+
+  /// False where there is no partner.
+  bool AddSegment(double begin, double end, Pairing<2> & result) const {
     int partner = Nearest(0.5 * (begin + end)).first;
     if (partner < 0)
-      return;
+      return false;
     Segment segment{face, partner, result.points.Size(), result.corners.Size()};
     for (auto & ip : rule) {
       auto ray = Ray(partner, begin + (end - begin) * ip(0), ip.Weight() * (end - begin));
@@ -202,12 +219,13 @@ private:
         result.points.Append(ray);
     }
     if (segment.first == result.points.Size())
-      return;
+      return false;
     result.segments.Append(segment);
     for (auto [xi, inner] : {pair(begin, segment.first), pair(end, result.points.Size() - 1)}) {
       auto corner = Ray(partner, xi, 0);
       result.corners.Append(isfinite(corner.gap) ? corner : result.points[inner]);
     }
+    return true;
   }
 };
 

@@ -13,6 +13,8 @@ constexpr double layer_tolerance = 1e-9;
 constexpr double widest_slits = 5e-3;
 // Area of a face that is none, relative to its diameter squared.
 constexpr double degenerate = 1e-12;
+// How far beyond an edge to look for a neighbour, relative to the edge.
+constexpr double rim_distance = 1e-4;
 // How far a normal ray may miss its master face: facets have straight sides, faces do not.
 constexpr double outside_tolerance = 0.2;
 
@@ -61,7 +63,8 @@ public:
       }
       stretch = Stretch(map);
       for (auto & piece : pieces)
-        AddSegment(map, piece, result);
+        if (AddSegment(map, piece, result))
+          AddRim(map, piece, result);
     }
   }
 
@@ -265,7 +268,30 @@ private:
     return least >= -outside_tolerance && most <= 1 + outside_tolerance;
   }
 
-  void AddSegment(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
+  /// Edges of the last segment beyond which the slave facet sees no master.
+  void AddRim(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
+    static const IntegrationRule rule(ET_SEGM, 3);
+    auto & polygon = piece.polygon;
+    for (int i : Range(polygon.Size())) {
+      Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()];
+      Vec<2> beyond = 0.5 * (a + b) + rim_distance * Vec<2>(b(1) - a(1), a(0) - b(0));
+      if (!map.Outline().Contains(beyond) ||
+          std::any_of(pieces.begin(), pieces.end(),
+                      [&](auto & p) { return p.polygon.Contains(beyond); }))
+        continue;
+      Vec<2> from = map.Reference(a).first, to = map.Reference(b).first;
+      Vec<2> outwards(to(1) - from(1), from(0) - to(0));
+      if (InnerProduct(outwards, map.Reference(beyond).first - 0.5 * (from + to)) < 0)
+        outwards *= -1;
+      for (auto & ip : rule)
+        if (auto ray = Ray(map, piece, a + ip(0) * (b - a), 0); isfinite(ray.gap))
+          result.rim.Append(
+              RimPoint<3>{int(result.segments.Size()) - 1, ray, ip.Weight() * outwards});
+    }
+  }
+
+  /// False where all rays miss.
+  bool AddSegment(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
     Segment segment{map.GetFacet().face, piece.master->face, result.points.Size(),
                     result.corners.Size()};
     auto & polygon = piece.polygon;
@@ -281,7 +307,7 @@ private:
           result.points.Append(ray);
     }
     if (segment.first == result.points.Size())
-      return;
+      return false;
     result.segments.Append(segment);
     for (int i : Range(polygon.Size())) {
       auto corner = Ray(map, piece, polygon[i], 0);
@@ -289,6 +315,7 @@ private:
         corner.gap = piece.Gap(polygon[i]);
       result.corners.Append(corner);
     }
+    return true;
   }
 };
 } // namespace

@@ -31,6 +31,11 @@ Pairing<D> InPieces(size_t nfaces, F pair) {
                              offsets[i].first_corner + parts[i].corners.Size()};
   auto & total = offsets.Last();
   Pairing<D> result;
+  for (size_t i : Range(parts))
+    for (auto rim : parts[i].rim) {
+      rim.segment += offsets[i].slave;
+      result.rim.Append(rim);
+    }
   result.segments.SetSize(total.slave + 1);
   result.points.SetSize(total.first);
   result.corners.SetSize(total.first_corner);

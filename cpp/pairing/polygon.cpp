@@ -59,6 +59,13 @@ bool Polygon::IsConvex() const {
   return true;
 }
 
+bool Polygon::Contains(Vec<2> point) const {
+  for (int i = 0; i < n; i++)
+    if (Cross(corners[(i + 1) % n] - corners[i], point - corners[i]) < 0)
+      return false;
+  return n > 0;
+}
+
 Polygon Clip(const Polygon & polygon, Vec<2> a, Vec<2> b, double tolerance) {
   Line line(a, b);
   auto distance = [&](Vec<2> p) {

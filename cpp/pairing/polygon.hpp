@@ -35,6 +35,7 @@ public:
   double Area() const;
   Vec<2> Centroid() const;
   bool IsConvex() const;
+  bool Contains(Vec<2> point) const;
 };
 
 /// The part of `polygon` on the left of the line from a to b. Corners nearer than `tolerance` count
