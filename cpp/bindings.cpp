@@ -194,10 +194,12 @@ void ExportContact(py::module & m) {
            })
       .def(
           "AssembleAugmented",
-          [](ContactForm & self, const BaseVector & x, BaseVector & residual)
-              -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual); },
+          [](ContactForm & self, const BaseVector & x, BaseVector & residual, double factor)
+              -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual, factor); },
+          py::arg("x"), py::arg("residual"), py::arg("factor") = 1.0,
           py::call_guard<py::gil_scoped_release>())
-      .def("UpdateMultipliers", &ContactForm::UpdateMultipliers)
+      .def("UpdateMultipliers", &ContactForm::UpdateMultipliers, py::arg("x"),
+           py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
@@ -248,11 +250,17 @@ PYBIND11_MODULE(_ngslac, m) {
       py::arg("bulk"), py::arg("contacts"));
   m.def(
       "MergeMatrices",
-      [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts,
+      [](const BaseMatrix & bulk,
+         const std::vector<std::variant<shared_ptr<ContactForm>, shared_ptr<BaseMatrix>>> &
+             contacts,
          py::array_t<double> scale) -> shared_ptr<BaseMatrix> {
         Array<shared_ptr<SparseMatrix<double>>> mats;
         for (auto & contact : contacts)
-          mats.Append(contact->Mat());
+          mats.Append(contact.index() == 0
+                          ? std::get<0>(contact)->Mat()
+                          : dynamic_pointer_cast<SparseMatrix<double>>(std::get<1>(contact)));
+        if (mats.Contains(nullptr))
+          throw Exception("MergeMatrices: a contact matrix must be sparse, real and scalar");
         FlatVector<> values(scale.size(), scale.mutable_data());
         py::gil_scoped_release release;
         return MergeMatrices(bulk, mats, values);

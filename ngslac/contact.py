@@ -43,10 +43,10 @@ class LACContact:
     tied : bool
         Glue the surfaces: equal mean displacements (counted from the reference), any traction.
     finite : bool
-        Sliding, rotations and strains may be large: pairing, gap, slip, normals and forces are those
-        of the current configuration and follow the displacement in every iteration. `lam` is the
-        traction per area of the reference configuration. False: pairs, weights and normals stay
-        those of the last `Update`.
+        Sliding, rotations and strains may be large: pairing, gap, slip, normals and forces are
+        those of the current configuration and follow the displacement in every iteration. `lam` is
+        the traction per area of the reference configuration. False: pairs, weights and normals
+        stay those of the last `Update`. A boundary may be slave and master at once.
     maxdist : float
         Farthest opening at which faces pair. Default: the diameter of both surfaces.
     penetration : float
@@ -135,13 +135,16 @@ class LACContact:
         self._MakeFields()
 
     def _CheckRegions(self, master):
-        if master is None:
+        if master is None or self.finite:
             return
         both = self.space.slave * master
         names = self.mesh.GetBoundaries()
         shared = [names[i] for i in range(len(names)) if both.Mask()[i]]
         if shared:
-            raise ValueError(f"boundaries {', '.join(shared)} are both slave and master")
+            raise ValueError(
+                f"boundaries {', '.join(shared)} are both slave and master: self-contact needs "
+                "finite=True"
+            )
 
     def _MakeFields(self):
         scalar = self.space.WithComponents(1)

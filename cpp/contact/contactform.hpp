@@ -64,12 +64,12 @@ public:
   /// What a later solve depends on, besides the configuration of the pairing.
   virtual std::map<string, Array<double>> History() const = 0;
   virtual void SetHistory(const std::map<string, Array<double>> & history) = 0;
-  /// Augmented Lagrangian: matrix and residual of the displacements alone, whose contact traction
-  /// is the projection of  lambda - c j  with the multipliers of x kept.
-  virtual shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & x,
-                                                             BaseVector & residual) = 0;
+  /// Augmented Lagrangian, with c times a factor: matrix and residual of the displacements alone,
+  /// whose contact traction is the projection of  lambda - c j  with the multipliers of x kept.
+  virtual shared_ptr<SparseMatrix<double>>
+  AssembleAugmented(const BaseVector & x, BaseVector & residual, double factor) = 0;
   /// Its outer iteration: the multipliers of x become the projections.
-  virtual void UpdateMultipliers(BaseVector & x) = 0;
+  virtual void UpdateMultipliers(BaseVector & x, double factor) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

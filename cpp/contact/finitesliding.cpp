@@ -1,5 +1,7 @@
 #include "formbase.hpp"
 #include "macromotion.hpp"
+#include "ray.hpp"
+#include "selfcontact.hpp"
 
 namespace ngslac {
 namespace {
@@ -27,6 +29,7 @@ class FiniteSliding : public FormBase<D> {
 
   unique_ptr<Surface<D>> slave_reference, master_reference;
   unique_ptr<FaceShapes<D>> slave_shapes, master_shapes;
+  Array<int> along;                        // macro-elements, for self-contact
   Array<double> fullarea;                  // in the reference configuration
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
@@ -49,11 +52,12 @@ public:
     none.segments.Append(Segment{-1, -1, 0, 0});
     fullarea = MacroJump<D>(u, *space, *slave_reference, nullptr, none).fullarea;
 
-    nscalars = u.fes->GetNDof() * u.fes->GetDimension();
-    Vector<> x(nscalars);
+    along = AlongSurface(*space);
+    Vector<> x(u.fes->GetNDof() * u.fes->GetDimension());
     x = 0.0;
     if (gf)
       x = gf->GetVector().FV<double>();
+    lamdof.SetSize0(); // of another mesh
     PairAnew(x);
     this->Reset();
     start = points;
@@ -96,8 +100,9 @@ public:
     });
   }
 
-  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx,
-                                                     BaseVector & residual) override {
+  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx, BaseVector & residual,
+                                                     double factor) override {
+    typename Base::Augmentation augmentation(c, factor);
     this->Prepare(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     Configure(x);
@@ -158,7 +163,7 @@ protected:
     auto mean = MeanGap<D>(*now, *points, m);
     Vec<D> slip = 0.0;
     if (Slides(m))
-      slip = MeanSlip<D>(*now, *start, m) - reference[m];
+      slip = MeanSlip<D>(*now, *start, m) - Offset(m);
     return PlaceOf(mean.gap, mean.normal, slip);
   }
 
@@ -174,6 +179,11 @@ private:
     return start->area[m] > 0 && max(this->friction[m], this->threshold[m]) >= 0;
   }
 
+  /// What an approaching macro-element moves until it touches is no slip.
+  Vec<D> Offset(size_t m) const {
+    return L2Norm2(reference[m]) > 0 ? Carried<D>(*now, *start, m, reference[m]) : reference[m];
+  }
+
   static MacroPlace<D> PlaceOf(double gap, const Vec<D> & normal, const Vec<D> & slip) {
     Vec<D> along = slip - InnerProduct(slip, normal) * normal;
     return {normal, gap, along, along - gap * normal};
@@ -185,6 +195,8 @@ private:
     slave->CheckFinite(*u.fes->GetMeshAccess());
     master->CheckFinite(*u.fes->GetMeshAccess());
     auto paired = this->PairAt(std::move(slave), std::move(master));
+    if (this->selfcontact)
+      KeepOneSide<D>(paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
     CountReferenceAreas(*paired.slave, paired.pairing);
     this->Take(std::move(paired));
     jump->fullarea = fullarea;
@@ -194,8 +206,27 @@ private:
     auto of_rim = OfMacros(
         pairing.rim.Size(), [&](int i) { return segments[pairing.rim[i].segment].slave; },
         *this->slave, *space);
-    points = make_shared<MacroPoints<D>>(MacroPoints<D>{
-        pairing, std::move(of_segments), std::move(of_rim), Array<double>(jump->area)});
+    Array<Mat<D, D - 1>> dual(space->NMacros());
+    for (size_t m : Range(dual))
+      if (jump->area[m] > 0) {
+        auto & segment = segments[of_segments[m][0]];
+        Vec<D> x;
+        Mat<D, D - 1> dx;
+        this->slave->Evaluate(segment.slave, pairing.points[segment.first].slave, x, dx);
+        dual[m] = DualBasis<D>(dx);
+      }
+    points = make_shared<MacroPoints<D>>(
+        MacroPoints<D>{pairing, std::move(of_segments), std::move(of_rim),
+                       Array<double>(jump->area), std::move(dual)});
+  }
+
+  BitArray Closed(FlatVector<> x) const {
+    BitArray closed(space->NMacros());
+    closed.Clear();
+    for (size_t m : Range(lamdof.Size() / D))
+      if (L2Norm2(this->Multiplier(m, x)) > 0)
+        closed.SetBit(m);
+    return closed;
   }
 
   void CountReferenceAreas(const Surface<D> & current, Pairing<D> & pairs) const {
@@ -325,8 +356,10 @@ private:
     if (pushes)
       AddTurningTraction(m, normal, traction, parts.pressure, rows);
     Vec<D> slip = 0.0;
-    if (Slides(m))
-      slip = MeanSlip<D>(*now, *start, m, rows, lh) - reference[m];
+    if (Slides(m)) {
+      slip = MeanSlip<D>(*now, *start, m, rows, lh) - Offset(m);
+      SubtractCarried<D>(*now, *start, m, reference[m], rows, lh);
+    }
     auto place = PlaceOf(mean.gap, normal, slip);
     auto p = project(m, normal, this->Trial(m, place, x));
     SetMultiplierBlock(m, p.derivative);

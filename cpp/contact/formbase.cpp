@@ -1,7 +1,13 @@
 #include "formbase.hpp"
 #include "coefficients.hpp"
+#include "selfcontact.hpp"
 
 namespace ngslac {
+template <int D>
+FormBase<D>::FormBase(const ContactSetup & asetup)
+    : ContactForm(asetup),
+      selfcontact(setup.master && Overlap(space->SlaveRegion(), *setup.master)) {}
+
 template <int D>
 unique_ptr<Surface<D>> FormBase<D>::SurfaceOf(const Region & region,
                                               shared_ptr<CoefficientFunction> displacement) const {
@@ -30,6 +36,8 @@ typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
   } else {
     auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration,
                                  (D == 2 ? 2 : 1) * degree(max(u.Order(*slave), u.Order(*master))));
+    if (selfcontact)
+      LimitToOthers(*slave, *master, options);
     result.pairing = Pair<D>(*slave, *master, options);
     maxdist = options.maxdist;
   }
@@ -40,6 +48,17 @@ typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
                     "; check the regions, the placement of the bodies and maxdist");
   result.slave = std::move(slave), result.master = std::move(master);
   return result;
+}
+
+template <int D>
+void FormBase<D>::LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
+                                PairingOptions & options) const {
+  options.maypair = NotNeighbours<D>(slave, master, *u.fes->GetMeshAccess());
+  if (setup.penetration > 0)
+    return;
+  // A normal that goes into the body must not find its other side.
+  for (size_t f : Range(slave.Size()))
+    options.penetration = min(options.penetration, 0.5 * slave.Diameter(f));
 }
 
 template <int D>
@@ -116,7 +135,8 @@ void FormBase<D>::AddApply(const BaseVector & bx, BaseVector & by) {
 }
 
 template <int D>
-void FormBase<D>::UpdateMultipliers(BaseVector & bx) {
+void FormBase<D>::UpdateMultipliers(BaseVector & bx, double factor) {
+  Augmentation augmentation(c, factor);
   Prepare(bx);
   auto x = bx.FV<double>();
   Configure(x);
@@ -342,8 +362,9 @@ template <int D>
 Projection<D> FormBase<D>::ProjectWithMemory(size_t m, const Vec<D> & normal,
                                              const Vec<D> & trial) {
   Vec<D> now = 0.0;
-  auto p = Project(Data(m, normal), trial);
-  if (p.status == Status::slip && max(friction[m], threshold[m]) > 0)
+  auto data = Data(m, normal);
+  auto p = Project(data, trial);
+  if (p.status == Status::slip && max(data.friction, data.threshold) > 0)
     now = trial - InnerProduct(trial, normal) * normal;
   if (InnerProduct(now, direction[m]) < 0) {
     p = Sticking(trial);

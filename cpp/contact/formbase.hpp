@@ -20,7 +20,7 @@ struct MacroPlace {
 template <int D>
 class FormBase : public ContactForm {
 public:
-  explicit FormBase(const ContactSetup & asetup) : ContactForm(asetup) {}
+  explicit FormBase(const ContactSetup & asetup);
 
   void SetStiffness(FlatVector<> diagonal, double factor) override;
   void SetConstant(double value) override { c = value; }
@@ -29,7 +29,7 @@ public:
   void Restore() override { states = accepted; }
   std::map<string, Array<double>> History() const override;
   void SetHistory(const std::map<string, Array<double>> & history) override;
-  void UpdateMultipliers(BaseVector & x) override;
+  void UpdateMultipliers(BaseVector & x, double factor) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
   void AddApply(const BaseVector & x, BaseVector & y) override;
@@ -50,6 +50,9 @@ protected:
                                    shared_ptr<CoefficientFunction> displacement) const;
   Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
   Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
+  /// One surface is slave and master.
+  void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
+                     PairingOptions & options) const;
   /// Takes over a new pairing and its macro-elements.
   void Take(Paired && paired);
   /// Scales, law and states for new macro-elements.
@@ -117,6 +120,18 @@ protected:
   void CheckPaired() const;
   void Prepare(const BaseVector & x);
 
+  /// Makes c larger while it lives.
+  struct Augmentation {
+    Array<double> & c;
+    Array<double> before;
+    Augmentation(Array<double> & ac, double factor) : c(ac), before(ac) {
+      for (double & value : c)
+        value *= factor;
+    }
+    ~Augmentation() { c = before; }
+  };
+
+  bool selfcontact;
   unique_ptr<Surface<D>> slave, master;
   Pairing<D> pairing;
   unique_ptr<MacroJump<D>> jump;

@@ -266,6 +266,30 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
   return mean * sum;
 }
 
+template <int D>
+Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+               const Vec<D> & vector) {
+  auto & segment = points.pairing.segments[points.segments[macro][0]];
+  Vec<D> x;
+  Mat<D, D - 1> dx;
+  now.slave.Evaluate(segment.slave, points.pairing.points[segment.first].slave, x, dx);
+  return dx * Vec<D - 1>(Trans(points.dual[macro]) * vector);
+}
+
+template <int D>
+void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                     const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh) {
+  HeapReset hr(lh);
+  auto & segment = points.pairing.segments[points.segments[macro][0]];
+  auto & xi = points.pairing.points[segment.first].slave;
+  auto shapes = now.slave_shapes.Calc(now.slave, segment.slave, xi, lh);
+  auto positions = Positions(rows, now.slave_shapes.Dofs(segment.slave));
+  Vec<D - 1> components = Trans(points.dual[macro]) * vector;
+  for (int j : Range(positions))
+    for (int a : Range(D - 1))
+      rows.slip.Col(positions[j]) -= components(a) * shapes.derivative[a].Col(j);
+}
+
 #define INSTANTIATE(D)                                                                             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
@@ -276,6 +300,10 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
                             const MacroTraction<D> &, FlatVector<>, LocalHeap &);                  \
   template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \
                                           size_t, const MacroTraction<D> &);                       \
+  template Vec<D> Carried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,               \
+                          const Vec<D> &);                                                         \
+  template void SubtractCarried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,         \
+                                const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
                            MacroRows<D> &, LocalHeap &);

@@ -15,9 +15,10 @@ struct MovingSurfaces {
 template <int D>
 struct MacroPoints {
   Pairing<D> pairing;
-  Table<int> segments; // of each macro-element
-  Table<int> rim;      // of each macro-element, points of the pairing's rim
-  Array<double> area;  // of each macro-element, 0 where too little is paired
+  Table<int> segments;       // of each macro-element
+  Table<int> rim;            // of each macro-element, points of the pairing's rim
+  Array<double> area;        // of each macro-element, 0 where too little is paired
+  Array<Mat<D, D - 1>> dual; // of the tangents at the first point of each macro-element
 };
 
 /// Derivatives of what moves with a macro-element, a column for each dof.
@@ -81,6 +82,15 @@ void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, s
 template <int D>
 pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<D> & points,
                                size_t macro, const MacroTraction<D> & traction);
+
+/// A tangential vector of the paired configuration, turned and stretched with the slave surface.
+template <int D>
+Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+               const Vec<D> & vector);
+/// Subtracts its derivative from that of the slip.
+template <int D>
+void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                     const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh);
 
 /// How far the slave slid along the master since the points were paired: the mean of the tangential
 /// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.

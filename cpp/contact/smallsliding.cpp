@@ -57,8 +57,9 @@ public:
     });
   }
 
-  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx,
-                                                     BaseVector & residual) override {
+  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx, BaseVector & residual,
+                                                     double factor) override {
+    typename Base::Augmentation augmentation(c, factor);
     this->Prepare(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     this->ForMacros([&](size_t m, LocalHeap & lh) {

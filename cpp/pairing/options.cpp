@@ -20,7 +20,7 @@ PairingOptions SearchOptions(const Surface<D> & slave, const Surface<D> & master
   double own = box.Diam();
   AddBounds(master, box);
   maxdist = maxdist > 0 ? maxdist : box.Diam();
-  return {maxdist, penetration > 0 ? penetration : min(maxdist, 0.1 * own), order};
+  return {maxdist, penetration > 0 ? penetration : min(maxdist, 0.1 * own), order, nullptr};
 }
 
 template PairingOptions SearchOptions(const Surface<2> &, const Surface<2> &, double, double, int);

@@ -33,6 +33,7 @@ struct PairingOptions {
   double maxdist;     // farthest opening, along the slave normal
   double penetration; // deepest interpenetration
   int order;          // of the quadrature, for polynomials of total degree on one segment
+  std::function<bool(int slave, int master)> maypair; // null: all faces
 };
 
 /// Options for a search; a distance of 0 is chosen from the sizes of the surfaces: as far as both

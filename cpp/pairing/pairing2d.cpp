@@ -109,7 +109,10 @@ private:
 
   void Search(double reach) {
     candidates.SetSize0();
-    tree.Visit(SearchBox(reach), [&](int j) { candidates.Append(j); });
+    tree.Visit(SearchBox(reach), [&](int j) {
+      if (!options.maypair || options.maypair(face, j))
+        candidates.Append(j);
+    });
     QuickSort(candidates);
     overlaps.SetSize0();
     breaks.SetSize0();

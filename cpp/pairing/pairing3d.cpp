@@ -13,8 +13,9 @@ constexpr double layer_tolerance = 1e-9;
 constexpr double widest_slits = 5e-3;
 // Area of a face that is none, relative to its diameter squared.
 constexpr double degenerate = 1e-12;
-// How far beyond an edge to look for a neighbour, relative to the edge.
-constexpr double rim_distance = 1e-4;
+// How far beyond an edge to look for a neighbour, relative to the facet; where there may be slits
+// between divided faces farther than they are wide.
+constexpr double rim_distance = 1e-4, rim_distance_divided = 0.02;
 // How far a normal ray may miss its master face: facets have straight sides, faces do not.
 constexpr double outside_tolerance = 0.2;
 
@@ -63,7 +64,7 @@ public:
       }
       stretch = Stretch(map);
       for (auto & piece : pieces)
-        if (AddSegment(map, piece, result))
+        if (AddSegment(map, piece, result) && stretch == 1) // else slits are all that is free
           AddRim(map, piece, result);
     }
   }
@@ -91,7 +92,10 @@ private:
 
   void Search(const FacetMap & map, double reach) {
     candidates.SetSize0();
-    tree.Visit(SearchBox(map, reach), [&](int j) { candidates.Append(j); });
+    tree.Visit(SearchBox(map, reach), [&](int j) {
+      if (!options.maypair || options.maypair(map.GetFacet().face, j))
+        candidates.Append(j);
+    });
     QuickSort(candidates);
     pieces.SetSize0();
     for (int j : candidates)
@@ -272,9 +276,15 @@ private:
   void AddRim(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
     static const IntegrationRule rule(ET_SEGM, 3);
     auto & polygon = piece.polygon;
+    bool divided = master_facets.Of(piece.master->face).Size() > 1;
+    double distance = divided ? rim_distance_divided : rim_distance;
     for (int i : Range(polygon.Size())) {
       Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()];
-      Vec<2> beyond = 0.5 * (a + b) + rim_distance * Vec<2>(b(1) - a(1), a(0) - b(0));
+      Vec<2> across(b(1) - a(1), a(0) - b(0));
+      if (L2Norm(across) == 0)
+        continue;
+      across *= distance * map.GetFacet().size / L2Norm(across);
+      Vec<2> beyond = 0.5 * (a + b) + across;
       if (!map.Outline().Contains(beyond) ||
           std::any_of(pieces.begin(), pieces.end(),
                       [&](auto & p) { return p.polygon.Contains(beyond); }))
