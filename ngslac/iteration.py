@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 __all__ = ["Iteration"]
 
 
@@ -30,6 +32,13 @@ class Iteration:
     slip: int
     changed: int
     damping: float
+
+    @classmethod
+    def Of(cls, number, state, before, damping):
+        """The line for a State; `before` are the statuses of the iterate before."""
+        counts = (int(np.sum(state.status == s)) for s in range(3))
+        changed = int(np.sum(before != state.status))
+        return cls(number, state.equilibrium, state.constraint, *counts, changed, damping)
 
     def __str__(self):
         damping = "" if self.damping == 1 else f"  damped {self.damping:g}"

@@ -3,25 +3,57 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import LinearForm
-
-from ngslac.errors import ContactConvergenceError
 
 __all__ = ["Residual", "State"]
 
 
 @dataclass
 class State:
-    """Residual of bulk and loads, its sizes and the contact status, at one iterate."""
+    """Residual of bulk and loads, its sizes and the contact status, at one iterate.
+
+    Attributes
+    ----------
+    bulk : (n,)
+        Residual of the bulk form minus `rhs`; None where there is none.
+    equilibrium, constraint : float
+        Norms of the scaled residuals of both kinds of rows, relative to the forces at work.
+    merit : float
+        Norm of both, not divided by the forces: what a line search compares. Infinite where the
+        residual has no value, or the surfaces cannot be paired.
+    unbalance : float
+        The part of the equilibrium rows of the merit.
+    status : (m,) int
+        Of the macro-elements of all contacts: 0 open, 1 stick, 2 slip.
+    covered : (m,)
+        Share of their area that faces a master.
+    reason : str
+        Why there is no residual.
+    """
 
     bulk: np.ndarray = field(repr=False)
     equilibrium: float
     constraint: float
+    merit: float
+    unbalance: float
     status: np.ndarray = field(repr=False)
+    covered: np.ndarray = field(repr=False)
+    reason: str = ""
 
     @property
-    def merit(self):
-        return float(np.hypot(self.equilibrium, self.constraint))
+    def finite(self):
+        """Is there a residual?"""
+        return np.isfinite(self.merit)
+
+    def LostSight(self, before):
+        """Did a macro-element lose its partner, as when a step moves it through the master?"""
+        return bool(np.any(self.covered < 0.5 * before.covered))
+
+    @classmethod
+    def Nothing(cls, reason):
+        """Of an iterate that has no residual."""
+        return cls(None, np.inf, np.inf, np.inf, np.inf, None, None, reason)
 
 
 class Residual:
@@ -38,6 +70,7 @@ class Residual:
     def __init__(self, a, gf, contacts, rhs, free):
         self.a, self.gf, self.contacts, self.rhs, self.free = a, gf, contacts, rhs, free
         self.converged = 0.0  # largest forces of a converged state
+        self.forces = self.reference = 0.0
 
     def Begin(self, scale, tol):
         """Start a solve with these factors and tolerance; returns the first State."""
@@ -53,37 +86,57 @@ class Residual:
         self.reference = max(self.converged, 1e-3 * self.forces)
         return state
 
+    def Follow(self):
+        """Contacts that follow the motion pair anew in the configuration of gf."""
+        for contact in self.contacts:
+            if follow := getattr(contact, "Follow", None):
+                follow(self.gf)
+
     def Accept(self):
         """The state measured last has converged."""
         self.converged = max(self.forces, self.converged)
 
     def Measure(self, scale):
-        """The State of gf; raises ContactConvergenceError if it holds NaN."""
+        """The State of gf."""
         vec = self.gf.vec
         residual, contact_residual = vec.CreateVector(), vec.CreateVector()
-        self.a.Apply(vec, residual)
         contact_residual[:] = 0
-        for contact in self.contacts:
-            contact.AddApply(vec, contact_residual)
-            contact.Evaluate(self.gf)
+        try:
+            self.Follow()
+            self.a.Apply(vec, residual)
+            for contact in self.contacts:
+                contact.AddApply(vec, contact_residual)
+                contact.form.Evaluate(vec)
+        except NgException as error:
+            return State.Nothing(str(error))
         bulk, contact_forces = residual.FV().NumPy(), contact_residual.FV().NumPy()
         load = LoadVector(self.rhs, vec)
         # Forces at work: reactions, contact forces and loads all count.
-        self.forces = max(
+        forces = max(
             float(np.linalg.norm((scale * f)[~self.rows])) for f in (bulk, contact_forces, load)
         )
         bulk = bulk - load
         scaled = scale * (bulk + contact_forces) * self.free
         if not np.all(np.isfinite(scaled)):
-            raise ContactConvergenceError("the residual holds NaN or infinite values")
+            return State.Nothing("the residual holds NaN or infinite values")
+        self.forces = forces
         # No residual gets below the rounding errors of the stiffness times the displacement.
         rounding = 1e-14 * float(np.linalg.norm((vec.FV().NumPy() / scale)[~self.rows]))
         reference = max(self.forces, self.reference, rounding / self.tol)
         equilibrium = float(np.linalg.norm(scaled[~self.rows]))
         constraint = float(np.linalg.norm(scaled[self.rows]))
+        merit = float(np.hypot(equilibrium, constraint))
         reference = reference or max(equilibrium, constraint) or 1.0
-        status = np.concatenate([contact.Table()["status"] for contact in self.contacts])
-        return State(bulk, equilibrium / reference, constraint / reference, status)
+        tables = [contact.Table() for contact in self.contacts]
+        return State(
+            bulk,
+            equilibrium / reference,
+            constraint / reference,
+            merit,
+            equilibrium,
+            np.concatenate([t["status"] for t in tables]),
+            np.concatenate([t["area"] / t["fullarea"] for t in tables]),
+        )
 
 
 def LoadVector(rhs, vec):

@@ -1,16 +1,21 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import BitArray
 
 from ngslac._ngslac import EquilibrationScale
 from ngslac.bodies import Bodies, FloatingMessage, NearestMacros
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
-from ngslac.linear import AsNumPy, LinearSolveError, LinearSolver, ScalarDofs
-from ngslac.residual import Residual
+from ngslac.linear import AsNumPy, LinearSolveError, LinearSolver, Multiply, ScalarDofs
+from ngslac.residual import Residual, State
 
 __all__ = ["ContactSolver"]
+
+# Shorter parts of a step may lead macro-elements off the master.
+LEAST_SIGHT = 1 / 8
 
 
 class ContactSolver:
@@ -71,14 +76,17 @@ class ContactSolver:
             inner = BitArray(space.FreeDofs())
             inner &= ~space.FreeDofs(True)
             self._inner = AsNumPy(ScalarDofs(inner, space))
-        self.residual = Residual(a, gf, self.contacts, rhs, self.linear.free | self._inner)
-        self.history, self._closings = [], 0
+        free = self.linear.free | self._inner
+        self.constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
+        self.residual = Residual(a, gf, self.contacts, rhs, free)
+        self.globalization = Globalization()
+        self.history, self._closings, self._motion = [], 0, None
         self._bodies = None
         self._islinear = False  # the bulk, as far as seen: its matrix is kept
 
     # --- the loop ------------------------------------------------------------------------------
 
-    def Solve(self, *, maxit=30, tol=1e-10, printing=True, callback=None):
+    def Solve(self, *, maxit=30, tol=1e-10, printing=True, callback=None, motion=None):
         """Iterate until both relative residuals are below `tol`; returns the last `Iteration`.
 
         Parameters
@@ -92,6 +100,9 @@ class ContactSolver:
             One line per iteration.
         callback : callable, optional
             Called with each `Iteration`.
+        motion : (n,) array, optional
+            How far constrained dofs still have to move. The Newton steps carry it: Dirichlet values
+            that jump turn the elements beside them inside out.
 
         Raises
         ------
@@ -105,15 +116,15 @@ class ContactSolver:
             raise ValueError("the space was refined: make a new ContactSolver")
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
-        self.history, self._closings = [], 0
+        self.history, self._closings, self._status = [], 0, None
+        self._motion, self.linear.shifts = None, 0
+        if motion is not None and np.any(motion[self.constrained]):
+            self._motion = np.where(self.constrained, motion, 0.0)
         try:
             return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:
             floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
-            self.gf.vec.data = start
-            for contact in self.contacts:
-                if contact.form.paired:
-                    contact.Evaluate(self.gf)
+            self._ReturnTo(start)
             if isinstance(error, ContactConvergenceError):
                 error.history = self.history
             if floating:
@@ -122,49 +133,56 @@ class ContactSolver:
                 raise ContactConvergenceError(str(error), self.history) from error
             raise
 
+    def Merit(self):
+        """Size of the residual at `gf`, infinite without one; None before the first solve."""
+        return self.residual.Measure(self.scale).merit if self.history else None
+
+    def _ReturnTo(self, start):
+        self.gf.vec.data = start
+        try:
+            self.residual.Follow()
+        except NgException:  # it was so before
+            return
+        for contact in self.contacts:
+            if contact.form.paired:
+                contact.Evaluate(self.gf)
+
     def _Iterate(self, maxit, tol, printing, callback):
         self._Assemble()
-        self._CloseWhatFloats(start=True)
+        self.residual.Follow()
+        state = self.residual.Begin(self.scale, tol)
+        if not state.finite:
+            raise ContactConvergenceError(f"{state.reason} at the start")
+        if self._CloseWhatFloats(start=True):
+            state = self.residual.Begin(self.scale, tol)
         for contact in self.contacts:
             contact.form.BeginSolve()
-        state = self.residual.Begin(self.scale, tol)
-        seen, merits, cycles, damped, damping = {}, [], False, False, 1.0
+        self.globalization.Begin()
+        damping = 1.0
         for number in range(maxit + 1):
             self._Record(number, state, damping, printing, callback)
-            if state.equilibrium < tol and state.constraint < tol:
+            done = state.equilibrium < tol and state.constraint < tol
+            if done and self._motion is None:
                 self.residual.Accept()
                 return self.history[-1]
-            if number == maxit:
+            if number == maxit or self.globalization.stagnates:
                 break
-            # A status came back, or nothing gets better: damp from now on.
-            first = seen.setdefault(state.status.tobytes(), number)
-            returned = self.history[-1].changed > 0 and number - first > 1
-            returned = returned and state.merit > 0.1 * min(merits)
-            merits.append(state.merit)
-            stuck = number > 5 and min(merits[-4:]) > 0.5 * min(merits[:-4])
-            cycles, damped = cycles or returned, damped or returned or stuck
+            self.globalization.Watch(state, self.history[-1].changed)
             if number:
                 self._Assemble()
-            state, damping = self._Step(state, damped)
+            state, damping = self._Step(state)
         raise ContactConvergenceError(
-            f"no convergence in {maxit} iterations: equilibrium {state.equilibrium:.2e}, "
-            f"constraint {state.constraint:.2e}"
-            + (", the contact status cycles" if cycles else "")
+            f"no convergence in {len(self.history) - 1} iterations: equilibrium "
+            f"{state.equilibrium:.2e}, constraint {state.constraint:.2e}"
+            + (", the contact status cycles" if self.globalization.cycles else "")
             + "; take smaller steps"
         )
 
     def _Record(self, number, state, damping, printing, callback):
-        counts = np.bincount(state.status, minlength=3)
-        before = self._status if number else state.status
+        for contact in self.contacts:
+            contact.Evaluate(self.gf)
+        entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status
-        entry = Iteration(
-            number,
-            state.equilibrium,
-            state.constraint,
-            *map(int, counts),
-            int(np.sum(before != state.status)),
-            damping,
-        )
         self.history.append(entry)
         if printing:
             print(entry)
@@ -172,7 +190,6 @@ class ContactSolver:
             callback(entry)
 
     # --- one iteration -------------------------------------------------------------------------
-
     def _Assemble(self):
         if not (self._islinear and self.a.mat.height == self.a.space.ndof):
             self.a.AssembleLinearization(self.gf.vec)
@@ -183,7 +200,7 @@ class ContactSolver:
         if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
             self.scale[self._inner] = np.median(self.scale[self.linear.free])
 
-    def _Step(self, state, damped):
+    def _Step(self, state):
         residual = self.gf.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
@@ -191,19 +208,24 @@ class ContactSolver:
         correction = self._Correction(residual)
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
-        best = None
-        for damping in (1.0, 0.5, 0.25, 0.125) if damped else (1.0,):
+
+        def move(damping):
             self.gf.vec.data = start
             self.gf.vec.FV().NumPy()[:] -= damping * correction
             trial = self.residual.Measure(self.scale)
-            if best is None or trial.merit < best[0].merit:
-                best = trial, damping
-        self.gf.vec.data = start
-        self.gf.vec.FV().NumPy()[:] -= best[1] * correction
-        self._islinear = self._MovedLinearly(state, best[0], best[1] * correction)
+            if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
+                return State.Nothing("surfaces pass through each other")
+            return trial
+
+        trial, damping = self.globalization.Search(move, self._motion is not None)
+        if not trial.finite:
+            raise ContactConvergenceError(trial.reason + " however short the Newton step")
+        self._islinear = self._MovedLinearly(state, trial, damping * correction)
+        if self._motion is not None:
+            self._motion = None if damping == 1 else (1 - damping) * self._motion
         if self._CloseWhatFloats():
-            return self.residual.Measure(self.scale), best[1]
-        return best
+            return self.residual.Measure(self.scale), damping
+        return trial, damping
 
     def _MovedLinearly(self, before, after, correction):
         """Did the bulk's residual change as its matrix says, to rounding?"""
@@ -214,21 +236,33 @@ class ContactSolver:
         moved.data = self.a.mat * step
         expected = moved.FV().NumPy()
         deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
-        return bool(deviation <= 1e-10 * np.linalg.norm(self.scale * expected))
+        size = np.linalg.norm(self.scale * expected)
+        if size < 1e-5 * self.residual.forces:
+            return self._islinear  # too short to tell
+        return bool(deviation <= 1e-10 * size)
 
     def _Correction(self, residual):
         a = self.a
         if a.condense:
             residual.data += a.harmonic_extension_trans * residual
         forms = [contact.form for contact in self.contacts]
+        if self._motion is not None:
+            residual.FV().NumPy()[:] -= self._Applied(forms, -self._motion)
         correction = self.gf.vec.CreateVector()
-        correction.FV().NumPy()[:] = self.linear.Solve(
-            a.mat, forms, self.scale, residual.FV().NumPy()
+        solution = self.linear.SolveShifted(
+            a.mat, forms, self.scale, residual.FV().NumPy(), ~self.residual.rows
         )
+        correction.FV().NumPy()[:] = solution
+        if self._motion is not None:
+            correction.FV().NumPy()[:] -= self._motion
         if a.condense:
             correction.data += a.harmonic_extension * correction
             correction.data += a.inner_solve * residual
         return correction.FV().NumPy().copy()
+
+    def _Applied(self, forms, values):
+        """The Newton matrix times a vector."""
+        return Multiply((self.a.mat, *(form.mat for form in forms)), values)
 
     # --- bodies that nothing holds -------------------------------------------------------------
 

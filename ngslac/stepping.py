@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
-from ngslac.errors import ContactConvergenceError
+import numpy as np
+
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.prescribed import Prescribed
 
 __all__ = ["LoadStepper", "Step"]
 
@@ -31,18 +34,23 @@ class Step:
 class LoadStepper:
     """Raise the load in steps; halve a step that fails, and grow again after success.
 
-    A failed step leaves solution, load and history at the last converged step.
+    A failed step leaves solution, load and history at the last converged step. If the smallest step
+    fails, longer ones are tried that start without contact tractions: they find a state after a
+    snap.
 
     Parameters
     ----------
     solver : ContactSolver
     load : ngsolve.Parameter
         Appears in the bulk form, in `rhs`, or in `prescribe`; its value is the time.
-    prescribe : callable, optional
-        ``prescribe(gf)`` sets Dirichlet values for the current load. It should leave other dofs
-        alone (``gf.Set(..., definedon=...)`` clears them, which costs the predicted start).
+    prescribe : dict or callable, optional
+        Dirichlet values that depend on the load: a displacement for each region,
+        ``{"top": CF((0, -0.1 * load))}``, of which the components count that the space constrains
+        there; or ``prescribe(gf)``, which sets them. Dofs that are not constrained stay as they
+        are.
     predict : bool
-        Start each step from the linear extrapolation of the last two.
+        Start each step from the linear extrapolation of the last two, unless the residual is far
+        larger there than without.
     maxcuts : int
         How often a step may be halved: the smallest step is the equal one over 2**maxcuts.
 
@@ -59,6 +67,7 @@ class LoadStepper:
         self.prescribe, self.predict, self.maxcuts = prescribe, predict, maxcuts
         self.steps = []
         self._last = None  # increment of the solution and of the load in the last step
+        self._size = np.inf  # of the next step, where the last ones had to be cut
 
     def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=30, tol=1e-10):
         """Go from the current load to `end` in `steps` equal steps.
@@ -72,7 +81,7 @@ class LoadStepper:
         callback : callable, optional
             Called with each converged `Step` (of any size) after the commit.
         printing : bool
-            One line per step and iteration.
+            One line per attempt and iteration.
         maxit, tol :
             Handed to `ContactSolver.Solve`.
 
@@ -83,67 +92,123 @@ class LoadStepper:
         Raises
         ------
         ContactConvergenceError
-            When the smallest step fails. After any error, solution, load, history and fields are
-            those of the last converged step.
+            When the smallest step fails; the message says what the contact looks like there. After
+            any error, solution, load, history and fields are those of the last converged step.
         """
         if steps < 1:
             raise ValueError(f"steps = {steps} must be at least 1")
+        self.printing = printing
         begin = self.load.Get()
         done = []
         for k in range(1, steps + 1):
             target = begin + (end - begin) * k / steps
-            done += self._Reach(target, callback, printing, maxit, tol)
+            done += self._Reach(target, callback, maxit, tol)
         return done
 
-    def _Reach(self, target, callback, printing, maxit, tol):
+    def _Reach(self, target, callback, maxit, tol):
         done, cuts = [], 0
-        size = target - self.load.Get()
-        least = 0.99 * abs(size) * 0.5**self.maxcuts
-        while abs(target - self.load.Get()) > 1e-12 * max(abs(target), abs(size)):
-            remaining = target - self.load.Get()
-            goal = target if abs(size) >= (1 - 1e-9) * abs(remaining) else self.load.Get() + size
-            number = len(self.steps) + 1
-            if printing:
-                print(f"step {number}  load {goal:g}")
+        full = target - self.load.Get()
+        size = full if abs(full) <= self._size else np.copysign(self._size, full)
+        least = 0.99 * abs(full) * 0.5**self.maxcuts
+        while abs(target - self.load.Get()) > 1e-12 * max(abs(target), abs(full)):
+            begin = self.load.Get()
+            goal = target if abs(size) >= (1 - 1e-9) * abs(target - begin) else begin + size
             try:
-                last = self._Attempt(goal, printing, maxit, tol)
+                last = self._Attempt(goal, maxit, tol, "predicted" if cuts == 0 else "last")
             except ContactConvergenceError as error:
                 cuts += 1
-                if abs(goal - self.load.Get()) / 2 < least:
-                    raise
-                if printing:
-                    print(f"  {error}; halved")
-                size = (goal - self.load.Get()) / 2
-                continue
-            self.steps.append(Step(number, goal, last.number, cuts))
+                if abs(goal - begin) / 2 >= least:
+                    if self.printing:
+                        print("  halved")
+                    size = (goal - begin) / 2
+                    continue
+                goal, last = self._Jump(target, error, maxit, tol)
+            self.steps.append(Step(len(self.steps) + 1, goal, last.number, cuts))
             done.append(self.steps[-1])
             if callback:
                 callback(self.steps[-1])
-            size, cuts = 2 * size, 0
+            # What was hard before mostly is so for another while.
+            size = size if cuts else 2 * size
+            self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
+            cuts = 0
         return done
 
-    def _Attempt(self, goal, printing, maxit, tol):
+    def _Jump(self, target, error, maxit, tol):
+        """Leave a state from which no small step converges: it may snap to another one."""
+        begin = self.load.Get()
+        if not isinstance(error, FloatingBodyError):
+            for goal in (begin + 0.25 * (target - begin), target):
+                try:
+                    return goal, self._Attempt(goal, 2 * maxit, tol, "free")
+                except ContactConvergenceError:
+                    continue
+        raise type(error)(self._Diagnosis(error), error.history) from error
+
+    def _Attempt(self, goal, maxit, tol, start):
+        """One step from a start: "predicted", "last" or "free" of contact tractions."""
         solver, vec = self.solver, self.solver.gf.vec
         begin = self.load.Get()
-        start = vec.CreateVector()
-        start.data = vec
+        last = vec.CreateVector()
+        last.data = vec
         self.load.Set(goal)
+        if self.printing:
+            note = {"predicted": "", "last": "", "free": ", from no contact"}
+            print(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
         try:
-            if self._last is not None and self.predict:
-                increment, size = self._last
-                vec.data += (goal - begin) / size * increment
-            if self.prescribe:
-                self.prescribe(solver.gf)
-            last = solver.Solve(maxit=maxit, tol=tol, printing=printing)
-        except BaseException:
-            vec.data = start
+            flags = self._Start(last, goal - begin, start)
+            result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing, **flags)
+        except BaseException as error:
+            vec.data = last
             self.load.Set(begin)
             for contact in solver.contacts:
-                contact.Restore()
+                if contact.form.paired:
+                    contact.Restore()
+            if self.printing:
+                print(f"  {error}")
             raise
         for contact in solver.contacts:
             contact.Commit(solver.gf)
         increment = vec.CreateVector()
-        increment.data = vec - start
+        increment.data = vec - last
         self._last = increment, goal - begin
-        return last
+        return result
+
+    def _Start(self, last, step, start):
+        """Put the start of a step into the solution; returns what Solve has to know of it."""
+        vec, values = self.solver.gf.vec, self.solver.gf.vec.FV().NumPy()
+        fixed = None
+        if self.prescribe:
+            Prescribed(self.solver, self.prescribe).Set()
+            fixed = self.solver.constrained
+            wanted = np.where(fixed, values, last.FV().NumPy())
+            values[:] = wanted
+        if self._last is not None and self.predict and start == "predicted":
+            increment, size = self._last
+            merit = self.solver.Merit()
+            vec.data = last + (step / size) * increment
+            if fixed is not None:
+                values[fixed] = wanted[fixed]
+            # A larger residual is no harm as long as the status is a better guess.
+            if merit is None or self.solver.Merit() < 10 * merit:
+                return {}
+        vec.data = last
+        if start == "free":
+            for contact in self.solver.contacts:
+                values[contact.form.MultiplierDofs()] = 0
+        return {} if fixed is None else {"motion": wanted - last.FV().NumPy()}
+
+    def _Diagnosis(self, error):
+        """What a user has to know of a step that fails however small."""
+        message = f"no step beyond load {self.load.Get():g} converges: {error}"
+        status = np.concatenate([c.Table()["status"] for c in self.solver.contacts])
+        last = error.history[-1] if error.history else None
+        closed = int(np.sum(status > 0))
+        if closed == 0:
+            message += "; all macro-elements are open"
+        elif np.all(status[status > 0] == 2) or (last and last.slip and not last.stick):
+            message += (
+                f"; all {closed} closed macro-elements slip: the load seems to exceed what "
+                "friction can carry. Prescribe a displacement in place of a force to follow the "
+                "sliding"
+            )
+        return message

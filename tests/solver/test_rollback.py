@@ -66,11 +66,31 @@ def test_a_cycle_is_noticed_and_damped():
     assert len(set(statuses)) < len(statuses)
 
 
-def test_nan_in_the_residual():
+def test_nan_in_the_residual_of_the_start():
     """A bulk that is not defined at the state: an error that says so, and a rollback."""
     problem = mixed_press(nonlinear=True)
-    problem.load.Set(-400.0)  # elements turn inside out: the logarithm has no value
-    with pytest.raises(ContactConvergenceError, match="NaN or infinite"):
+    problem.gf.components[0].Set(CF((-2 * x, 0)))  # inside out: the logarithm has no value
+    before = numpy(problem.gf)
+    with pytest.raises(ContactConvergenceError, match="NaN or infinite values at the start"):
+        problem.solver().Solve(printing=False)
+    assert np.array_equal(numpy(problem.gf), before)
+
+
+def test_newton_steps_without_a_residual_are_damped():
+    """The full step turns elements inside out; shortened ones lead to the solution."""
+    problem = press(friction=2.0, nonlinear=True, push=(0.3, -0.05))
+    solver = problem.solver()
+    solver.Solve(printing=False)
+    assert min(h.damping for h in solver.history) < 1
+    assert solver.history[-1].damping == 1  # and the end is quadratic
+    assert solver.history[-1].equilibrium < 10 * solver.history[-2].equilibrium ** 2 + 1e-13
+
+
+def test_a_load_that_no_part_of_a_step_bears():
+    """What has no solution nearby ends with an error, not with NaN."""
+    problem = mixed_press(nonlinear=True)
+    problem.load.Set(-400.0)
+    with pytest.raises(ContactConvergenceError):
         problem.solver().Solve(printing=False)
     assert not np.any(numpy(problem.gf))
 

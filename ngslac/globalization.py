@@ -1,0 +1,100 @@
+"""How much of a Newton step to take."""
+
+import numpy as np
+
+__all__ = ["Globalization"]
+
+
+class Globalization:
+    """Full steps where they do, shorter ones where there is no residual or the status cycles.
+
+    Friction has no energy, so steps are judged by the size of the scaled residual. It need not fall
+    in every step: a change of status often raises that of the contact conditions on the way to the
+    solution, and a line search on it costs iterations. At first only the equilibrium counts, which
+    a nonlinear bulk may lose. When a status returns or nothing gets better, all of the residual
+    does. The search then goes down to a thousandth of the step: where all that holds a body slips,
+    a Newton step moves it far, and only a small part of it makes something stick.
+
+    Parameters
+    ----------
+    halvings : int
+        How often a step without a residual is halved before it is given up.
+    patience : int
+        Number of tiny steps in a row after which it is no use to go on.
+
+    Attributes
+    ----------
+    cycles, damped : bool
+        A contact status came back; a line search is made.
+    """
+
+    SHORT = 3  # halvings of a line search that has found a smaller residual
+    LONG = 10  # and of one that has not
+    TINY = 1 / 64
+
+    def __init__(self, halvings=12, patience=6):
+        self.halvings, self.patience = halvings, patience
+        self.Begin()
+
+    def Begin(self):
+        """Forget the solve before."""
+        self._seen, self._merits, self._tiny = {}, [], 0
+        self.cycles = self.damped = False
+
+    @property
+    def stagnates(self):
+        """Are the steps so short that nothing comes of it?"""
+        return self._tiny >= self.patience
+
+    def Watch(self, state, changed):
+        """Look at a new iterate: does the status return, or nothing get better?"""
+        number = len(self._merits)
+        first = self._seen.setdefault(state.status.tobytes(), number)
+        returned = changed > 0 and number - first > 1
+        returned = returned and state.merit > 0.1 * min(self._merits)
+        self._merits.append(state.merit)
+        stuck = number > 5 and min(self._merits[-4:]) > 0.5 * min(self._merits[:-4])
+        self.cycles, self.damped = self.cycles or returned, self.damped or returned or stuck
+
+    def Search(self, move, moving=False):
+        """Choose the part of a step.
+
+        Parameters
+        ----------
+        move : callable
+            ``move(damping)`` takes that part of the step and returns its State.
+        moving : bool
+            The step carries Dirichlet values, of which the residual before does not know: the
+            longest part with a residual is taken.
+
+        Returns
+        -------
+        State, float
+            The state and its part of the step, which was taken last. Not finite if no part is.
+        """
+        best, damping, taken = None, 1.0, 0.0
+        for halving in range(self.halvings + 1):
+            trial, taken = move(damping), damping
+            if best is None or trial.merit < best[0].merit:
+                best = trial, damping
+            if best[0].finite and (moving or halving >= self._Halvings(*best)):
+                break
+            damping /= 2
+        if taken != best[1] and best[0].finite:
+            best = move(best[1]), best[1]
+        self._tiny = self._tiny + 1 if best[1] <= self.TINY else 0
+        return best
+
+    def _Last(self):
+        return self._merits[-1] if self._merits else np.inf
+
+    def _Halvings(self, state, damping):
+        """How many halvings have to be looked at if this state is the best so far."""
+        if not self.damped:
+            if damping == 1:
+                return 0 if state.unbalance <= self._Last() else self.SHORT
+            # Beside a state without residual a shorter step is better still.
+            return max(self.SHORT, round(np.log2(1 / damping)) + 1)
+        if state.merit >= self._merits[-1]:
+            return self.LONG
+        return 0 if damping == 1 else self.SHORT

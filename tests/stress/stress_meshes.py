@@ -1,0 +1,102 @@
+"""Meshes of the stress set: mapped grids, the contact sides of which never match."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import Mesh
+
+from ngslac.demos._boxes import AddBody, Cells, StructuredBox
+
+__all__ = ["Block", "Block3D", "Grids", "Grids3D", "Rotated"]
+
+
+@dataclass(frozen=True)
+class Block:
+    """The unit square in nx x ny cells, mapped by `shape`; sides are called NAME_bottom etc.
+
+    `shape` maps arrays (s, t) of the square to (x, y) and keeps the orientation.
+    """
+
+    name: str
+    shape: object
+    nx: int
+    ny: int
+    quads: bool = False
+
+
+def Box(x0, y0, x1, y1):
+    """The map of the unit square onto a rectangle."""
+    return lambda s, t: (x0 + (x1 - x0) * s, y0 + (y1 - y0) * t)
+
+
+def Rotated(shape, degrees):
+    """A map followed by a rotation about the origin."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+
+    def turned(a, b):
+        x, y = shape(a, b)
+        return c * x - s * y, s * x + c * y
+
+    return turned
+
+
+def Grids(*blocks):
+    """An NGSolve mesh of `Block`s that share no nodes; `shape` may be (x0, y0, x1, y1)."""
+    ngmesh = NetgenMesh(dim=2)
+    for block in blocks:
+        _Add(ngmesh, block)
+    ngmesh.Compress()
+    return Mesh(ngmesh)
+
+
+def _Add(ngmesh, block):
+    shape = Box(*block.shape) if isinstance(block.shape, tuple) else block.shape
+    nx, ny = block.nx, block.ny
+    s, t = np.meshgrid(np.linspace(0, 1, nx + 1), np.linspace(0, 1, ny + 1), indexing="ij")
+    xs, ys = (np.broadcast_to(np.asarray(c, dtype=float), s.shape) for c in shape(s, t))
+    domain = ngmesh.AddRegion(block.name, dim=2)
+    node = np.empty(s.shape, dtype=object)
+    for i, j in np.ndindex(s.shape):
+        node[i, j] = ngmesh.Add(MeshPoint(Pnt(xs[i, j], ys[i, j], 0)))
+    for i, j in np.ndindex(nx, ny):
+        a, b, c, d = node[i, j], node[i + 1, j], node[i + 1, j + 1], node[i, j + 1]
+        for cell in [[a, b, c, d]] if block.quads else [[a, b, c], [a, c, d]]:
+            ngmesh.Add(Element2D(domain, cell))
+    # The outline is walked counter-clockwise: the checks rely on this order.
+    sides = {"bottom": node[:, 0], "right": node[-1], "top": node[::-1, -1], "left": node[0, ::-1]}
+    for side, chain in sides.items():
+        index = ngmesh.AddRegion(f"{block.name}_{side}", dim=1)
+        for a, b in pairwise(chain):
+            ngmesh.Add(Element1D([a, b], index=index))
+
+
+@dataclass(frozen=True)
+class Block3D:
+    """A box (x0, y0, z0, x1, y1, z1) in n = (nx, ny, nz) cells of a kind of `StructuredBox`.
+
+    `shape` maps points (n, 3) of the box.
+    """
+
+    name: str
+    box: tuple
+    n: tuple
+    kind: str = "hex"
+    shape: object = None
+
+
+def Grids3D(*blocks):
+    """An NGSolve mesh of `Block3D`s that share no nodes; sides are called NAME_bottom etc."""
+    ngmesh = NetgenMesh(dim=3)
+    for block in blocks:
+        low, high = block.box[:3], block.box[3:]
+        grid = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, block.n, strict=True)]
+        cells = StructuredBox(
+            *grid, block.kind, names=lambda side, _, name=block.name: f"{name}_{side}"
+        )
+        points = cells.points if block.shape is None else block.shape(cells.points)
+        AddBody(ngmesh, block.name, Cells(points, cells.cells, cells.faces))
+    ngmesh.Compress()
+    return Mesh(ngmesh)
