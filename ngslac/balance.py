@@ -1,0 +1,119 @@
+"""Where the energy of a motion goes."""
+
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+
+__all__ = ["ContactWorks", "EnergyBalance", "TimeStep"]
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energies now, and works since the beginning (energy; per unit thickness in 2D).
+
+    ``kinetic + internal = their start + external - friction - impact - algorithmic``.
+
+    Attributes
+    ----------
+    time : float
+    kinetic : float
+    internal : float
+        Work done on the material: the strain energy, where it is elastic.
+    external : float
+        Work of loads and of supports that move.
+    friction : float
+        Dissipated by sliding, >= 0.
+    impact : float
+        Lost when surfaces meet: the part of the motion that the mesh cannot reflect. `friction`
+        and `impact` together never decrease with small sliding.
+    algorithmic : float
+        Dissipated by the time integration; 0 for a linear bulk with ``rho_inf=1``.
+    """
+
+    time: float = 0.0
+    kinetic: float = 0.0
+    internal: float = 0.0
+    external: float = 0.0
+    friction: float = 0.0
+    impact: float = 0.0
+    algorithmic: float = 0.0
+
+    @property
+    def total(self):
+        """Kinetic and internal energy."""
+        return self.kinetic + self.internal
+
+    def After(self, time, kinetic, *, internal, external, friction, impact):
+        """The balance after a step with this kinetic energy and these works."""
+        losses = friction + impact
+        return EnergyBalance(
+            time,
+            kinetic,
+            self.internal + internal,
+            self.external + external,
+            self.friction + friction,
+            self.impact + impact,
+            self.algorithmic + self.kinetic - kinetic - internal + external - losses,
+        )
+
+    @classmethod
+    def Table(cls, balances):
+        """Balances as a dict of numpy arrays."""
+        rows = np.array([astuple(balance) for balance in balances]).reshape(-1, len(fields(cls)))
+        return {f.name: column for f, column in zip(fields(cls), rows.T, strict=True)}
+
+    def __str__(self):
+        names = ("kinetic", "internal", "external", "friction", "impact", "algorithmic")
+        return "  energy: " + "  ".join(f"{name} {getattr(self, name):.5g}" for name in names)
+
+
+@dataclass(frozen=True)
+class TimeStep:
+    """A converged time step.
+
+    Attributes
+    ----------
+    number : int
+    time : float
+        At the end of the step.
+    iterations : int
+        Linear solves of this step (those of failed attempts not counted).
+    cuts : int
+        How often the step was halved before it converged.
+    balance : EnergyBalance
+    """
+
+    number: int
+    time: float
+    iterations: int
+    cuts: int
+    balance: EnergyBalance
+
+
+def ContactWorks(contacts, gf, motion):
+    """What contact does in a step that ends at `gf`, before its commit.
+
+    Parameters
+    ----------
+    contacts : list[LACContact]
+    gf : GridFunction
+        On the product space.
+    motion : (n,)
+        Increment of the displacement, 0 elsewhere.
+
+    Returns
+    -------
+    tuple
+        Residual (n,) of the contact forces (the opposite of the forces), their work, and the part
+        of it that sliding dissipates, >= 0.
+    """
+    forces = gf.vec.CreateVector()
+    forces[:] = 0
+    friction = 0.0
+    for contact in contacts:
+        contact.Evaluate(gf)
+        contact.AddApply(gf.vec, forces)
+        table = contact.Table()
+        friction -= float(table["area"] @ np.sum(table["traction"] * table["slip"], axis=1))
+    values = forces.FV().NumPy().copy()
+    return values, -float(values @ motion), friction

@@ -1,0 +1,299 @@
+"""Implicit dynamics with contact."""
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+from ngsolve import GridFunction, Integrate, Parameter
+
+from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
+from ngslac.errors import ContactConvergenceError
+from ngslac.inertia import DynamicForm, Inert, Mass, Scheme
+from ngslac.prescribed import Prescribed
+from ngslac.residual import LoadVector, Residual
+
+__all__ = ["TimeStepper"]
+
+
+class TimeStepper:
+    """Integrate the motion of bodies in contact; halve a step that fails, and grow again.
+
+    The bulk is integrated by the generalised-alpha method, which is the trapezoidal rule for
+    ``rho_inf=1``: of second order for smooth motion. Contact holds at the end of each step, and one
+    contact traction acts all through the step (Kane, Repetto, Ortiz and Marsden 1999), so that
+    contact and friction can only take energy away; it is the mean over the step. Then the
+    velocities are freed from what contact forbids, by the closest admissible ones in the sense of
+    the kinetic energy: without that the velocities of touching surfaces, and with them the
+    pressures, would swing from step to step. The surface layer that meets an obstacle loses its
+    kinetic energy, a fraction of the order of element size over body size. With ``finite=True``
+    contact conserves energy up to the angle between its mean normal and that of the master.
+
+    A failed step leaves solution, velocity, time and history at the last converged step.
+
+    Parameters
+    ----------
+    solver : ContactSolver
+        Of the static problem: bulk, solution, contacts and loads are taken from there. Its bulk may
+        be nonlinear and may condense, and it may contain loads, but no inertia.
+    density : float or CoefficientFunction
+        Mass per reference volume (2D: per area and unit thickness), > 0.
+    dt : float
+        Largest step. Waves are resolved by steps of about the time they need through an element.
+    rho_inf : float
+        0 to 1: factor by which one step multiplies oscillations much faster than `dt`. Take less
+        than 1 for large deformation, where the trapezoidal rule may become unstable.
+    time : ngsolve.Parameter, optional
+        Appears in the bulk form, in `rhs`, or in `prescribe`; its value is the time.
+    prescribe : dict or callable, optional
+        Dirichlet values that depend on the time, as in `LoadStepper`.
+    energy : CoefficientFunction, optional
+        Strain energy per reference volume of the current `gf`, for `EnergyBalance.internal`.
+        Default: the work of the internal forces, exact for a linear bulk.
+    maxcuts : int
+        How often a step may be halved.
+
+    Attributes
+    ----------
+    velocity : GridFunction
+        On the product space; set its displacement component before the first step.
+    balance : EnergyBalance
+    steps : list[TimeStep]
+
+    Raises
+    ------
+    ValueError
+        A step or density that is not positive, or `rho_inf` out of range.
+
+    Notes
+    -----
+    Loads are read off the bulk form as its residual at zero displacement: loads that follow the
+    deformation count as internal.
+
+    Examples
+    --------
+    >>> stepper = TimeStepper(solver, 1.0, dt=0.01)
+    >>> stepper.velocity.components[0].Set((0, -1))
+    >>> last = stepper.Integrate(0.02, printing=False)[-1]
+    >>> abs(last.balance.algorithmic) < 1e-12
+    True
+    """
+
+    def __init__(
+        self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
+    ):
+        if not (np.isfinite(dt) and dt > 0):
+            raise ValueError(f"dt = {dt} must be positive")
+        if isinstance(density, (int, float)) and not density > 0:
+            raise ValueError(f"density = {density} must be positive")
+        self.dt, self.scheme, self.maxcuts = dt, Scheme(rho_inf), maxcuts
+        self.time = Parameter(0.0) if time is None else time
+        self.prescribe, self.energy = prescribe, energy
+        free = solver.residual.free
+        self.mass = Mass(solver.contacts[0], density, free)
+        self.form = DynamicForm(solver.a, self.mass, self.scheme)
+        self.static = solver
+        self.solver = copy.copy(solver)
+        self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), False
+        self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
+        self.velocity = GridFunction(solver.gf.space, name="velocity")
+        self.balance, self.steps = None, []
+        self._momentum = None  # M times the acceleration due to the bulk's forces
+        self._rate = None  # mean velocity of the last step, and its length
+
+    @property
+    def gf(self):
+        """The solution."""
+        return self.solver.gf
+
+    # --- steps ---------------------------------------------------------------------------------
+
+    def Integrate(self, end, *, callback=None, printing=True, maxit=30, tol=1e-10):
+        """Go on to the time `end`, in equal steps of at most `dt`.
+
+        Parameters
+        ----------
+        end : float
+        callback : callable, optional
+            Called with each converged `TimeStep` after the commit.
+        printing : bool
+            One line per step and iteration, and the energies.
+        maxit, tol :
+            Handed to `ContactSolver.Solve`.
+
+        Returns
+        -------
+        list[TimeStep]
+
+        Raises
+        ------
+        ContactConvergenceError
+            When the smallest step fails. After any error, solution, velocity, time and history are
+            those of the last converged step.
+        """
+        begin = self.time.Get()
+        if not end > begin:
+            raise ValueError(f"end = {end} is not after the time {begin}")
+        self._Begin()
+        count = max(1, int(np.ceil((end - begin) / self.dt - 1e-9)))
+        done = []
+        for k in range(1, count + 1):
+            target = end if k == count else begin + (end - begin) * k / count
+            done += self._Reach(target, callback, printing, maxit, tol)
+        return done
+
+    def _Begin(self):
+        """Forces and energies of the present state, which the user may have changed."""
+        for contact in self.solver.contacts:
+            if not contact.form.paired:
+                contact.Update(self.gf if contact.finite else None)
+        self._force, self._loads = self._Forces()
+        if self._momentum is None:
+            if not self.prescribe:
+                self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
+            self._momentum = -self._force
+            self._rate = self._Velocity(), self.dt
+        kinetic = self.mass.Energy(self._Velocity())
+        if self.balance is None:
+            self.balance = EnergyBalance(self.time.Get(), kinetic, self._Energy())
+            return
+        external = self.balance.external + kinetic - self.balance.kinetic
+        self.balance = replace(self.balance, kinetic=kinetic, external=external)
+
+    def _Reach(self, target, callback, printing, maxit, tol):
+        done, cuts = [], 0
+        length = size = target - self.time.Get()
+        while target - self.time.Get() > 1e-9 * length:
+            now = self.time.Get()
+            goal = target if size >= (1 - 1e-9) * (target - now) else now + size
+            if printing:
+                print(f"step {len(self.steps) + 1}  time {goal:g}")
+            try:
+                last = self._Attempt(goal, printing, maxit, tol)
+            except ContactConvergenceError as error:
+                cuts += 1
+                if (goal - now) / 2 < 0.99 * length * 0.5**self.maxcuts:
+                    raise
+                if printing:
+                    print(f"  {error}; halved")
+                size = (goal - now) / 2
+                continue
+            if printing:
+                print(self.balance)
+            self.steps.append(TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance))
+            done.append(self.steps[-1])
+            if callback:
+                callback(self.steps[-1])
+            size, cuts = 2 * size, 0
+        return done
+
+    def _Attempt(self, goal, printing, maxit, tol):
+        vec, now = self.gf.vec, self.time.Get()
+        start = vec.FV().NumPy().copy()
+        if self.form.SetStep(goal - now):
+            self.solver._islinear = False
+        dt = self.form.dt
+        inertial = start + dt * self._Velocity()
+        self.form.start.vec.FV().NumPy()[:] = inertial
+        self.time.Set(goal)
+        try:
+            if self.prescribe:
+                Prescribed(self.solver, self.prescribe).Set()
+            vec.FV().NumPy()[self.mass.free] = inertial[self.mass.free]
+            last = self.solver.Solve(maxit=maxit, tol=tol, printing=printing)
+            if not np.isfinite(self._Energy()):
+                raise ContactConvergenceError("elements turned inside out")
+        except BaseException:
+            vec.FV().NumPy()[:] = start
+            self.time.Set(now)
+            self.solver.residual.Follow()
+            for contact in self.solver.contacts:
+                contact.Restore()
+            raise
+        self._Accept(start, dt)
+        return last
+
+    def _Accept(self, start, dt):
+        scheme, mass, old = self.scheme, self.mass, self._force
+        motion = (self.gf.vec.FV().NumPy() - start) * mass.rows
+        force, loads = self._Forces()
+        mean = (1 - scheme.force) * force + scheme.force * old
+        momentum = -(scheme.mass * self._momentum + mean) / (1 - scheme.mass)
+        velocity = 2 / dt * motion - self._Velocity()
+        if scheme.rho_inf < 1:
+            bend = dt * (scheme.gamma - 2 * scheme.beta)
+            velocity += bend * mass.Solve(momentum - self._momentum)
+        works = self._Works(motion, loads)
+        works["external"] += self._MoveSupports(velocity, motion / dt, dt)
+        for contact in self.solver.contacts:
+            contact.Commit(self.gf)
+        admissible = mass.Arrest(self.solver.contacts, velocity)
+        works["impact"] += mass.Energy(velocity) - mass.Energy(admissible)
+        works["internal"] = 0.5 * float((old + force + self._loads + loads) @ motion)
+        self.velocity.vec.FV().NumPy()[:] = admissible
+        self._force, self._loads, self._momentum = force, loads, momentum
+        if self.energy is not None:
+            works["internal"] = self._Energy() - self.balance.internal
+        self.balance = self.balance.After(self.time.Get(), mass.Energy(admissible), **works)
+
+    def _MoveSupports(self, velocity, rate, dt):
+        """Velocities of what is prescribed, from backward differences; returns the energy of that.
+
+        The trapezoidal rule would answer to a jump of the velocity with oscillations for ever.
+        """
+        fixed = self.mass.rows & ~self.mass.free
+        before, last = self._rate
+        self._rate = rate * fixed, dt
+        if not (np.any(rate[fixed]) or np.any(before[fixed])):
+            return 0.0
+        energy = self.mass.Energy(velocity)
+        velocity[fixed] = (rate + dt / (dt + last) * (rate - before))[fixed]
+        return self.mass.Energy(velocity) - energy
+
+    # --- forces and energies -------------------------------------------------------------------
+
+    def _Velocity(self):
+        return self.velocity.vec.FV().NumPy() * self.mass.rows
+
+    def _Energy(self):
+        return 0.0 if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
+
+    def _Forces(self):
+        """Force of the bulk including the loads, and the loads alone."""
+        static = self.static
+        zero, result = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        zero[:] = 0
+        load = LoadVector(static.residual.rhs, zero)
+        static.a.Apply(zero, result)
+        loads = (load - result.FV().NumPy()) * self.mass.rows
+        static.a.Apply(self.gf.vec, result)
+        return (result.FV().NumPy() - load) * self.mass.rows, loads
+
+    def _Load(self):
+        """Right hand side of the step: loads and what the step before leaves behind."""
+        scheme, vec = self.scheme, self.gf.vec.CreateVector()
+        memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
+        memory -= scheme.weight * scheme.force * self._force
+        load = LoadVector(self.static.residual.rhs, vec)
+        vec.FV().NumPy()[:] = memory + scheme.share * load
+        return vec
+
+    def _Works(self, motion, loads):
+        """Works of contact, friction, loads and supports in this step, before its commit."""
+        forces, work, friction = ContactWorks(self.solver.contacts, self.gf, motion)
+        balance = self.gf.vec.CreateVector()
+        self.form.Apply(self.gf.vec, balance)
+        reaction = balance.FV().NumPy() + forces - self._Load().FV().NumPy()
+        supports = float((reaction * ~self.mass.free) @ motion)
+        external = supports + 0.5 * float((self._loads + loads) @ motion)
+        return {"external": external, "friction": friction, "impact": -work - friction}
+
+    def Table(self):
+        """The energy balance after each step as numpy arrays, see `EnergyBalance`.
+
+        Returns
+        -------
+        dict
+            ``time``, ``kinetic``, ``internal``, ``external``, ``friction``, ``impact``,
+            ``algorithmic``, all (number of steps,).
+        """
+        return EnergyBalance.Table(step.balance for step in self.steps)

@@ -1,0 +1,220 @@
+"""Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BilinearForm, BitArray, GridFunction, InnerProduct, Parameter, dx
+from scipy.sparse import vstack
+
+from ngslac.bodies import ActiveRows
+
+__all__ = ["DynamicForm", "Inert", "Mass", "Scheme"]
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """Coefficients of the generalised-alpha method (Chung and Hulbert 1993, eqs. 25 and 17).
+
+    Parameters
+    ----------
+    rho_inf : float
+        Factor by which one step multiplies oscillations much faster than the step, 0 to 1.
+    """
+
+    rho_inf: float
+
+    def __post_init__(self):
+        if not 0 <= self.rho_inf <= 1:
+            raise ValueError(f"rho_inf = {self.rho_inf} must be between 0 and 1")
+
+    @property
+    def mass(self):
+        """alpha_m: weight of the old acceleration."""
+        return (2 * self.rho_inf - 1) / (self.rho_inf + 1)
+
+    @property
+    def force(self):
+        """alpha_f: weight of the old force."""
+        return self.rho_inf / (self.rho_inf + 1)
+
+    @property
+    def gamma(self):
+        return 0.5 - self.mass + self.force
+
+    @property
+    def beta(self):
+        return 0.25 * (1 - self.mass + self.force) ** 2
+
+    @property
+    def weight(self):
+        """Weight of the balance of bulk forces where that of the contact force is 1.
+
+        The contact force c/M enters the displacement with dt^2/2, the acceleration with beta dt^2.
+        """
+        return 2 * self.beta / (1 - self.mass)
+
+    @property
+    def share(self):
+        """Weight of the force at the end of the step."""
+        return self.weight * (1 - self.force)
+
+
+class Mass:
+    """The mass matrix of the displacement on the product space, and motions under constraints.
+
+    Parameters
+    ----------
+    contact : LACContact
+        Any contact on the space: tells the displacement.
+    density : float or CoefficientFunction
+        Mass per reference volume.
+    free : (n,) bool
+        Free scalar dofs.
+    """
+
+    def __init__(self, contact, density, free):
+        form = contact.form
+        space = form.fes
+        self.u, self.v = Displacement(space, form)
+        self.density = density
+        self.rows = np.zeros(contact.nscalars, dtype=bool)
+        first = form.offset * space.dim
+        self.rows[first : first + form.component.ndof * space.dim] = True
+        self.free = free & self.rows
+        self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
+        diagonal = self.Times(self.free.astype(float))[self.free]
+        if not np.all(np.isfinite(diagonal)):
+            raise ValueError("the density must be finite")
+        self._inverse = None
+
+    def Times(self, values):
+        """M times a numpy vector."""
+        x, y = self.mat.CreateRowVector(), self.mat.CreateColVector()
+        x.FV().NumPy()[:] = values
+        y.data = self.mat * x
+        return y.FV().NumPy().copy()
+
+    def Solve(self, forces):
+        """The accelerations of the free dofs under forces; 0 elsewhere."""
+        if self._inverse is None:
+            free = self.free.reshape(self.mat.height, -1).all(axis=1)
+            self._inverse = self.mat.Inverse(AsBits(free), inverse="sparsecholesky")
+        x, y = self.mat.CreateRowVector(), self.mat.CreateColVector()
+        y.FV().NumPy()[:] = forces * self.free
+        x.data = self._inverse * y
+        return x.FV().NumPy() * self.free
+
+    def Energy(self, velocity):
+        """Kinetic energy."""
+        return 0.5 * float(velocity @ self.Times(velocity))
+
+    def Arrest(self, contacts, velocity):
+        """The velocity without its part against the constraints at work.
+
+        Closed macro-elements keep no normal relative velocity, sticking ones none at all. The
+        change is orthogonal with respect to the mass: it can only take energy away.
+        """
+        rows = vstack([ActiveRows(contact) for contact in contacts]).tocsr()
+        rate = rows @ velocity
+        if not np.any(rate):
+            return velocity
+        transposed = rows.T.tocsr()
+        # Conjugate gradients for the impulses: as well conditioned as the mass matrix.
+        change, direction = np.zeros_like(velocity), rate.copy()
+        residual = rate.copy()
+        square = start = residual @ residual
+        for _ in range(10 * len(rate) + 50):
+            if square <= 1e-28 * start:
+                break
+            motion = self.Solve(transposed @ direction)
+            image = rows @ motion
+            step = square / (direction @ image)
+            change += step * motion
+            residual -= step * image
+            before, square = square, residual @ residual
+            direction = residual + square / before * direction
+        return velocity - change
+
+
+class DynamicForm:
+    """Bulk form plus inertia in one time step, with the verbs of a BilinearForm.
+
+    ``share * (a(u) + 2 M (u - u0) / (share dt^2))``: the force balance of the step, weighted such
+    that the contact force is the one that acts all through the step.
+    """
+
+    def __init__(self, a, mass, scheme):
+        self.space, self.condense = a.space, a.condense
+        self.share = scheme.share
+        self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
+        self.dt, self.factor = 0.0, Parameter(1.0)
+        self._form = BilinearForm(a.space, condense=a.condense)
+        for integrator in a.integrators:
+            self._form += integrator
+        moved = mass.u - mass.u.ReplaceFunction(self.start)
+        self._form += self.factor * mass.density * InnerProduct(moved, mass.v) * dx
+
+    def SetStep(self, dt):
+        """Choose the length of the step, up to rounding; True if that changes the matrix."""
+        if abs(dt - self.dt) <= 1e-9 * dt:
+            return False
+        self.dt = dt
+        self.factor.Set(2 / (self.share * dt**2))
+        return True
+
+    @property
+    def mat(self):
+        return self._form.mat
+
+    @property
+    def harmonic_extension(self):
+        return self._form.harmonic_extension
+
+    @property
+    def harmonic_extension_trans(self):
+        return self._form.harmonic_extension_trans
+
+    @property
+    def inner_solve(self):
+        return (1 / self.share) * self._form.inner_solve
+
+    def AssembleLinearization(self, x):
+        self._form.AssembleLinearization(x)
+        self._form.mat.AsVector().data *= self.share
+
+    def Apply(self, x, y):
+        self._form.Apply(x, y)
+        y.data *= self.share
+
+
+class Inert:
+    """In place of `Bodies`: what has mass does not float, however small the mass is."""
+
+    def Floating(self, contacts):
+        return []
+
+
+def Displacement(space, form):
+    """Trial and test function of the displacement of a compiled contact form."""
+
+    def Find(part, trial, test, offset):
+        if not isinstance(trial, (list, tuple)):
+            found = offset == form.offset and part.ndof == form.component.ndof
+            return (trial, test) if found else None
+        for component, *proxies in zip(part.components, trial, test, strict=True):
+            if found := Find(component, *proxies, offset):
+                return found
+            offset += component.ndof
+        return None
+
+    found = Find(space, *space.TnT(), 0)
+    if found is None:
+        raise ValueError("the displacement of the contact is no component of the product space")
+    return found
+
+
+def AsBits(values):
+    bits = BitArray(len(values))
+    for i, value in enumerate(values):
+        bits[i] = bool(value)
+    return bits

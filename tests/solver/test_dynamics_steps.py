@@ -1,0 +1,116 @@
+"""TimeStepper: steps that fail, going on, arguments."""
+
+import numpy as np
+import pytest
+from motions import bar, elastic, on_ground, sliding, values
+from ngsolve import CF, H1, BilinearForm, GridFunction, Parameter, VectorH1
+from ngsolve.meshes import MakeStructured2DMesh
+
+from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace
+from ngslac.dynamics import TimeStepper
+
+
+def test_a_failing_step_is_cut_and_grows_again(capsys):
+    motion = on_ground(gap=0.01, dt=0.4, nonlinear=True, order=1).throw(0, -1.0)
+    steps = motion.stepper.Integrate(0.8, maxit=4)
+    sizes = np.diff([0, *(s.time for s in steps)])
+    assert sum(s.cuts for s in steps) > 0
+    assert sizes.max() > 1.5 * sizes.min()
+    assert motion.time.Get() == steps[-1].time == 0.8
+    assert "halved" in capsys.readouterr().out
+
+
+def test_giving_up_leaves_the_last_step():
+    motion = on_ground(gap=0.01, dt=0.1, nonlinear=True, friction=0.2, maxcuts=1).throw(0.3, -0.5)
+    motion.stepper.Integrate(0.2, printing=False)
+    before = values(motion.gf), values(motion.stepper.velocity)
+    balance, slip = motion.stepper.balance, motion.contact.form.Vectors("reference")
+    with pytest.raises(ContactConvergenceError):
+        motion.stepper.Integrate(0.3, maxit=1, tol=1e-14, printing=False)
+    assert np.array_equal(values(motion.gf), before[0])
+    assert np.array_equal(values(motion.stepper.velocity), before[1])
+    assert np.array_equal(motion.contact.form.Vectors("reference"), slip)
+    assert motion.stepper.balance == balance
+    assert motion.time.Get() == 0.2
+    motion.stepper.Integrate(0.3, printing=False)
+    assert len(motion.stepper.steps) == 3
+
+
+def test_a_state_without_energy_is_no_solution():
+    motion = on_ground(gap=1.0, dt=0.1, maxcuts=1).throw(0, -1.0)
+    motion.run(0.1)
+    before = values(motion.gf)
+    motion.stepper.energy = CF(float("nan"))
+    with pytest.raises(ContactConvergenceError, match="inside out"):
+        motion.stepper.Integrate(0.2, printing=False)
+    assert np.array_equal(values(motion.gf), before)
+
+
+def test_continues_where_it_stopped():
+    motion, other = (bar(n=8, dt=0.05) for _ in range(2))
+    motion.run(0.5)
+    motion.run(1.0)
+    other.run(1.0)
+    assert values(motion.gf) == pytest.approx(values(other.gf), abs=1e-13)
+    assert [s.number for s in motion.stepper.steps] == list(range(1, 21))
+
+
+def test_a_static_solution_stays():
+    """In equilibrium nothing moves, and the static solver is as before."""
+    motion = sliding(speed=0.0)
+    before = values(motion.gf)
+    motion.run(0.2)
+    assert values(motion.gf) == pytest.approx(before, abs=1e-12 * np.abs(before).max())
+    motion.stepper.static.Solve(printing=False)
+    assert values(motion.gf) == pytest.approx(before, abs=1e-10 * np.abs(before).max())
+
+
+# --- arguments ---------------------------------------------------------------------------------
+
+
+def test_bad_arguments():
+    solver = on_ground(dt=0.1).stepper.static
+    for flags, message in [
+        ({"dt": 0.0}, "dt = 0.0 must be positive"),
+        ({"dt": 0.1, "rho_inf": 1.5}, "rho_inf = 1.5"),
+        ({"dt": 0.1, "density": 0.0}, "density = 0.0"),
+    ]:
+        density = flags.pop("density", 1.0)
+        with pytest.raises(ValueError, match=message):
+            TimeStepper(solver, density, **flags)
+    with pytest.raises(ValueError, match="not after"):
+        TimeStepper(solver, 1.0, dt=0.1).Integrate(0.0)
+
+
+def test_displacement_anywhere_in_the_product_space():
+    """A displacement that is not the first component."""
+    mesh = MakeStructured2DMesh(quads=True, nx=1, ny=1)
+    V, W = VectorH1(mesh, order=2), VectorH1(mesh, order=1, dirichlet=".*")
+    X = W * LACSpace(V, slave="bottom") * V
+    (w, lam, u), (dw, _, v) = X.TnT()
+    a = BilinearForm(X)
+    a += elastic(u, v) + elastic(w, dw)
+    gf, time = GridFunction(X), Parameter(0)
+    contact = LACContact(u, lam, obstacle=CF(1.0))
+    stepper = TimeStepper(ContactSolver(a, gf, contact), 2.0, dt=0.5, time=time)
+    stepper.velocity.components[2].Set((0, -0.5))
+    stepper.Integrate(1.0, printing=False)
+    assert time.Get() == 1.0
+    assert gf.components[2](mesh(0.3, 0.2)) == pytest.approx((0, -0.5), abs=1e-12)
+    assert stepper.balance.kinetic == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("space", [VectorH1, lambda mesh, **flags: H1(mesh, dim=2, **flags)])
+def test_spaces_with_and_without_blocks(space):
+    mesh = MakeStructured2DMesh(quads=True, nx=2, ny=2)
+    V = space(mesh, order=2)
+    X = V * LACSpace(V, slave="bottom")
+    (u, lam), (v, _) = X.TnT()
+    contact = LACContact(u, lam, obstacle=CF(0.05), friction=0.2)
+    solver = ContactSolver(BilinearForm(elastic(u, v)), GridFunction(X), contact)
+    stepper = TimeStepper(solver, 1.0, dt=0.05, rho_inf=0.7)
+    stepper.velocity.components[0].Set((0.3, -0.5))
+    stepper.Integrate(0.3, printing=False)
+    balance = stepper.balance
+    assert balance.total + balance.friction + balance.impact == pytest.approx(0.17, rel=1e-3)
+    assert balance.friction > 1e-3
