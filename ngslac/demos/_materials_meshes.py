@@ -1,0 +1,116 @@
+"""Meshes of the materials demo: a cord under a plate, and a disc in a ring."""
+
+from __future__ import annotations
+
+import math
+
+from netgen.occ import ArcOfCircle, Pnt, Segment
+
+from ._geometry import (
+    Body,
+    CheckNonMatching,
+    CheckPositive,
+    Divisions,
+    GenerateMesh,
+    NonMatchingDivisions,
+    Side,
+)
+
+__all__ = ["CordMesh", "DiscInRing"]
+
+_RADIUS = 50.0
+
+
+def _Arc(radius, first, last, name, count=None):
+    """Arc about the origin between two angles from the y axis, counted clockwise."""
+    points = [
+        Pnt(radius * math.sin(t), radius * math.cos(t), 0)
+        for t in (first, (first + last) / 2, last)
+    ]
+    return Side(ArcOfCircle(*points), name, count)
+
+
+def _Line(p, q, name, count=None):
+    return Side(Segment(Pnt(*p, 0), Pnt(*q, 0)), name, count)
+
+
+def CordMesh(h, *, zone=1.25):
+    """A quarter of a round cord of radius 50 below a flat, rigid plate that it touches.
+
+    Bodies (materials): "rubber", "plate". Boundaries: "slave" (the arc from the top), "free" (the
+    rest of the arc), "symx" (x = 0), "symy" (y = 0), "master" and "back" (the plate).
+
+    Parameters
+    ----------
+    h : float
+        Edge length on the slave side; the plate's edges are 0.73 times as long.
+    zone : float
+        Angle of the slave arc, in radians.
+
+    Returns
+    -------
+    ngsolve.Mesh
+    """
+    CheckPositive(h=h, zone=zone)
+    r = _RADIUS
+    count = Divisions(r * zone, h)
+    nodes = [r * math.sin(zone * k / count) for k in range(count + 1)]
+    width, top = 1.6 * r, 1.2 * r
+    cord = [
+        _Line((0, 0), (r, 0), "symy"),
+        _Arc(r, math.pi / 2, zone, "free"),
+        _Arc(r, zone, 0, "slave", count),
+        _Line((0, r), (0, 0), "symx"),
+    ]
+    plate = [
+        _Line((0, r), (width, r), "master", NonMatchingDivisions(nodes, 0, width, 0.73 * h)),
+        _Line((width, r), (width, top), "back"),
+        _Line((width, top), (0, top), "back"),
+        _Line((0, top), (0, r), "back"),
+    ]
+    bodies = [Body(cord, "rubber"), Body(plate, "plate")]
+    mesh = GenerateMesh(bodies, order=2, maxh=r / 4, grading=0.3)
+    CheckNonMatching(mesh)
+    return mesh
+
+
+def DiscInRing(h, *, clearance, outer=100.0):
+    """A quarter of a disc of radius 50 inside of a ring, with a clearance.
+
+    Bodies (materials): "disc", "ring". Boundaries: "slave" (the disc's rim), "master" (the ring's
+    inner side), "outer", "symx" (x = 0), "symy" (y = 0).
+
+    Parameters
+    ----------
+    h : float
+        Edge length on the slave side; the ring's edges are 0.73 times as long.
+    clearance : float
+        Radial gap, > 0.
+    outer : float
+        Outer radius of the ring.
+
+    Returns
+    -------
+    ngsolve.Mesh
+        Curved of order 3, with different numbers of edges on the two sides.
+    """
+    CheckPositive(h=h, clearance=clearance, outer=outer)
+    r, inner = _RADIUS, _RADIUS + clearance
+    length = math.pi / 2 * r
+    count = Divisions(length, h)
+    other = NonMatchingDivisions(
+        [length * k / count for k in range(count + 1)], 0, length, 0.73 * h
+    )
+    disc = [
+        _Line((0, 0), (r, 0), "symy"),
+        _Arc(r, math.pi / 2, 0, "slave", count),
+        _Line((0, r), (0, 0), "symx"),
+    ]
+    ring = [
+        _Line((inner, 0), (outer, 0), "symy"),
+        _Arc(outer, math.pi / 2, 0, "outer"),
+        _Line((0, outer), (0, inner), "symx"),
+        _Arc(inner, 0, math.pi / 2, "master", other),
+    ]
+    bodies = [Body(disc, "disc"), Body(ring, "ring")]
+    return GenerateMesh(bodies, order=3, maxh=r / 4, grading=0.3)

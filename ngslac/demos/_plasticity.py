@@ -1,0 +1,182 @@
+"""J2 plasticity on quadrature points, with NGSolve alone: an incremental energy and its state."""
+
+from __future__ import annotations
+
+import math
+
+from ngsolve import CF, GridFunction, Id, IfPos, InnerProduct, Trace, dx, exp, sqrt
+from ngsolve import Integrate as NGSolveIntegrate
+from ngsolve.comp import IntegrationRuleSpace
+
+__all__ = ["J2Plasticity", "PlaneStrain"]
+
+_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+def PlaneStrain(gradient):
+    """Small strain (3, 3) of a displacement gradient (2, 2)."""
+    shear = 0.5 * (gradient[0, 1] + gradient[1, 0])
+    return CF((gradient[0, 0], shear, 0, shear, gradient[1, 1], 0, 0, 0, 0), dims=(3, 3))
+
+
+class J2Plasticity:
+    """Von Mises plasticity with isotropic hardening at small strains.
+
+    The yield stress is ``yield_stress + hardening * a + saturation * (1 - exp(-rate * a))`` (linear
+    plus Voce) with the accumulated plastic strain a. A step is implicit in time: radial return.
+    Written as a minimisation over the plastic increment (Ortiz, Stainier 1999) it has the energy
+    density `Energy`; its first variation is the stress at the end of the step, the second one the
+    consistent tangent, both by NGSolve's ``Variation``. The increment is found by Newton's method
+    on the scalar return equation, which is monotone from below; for linear hardening one step is
+    exact.
+
+    The state (plastic strain and a) lives on the quadrature points and changes in `Commit` only: a
+    step that fails leaves nothing behind.
+
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+    young, poisson : float
+        Elastic constants (stress units; -1 < poisson < 0.5).
+    yield_stress : float
+        First yield stress in tension, > 0.
+    hardening : float
+        Slope of the yield stress over a, >= 0, stress units.
+    saturation, rate : float
+        Voce's part: its limit (stress units, >= 0), and how fast it is reached.
+    order : int
+        The quadrature rule is exact for polynomials of twice this order. ``order=1`` suits
+        displacements of order 2 on triangles.
+
+    Attributes
+    ----------
+    rules : dict
+        Quadrature rules: integrate the energy by ``dx(intrules=material.rules)``.
+    accumulated : GridFunction
+        The committed accumulated plastic strain, on the quadrature points.
+
+    Raises
+    ------
+    ValueError
+        Constants out of range.
+
+    Examples
+    --------
+    >>> material = J2Plasticity(mesh, young=70e3, poisson=0.3, yield_stress=35.0)
+    >>> a += Variation(material.Energy(PlaneStrain(Grad(u))) * dx(intrules=material.rules))
+    >>> steps = LoadStepper(solver, load).Integrate(callback=lambda step: material.Commit(strain))
+    """
+
+    def __init__(
+        self,
+        mesh,
+        *,
+        young,
+        poisson,
+        yield_stress,
+        hardening=0.0,
+        saturation=0.0,
+        rate=0.0,
+        order=1,
+    ):
+        if not (young > 0 and -1 < poisson < 0.5 and yield_stress > 0):
+            raise ValueError(
+                f"young = {young} and yield_stress = {yield_stress} must be positive, "
+                f"poisson = {poisson} between -1 and 0.5"
+            )
+        if min(hardening, saturation, rate) < 0:
+            raise ValueError("hardening, saturation and rate must not be negative")
+        self.shear, self.bulk = young / (2 * (1 + poisson)), young / (3 * (1 - 2 * poisson))
+        self.yield_stress, self.hardening = yield_stress, hardening
+        self.saturation, self.rate = saturation, rate
+        points = IntegrationRuleSpace(mesh, order=order)
+        self.rules = points.GetIntegrationRules()
+        self.points = points
+        self._entries = _ENTRIES[:4] if mesh.dim == 2 else _ENTRIES
+        self.state = GridFunction(points ** (len(self._entries) + 1))
+        self._next = GridFunction(self.state.space)
+        self.accumulated = self.state.components[-1]
+
+    # --- the law -------------------------------------------------------------------------------
+
+    def YieldStress(self, a):
+        """Yield stress at the accumulated plastic strain `a`."""
+        voce = self.saturation * (1 - exp(-self.rate * a)) if self._isvoce else 0
+        return self.yield_stress + self.hardening * a + voce
+
+    @property
+    def _isvoce(self):
+        return self.saturation > 0 and self.rate > 0
+
+    @property
+    def plastic(self):
+        """The committed plastic strain (3, 3)."""
+        values = dict(zip(self._entries, self.state.components, strict=False))
+        return CF(
+            tuple(values.get((min(i, j), max(i, j)), 0) for i in range(3) for j in range(3)),
+            dims=(3, 3),
+        )
+
+    def _Trial(self, strain):
+        """Deviatoric trial strain and the length of the trial stress, without a kink at zero."""
+        elastic = strain - Trace(strain) / 3 * Id(3) - self.plastic
+        tiny = 1e-9 * self.yield_stress / (2 * self.shear)
+        return elastic, sqrt(InnerProduct(elastic, elastic) + tiny**2)
+
+    def _Increment(self, length):
+        """Increment of a from the length of the deviatoric trial strain."""
+        # 3 G b + Y(a + b) = sqrt(3/2) 2 G length, where that is more than Y(a).
+        trial = math.sqrt(6) * self.shear * length
+        a = self.accumulated
+        increment = CF(0)
+        for _ in range(6 if self._isvoce else 1):
+            excess = trial - 3 * self.shear * increment - self.YieldStress(a + increment)
+            slope = 3 * self.shear + self.hardening
+            if self._isvoce:
+                voce = self.saturation * self.rate
+                slope += voce * exp(-self.rate * (a + increment))
+            increment = increment + excess / slope
+        return IfPos(trial - self.YieldStress(a), increment, 0)
+
+    def Energy(self, strain):
+        """Incremental energy density of a strain (3, 3), from the committed state on.
+
+        Stored energy at the end of the step plus what the step dissipates and hardens.
+        """
+        _, length = self._Trial(strain)
+        b = self._Increment(length)
+        a = self.accumulated
+        elastic = length - math.sqrt(1.5) * b
+        energy = self.bulk / 2 * Trace(strain) ** 2 + self.shear * elastic**2
+        energy += (self.yield_stress + self.hardening * (a + b / 2)) * b
+        if self._isvoce:
+            decay = (exp(-self.rate * (a + b)) - exp(-self.rate * a)) / self.rate
+            energy += self.saturation * (b + decay)
+        return energy.Compile()
+
+    def Stress(self, strain):
+        """Stress (3, 3) at the end of a step from the committed state."""
+        elastic, length = self._Trial(strain)
+        share = 1 - math.sqrt(1.5) * self._Increment(length) / length
+        return self.bulk * Trace(strain) * Id(3) + 2 * self.shear * share * elastic
+
+    def Mises(self, strain):
+        """Von Mises stress at the end of a step from the committed state."""
+        _, length = self._Trial(strain)
+        stress = math.sqrt(6) * self.shear * (length - math.sqrt(1.5) * self._Increment(length))
+        return stress
+
+    def Integral(self, function):
+        """Integral over the mesh by the quadrature rules of the state."""
+        mesh = self.state.space.mesh
+        return float(NGSolveIntegrate(function * dx(intrules=self.rules), mesh))
+
+    def Commit(self, strain):
+        """Accept a converged strain (3, 3), a function of the solution: update the state."""
+        elastic, length = self._Trial(strain)
+        b = self._Increment(length)
+        flow = math.sqrt(1.5) * b / length * elastic
+        plastic = self.plastic
+        new = [plastic[i, j] + flow[i, j] for i, j in self._entries]
+        self._next.Interpolate(CF((*new, self.accumulated + b)).Compile())
+        self.state.vec.data = self._next.vec
