@@ -32,8 +32,9 @@ def ends(tmp_path_factory):
 def test_continued_in_a_new_process(kind, ends):
     expected, found = ends[kind]
     assert np.any(expected["status"] > 0)
-    # The velocities come from dense products, whose last digit depends on where arrays lie.
-    rounding = 1e-12 if kind == "bouncing" else 0
+    # The velocities come from dense products, whose last digit depends on where arrays lie; from
+    # there the runs agree to the tolerance of the solver.
+    rounding = 1e-10 if kind == "bouncing" else 0
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=rounding, abs=rounding), name
 
