@@ -1,17 +1,13 @@
 """Augmented Lagrangian method: multipliers outside, displacements inside."""
 
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BitArray
 
-from ngslac._ngslac import MergeMatrices
-from ngslac.errors import ContactConvergenceError
 from ngslac.linear import FLAGS, DefaultInverse, LinearSolver
-from ngslac.residual import State
-from ngslac.solver import LEAST_SIGHT, ContactSolver
+from ngslac.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
 
@@ -127,29 +123,6 @@ class AugmentedLagrangianSolver(ContactSolver):
 
     # --- inner iteration -----------------------------------------------------------------------
 
-    def _Step(self, state):
-        correction = self._Correction(self._Linearize(state))
-        start = self.gf.vec.CreateVector()
-        start.data = self.gf.vec
-
-        def move(damping):
-            self.gf.vec.data = start
-            self.gf.vec.FV().NumPy()[:] -= damping * correction
-            trial = self._Measure()
-            if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
-                return State.Nothing("surfaces pass through each other")
-            return trial
-
-        trial, damping = self.globalization.Search(move, self._motion is not None)
-        if not trial.finite:
-            raise ContactConvergenceError(trial.reason + " however short the Newton step")
-        self._islinear = self._MovedLinearly(state, trial, damping * correction)
-        if self._motion is not None:
-            self._motion = None if damping == 1 else (1 - damping) * self._motion
-        if self._CloseWhatFloats():
-            return self._Measure(), damping
-        return trial, damping
-
     def _Linearize(self, state):
         """Residual and matrices of the displacements, with the multipliers of this iteration."""
         self._ChooseMultipliers(state)
@@ -160,10 +133,9 @@ class AugmentedLagrangianSolver(ContactSolver):
         pull = None if self._pull is None else self.factor * self._pull[rows]
         if pull is not None:
             values[rows] = self._fixed + pull
-        with self._Augmented():
-            self.linear.contacts = [
-                contact.form.AssembleAugmented(vec, residual) for contact in self.contacts
-            ]
+        self.linear.contacts = [
+            contact.form.AssembleAugmented(vec, residual, self.factor) for contact in self.contacts
+        ]
         if pull is not None:  # it only tells what is closed: the force is that of its penalty
             values[rows] = -pull
             for contact in self.contacts:
@@ -180,25 +152,12 @@ class AugmentedLagrangianSolver(ContactSolver):
         """
         try:
             self.residual.Follow()
-            with self._Augmented():
-                for contact in self.contacts:
-                    contact.form.UpdateMultipliers(self.gf.vec)
+            for contact in self.contacts:
+                contact.form.UpdateMultipliers(self.gf.vec, self.factor)
         except NgException:
             pass  # Measure meets and reports it
         state = self.residual.Measure(self.scale)
         return replace(state, merit=state.unbalance)
-
-    @contextmanager
-    def _Augmented(self):
-        """The forms with the augmented c; all else measures with the one of ContactSolver."""
-        histories = [contact.form.History() for contact in self.contacts]
-        try:
-            for contact, history in zip(self.contacts, histories, strict=True):
-                contact.form.SetHistory(history | {"c": self.factor * history["c"]})
-            yield
-        finally:
-            for contact, history in zip(self.contacts, histories, strict=True):
-                contact.form.SetHistory(history)
 
     def _Applied(self, forms, values):
         return Product([self.a.mat, *self.linear.contacts], values)
@@ -253,10 +212,7 @@ class PrimalSolver(LinearSolver):
         """As LinearSolver, with the matrices `contacts` in place of the forms."""
         self.symmetric = all(map(IsSymmetric, (bulk, *self.contacts)))
         self.inverse = self.wanted if self.symmetric else DefaultInverse()
-        total = MergeMatrices(bulk, [], np.ones_like(scale))  # with scalar entries
-        for mat in self.contacts:
-            total = total + mat
-        return super().Solve(total.CreateSparseMatrix(), [], scale, rhs, shift)
+        return super().Solve(bulk, self.contacts, scale, rhs, shift)
 
     def _Factor(self, mat, inverse):
         if self._kept and self._kept[1] == inverse and SameMatrix(self._kept[0], mat):

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
 
-__all__ = ["Bodies", "FloatingMessage", "NearestMacros"]
+__all__ = ["Bodies", "CloseNearest", "FloatingMessage"]
 
 TOLERANCE = 1e-8
 
@@ -100,6 +100,31 @@ class Bodies:
             f"body '{bodies[k // len(self.names)]}' floats ({self.names[k % len(self.names)]})"
             for k in sorted(pivots[: left.shape[1]])
         ]
+
+
+def CloseNearest(contacts, gf, floating):
+    """Close macro-elements, the nearest first, until no body floats; False if that does not help.
+
+    Farther contacts are left alone where the nearest ones hold all bodies.
+    """
+    for count in range(len(contacts)):
+        for distance in (0.05, 0.1, 0.2, 0.4, 0.8):
+            for contact in sorted(contacts, key=SmallestGap)[: count + 1]:
+                # Without friction the tilted normals of distant macro-elements would only hide a
+                # motion that is free.
+                reach = distance if contact.holds_tangentially else 0.05
+                contact.form.Close(NearestMacros(contact, reach), gf.vec)
+                contact.Evaluate(gf)
+            if not floating():
+                return True
+    return False
+
+
+def SmallestGap(contact):
+    """Relative to the mean size of the macro-elements."""
+    table = contact.Table()
+    size = (table["fullarea"] ** (1 / (contact.mesh.dim - 1))).mean()
+    return abs(table["gap"][table["area"] > 0]).min(initial=np.inf) / size
 
 
 def NearestMacros(contact, distance):

@@ -5,7 +5,7 @@ from netgen.meshing import NgException
 from ngsolve import BitArray
 
 from ngslac._ngslac import EquilibrationScale
-from ngslac.bodies import Bodies, FloatingMessage, NearestMacros
+from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
@@ -200,19 +200,26 @@ class ContactSolver:
         if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
             self.scale[self._inner] = np.median(self.scale[self.linear.free])
 
-    def _Step(self, state):
+    def _Linearize(self, state):
+        """The residual of the next linear system, whose matrices are assembled."""
         residual = self.gf.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
             contact.form.AssembleStep(self.gf.vec, residual)
-        correction = self._Correction(residual)
+        return residual
+
+    def _Measure(self):
+        return self.residual.Measure(self.scale)
+
+    def _Step(self, state):
+        correction = self._Correction(self._Linearize(state))
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
 
         def move(damping):
             self.gf.vec.data = start
             self.gf.vec.FV().NumPy()[:] -= damping * correction
-            trial = self.residual.Measure(self.scale)
+            trial = self._Measure()
             if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
                 return State.Nothing("surfaces pass through each other")
             return trial
@@ -224,7 +231,7 @@ class ContactSolver:
         if self._motion is not None:
             self._motion = None if damping == 1 else (1 - damping) * self._motion
         if self._CloseWhatFloats():
-            return self.residual.Measure(self.scale), damping
+            return self._Measure(), damping
         return trial, damping
 
     def _MovedLinearly(self, before, after, correction):
@@ -282,17 +289,9 @@ class ContactSolver:
             raise FloatingBodyError(
                 FloatingMessage(floating) + ". The loads seem to pull it away from the contact"
             )
-        floating = []
-        for distance in (0.05, 0.1, 0.2, 0.4, 0.8) if self.initial == "gap" else ():
-            for contact in self.contacts:
-                # Without friction the tilted normals of distant macro-elements would only hide a
-                # motion that is free.
-                reach = distance if contact.holds_tangentially else 0.05
-                contact.form.Close(NearestMacros(contact, reach), self.gf.vec)
-                contact.Evaluate(self.gf)
-            if not (floating := self._WhatFloats()):
-                return True
-        raise FloatingBodyError(FloatingMessage(floating or self._WhatFloats()))
+        if self.initial == "gap" and CloseNearest(self.contacts, self.gf, self._WhatFloats):
+            return True
+        raise FloatingBodyError(FloatingMessage(self._WhatFloats()))
 
     def _WhatFloats(self):
         if self._bodies is None:

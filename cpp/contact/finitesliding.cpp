@@ -1,20 +1,9 @@
 #include "formbase.hpp"
 #include "macromotion.hpp"
-#include "ray.hpp"
 #include "selfcontact.hpp"
 
 namespace ngslac {
 namespace {
-/// Numbers of things that belong to slave faces, macro-element by macro-element.
-template <int D, typename FACE>
-Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpace & space) {
-  TableCreator<int> creator(space.NMacros());
-  for (; !creator.Done(); creator++)
-    for (int i : Range(n))
-      creator.Add(space.MacroOfFace()[slave.Element(face(i))], i);
-  return creator.MoveTable();
-}
-
 /// Partners, gap, slip, normals and forces are those of the current configuration.
 ///
 /// Areas, and with them the multipliers, count in the reference configuration. Between two calls of
@@ -200,24 +189,7 @@ private:
     CountReferenceAreas(*paired.slave, paired.pairing);
     this->Take(std::move(paired));
     jump->fullarea = fullarea;
-    auto & segments = pairing.segments;
-    auto of_segments =
-        OfMacros(pairing.Size(), [&](int i) { return segments[i].slave; }, *this->slave, *space);
-    auto of_rim = OfMacros(
-        pairing.rim.Size(), [&](int i) { return segments[pairing.rim[i].segment].slave; },
-        *this->slave, *space);
-    Array<Mat<D, D - 1>> dual(space->NMacros());
-    for (size_t m : Range(dual))
-      if (jump->area[m] > 0) {
-        auto & segment = segments[of_segments[m][0]];
-        Vec<D> x;
-        Mat<D, D - 1> dx;
-        this->slave->Evaluate(segment.slave, pairing.points[segment.first].slave, x, dx);
-        dual[m] = DualBasis<D>(dx);
-      }
-    points = make_shared<MacroPoints<D>>(
-        MacroPoints<D>{pairing, std::move(of_segments), std::move(of_rim),
-                       Array<double>(jump->area), std::move(dual)});
+    points = MakePoints(pairing, *this->slave, *space, jump->area);
   }
 
   BitArray Closed(FlatVector<> x) const {

@@ -190,53 +190,6 @@ void FormBase<D>::SetHistory(const std::map<string, Array<double>> & history) {
 }
 
 template <int D>
-shared_ptr<SparseMatrix<double>> FormBase<D>::Penalized() const {
-  static Timer timer("ngslac::ContactForm::Penalized");
-  RegionTimer reg(timer);
-  BitArray multiplier(nscalars);
-  multiplier.Clear();
-  for (int dof : lamdof)
-    multiplier.SetBit(dof);
-  auto displacements = [&](int row) {
-    Array<int> dofs;
-    for (int col : mat->GetRowIndices(row))
-      if (!multiplier.Test(col))
-        dofs.Append(col);
-    return dofs;
-  };
-  TableCreator<int> creator(nscalars);
-  for (; !creator.Done(); creator++) {
-    ParallelFor(nscalars, [&](size_t i) {
-      if (!multiplier.Test(i))
-        for (int j : displacements(i))
-          creator.Add(i, j);
-    });
-    ParallelFor(jump->Size(), [&](size_t m) {
-      auto dofs = displacements(lamdof[D * m]); // the same for all components
-      for (int i : dofs)
-        creator.Add(i, dofs);
-    });
-  }
-  auto result = MatrixOf(creator.MoveTable());
-  ParallelFor(nscalars, [&](size_t i) {
-    if (!multiplier.Test(i))
-      for (int j : displacements(i))
-        (*result)(i, j) = (*mat)(i, j);
-  });
-  ParallelFor(jump->Size(), [&](size_t m) {
-    auto dofs = displacements(lamdof[D * m]);
-    for (int k : Range(D)) {
-      int row = lamdof[D * m + k];
-      for (int i : dofs)
-        if (mat->GetPositionTest(i, row) != numeric_limits<size_t>::max())
-          for (int j : dofs)
-            AtomicAdd((*result)(i, j), c[m] / RowArea(m) * (*mat)(i, row) * (*mat)(row, j));
-    }
-  });
-  return result;
-}
-
-template <int D>
 void FormBase<D>::Close(const BitArray & macros, BaseVector & bx) {
   CheckSize(bx.FV<double>().Size());
   auto x = bx.FV<double>();

@@ -1,5 +1,6 @@
 #pragma once
 #include "contactform.hpp"
+#include "eliminate.hpp"
 
 namespace ngslac {
 template <int D>
@@ -114,8 +115,13 @@ protected:
   Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return Project(Data(m, place.normal), Trial(m, place, x));
   }
-  /// Matrix of the displacements with the multipliers' rows of `mat` eliminated by their penalty.
-  shared_ptr<SparseMatrix<double>> Penalized() const;
+  /// Matrix of the displacements alone, from an assembled `mat`.
+  shared_ptr<SparseMatrix<double>> Penalized() const {
+    Array<double> penalties(jump->Size());
+    for (size_t m : Range(jump->Size()))
+      penalties[m] = c[m] / RowArea(m);
+    return EliminateMultipliers<D>(*mat, lamdof, penalties);
+  }
   void CheckSize(size_t entries) const;
   void CheckPaired() const;
   void Prepare(const BaseVector & x);

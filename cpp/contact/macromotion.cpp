@@ -2,6 +2,40 @@
 #include "ray.hpp"
 
 namespace ngslac {
+namespace {
+/// Numbers of things that belong to slave faces, macro-element by macro-element.
+template <int D, typename FACE>
+Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpace & space) {
+  TableCreator<int> creator(space.NMacros());
+  for (; !creator.Done(); creator++)
+    for (int i : Range(n))
+      creator.Add(space.MacroOfFace()[slave.Element(face(i))], i);
+  return creator.MoveTable();
+}
+} // namespace
+
+template <int D>
+shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<D> & slave,
+                                      const LACSpace & space, FlatArray<double> area) {
+  auto & segments = pairing.segments;
+  auto of_segments =
+      OfMacros<D>(pairing.Size(), [&](int i) { return segments[i].slave; }, slave, space);
+  auto of_rim = OfMacros<D>(
+      pairing.rim.Size(), [&](int i) { return segments[pairing.rim[i].segment].slave; }, slave,
+      space);
+  Array<Mat<D, D - 1>> dual(space.NMacros());
+  for (size_t m : Range(dual))
+    if (area[m] > 0) {
+      auto & segment = segments[of_segments[m][0]];
+      Vec<D> x;
+      Mat<D, D - 1> dx;
+      slave.Evaluate(segment.slave, pairing.points[segment.first].slave, x, dx);
+      dual[m] = DualBasis<D>(dx);
+    }
+  return make_shared<MacroPoints<D>>(MacroPoints<D>{
+      pairing, std::move(of_segments), std::move(of_rim), Array<double>(area), std::move(dual)});
+}
+
 template <int D>
 MacroRows<D>::MacroRows(Array<int> && adofs) : dofs(std::move(adofs)) {
   size_t n = dofs.Size();
@@ -291,6 +325,8 @@ void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & point
 }
 
 #define INSTANTIATE(D)                                                                             \
+  template shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> &, const Surface<D> &,           \
+                                                 const LACSpace &, FlatArray<double>);             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
   template void AddDerivatives(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \

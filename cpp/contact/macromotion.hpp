@@ -21,6 +21,10 @@ struct MacroPoints {
   Array<Mat<D, D - 1>> dual; // of the tangents at the first point of each macro-element
 };
 
+template <int D>
+shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<D> & slave,
+                                      const LACSpace & space, FlatArray<double> area);
+
 /// Derivatives of what moves with a macro-element, a column for each dof.
 template <int D>
 struct MacroRows {
