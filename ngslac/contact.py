@@ -2,19 +2,17 @@
 
 import math
 
-import numpy as np
 from ngsolve import CoefficientFunction, GridFunction
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import ContactForm, Side
+from ngslac._ngslac import ContactForm
 from ngslac.arguments import BoundaryRegion, Coefficient
-from ngslac.report import ContactReport
-from ngslac.segments import Segments
+from ngslac.results import ContactResults
 
 __all__ = ["LACContact"]
 
 
-class LACContact:
+class LACContact(ContactResults):
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,
@@ -259,67 +257,3 @@ class LACContact:
         table = self.Table()
         for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
             getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()
-
-    # --- results -------------------------------------------------------------------------------
-
-    def Table(self):
-        """The last evaluation as numpy arrays over the macro-elements.
-
-        Returns
-        -------
-        dict
-            ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
-            ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
-            ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
-            ``friction`` (n) coefficient, -1 without Coulomb friction.
-        """
-        d = self.mesh.dim
-        states = self.form.States().reshape(-1, 9)
-        table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
-        return table | {
-            "x": self.form.Vectors("center").reshape(-1, d),
-            "normal": self.form.Vectors("normal").reshape(-1, d),
-            "pressure": states[:, 0],
-            "gap": states[:, 1],
-            "status": states[:, 2].astype(int),
-            "traction": states[:, 3 : 3 + d],
-            "slip": states[:, 6 : 6 + d],
-        }
-
-    def Force(self):
-        """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
-        return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
-
-    def Moment(self, point):
-        """Moment of the tractions on the slave about `point`: a number in 2D, (3,) in 3D."""
-        total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
-        arm, force = np.zeros(3), np.zeros(3)
-        arm[: self.mesh.dim], force[: self.mesh.dim] = point, self.Force()
-        moment = total - np.cross(arm, force)
-        return float(moment[2]) if self.mesh.dim == 2 else moment
-
-    def Mortar(self):
-        """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.
-
-        ``D u - M u`` is the integral of (slave minus paired master displacement) over each
-        macro-element, d rows per macro-element, columns the dofs of the displacement space. For
-        scipy copy the arrays of ``D.CSR()``: they are views that die with the matrix.
-        """
-        if not self.form.paired:
-            self.Update()
-        return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
-
-    def Segments(self):
-        """The segments of the pairing, see `Segments`."""
-        if not self.form.paired:
-            self.Update()
-        return Segments(self.form, self.mesh.dim)
-
-    def Check(self):
-        """A readable report of the pairing, see `ContactReport`."""
-        if not self.form.paired:
-            self.Update()
-        return ContactReport(self)
-
-    def _GetWebguiData(self):
-        return self.Segments()._GetWebguiData()

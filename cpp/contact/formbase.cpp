@@ -41,7 +41,7 @@ typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
     result.pairing = Pair<D>(*slave, *master, options);
     maxdist = options.maxdist;
   }
-  if (result.pairing.Size() == 0)
+  if (result.pairing.Size() == 0 && !selfcontact) // which may come later
     throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
                     "surface within maxdist = " +
                     ToString(maxdist) +
