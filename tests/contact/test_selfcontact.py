@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from netgen.occ import Circle, MoveTo, OCCGeometry
+from netgen.occ import Box, Circle, MoveTo, OCCGeometry
 from ngsolve import GridFunction, Mesh, VectorH1
 
 from ngslac import LACContact, LACSpace
@@ -78,3 +78,16 @@ def test_needs_finite_sliding():
     u, lam = X.TrialFunction()
     with pytest.raises(ValueError, match="finite=True"):
         LACContact(u, lam, master="slot")
+
+
+def test_one_side_is_the_slave_in_3d():
+    """A slot in a block: its lower and upper faces are 2 x 1.4 each."""
+    block = Box((-1, -1, -1), (1, 1, 1)) - Box((-2, -2, -0.03), (0.4, 2, 0.03))
+    for face in block.faces:
+        face.name = "slot" if abs(abs(face.center.z) - 0.03) < 1e-9 else "outside"
+    contact = selfcontact(Mesh(OCCGeometry(block).GenerateMesh(maxh=0.7)))
+    table = contact.Table()
+    paired = table["area"] > 0
+    assert len(set(np.sign(table["x"][paired, 2]))) == 1
+    assert table["gap"][paired] == pytest.approx(0.06, rel=1e-9)
+    assert table["area"].sum() == pytest.approx(2.8, rel=1e-9)
