@@ -60,8 +60,8 @@ class LACContact(ContactResults):
         units), mean gap (> 0 open, length), 0 open, 1 stick, 2 slip. Filled by `Evaluate`, which
         the solver calls.
     traction, slip, normal : GridFunction
-        Vectors: traction on the slave, tangential slip of the last step (slave minus master),
-        unit normal out of the slave.
+        Vectors: traction on the slave, tangential slip of the last step (slave minus master;
+        not known for ``finite=True`` without friction), unit normal out of the slave.
     space : LACSpace
     form : the compiled form
 

@@ -19,6 +19,7 @@ class ContactResults:
         -------
         dict
             ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
+            both of the reference configuration with ``finite=True``,
             ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
             ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
             ``friction`` (n) coefficient, -1 without Coulomb friction.
