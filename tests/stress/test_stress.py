@@ -7,7 +7,8 @@ from ngsolve import CF
 from run import RunProblem, Summary
 from stress_problem import PROBLEMS
 
-# Those that take longest run with the slow tests only.
+# Those that take longest run on request: pytest -m stress, or run.py.
+LONG = [pytest.mark.slow, pytest.mark.stress]
 SLOW = {
     "cyclic3d", "halfring-0.0", "halfring-0.2", "bumps-0.0", "bumps-0.3", "softpunch-0.0",
     "softpunch-0.4", "plate-0.5", "iron-0.0", "iron-0.2", "slide3d-0.0", "slide3d-0.5",
@@ -20,7 +21,7 @@ SLOW = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in PROBLEMS]
+    "name", [pytest.param(n, marks=LONG if n in SLOW else ()) for n in PROBLEMS]
 )
 def test_problem(name):
     result = RunProblem(name)
