@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BitArray
 
-from ngslac.linear import FLAGS, DefaultInverse, LinearSolver
+from ngslac.linear import FLAGS, AsBits, DefaultInverse, LinearSolver, Multiply
 from ngslac.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
@@ -160,7 +159,7 @@ class AugmentedLagrangianSolver(ContactSolver):
         return replace(state, merit=state.unbalance)
 
     def _Applied(self, forms, values):
-        return Product([self.a.mat, *self.linear.contacts], values)
+        return Multiply([self.a.mat, *self.linear.contacts], values)
 
     def _CloseWhatFloats(self, start=False):
         values = self.gf.vec.FV().NumPy()
@@ -193,10 +192,10 @@ class PrimalSolver(LinearSolver):
     """
 
     def __init__(self, linear, inverse):
-        self.bits, self.free = BitArray(linear.bits), linear.free
         default = DefaultInverse()
         self.wanted = inverse or (default if default == "pardiso" else "sparsecholesky")
-        self.inverse, self.contacts, self.symmetric = self.wanted, [], True
+        super().__init__(linear.bits, self.wanted)
+        self.contacts, self.symmetric = [], True
         self.Forget()
 
     def Forget(self):
@@ -205,8 +204,7 @@ class PrimalSolver(LinearSolver):
 
     def Leave(self, rows):
         """Leave out the multipliers, a (n,) array of bool."""
-        for i in np.flatnonzero(rows):
-            self.bits[int(i)] = False
+        self.bits &= AsBits(~rows)
 
     def Solve(self, bulk, forms, scale, rhs, shift=None):
         """As LinearSolver, with the matrices `contacts` in place of the forms."""
@@ -222,13 +220,6 @@ class PrimalSolver(LinearSolver):
         self._kept = mat, inverse, inv  # the factorisation dies with the matrix
         self.factorizations += 1
         return inv
-
-
-def Product(mats, values):
-    """The sum of the matrices times a vector, as numpy array."""
-    factor = mats[0].CreateRowVector()
-    factor.FV().NumPy()[:] = values
-    return sum((mat * factor).Evaluate().FV().NumPy() for mat in mats)
 
 
 def SameMatrix(one, other):

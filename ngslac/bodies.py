@@ -1,12 +1,13 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
-from ngsolve import VOL, BitArray, CoefficientFunction, GridFunction, x, y, z
+from ngsolve import VOL, CoefficientFunction, GridFunction, x, y, z
 from scipy.linalg import qr
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
+from ngslac.linear import AsBits
 
 __all__ = ["Bodies", "CloseNearest", "FloatingMessage"]
 
@@ -133,11 +134,7 @@ def NearestMacros(contact, distance):
     paired = table["area"] > 0
     size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
     nearest = table["gap"][paired].min(initial=np.inf)
-    near = paired & (table["gap"] <= nearest + distance * size)
-    bits = BitArray(len(near))
-    for i, value in enumerate(near):
-        bits[i] = bool(value)
-    return bits
+    return AsBits(paired & (table["gap"] <= nearest + distance * size))
 
 
 def FloatingMessage(floating):

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BilinearForm, BitArray, GridFunction, InnerProduct, Parameter, dx
+from ngsolve import BilinearForm, GridFunction, InnerProduct, Parameter, dx
 from scipy.sparse import vstack
 
 from ngslac.bodies import ActiveRows
+from ngslac.linear import AsBits
 
 __all__ = ["DynamicForm", "Inert", "Mass", "Scheme"]
 
@@ -211,10 +212,3 @@ def Displacement(space, form):
     if found is None:
         raise ValueError("the displacement of the contact is no component of the product space")
     return found
-
-
-def AsBits(values):
-    bits = BitArray(len(values))
-    for i, value in enumerate(values):
-        bits[i] = bool(value)
-    return bits

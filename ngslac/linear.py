@@ -11,7 +11,7 @@ from ngsolve import BitArray
 
 from ngslac._ngslac import MergeMatrices
 
-__all__ = ["AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
+__all__ = ["AsBits", "AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
 
 SAFE = "umfpack"
 # Pardiso's own ordering is no match for nested dissection in three dimensions.
@@ -173,11 +173,16 @@ def AsNumPy(bits):
     return np.fromiter((bool(b) for b in bits), dtype=bool, count=len(bits))
 
 
+def AsBits(values):
+    """A numpy array of bool as BitArray."""
+    bits = BitArray(len(values))
+    for i, value in enumerate(values):
+        bits[i] = bool(value)
+    return bits
+
+
 def ScalarDofs(dofs, space):
     """The scalar entries that belong to dofs of a space with blocks."""
     if space.dim == 1:
         return dofs
-    scalars = BitArray(len(dofs) * space.dim)
-    for i in range(len(scalars)):
-        scalars[i] = dofs[i // space.dim]
-    return scalars
+    return AsBits(AsNumPy(dofs).repeat(space.dim))

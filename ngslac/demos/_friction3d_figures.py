@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
-import json
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from ngsolve import BilinearForm, GridFunction, InnerProduct, LinearForm, Sym, ds, dx, sqrt, x, y
 from ngsolve import Grad as Gradient
 from scipy.optimize import minimize_scalar
 
+from ._command import CommandParser
 from ._friction3d import COPIES, OPEN, SLIP, STICK
 from ._hertz3d_macros import Macros
 
-__all__ = ["BulkCompliance", "Faces", "Parser", "Row", "Summary", "Table", "WriteJSON"]
+__all__ = ["BulkCompliance", "Faces", "Parser", "Row", "Summary", "Table"]
 
 
 @dataclass(frozen=True)
@@ -176,8 +174,7 @@ def Table(columns, rows):
 
 def Parser(name, text, problem):
     """Command line of a demo; `problem` is its class, which has the defaults."""
-    parser = argparse.ArgumentParser(prog=f"python -m ngslac.demos.{name}", description=text)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser(name, text)
 
     def Add(option, help, **options):
         default = getattr(problem, option)
@@ -195,12 +192,4 @@ def Parser(name, text, problem):
     Add("steps", "steps of the tangential load", type=int)
     Add("inverse", "sparse direct solver, such as umfpack or pardiso")
     parser.add_argument("--out", metavar="DIR", help="write pictures, scenes and VTU files there")
-    parser.add_argument("--json", metavar="FILE", help="write the figures to this file")
-    parser.add_argument("--quiet", action="store_true", help="print nothing")
     return parser
-
-
-def WriteJSON(figures, file):
-    """Write figures to a file, whose directory is made."""
-    Path(file).parent.mkdir(parents=True, exist_ok=True)
-    Path(file).write_text(json.dumps(figures, indent=2, default=float) + "\n")

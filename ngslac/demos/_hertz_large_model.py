@@ -20,6 +20,7 @@ from ngsolve import (
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
 from ._geometry import Body, CheckPositive, Divisions, GenerateMesh, NonMatchingDivisions, Side
+from ._neohooke import Energy
 
 __all__ = ["RADIUS", "Approach", "CylinderMesh", "Model", "State"]
 
@@ -141,8 +142,6 @@ class Model:
     """
 
     def __init__(self, *, h, order, young, nu, friction, depth):
-        from .ironing import Energy  # neo-Hookean, in plane strain
-
         self.mesh = mesh = CylinderMesh(h, order=order)
         V = VectorH1(
             mesh, order=order, dirichletx="sym|back|master", dirichlety="middle|back|master"

@@ -10,74 +10,32 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (
     CF,
     BilinearForm,
-    Det,
     GridFunction,
-    Id,
     IfPos,
     Integrate,
     Mesh,
     Parameter,
-    Trace,
     Variation,
     VectorH1,
     cos,
     dx,
-    log,
     sin,
     x,
     y,
     z,
 )
-from ngsolve import Grad as Gradient
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
 from ._boxes import AddBody, StructuredBox
 from ._geometry3d import CheckNonMatching3D
+from ._neohooke import Energy
 
-__all__ = ["DEPTH", "HEIGHT", "Energy", "Model", "State", "TwistMesh"]
+__all__ = ["DEPTH", "HEIGHT", "Model", "State", "TwistMesh"]
 
 WIDTH, HEIGHT = 1.0, 1.5  # of the upper block, in mm
 LOWER_WIDTH, LOWER_HEIGHT = 1.6, 0.4
 DEPTH = 0.15  # by which the top goes down, in mm
 YOUNG, POISSON = {"upper": 10.0, "lower": 200.0}, 0.3  # MPa
-
-
-def Energy(u, young, nu):
-    """Density of the strain energy of a neo-Hookean solid in three dimensions.
-
-    ``mu/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F, J = det F, the shear
-    modulus mu and the bulk modulus K (J. C. Simo, C. Miehe, Comput. Methods Appl. Mech. Engrg. 98
-    (1992) 41-104, without plasticity).
-
-    Parameters
-    ----------
-    u : ngsolve proxy or GridFunction
-        Displacement in 3D.
-    young, nu : float or CoefficientFunction
-        Young's modulus (stress) and Poisson's ratio at small strains.
-
-    Returns
-    -------
-    ngsolve.CoefficientFunction
-        Energy per volume of the reference configuration; NaN where J <= 0.
-
-    Examples
-    --------
-    >>> from ngsolve import CF, Integrate, VectorH1, z
-    >>> from ngsolve.meshes import MakeStructured3DMesh
-    >>> mesh = MakeStructured3DMesh(hexes=True, nx=1)
-    >>> u = GridFunction(VectorH1(mesh, order=1))
-    >>> u.Set(CF((0, 0, 1e-4 * z)))
-    >>> E, nu = 1000.0, 0.3
-    >>> modulus = E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
-    >>> abs(Integrate(Energy(u, E, nu), mesh) / (0.5e-8 * modulus) - 1) < 1e-3
-    True
-    """
-    shear, bulk = young / (2 * (1 + nu)), young / (3 * (1 - 2 * nu))
-    F = Id(3) + Gradient(u)
-    J = Det(F)
-    distortion = J ** (-2 / 3) * Trace(F.trans * F) - 3
-    return shear / 2 * distortion + bulk / 4 * (J * J - 1 - 2 * log(J))
 
 
 def TwistMesh(n=3):

@@ -9,11 +9,8 @@ Printed is where the energy goes. Start it with::
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry
@@ -40,6 +37,7 @@ from .. import ContactSolver, LACContact, LACSpace
 from ..dynamics import TimeStepper
 from ._bouncing_figures import Figures, Report
 from ._bouncing_picture import Picture
+from ._command import CommandParser, RunCommand
 from ._geometry import CheckPositive
 from ._pictures import Matplotlib
 
@@ -260,20 +258,15 @@ def Run(*, picture=None, quiet=True, **options):
 
 def main(argv=None):
     """Run the demo from the command line."""
-    parser = argparse.ArgumentParser("bouncing", description=__doc__.splitlines()[0])
+    parser = CommandParser("bouncing", __doc__)
     for name in ("friction", "gravity", "end", "h", "dt", "rho_inf", "thickness", "young"):
         option, default = "--" + name.replace("_", "-"), getattr(Problem, name)
         parser.add_argument(option, type=float, default=default, help=f"default {default}")
     parser.add_argument("--velocity", type=float, nargs=2, default=Problem.velocity)
-    parser.add_argument("--json", help="file for the figures")
     parser.add_argument("--picture", help="file for a picture of several instants")
     options = vars(parser.parse_args(argv))
-    file = options.pop("json")
     options["velocity"] = tuple(options["velocity"])
-    results = Run(quiet=False, **options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
+    RunCommand(Run, options)
 
 
 if __name__ == "__main__":

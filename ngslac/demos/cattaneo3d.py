@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ..reference import CattaneoMindlinPoint
+from ._command import RunCommand
 from ._friction3d import Model, Sphere
 from ._friction3d_figures import (
     BulkCompliance,
@@ -30,7 +31,6 @@ from ._friction3d_figures import (
     Row,
     Summary,
     Table,
-    WriteJSON,
 )
 from ._friction3d_pictures import Write
 from ._geometry import CheckPositive
@@ -279,11 +279,7 @@ def main(argv=None):
     parser = Parser("cattaneo3d", __doc__, Problem)
     parser.add_argument("--shear", type=float, default=Problem.shear, help="largest Q/(F P)")
     parser.add_argument("--reverse", type=int, default=Problem.reverse, help="steps back")
-    options = vars(parser.parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        WriteJSON(results.figures, file)
+    RunCommand(Run, vars(parser.parse_args(argv)))
 
 
 if __name__ == "__main__":

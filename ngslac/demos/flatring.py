@@ -12,8 +12,6 @@ Lengths in radii of the ring, stresses in shear moduli.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,6 +35,7 @@ from ngsolve import (
 )
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ._command import CommandParser, RunCommand
 from ._geometry import CheckPositive
 from ._pictures import Matplotlib, Save
 
@@ -188,6 +187,9 @@ def Run(*, travel=1.71, steps=38, out=None, quiet=True, **options):
     figures["seconds"] = time.perf_counter() - start
     if out is not None:
         Picture(model, figures, Path(out) / "flatring.png")
+    if not quiet:
+        force, inside = figures["force"][-1], figures["force_inside"][-1]
+        print(f"force on the plate {force:.5g} G R, on the inside {inside:.5g} G R")
     return Results(model, figures)
 
 
@@ -212,23 +214,17 @@ def Picture(model, figures, file):
     Save(fig, file)
 
 
-def main(arguments=None):
-    """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--h", type=float, default=0.12, help="edge length")
-    parser.add_argument("--steps", type=int, default=38, help="load steps")
-    parser.add_argument("--travel", type=float, default=1.71, help="of the plates")
-    parser.add_argument("--friction", type=float, default=0.2, help="coefficient")
-    parser.add_argument("--quarter", action="store_true", help="a rigid plane in the middle")
-    parser.add_argument("--json", type=Path, help="file for the figures")
-    parser.add_argument("--out", type=Path, help="directory for the picture")
-    options = vars(parser.parse_args(arguments))
-    file = options.pop("json")
-    results = Run(quiet=False, **options)
-    force, inside = results.figures["force"][-1], results.figures["force_inside"][-1]
-    print(f"force on the plate {force:.5g} G R, on the inside {inside:.5g} G R")
-    if file is not None:
-        file.write_text(json.dumps(results.figures, indent=2) + "\n")
+def main(argv=None):
+    """Run the demo from the command line."""
+    parser = CommandParser("flatring", __doc__)
+    add = parser.add_argument
+    add("--h", type=float, default=0.12, help="edge length")
+    add("--steps", type=int, default=38, help="load steps")
+    add("--travel", type=float, default=1.71, help="of the plates")
+    add("--friction", type=float, default=0.2, help="coefficient")
+    add("--quarter", action="store_true", help="a rigid plane in the middle")
+    add("--out", metavar="DIR", help="write the picture to this directory")
+    RunCommand(Run, vars(parser.parse_args(argv)))
 
 
 if __name__ == "__main__":

@@ -11,8 +11,6 @@ Hertz' solution has no friction. Friction raises the pressure at the origin by a
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import time
 from dataclasses import dataclass, field
@@ -37,6 +35,7 @@ from ngsolve import Grad as Gradient
 
 from .. import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
 from ..reference import HertzLine
+from ._command import CommandParser, RunCommand
 from ._hertz_figures import Figures, Macros, Report, Spans, Write
 from ._meshes import HertzMesh
 from ._pictures import Matplotlib
@@ -254,8 +253,7 @@ def _State(results, step):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.hertz", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("hertz", __doc__)
     add = parser.add_argument
     add("--order", type=int, choices=(1, 2, 3), default=2, help="order of the displacement")
     add("--h", type=float, default=0.5, help="edge length in the contact zone, in mm")
@@ -264,19 +262,14 @@ def _Parser():
     add("--stabilize", choices=("split", "bubble", "none"), default="none")
     add("--full", action="store_true", help="full model in place of the half")
     add("--out", metavar="DIR", help="write pictures and a VTU file to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
     options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(half=not options.pop("full"), **options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
+    options["half"] = not options.pop("full")
+    RunCommand(Run, options)
 
 
 if __name__ == "__main__":

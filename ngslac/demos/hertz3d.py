@@ -12,8 +12,6 @@ with prisms, and has Hertz' line contact.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -24,6 +22,7 @@ from ngsolve import BilinearForm, GridFunction, Parameter, Sym, TaskManager
 from ngsolve import Grad as Gradient
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ._command import CommandParser, RunCommand
 from ._hertz3d_figures import Figures, Report
 from ._hertz3d_macros import Macros
 from ._hertz3d_pictures import Write
@@ -146,8 +145,7 @@ def _State(results, step):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.hertz3d", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("hertz3d", __doc__)
     add = parser.add_argument
     add("--shape", choices=("sphere", "cylinder"), default="sphere")
     add("--model", choices=("quarter", "full"), default="quarter")
@@ -158,19 +156,12 @@ def _Parser():
     add("--stabilize", choices=("split", "bubble", "none"), default="none")
     add("--inverse", help="sparse direct solver, such as umfpack or pardiso")
     add("--out", metavar="DIR", help="write pictures, scenes and VTU files to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
-    options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
+    RunCommand(Run, vars(_Parser().parse_args(argv)))
 
 
 if __name__ == "__main__":

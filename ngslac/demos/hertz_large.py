@@ -11,13 +11,12 @@ converged force is 0.6282 N/mm at the end, of which Hertz' theory has 0.4940.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from .. import ContactConvergenceError
+from ._command import CommandParser, WriteJSON
 from ._geometry import CheckPositive
 from ._hertz_large_figures import Figures, Report
 from ._hertz_large_model import Model
@@ -164,8 +163,7 @@ def _Print(state):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.hertz_large", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("hertz_large", __doc__)
     add = parser.add_argument
     add("--h", type=float, default=0.05, help="edge length on the slave arc, in mm")
     add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
@@ -176,9 +174,7 @@ def _Parser():
     add("--table", action="store_true", help="print a table of the convergence with the mesh size")
     add("--picture", metavar="PNG", help="draw states and curves into this file")
     add("--out", metavar="DIR", help="write the picture and a VTU file to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
     add("--printing", action="store_true", help="print every Newton iteration")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
@@ -197,8 +193,7 @@ def main(argv=None):
         for row in figures["table"]:
             print("  ".join(f"{key} {value:.8g}" for key, value in row.items()))
     if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(figures, indent=2) + "\n")
+        WriteJSON(figures, file)
     if results.failure:
         raise SystemExit(results.failure)
 

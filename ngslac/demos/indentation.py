@@ -13,11 +13,8 @@ rigid plastic body (6.2), unloading and loading again without further yield (6.4
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 from ngsolve import (
     CF,
@@ -33,6 +30,7 @@ from ngsolve import (
 )
 
 from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ._command import CommandParser, RunCommand
 from ._indentation_figures import Figures, Measure, Report
 from ._indentation_mesh import IndentationMesh
 from ._pictures import Matplotlib
@@ -252,8 +250,7 @@ def Run(*, picture=None, quiet=True, **options):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.indentation", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("indentation", __doc__)
     add = parser.add_argument
     add("--h", type=float, default=0.2, help="edge length in the contact zone, in mm")
     add("--depth", type=float, default=0.08, help="largest depth, in mm")
@@ -261,19 +258,12 @@ def _Parser():
     add("--yield-stress", type=float, default=35.0, help="in MPa")
     add("--hardening", type=float, default=70.0, help="slope of the yield stress, in MPa")
     add("--picture", metavar="PNG", help="write a picture to this file")
-    add("--json", metavar="FILE", help="write the figures to this file")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
-    options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
+    RunCommand(Run, vars(_Parser().parse_args(argv)))
 
 
 if __name__ == "__main__":

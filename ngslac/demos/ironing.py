@@ -13,8 +13,6 @@ computed here are 333 and 423 N/mm down after the indentation and in the middle 
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,23 +20,20 @@ from pathlib import Path
 import numpy as np
 from ngsolve import (
     BilinearForm,
-    Det,
     GridFunction,
-    Id,
     Parameter,
-    Trace,
     Variation,
     VectorH1,
     dx,
-    log,
 )
-from ngsolve import Grad as Gradient
 
 from .. import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
+from ._command import CommandParser, RunCommand
 from ._ironing_figures import Figures, Report
 from ._ironing_mesh import IroningMesh
 from ._ironing_motion import RigidMotion
 from ._ironing_pictures import OverviewPicture, Write
+from ._neohooke import Energy
 from ._pictures import Matplotlib
 
 __all__ = ["Energy", "Problem", "Results", "Run", "State", "Target", "main"]
@@ -123,44 +118,6 @@ class Results:
 
 
 # ---------------------------------------------------------------- the problem
-
-
-def Energy(u, young, nu):
-    """Density of the strain energy of a neo-Hookean body in plane strain.
-
-    ``mu/2 (J^(-2/3) (tr C + 1) - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F, J = det F, the
-    shear modulus mu and the bulk modulus K (J. C. Simo, C. Miehe, Comput. Methods Appl. Mech.
-    Engrg. 98 (1992) 41-104, without plasticity).
-
-    Parameters
-    ----------
-    u : ngsolve proxy or GridFunction
-        Displacement in 2D.
-    young, nu : float or CoefficientFunction
-        Young's modulus (stress) and Poisson's ratio at small strains.
-
-    Returns
-    -------
-    ngsolve.CoefficientFunction
-        Energy per volume of the reference configuration; NaN where J <= 0.
-
-    Examples
-    --------
-    >>> from netgen.occ import unit_square
-    >>> from ngsolve import CF, Integrate, Mesh, VectorH1, x
-    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=1))
-    >>> u = GridFunction(VectorH1(mesh, order=2))
-    >>> u.Set(CF((1e-4 * x, 0)))
-    >>> E, nu = 1000.0, 0.3
-    >>> modulus = E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
-    >>> abs(Integrate(Energy(u, E, nu), mesh) / (0.5e-8 * modulus) - 1) < 1e-3
-    True
-    """
-    shear, bulk = young / (2 * (1 + nu)), young / (3 * (1 - 2 * nu))
-    F = Id(2) + Gradient(u)
-    J = Det(F)
-    distortion = J ** (-2 / 3) * (Trace(F.trans * F) + 1) - 3
-    return shear / 2 * distortion + bulk / 4 * (J * J - 1 - 2 * log(J))
 
 
 def Target(t):
@@ -266,8 +223,7 @@ def _Print(state):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.ironing", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("ironing", __doc__)
     add = parser.add_argument
     add("--h", type=float, default=0.3, help="edge length on the top of the slab, in mm")
     add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
@@ -276,22 +232,13 @@ def _Parser():
     add("--picture", metavar="PNG", help="draw deformed states and forces into this file")
     add("--stroke", type=float, default=STROKE, help="way of the die to the right, in mm")
     add("--out", metavar="DIR", help="write pictures and a VTU file to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
     add("--printing", action="store_true", help="print every Newton iteration")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
-    options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
-    if results.failure:
-        raise SystemExit(results.failure)
+    RunCommand(Run, vars(_Parser().parse_args(argv)))
 
 
 if __name__ == "__main__":

@@ -18,10 +18,7 @@ Start it with::
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
-from pathlib import Path
 
 import numpy as np
 from ngsolve import (
@@ -42,6 +39,7 @@ from ngsolve import (
 )
 
 from .. import ContactSolver, LACContact, LACSpace
+from ._command import CommandParser, WriteJSON
 from ._materials_meshes import DiscInRing
 from ._materials_rubber import RADIUS, Result, Rubber, SqueezeForce
 from ._pictures import Matplotlib
@@ -177,19 +175,14 @@ def Run(*, picture=None, quiet=True, cases=CASES):
 
 def main(argv=None):
     """Run the demo from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.materials", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("materials", __doc__)
     parser.add_argument("--cases", nargs="+", choices=CASES, default=CASES)
     parser.add_argument("--picture", metavar="PNG", help="write a picture to this file")
-    parser.add_argument("--json", metavar="FILE", help="write the figures to this file")
-    parser.add_argument("--quiet", action="store_true", help="print nothing")
     options = vars(parser.parse_args(argv))
     file = options.pop("json")
     results = Run(**options)
     if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        figures = {name: result.figures for name, result in results.items()}
-        Path(file).write_text(json.dumps(figures, indent=2) + "\n")
+        WriteJSON({name: result.figures for name, result in results.items()}, file)
 
 
 if __name__ == "__main__":

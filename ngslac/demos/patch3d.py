@@ -14,8 +14,6 @@ in NGSolve's pyramids.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +41,7 @@ from ngsolve import (
 from ngsolve import Grad as Gradient
 
 from .. import ContactSolver, LACContact, LACSpace
+from ._command import CommandParser, RunCommand
 from ._patch3d_case import HELD, PARTITIONS, Case
 from ._patch3d_pictures import Write
 from ._pictures import Matplotlib
@@ -213,24 +212,16 @@ def _Table(figures):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.patch3d", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("patch3d", __doc__)
     add = parser.add_argument
     add("--friction", type=float, default=0.0, help="coefficient of friction")
     add("--out", metavar="DIR", help="write pictures and a VTU file to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
-    options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
+    RunCommand(Run, vars(_Parser().parse_args(argv)))
 
 
 if __name__ == "__main__":

@@ -20,8 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from ..reference import TwistPoint
+from ._command import RunCommand
 from ._friction3d import Model, Sphere
-from ._friction3d_figures import Faces, Parser, Row, Summary, Table, WriteJSON
+from ._friction3d_figures import Faces, Parser, Row, Summary, Table
 from ._friction3d_pictures import Write
 from ._geometry import CheckPositive
 from ._pictures import INK, Matplotlib
@@ -223,11 +224,7 @@ def main(argv=None):
     """Run the demo from the command line."""
     parser = Parser("twist", __doc__, Problem)
     parser.add_argument("--angle", type=float, default=Problem.angle, help="largest angle")
-    options = vars(parser.parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        WriteJSON(results.figures, file)
+    RunCommand(Run, vars(parser.parse_args(argv)))
 
 
 if __name__ == "__main__":

@@ -14,13 +14,12 @@ balances are checked.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from .. import ContactConvergenceError
+from ._command import CommandParser, RunCommand
 from ._pictures import Matplotlib
 from ._twistblocks_figures import Figures, Report
 from ._twistblocks_model import Model
@@ -135,8 +134,7 @@ def _Print(state):
 
 
 def _Parser():
-    parser = argparse.ArgumentParser(prog="python -m ngslac.demos.twistblocks", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser = CommandParser("twistblocks", __doc__)
     add = parser.add_argument
     add("--n", type=int, default=3, help="faces of the upper block in each direction")
     add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
@@ -146,22 +144,13 @@ def _Parser():
     add("--rigid", action="store_true", help="the lower block is rigid")
     add("--picture", metavar="PNG", help="draw states, tractions and torque into this file")
     add("--out", metavar="DIR", help="write pictures and VTU files to this directory")
-    add("--json", metavar="FILE", help="write the figures to this file")
     add("--printing", action="store_true", help="print every Newton iteration")
-    add("--quiet", action="store_true", help="print nothing")
     return parser
 
 
 def main(argv=None):
     """Run the demo from the command line."""
-    options = vars(_Parser().parse_args(argv))
-    file = options.pop("json")
-    results = Run(**options)
-    if file:
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(results.figures, indent=2) + "\n")
-    if results.failure:
-        raise SystemExit(results.failure)
+    RunCommand(Run, vars(_Parser().parse_args(argv)))
 
 
 if __name__ == "__main__":
