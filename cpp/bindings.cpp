@@ -7,6 +7,7 @@ using namespace ngslac;
 namespace ngslac {
 void ExportMeshTools(py::module & m);
 void ExportPolygon(py::module & m);
+void ExportCondense(py::module & m);
 } // namespace ngslac
 
 namespace {
@@ -239,6 +240,7 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportContact(m);
   ExportMeshTools(m);
   ExportPolygon(m);
+  ExportCondense(m);
   m.def(
       "EquilibrationScale",
       [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts) {

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from netgen.meshing import NgException
 
-from ngslac.linear import FLAGS, AsBits, DefaultInverse, LinearSolver, Multiply
+from ngslac.linear import AsBits, LinearSolver, Multiply
+from ngslac.preconditioner import LU, Cholesky, Factor, IsSymmetric
 from ngslac.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
@@ -155,7 +156,7 @@ class AugmentedLagrangianSolver(ContactSolver):
                 contact.form.UpdateMultipliers(self.gf.vec, self.factor)
         except NgException:
             pass  # Measure meets and reports it
-        state = self.residual.Measure(self.scale)
+        state = self.residual.Measure(self.scale, honest=self._motion is not None)
         return replace(state, merit=state.unbalance)
 
     def _Applied(self, forms, values):
@@ -192,8 +193,7 @@ class PrimalSolver(LinearSolver):
     """
 
     def __init__(self, linear, inverse):
-        default = DefaultInverse()
-        self.wanted = inverse or (default if default == "pardiso" else "sparsecholesky")
+        self.wanted = inverse or Cholesky()
         super().__init__(linear.bits, self.wanted)
         self.contacts, self.symmetric = [], True
         self.Forget()
@@ -206,17 +206,16 @@ class PrimalSolver(LinearSolver):
         """Leave out the multipliers, a (n,) array of bool."""
         self.bits &= AsBits(~rows)
 
-    def Solve(self, bulk, forms, scale, rhs, shift=None):
+    def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
         """As LinearSolver, with the matrices `contacts` in place of the forms."""
         self.symmetric = all(map(IsSymmetric, (bulk, *self.contacts)))
-        self.inverse = self.wanted if self.symmetric else DefaultInverse()
+        self.inverse = self.wanted if self.symmetric else LU()
         return super().Solve(bulk, self.contacts, scale, rhs, shift)
 
     def _Factor(self, mat, inverse):
         if self._kept and self._kept[1] == inverse and SameMatrix(self._kept[0], mat):
             return self._kept[2]
-        flags = FLAGS.get(inverse, {}) | {"symmetric": self.symmetric}
-        inv = mat.Inverse(self.bits, inverse=inverse, flags=flags)
+        inv = Factor(mat, self.bits, inverse, symmetric=self.symmetric)
         self._kept = mat, inverse, inv  # the factorisation dies with the matrix
         self.factorizations += 1
         return inv
@@ -231,16 +230,3 @@ def SameMatrix(one, other):
         and np.array_equal(starts, graph[1])
         and np.allclose(values, others, rtol=0, atol=1e-14 * np.abs(values).max())
     )
-
-
-def IsSymmetric(mat):
-    """Is x.Ay = y.Ax for two random vectors, to rounding?"""
-    random = np.random.default_rng(1)
-    x, y, image = mat.CreateRowVector(), mat.CreateRowVector(), mat.CreateColVector()
-    for vec in (x, y):
-        vec.FV().NumPy()[:] = random.standard_normal(vec.FV().NumPy().size)
-    image.data = mat * y
-    product = x.InnerProduct(image)
-    size = x.Norm() * image.Norm()
-    image.data = mat * x
-    return abs(y.InnerProduct(image) - product) <= 1e-13 * size

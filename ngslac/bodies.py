@@ -1,13 +1,13 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
-from ngsolve import VOL, CoefficientFunction, GridFunction, x, y, z
 from scipy.linalg import qr
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
-from ngslac.linear import AsBits
+from ngslac.linear import AsBits, AsNumPy
+from ngslac.rigidmotions import DofsOfMaterials, RigidMotions
 
 __all__ = ["Bodies", "CloseNearest", "FloatingMessage"]
 
@@ -30,77 +30,162 @@ class Bodies:
     def __init__(self, mat, contact, free):
         form = contact.form
         space, block = form.component, form.fes.dim
-        first, count = form.offset * block, space.ndof * block
-        bulk = ToCSR(mat)[first : first + count, first : first + count]
-        self.first, self.ntotal = first, len(free)
-        self.motions, self.names = self._RigidMotions(space)
-        used = bulk.diagonal() != 0
-        _, part = connected_components(bulk, directed=False)
-        self.modes = []  # (material, displacement of all scalar dofs, description)
-        for index in np.unique(part[used]):
-            dofs = np.flatnonzero(part == index)
-            for combination in self._FreeMotions(bulk, dofs, free[first : first + count]):
-                mode = np.zeros(self.ntotal)
-                mode[first + dofs] = self.motions[dofs] @ combination
-                self.modes.append((self._Material(space, dofs, block), mode, combination))
+        self.first, self.count = form.offset * block, space.ndof * block
+        self.motions, self.names = RigidMotions(space)
+        forces = Forces(mat, self.first, self.count)
+        values = np.random.default_rng(0).standard_normal(self.count)
+        pushed = forces(values)
+        sizes = np.abs(pushed)
+        self.part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
+        if not AreApart(self.part, forces, values, pushed):
+            self.part = ConnectedParts(mat, form.offset, space.ndof).repeat(block)
+        allowed = self._Allowed(sizes > 0, free[self.first : self.first + self.count])
+        self.floating = []  # (part, material, combinations of motions as columns)
+        for dofs, combinations in self._WithoutForces(allowed, forces, sizes):
+            name = Material(space, dofs, block)
+            self.floating.append((self.part[dofs[0]], name, combinations))
 
-    def _RigidMotions(self, space):
-        mesh = space.mesh
-        vertices = np.array([v.point for v in mesh.vertices])
-        center, size = vertices.mean(axis=0), np.ptp(vertices, axis=0).max()
-        r = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
-        if mesh.dim == 2:
-            fields = [(1, 0), (0, 1), (-r[1], r[0])]
-            names = ["translation in x", "translation in y", "rotation"]
-        else:
-            fields = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
-            fields += [(0, -r[2], r[1]), (r[2], 0, -r[0]), (-r[1], r[0], 0)]
-            names = [f"translation in {c}" for c in "xyz"] + [f"rotation about {c}" for c in "xyz"]
-        gf = GridFunction(space)
-        columns = []
-        for field in fields:
-            gf.Set(CoefficientFunction(field), VOL)
-            columns.append(gf.vec.FV().NumPy().copy())
-        return np.stack(columns, axis=1), names
+    def _Allowed(self, used, free):
+        """Parts that their constrained dofs let move: dofs, combinations of motions as columns."""
+        dofs = np.flatnonzero(used)
+        dofs = dofs[np.argsort(self.part[dofs], kind="stable")]
+        ends = np.flatnonzero(np.diff(self.part[dofs], append=-1))
+        allowed = []
+        for own in np.split(dofs, 1 + ends[:-1])[: len(ends)]:
+            combinations = NullSpace(self.motions[own[~free[own]]])
+            if combinations.shape[1]:
+                allowed.append((own, combinations))
+        return allowed
 
-    def _FreeMotions(self, bulk, dofs, free):
-        motions = self.motions[dofs]
-        allowed = NullSpace(motions[~free[dofs]])
-        if not allowed.shape[1]:
-            return []
-        block = bulk[dofs][:, dofs]
-        moved = block @ (motions @ allowed)
-        scale = np.abs(block.diagonal()).max() * np.linalg.norm(motions, 2)
-        return (allowed @ NullSpace(moved / scale)).T
+    def _WithoutForces(self, parts, forces, sizes):
+        """Reduce the combinations of each part to those that nothing resists.
 
-    @staticmethod
-    def _Material(space, dofs, block):
-        mesh = space.mesh
-        inside = np.zeros(space.ndof, dtype=bool)
-        inside[np.unique(dofs // block)] = True
-        for name in dict.fromkeys(mesh.GetMaterials()):
-            bits = np.fromiter(space.GetDofs(mesh.Materials(name)), dtype=bool, count=space.ndof)
-            if np.any(inside & bits):
-                return name
-        return "?"
+        All parts move at once: no two of them are connected.
+        """
+        random = np.random.default_rng(1).standard_normal(len(self.names))
+        moved = self._Moved(parts, forces, random)
+        scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
+        # Mostly constraints hold a part, or nothing does, which a random motion tells.
+        held = [
+            not np.linalg.norm(moved[dofs]) <= 1e-4 * TOLERANCE * scale
+            for (dofs, _), scale in zip(parts, scales, strict=True)
+        ]
+        resisted = [part for part, yes in zip(parts, held, strict=True) if yes]
+        most = max((motions.shape[1] for _, motions in resisted), default=0)
+        columns = [self._Moved(resisted, forces, weights) for weights in np.eye(most)]
+        for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
+            if yes:
+                moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
+                motions = motions @ NullSpace(moved / scale)
+            if motions.shape[1]:
+                yield dofs, motions
+
+    def _Moved(self, parts, forces, weights):
+        """The forces where each part moves by its combinations, weighted."""
+        values = np.zeros(self.count)
+        for dofs, motions in parts:
+            values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
+        return forces(values) if parts else values
 
     def Floating(self, contacts):
         """Descriptions of the free rigid motions that the active contacts do not prevent."""
-        if not self.modes:
+        if not self.floating:
             return []
-        modes = np.stack([mode for _, mode, _ in self.modes], axis=1)
-        rows = [ActiveRows(contact) @ modes for contact in contacts]
-        left = NullSpace(np.concatenate(rows))
+        rows = vstack([ActiveRows(contact) for contact in contacts]).tocsr()
+        prevented = [self._Jump(rows, part) @ motions for part, _, motions in self.floating]
+        left = NullSpace(np.concatenate(prevented, axis=1))
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
-        bodies = list(dict.fromkeys(body for body, _, _ in self.modes))
-        coordinates = np.zeros((len(bodies), len(self.names), len(self.modes)))
-        for i, (body, _, motion) in enumerate(self.modes):
-            coordinates[bodies.index(body), :, i] = motion
-        *_, pivots = qr((coordinates.reshape(-1, len(self.modes)) @ left).T, pivoting=True)
+        bodies = list(dict.fromkeys(name for _, name, _ in self.floating))
+        place = [bodies.index(name) for _, name, motions in self.floating for _ in motions.T]
+        coordinates = np.zeros((len(bodies), len(self.names), len(place)))
+        together = np.concatenate([motions for *_, motions in self.floating], axis=1)
+        coordinates[place, :, np.arange(len(place))] = together.T
+        wanted = coordinates.reshape(-1, len(place)) @ left
+        # Of two that are as good, as where bodies float together, the first and not what rounds up.
+        wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
+        *_, pivots = qr(wanted.T, pivoting=True)
         return [
             f"body '{bodies[k // len(self.names)]}' floats ({self.names[k % len(self.names)]})"
             for k in sorted(pivots[: left.shape[1]])
         ]
+
+    def _Jump(self, rows, part):
+        """What the constraints see of the rigid motions of one part."""
+        columns = rows.indices - self.first
+        own = (columns >= 0) & (columns < self.count)
+        columns = np.where(own, columns, 0)
+        values = rows.data * (own & (self.part[columns] == part))
+        shape = rows.shape[0], self.count
+        return csr_matrix((values, columns, rows.indptr), shape=shape) @ self.motions
+
+
+def Forces(mat, first, count):
+    """A function that multiplies with the rows and columns of the displacement, in threads."""
+    factor, product = mat.CreateRowVector(), mat.CreateColVector()
+    factor[:] = 0
+    own = slice(first, first + count)
+
+    def Times(values):
+        factor.FV().NumPy()[own] = values
+        product.data = mat * factor
+        return product.FV().NumPy()[own].copy()
+
+    return Times
+
+
+def ConnectedParts(mat, first, count):
+    """A number (count,) for each of some rows of a sparse matrix: the same where they connect.
+
+    Parameters
+    ----------
+    mat : BaseMatrix
+        With a symmetric pattern. Its graph is not copied.
+    first, count : int
+        The rows, and the columns that connect them.
+    """
+    columns, starts = Graph(mat, first, count)
+    # Other rows are left empty, which makes each a strongly connected part of its own.
+    starts = np.pad(starts, (first, mat.height - first - count), mode="edge")
+    graph = csr_matrix((np.ones(len(columns)), columns, starts), shape=mat.shape)
+    return connected_components(graph, connection="strong")[1][first : first + count]
+
+
+def LikelyParts(mat, first, count):
+    """The same or too many parts, from two entries of each row."""
+    columns, starts = Graph(mat, first, count)
+    ends = np.arange(count)[:, None].repeat(2, axis=1)
+    filled = np.flatnonzero(np.diff(starts))
+    found = columns[np.stack([starts[:-1], starts[1:] - 1], axis=1)[filled]] - first
+    ends[filled] = np.where((found >= 0) & (found < count), found, ends[filled])
+    starts = np.arange(0, 2 * count + 1, 2)
+    graph = csr_matrix((np.ones(2 * count), ends.ravel(), starts), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def Graph(mat, first, count):
+    """Columns of some rows of a sparse matrix, which are not copied, and where each row starts."""
+    _, columns, starts = (np.asarray(a) for a in mat.CSR())
+    starts = starts[first : first + count + 1].astype(np.int64)
+    return columns[starts[0] : starts[-1]], starts - starts[0]
+
+
+def AreApart(part, forces, values, pushed):
+    """Do the parts not act on each other? Tells it from forces(values) = pushed."""
+    weights = np.random.default_rng(1).standard_normal(1 + part.max(initial=0))[part]
+    sizes = np.zeros(1 + part.max(initial=0))
+    np.maximum.at(sizes, part, np.abs(pushed))
+    return bool(np.all(np.abs(forces(weights * values) - weights * pushed) <= 1e-12 * sizes[part]))
+
+
+def Material(space, dofs, block):
+    """The first material on which the space has one of these scalar dofs."""
+    inside = np.zeros(space.ndof, dtype=bool)
+    inside[dofs // block] = True
+    materials = np.array(space.mesh.GetMaterials())
+    for name in dict.fromkeys(materials):
+        if np.any(inside & AsNumPy(DofsOfMaterials(space, materials == name))):
+            return str(name)
+    return "?"
 
 
 def CloseNearest(contacts, gf, floating):
@@ -179,7 +264,13 @@ def NullSpace(matrix):
     """Orthonormal basis of the null space, relative to the size of the matrix."""
     if not matrix.shape[0]:
         return np.eye(matrix.shape[1])
-    wide = matrix.shape[0] < matrix.shape[1]
-    _, singular, vectors = np.linalg.svd(matrix, full_matrices=wide)
+    if matrix.shape[0] > matrix.shape[1]:
+        matrix = np.linalg.qr(matrix, mode="r")
+    _, singular, vectors = np.linalg.svd(matrix)
     rank = int(np.sum(singular > TOLERANCE * max(1.0, singular.max(initial=0.0))))
     return vectors[rank:].T
+
+
+def Norm(matrix):
+    """The largest singular value of a tall matrix."""
+    return np.sqrt(np.linalg.norm(matrix.T @ matrix, 2))

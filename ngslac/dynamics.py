@@ -93,7 +93,7 @@ class TimeStepper:
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.solver = copy.copy(solver)
-        self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), False
+        self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), None
         self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
         self.velocity = GridFunction(solver.gf.space, name="velocity")
         self.balance, self.steps = None, []
@@ -190,7 +190,7 @@ class TimeStepper:
         vec, now = self.gf.vec, self.time.Get()
         start = vec.FV().NumPy().copy()
         if self.form.SetStep(goal - now):
-            self.solver._islinear = False
+            self.solver._islinear = None
         dt = self.form.dt
         inertial = start + dt * self._Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial

@@ -1,58 +1,43 @@
 """Checked solution of the merged and scaled linear systems."""
 
-import ctypes
-import importlib.metadata
-import importlib.util
-from contextlib import contextmanager
-from pathlib import Path
-
 import numpy as np
-from ngsolve import BitArray
+from netgen.meshing import NgException
+from ngsolve import BaseVector, BitArray
 
 from ngslac._ngslac import MergeMatrices
+from ngslac.condensed import DirectCondensed, IterativeCondensed
+from ngslac.preconditioner import LU, Factor, LinearSolveError
 
 __all__ = ["AsBits", "AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
 
 SAFE = "umfpack"
-# Pardiso's own ordering is no match for nested dissection in three dimensions.
-FLAGS = {"pardiso": {"ordering": "metis"}}
-
-
-@contextmanager
-def OneBLASThread():
-    """Let NGSolve's BLAS use one thread.
-
-    The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
-    TaskManager, whose workers spin on all cores, they cost a factor of ten.
-    """
-    spec = importlib.util.find_spec("ngsolve_openblas")
-    found = sorted(Path(spec.origin).parent.glob("libopenblas*")) if spec else []
-    blas = ctypes.CDLL(str(found[0])) if found else None
-    threads = blas.openblas_get_num_threads() if blas else 1
-    try:
-        if blas:
-            blas.openblas_set_num_threads(1)
-        yield
-    finally:
-        if blas:
-            blas.openblas_set_num_threads(threads)
-
-
-class LinearSolveError(RuntimeError):
-    """No sparse direct solver found a solution with a small residual."""
 
 
 class LinearSolver:
-    """Direct solver that looks at the residual of what it returns.
+    """Solves Newton systems and looks at the residual of what it returns.
 
     Some factorisations return NaN on saddle point matrices, others lose ten digits, without saying
-    so. After iterative refinement the residual must be small, or the safe solver takes over.
+    so. Whatever the method, the residual of the whole system must be small, or the next method
+    takes over: iterative, condensed and direct, LU of the saddle point matrix, the same with the
+    safe solver.
 
     Parameters
     ----------
     freedofs : BitArray
     inverse : str or None
-        Name of an NGSolve solver; None: "pardiso" where MKL is installed, else "umfpack".
+        Name of an NGSolve solver; None: the fastest of those installed.
+    method : {"saddle", "direct", "iterative"}
+    dim : int
+        Of the mesh.
+    coarse : BitArray
+        Dofs of the vertices, for "iterative".
+
+    Attributes
+    ----------
+    method : str
+        What solves now.
+    factorisations, krylov : int
+        Of matrices of full size, and Krylov iterations, so far.
     """
 
     tolerance = 1e-9
@@ -61,44 +46,86 @@ class LinearSolver:
     # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
     shift, most_shifts = 1e-4, 5
 
-    def __init__(self, freedofs, inverse=None):
+    def __init__(self, freedofs, inverse=None, method="saddle", dim=3, coarse=None):
         self.bits = BitArray(freedofs)
         self.free = AsNumPy(freedofs)
-        self.inverse = inverse or DefaultInverse()
-        self.shifts = 0
+        self.inverse = LU(inverse)
+        self.shifts = self._factorisations = 0
+        self.condensed = None
+        direct = DirectCondensed(self.free, self.bits, dim, inverse)
+        self._methods = [("direct", direct)] if method != "saddle" else []
+        if method == "iterative":
+            iterative = IterativeCondensed(self.free, self.bits, dim, inverse, coarse)
+            self._methods.insert(0, ("iterative", iterative))
+        self._used = list(self._methods)
 
-    def Solve(self, bulk, forms, scale, rhs, shift=None):
+    @property
+    def method(self):
+        """What solves now: "iterative", "direct" or "saddle"."""
+        return self._methods[0][0] if self._methods else "saddle"
+
+    @property
+    def factorisations(self):
+        """Of matrices of full size, so far."""
+        return self._factorisations + sum(m.factorisations for _, m in self._used)
+
+    @property
+    def krylov(self):
+        """Krylov iterations so far."""
+        return sum(m.krylov for _, m in self._used)
+
+    def Forget(self):
+        """Keep nothing for the next system."""
+        for _, method in self._methods:
+            method.Forget()
+
+    def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
         """x with (bulk + forms) x = rhs on the free dofs, 0 elsewhere; numpy arrays.
 
-        `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1.
+        `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
+        iterative method stops at the relative residual `accuracy`.
         """
         mat = MergeMatrices(bulk, forms, scale)
         if shift is not None:
             AddToDiagonal(mat, shift)
-        b = mat.CreateColVector()
-        b.FV().NumPy()[:] = scale * rhs * self.free
-        errors, best = [], None
-        for inverse in dict.fromkeys((self.inverse, SAFE)):
-            with OneBLASThread():
-                x, error = self._Refined(mat, b, inverse)
-            if error <= self.tolerance:
-                self.inverse = inverse
-                return scale * x.FV().NumPy()
-            errors.append(f"{inverse}: relative residual {error:.1e}")
-            if best is None or error < best[1]:
+        b = scale * rhs * self.free
+        errors, best = [], (None, np.inf)
+        for name, solve in self._Attempts(mat, forms, b, accuracy):
+            try:
+                x, error = solve()
+            except (LinearSolveError, NgException) as failure:
+                errors.append(f"{name}: {failure}")
+                continue
+            if error <= max(self.tolerance, 10 * accuracy * (name == "iterative")):
+                return scale * x
+            errors.append(f"{name}: relative residual {error:.1e}")
+            if error < best[1]:
                 best = x, error
         if best[1] <= self.acceptable:
-            return scale * best[0].FV().NumPy()
+            return scale * best[0]
         raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
 
-    def SolveShifted(self, bulk, forms, scale, rhs, rows):
+    def _Attempts(self, mat, forms, b, accuracy):
+        """Names and functions that return a solution and its relative residual."""
+        if self._methods:
+            dofs = np.concatenate([form.MultiplierDofs() for form in forms])
+            args = mat, dofs, b, accuracy
+            for name, method in list(self._methods):
+                yield name, lambda method=method: method.Solve(*args)
+                if name == "iterative":  # it was too slow: so it would be next time
+                    del self._methods[0]
+        for inverse in dict.fromkeys((self.inverse, SAFE)):
+            yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
+            self.inverse = SAFE
+
+    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0):
         """The same; a singular matrix gets a small diagonal on `rows` (n,) bool.
 
         Where all that holds a body slips, nothing tells how far it moves. It moves as if it had
         mass, less each time, until something sticks.
         """
         try:
-            solution = self.Solve(bulk, forms, scale, rhs)
+            solution = self.Solve(bulk, forms, scale, rhs, accuracy=accuracy)
             self.shifts = 0
         except LinearSolveError:
             self.shifts += 1
@@ -109,20 +136,19 @@ class LinearSolver:
         return solution
 
     def _Factor(self, mat, inverse):
-        return mat.Inverse(self.bits, inverse=inverse, flags=FLAGS.get(inverse, {}))
+        self._factorisations += 1
+        return Factor(mat, self.bits, inverse)
 
-    def _Refined(self, mat, b, inverse):
-        size = np.linalg.norm(b.FV().NumPy())
-        x, r, step = b.CreateVector(), b.CreateVector(), b.CreateVector()
+    def _Refined(self, mat, right, inverse):
+        """Solution by a factorisation of the whole matrix, and its relative residual."""
+        size = np.linalg.norm(right)
+        x, r, step = mat.CreateRowVector(), mat.CreateColVector(), mat.CreateRowVector()
+        b = mat.CreateColVector()
+        b.FV().NumPy()[:] = right
         x[:] = 0
         if size == 0:
-            return x, 0.0
-        try:
-            inv = self._Factor(mat, inverse)
-        except Exception as error:
-            if isinstance(error, ImportError) or "available" in str(error):
-                raise ValueError(f"inverse={inverse!r} is not available: {error}") from error
-            return x, np.inf  # reported as singular
+            return right, 0.0
+        inv = self._Factor(mat, inverse)
         error = np.inf
         for _ in range(self.refinements):
             r.data = b - mat * x
@@ -131,13 +157,14 @@ class LinearSolver:
             r.data = b - mat * x
             before, error = error, np.linalg.norm(r.FV().NumPy() * self.free) / size
             if not np.isfinite(error):
-                return x, np.inf
+                return right, np.inf
             if error > before:  # no better: keep the solution before
                 x.data -= step
-                return x, before
+                error = before
+                break
             if error < 1e-14 or error > 0.5 * before:
                 break
-        return x, error
+        return x.FV().NumPy(), error
 
 
 def Multiply(mats, values):
@@ -159,26 +186,17 @@ def AddToDiagonal(mat, values):
     np.asarray(entries)[where] += values[rows[where]]
 
 
-def DefaultInverse():
-    """NGSolve's fastest solver for unsymmetric matrices among those installed."""
-    try:
-        importlib.metadata.version("mkl")
-    except importlib.metadata.PackageNotFoundError:
-        return SAFE
-    return "pardiso"
-
-
 def AsNumPy(bits):
     """A BitArray as numpy array of bool."""
-    return np.fromiter((bool(b) for b in bits), dtype=bool, count=len(bits))
+    vec = BaseVector(len(bits))
+    vec[:] = 0
+    vec[bits] = 1  # far faster than a loop over the bits
+    return vec.FV().NumPy() != 0
 
 
 def AsBits(values):
     """A numpy array of bool as BitArray."""
-    bits = BitArray(len(values))
-    for i, value in enumerate(values):
-        bits[i] = bool(value)
-    return bits
+    return BitArray(np.asarray(values, dtype=bool).tolist())
 
 
 def ScalarDofs(dofs, space):

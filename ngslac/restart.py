@@ -175,8 +175,9 @@ def _Solver(tool):
 
 
 def _SolverState(solver):
-    # The matrix that a linear bulk keeps is not saved: both runs go on with a new one.
-    solver._islinear = False
+    # Matrices and factorisations are not saved: both runs go on with new ones.
+    solver._islinear = None
+    solver.linear.Forget()
     return {
         "space": _Fingerprint(solver.gf.space),
         "gf": _Values(solver.gf),
@@ -194,7 +195,7 @@ def _SetSolverState(solver, state):
     solver.linear.inverse = state["inverse"]
     vars(solver).update(state["own"])
     vars(solver.residual).update(state["residual"])
-    solver._islinear = False
+    solver._islinear = None
 
 
 def _ToolState(tool):

@@ -4,21 +4,18 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BitArray
 
-from ngslac._ngslac import EquilibrationScale
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
-from ngslac.linear import AsNumPy, LinearSolveError, LinearSolver, Multiply, ScalarDofs
-from ngslac.residual import Residual, State
+from ngslac.linear import AsNumPy, LinearSolveError, ScalarDofs
+from ngslac.newton import ChooseSolver, NewtonStep
+from ngslac.residual import Residual
 
 __all__ = ["ContactSolver"]
 
-# Shorter parts of a step may lead macro-elements off the master.
-LEAST_SIGHT = 1 / 8
 
-
-class ContactSolver:
+class ContactSolver(NewtonStep):
     """Solve bulk plus contact by a generalised Newton method.
 
     The contact status of each macro-element follows from the projection in the contact form, so
@@ -37,8 +34,16 @@ class ContactSolver:
     freedofs : BitArray, optional
         Default: the free dofs of the space.
     inverse : str, optional
-        NGSolve sparse direct solver for unsymmetric matrices. Default: "pardiso" where MKL is
-        installed, else "umfpack". A result with a bad residual is recomputed by "umfpack".
+        NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else
+        "sparsecholesky" for symmetric matrices and "umfpack" for others. A result with a bad
+        residual is recomputed by "umfpack".
+    solver : {"direct", "iterative", "saddle"}, optional
+        How linear systems are solved. "direct": each macro-element's multiplier and one inner node
+        of its displacement are eliminated, the rest is factored (with slip, the frictionless system
+        is, for GMRES); the factorisation serves again while few macro-elements change. "iterative":
+        CG or GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution
+        on the vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
+        Default: "iterative" in 3D from 25,000 free displacements on, else "direct".
     initial : {"gap", "none"}
         Which macro-elements start closed when a body is held by contact alone: those nearest to the
         master, or none (then such a body is an error).
@@ -55,7 +60,9 @@ class ContactSolver:
     True
     """
 
-    def __init__(self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, initial="gap"):
+    def __init__(
+        self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, solver=None, initial="gap"
+    ):
         self.contacts = [*contacts] if isinstance(contacts, (list, tuple)) else [contacts]
         if not self.contacts:
             raise ValueError("ContactSolver needs at least one LACContact")
@@ -68,9 +75,8 @@ class ContactSolver:
             raise ValueError("the start value gf holds NaN")
         self.a, self.gf, self.initial = a, gf, initial
         space = a.space
-        self.linear = LinearSolver(
-            ScalarDofs(freedofs or space.FreeDofs(a.condense), space), inverse
-        )
+        scalars = ScalarDofs(freedofs or space.FreeDofs(a.condense), space)
+        self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver)
         self._inner = np.zeros_like(self.linear.free)
         if a.condense:  # these are free, but not in the matrix
             inner = BitArray(space.FreeDofs())
@@ -82,7 +88,7 @@ class ContactSolver:
         self.globalization = Globalization()
         self.history, self._closings, self._motion = [], 0, None
         self._bodies = None
-        self._islinear = False  # the bulk, as far as seen: its matrix is kept
+        self._islinear = None  # the bulk, as far as seen: then its matrix is kept
 
     # --- the loop ------------------------------------------------------------------------------
 
@@ -117,12 +123,13 @@ class ContactSolver:
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
         self.history, self._closings, self._status = [], 0, None
-        self._motion, self.linear.shifts = None, 0
+        self.tol, self._motion, self.linear.shifts = tol, None, 0
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
         try:
             return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:
+            self.residual.linear = None
             floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
             self._ReturnTo(start)
             if isinstance(error, ContactConvergenceError):
@@ -135,7 +142,7 @@ class ContactSolver:
 
     def Merit(self):
         """Size of the residual at `gf`, infinite without one; None before the first solve."""
-        return self.residual.Measure(self.scale).merit if self.history else None
+        return self.residual.Measure(self.scale, honest=True).merit if self.history else None
 
     def _ReturnTo(self, start):
         self.gf.vec.data = start
@@ -160,6 +167,7 @@ class ContactSolver:
         self.globalization.Begin()
         damping = 1.0
         for number in range(maxit + 1):
+            state = self._Confirmed(state)
             self._Record(number, state, damping, printing, callback)
             done = state.equilibrium < tol and state.constraint < tol
             if done and self._motion is None:
@@ -178,6 +186,19 @@ class ContactSolver:
             + "; take smaller steps"
         )
 
+    def _Confirmed(self, state):
+        """The state, by the bulk's own residual where it looks converged or hopeless."""
+        done = state.equilibrium < self.tol and state.constraint < self.tol
+        if (done and self._motion is None) or self.globalization.stagnates:
+            linear = self.residual.linear
+            state = self.residual.Confirm(state, self.scale)
+            if not state.finite:
+                raise ContactConvergenceError(state.reason)
+            if linear is not None and self.residual.linear is None:
+                self._islinear = False  # assemble anew, and iterate on
+                self.globalization.Begin()
+        return state
+
     def _Record(self, number, state, damping, printing, callback):
         for contact in self.contacts:
             contact.Evaluate(self.gf)
@@ -188,88 +209,6 @@ class ContactSolver:
             print(entry)
         if callback:
             callback(entry)
-
-    # --- one iteration -------------------------------------------------------------------------
-    def _Assemble(self):
-        if not (self._islinear and self.a.mat.height == self.a.space.ndof):
-            self.a.AssembleLinearization(self.gf.vec)
-        for contact in self.contacts:
-            contact.Prepare(self.a.mat)
-        forms = [contact.form for contact in self.contacts]
-        self.scale = EquilibrationScale(self.a.mat, forms)
-        if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
-            self.scale[self._inner] = np.median(self.scale[self.linear.free])
-
-    def _Linearize(self, state):
-        """The residual of the next linear system, whose matrices are assembled."""
-        residual = self.gf.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
-        for contact in self.contacts:
-            contact.form.AssembleStep(self.gf.vec, residual)
-        return residual
-
-    def _Measure(self):
-        return self.residual.Measure(self.scale)
-
-    def _Step(self, state):
-        correction = self._Correction(self._Linearize(state))
-        start = self.gf.vec.CreateVector()
-        start.data = self.gf.vec
-
-        def move(damping):
-            self.gf.vec.data = start
-            self.gf.vec.FV().NumPy()[:] -= damping * correction
-            trial = self._Measure()
-            if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
-                return State.Nothing("surfaces pass through each other")
-            return trial
-
-        trial, damping = self.globalization.Search(move, self._motion is not None)
-        if not trial.finite:
-            raise ContactConvergenceError(trial.reason + " however short the Newton step")
-        self._islinear = self._MovedLinearly(state, trial, damping * correction)
-        if self._motion is not None:
-            self._motion = None if damping == 1 else (1 - damping) * self._motion
-        if self._CloseWhatFloats():
-            return self._Measure(), damping
-        return trial, damping
-
-    def _MovedLinearly(self, before, after, correction):
-        """Did the bulk's residual change as its matrix says, to rounding?"""
-        if self.a.condense:
-            return False  # the matrix holds the Schur complement only
-        step, moved = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        step.FV().NumPy()[:] = correction
-        moved.data = self.a.mat * step
-        expected = moved.FV().NumPy()
-        deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
-        size = np.linalg.norm(self.scale * expected)
-        if size < 1e-5 * self.residual.forces:
-            return self._islinear  # too short to tell
-        return bool(deviation <= 1e-10 * size)
-
-    def _Correction(self, residual):
-        a = self.a
-        if a.condense:
-            residual.data += a.harmonic_extension_trans * residual
-        forms = [contact.form for contact in self.contacts]
-        if self._motion is not None:
-            residual.FV().NumPy()[:] -= self._Applied(forms, -self._motion)
-        correction = self.gf.vec.CreateVector()
-        solution = self.linear.SolveShifted(
-            a.mat, forms, self.scale, residual.FV().NumPy(), ~self.residual.rows
-        )
-        correction.FV().NumPy()[:] = solution
-        if self._motion is not None:
-            correction.FV().NumPy()[:] -= self._motion
-        if a.condense:
-            correction.data += a.harmonic_extension * correction
-            correction.data += a.inner_solve * residual
-        return correction.FV().NumPy().copy()
-
-    def _Applied(self, forms, values):
-        """The Newton matrix times a vector."""
-        return Multiply((self.a.mat, *(form.mat for form in forms)), values)
 
     # --- bodies that nothing holds -------------------------------------------------------------
 

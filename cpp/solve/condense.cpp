@@ -1,0 +1,318 @@
+#include "condense.hpp"
+#include "contact/jump.hpp"
+
+namespace ngslac {
+/// A sparse row that is summed up.
+class RowSum {
+public:
+  explicit RowSum(size_t n) : value(n), used(n) {
+    value = 0.0;
+    used = false;
+  }
+  void Add(int column, double v) {
+    if (!used[column]) {
+      used[column] = true;
+      columns.Append(column);
+    }
+    value[column] += v;
+  }
+  double operator[](int column) const { return value[column]; }
+  FlatArray<int> Columns() const { return columns; }
+  /// The sum with sorted columns; starts the next one.
+  void Take(Array<int> & cols, Array<double> & values) {
+    QuickSort(columns);
+    cols = columns;
+    values.SetSize(columns.Size());
+    for (int i : Range(columns)) {
+      values[i] = value[columns[i]];
+      value[columns[i]] = 0;
+      used[columns[i]] = false;
+    }
+    columns.SetSize0();
+  }
+
+private:
+  Array<double> value;
+  Array<bool> used;
+  Array<int> columns;
+};
+
+namespace {
+Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
+  Vector<> values(dofs.Size());
+  for (int i : Range(dofs))
+    values(i) = x(dofs[i]);
+  return values;
+}
+
+struct Row {
+  Array<int> columns;
+  Array<double> values;
+};
+
+/// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
+template <typename F>
+void ForEach(size_t count, size_t n, F f) {
+  ParallelForRange(count, [&](IntRange range) {
+    RowSum sum(n);
+    for (auto i : range)
+      f(i, sum);
+  });
+}
+} // namespace
+
+Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int> multipliers, int d,
+                           const BitArray & afree, bool symmetric)
+    : mat(amat), free(make_shared<BitArray>(afree)) {
+  static Timer timer("ngslac::Condense");
+  RegionTimer reg(timer);
+  Supports(multipliers, d);
+  auto inner = [&](int dof) { return free->Test(dof) && touching[dof].Size() == 1; };
+  std::atomic<bool> fails = false;
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    try {
+      FillBlock(blocks[m], *mat, symmetric, inner);
+    } catch (const Exception &) {
+      fails = true;
+    }
+  });
+  if (fails)
+    throw Exception("ngslac: a macro-element has no displacement of its own to be eliminated");
+  pivotblock.SetSize(mat->Height());
+  pivotblock = -1;
+  for (int m : Range(blocks))
+    if (blocks[m].NConstraints())
+      for (int p : blocks[m].pivots)
+        pivotblock[blocks[m].dofs[p]] = m;
+  Assemble();
+}
+
+Array<int> Condensation::Constraints() const {
+  Array<int> counts(blocks.Size());
+  for (int m : Range(blocks))
+    counts[m] = blocks[m].NConstraints();
+  return counts;
+}
+
+void Condensation::Supports(FlatArray<int> multipliers, int d) {
+  size_t n = mat->Height();
+  ismultiplier.SetSize(n);
+  ismultiplier = false;
+  for (int i : multipliers) {
+    if (!free->Test(i))
+      throw Exception("ngslac: a multiplier is not free");
+    ismultiplier[i] = true;
+    free->Clear(i);
+  }
+  blocks.SetSize(multipliers.Size() / d);
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    auto & block = blocks[m];
+    block.multipliers = multipliers.Range(d * m, d * (m + 1));
+    for (int lam : block.multipliers)
+      for (int j : mat->GetRowIndices(lam))
+        if (!ismultiplier[j])
+          block.dofs.Append(j);
+    QuickSort(block.dofs);
+    block.dofs.SetSize(std::unique(block.dofs.begin(), block.dofs.end()) - block.dofs.begin());
+  });
+  TableCreator<int> creator(n);
+  for (; !creator.Done(); creator++)
+    for (int m : Range(blocks))
+      for (int dof : blocks[m].dofs)
+        creator.Add(dof, m);
+  touching = creator.MoveTable();
+}
+
+/// Adds a row of  K - sum GL E1.
+void Condensation::AddRow(int row, double factor, RowSum & sum) const {
+  auto columns = mat->GetRowIndices(row);
+  auto values = mat->GetRowValues(row);
+  for (int j : Range(columns))
+    if (!ismultiplier[columns[j]])
+      sum.Add(columns[j], factor * values(j));
+  for (int m : touching[row]) {
+    auto & block = blocks[m];
+    if (!block.slides)
+      continue;
+    int pos = block.Position(row);
+    for (int q : Range(block.E1.Height()))
+      if (double force = factor * block.GL(pos, q); force != 0)
+        for (int j : Range(block.dofs))
+          if (block.E1(q, j) != 0)
+            sum.Add(block.dofs[j], -force * block.E1(q, j));
+  }
+}
+
+/// Multiplies by P from the right.
+void Condensation::Project(RowSum & sum) const {
+  ArrayMem<int, 20> found;
+  for (int column : sum.Columns())
+    if (int m = pivotblock[column]; m >= 0 && !found.Contains(m))
+      found.Append(m);
+  for (int m : found) {
+    auto & block = blocks[m];
+    Vector<> reaction(block.NConstraints());
+    reaction = 0.0;
+    for (int p : Range(block.pivots))
+      reaction += sum[block.dofs[block.pivots[p]]] * block.B.Row(p);
+    for (int k : Range(reaction))
+      for (int j : Range(block.dofs))
+        if (double e = block.E2(k, j); e != 0)
+          sum.Add(block.dofs[j], -reaction(k) * e);
+  }
+}
+
+void Condensation::Assemble() {
+  size_t n = mat->Height();
+  // Rows  Bl^T K P : what the reactions carry to the other rows.
+  Array<size_t> first(blocks.Size() + 1);
+  first[0] = 0;
+  for (int m : Range(blocks))
+    first[m + 1] = first[m] + blocks[m].NConstraints();
+  Array<Row> carried(first[blocks.Size()]);
+  ForEach(blocks.Size(), n, [&](size_t m, RowSum & sum) {
+    auto & block = blocks[m];
+    for (int k : Range(block.NConstraints())) {
+      for (int p : Range(block.pivots))
+        AddRow(block.dofs[block.pivots[p]], block.Bl(p, k), sum);
+      Project(sum);
+      auto & row = carried[first[m] + k];
+      sum.Take(row.columns, row.values);
+    }
+  });
+
+  Array<int> changed, place(n);
+  place = -1;
+  Array<bool> changes(n);
+  ParallelFor(n, [&](size_t i) {
+    changes[i] = !ismultiplier[i] && touching[i].Size();
+    if (!ismultiplier[i])
+      for (int j : mat->GetRowIndices(i))
+        changes[i] = changes[i] || pivotblock[j] >= 0;
+  });
+  for (size_t i : Range(n))
+    if (changes[i]) {
+      place[i] = changed.Size();
+      changed.Append(i);
+    }
+  Array<Row> rows(changed.Size());
+  ForEach(changed.Size(), n, [&](size_t c, RowSum & sum) {
+    int i = changed[c];
+    AddRow(i, 1, sum);
+    Project(sum);
+    for (int m : touching[i]) {
+      auto & block = blocks[m];
+      int pos = block.Position(i);
+      for (int k : Range(block.NConstraints()))
+        if (double force = block.G2(pos, k); force != 0) {
+          auto & row = carried[first[m] + k];
+          for (int j : Range(row.columns))
+            sum.Add(row.columns[j], -force * row.values[j]);
+        }
+      for (int p : Range(block.complement.Height()))
+        if (block.pivots[p] == pos)
+          for (int q : Range(block.pivots))
+            sum.Add(block.dofs[block.pivots[q]], block.complement(p, q));
+    }
+    sum.Take(rows[c].columns, rows[c].values);
+  });
+
+  auto displacements = [&](int i) {
+    int count = 0;
+    for (int j : mat->GetRowIndices(i))
+      count += !ismultiplier[j];
+    return count;
+  };
+  Array<int> sizes(n);
+  ParallelFor(n, [&](size_t i) {
+    sizes[i] = ismultiplier[i] ? 0
+               : place[i] >= 0 ? rows[place[i]].columns.Size()
+                               : displacements(i);
+  });
+  condensed = make_shared<SparseMatrix<double>>(sizes, n);
+  ParallelFor(n, [&](size_t i) {
+    auto columns = condensed->GetRowIndices(i);
+    auto values = condensed->GetRowValues(i);
+    if (place[i] >= 0) {
+      columns = rows[place[i]].columns;
+      values = FlatVector<>(rows[place[i]].values.Size(), rows[place[i]].values.Data());
+    } else if (!ismultiplier[i]) {
+      // No multiplier acts on this row: all its columns are displacements.
+      columns = mat->GetRowIndices(i);
+      values = mat->GetRowValues(i);
+    }
+  });
+}
+
+/// K (u of x) on the displacements, with the local terms.
+Vector<> Condensation::Forces(FlatVector<> u) const {
+  Vector<> forces(u.Size());
+  VFlatVector<double> in(u.Size(), u.Data()), out(forces.Size(), forces.Data());
+  mat->Mult(in, out);
+  for (auto & block : blocks)
+    if (block.slides) {
+      Vector<> local = block.GL * Vector<>(block.E1 * Gather(block.dofs, u));
+      for (int i : Range(block.dofs))
+        forces(block.dofs[i]) -= local(i);
+    }
+  return forces;
+}
+
+/// f - G (multipliers that r tells) - K u
+Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
+  Vector<> left = rhs - Forces(u);
+  for (auto & block : blocks) {
+    Vector<> local = block.GL * Vector<>(block.U1 * Gather(block.multipliers, rhs));
+    for (int i : Range(block.dofs))
+      left(block.dofs[i]) -= local(i);
+  }
+  return left;
+}
+
+/// Displacements of the pivots alone with  E2 u = r2.
+Vector<> Condensation::Particular(FlatVector<> rhs) const {
+  Vector<> u(rhs.Size());
+  u = 0.0;
+  for (auto & block : blocks)
+    if (block.NConstraints()) {
+      Vector<> r2 = Matrix<>(block.B * block.U2) * Gather(block.multipliers, rhs);
+      for (int p : Range(block.pivots))
+        u(block.dofs[block.pivots[p]]) = r2(p);
+    }
+  return u;
+}
+
+void Condensation::Reduce(FlatVector<> rhs, FlatVector<> reduced) const {
+  Vector<> left = Left(rhs, Particular(rhs));
+  reduced = left;
+  for (auto & block : blocks)
+    if (block.NConstraints()) {
+      Vector<> local = block.G2 * block.Reactions(left);
+      for (int i : Range(block.dofs))
+        reduced(block.dofs[i]) -= local(i);
+    }
+  for (size_t i : Range(reduced))
+    if (!free->Test(i))
+      reduced(i) = 0;
+}
+
+void Condensation::Expand(FlatVector<> rhs, FlatVector<> w, FlatVector<> x) const {
+  x = Particular(rhs) + w;
+  for (auto & block : blocks)
+    if (block.NConstraints()) {
+      Vector<> local = block.B * Vector<>(block.E2 * Gather(block.dofs, w));
+      for (int p : Range(block.pivots))
+        x(block.dofs[block.pivots[p]]) -= local(p);
+    }
+  Vector<> left = Left(rhs, x);
+  for (auto & block : blocks) {
+    Vector<> told = block.U1 * Gather(block.multipliers, rhs);
+    told -= block.E1 * Gather(block.dofs, x);
+    Vector<> lam = block.told * told;
+    if (block.NConstraints())
+      lam += block.V2 * block.Reactions(left);
+    for (int k : Range(lam))
+      x(block.multipliers[k]) = lam(k);
+  }
+}
+} // namespace ngslac

@@ -1,0 +1,82 @@
+#include "condense.hpp"
+#include <comp.hpp>
+#include <python_comp.hpp>
+
+namespace ngslac {
+using namespace ngcomp;
+
+namespace {
+FlatVector<> View(py::array_t<double> & values, const Condensation & self) {
+  if (size_t(values.size()) != self.Mat()->Height())
+    throw Exception("Condensation: a vector needs one entry per row of the matrix");
+  return FlatVector<>(values.size(), values.mutable_data());
+}
+} // namespace
+
+void ExportCondense(py::module & m) {
+  py::class_<Condensation, shared_ptr<Condensation>>(
+      m, "Condensation",
+      "Newton system without multipliers: each macro-element's multiplier and one inner node of "
+      "its\n"
+      "displacement are eliminated exactly. `symmetric` takes slip for frictionless.")
+      .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
+                       const BitArray & free, bool symmetric) {
+             auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
+             if (!sparse)
+               throw Exception("Condensation: the matrix must be sparse, real and scalar");
+             Array<int> dofs(multipliers.size());
+             for (int i : Range(dofs))
+               dofs[i] = multipliers[i];
+             py::gil_scoped_release release;
+             return make_shared<Condensation>(sparse, dofs, dim, free, symmetric);
+           }),
+           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"),
+           py::arg("symmetric") = false)
+      .def_property_readonly(
+          "mat", [](const Condensation & self) -> shared_ptr<BaseMatrix> { return self.Mat(); },
+          "of the displacements; rows of multipliers are empty")
+      .def_property_readonly(
+          "constraints",
+          [](const Condensation & self) {
+            auto counts = self.Constraints();
+            return py::array_t<int>(counts.Size(), counts.Data());
+          },
+          "(n,) int: eliminated directions of each macro-element")
+      .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
+      .def(
+          "Reduce",
+          [](const Condensation & self, py::array_t<double> rhs) {
+            py::array_t<double> reduced(rhs.size());
+            auto from = View(rhs, self), to = View(reduced, self);
+            py::gil_scoped_release release;
+            self.Reduce(from, to);
+            return reduced;
+          },
+          py::arg("rhs"), "Right hand side of `mat` for one of the whole system.")
+      .def(
+          "Expand",
+          [](const Condensation & self, py::array_t<double> rhs, py::array_t<double> w) {
+            py::array_t<double> x(rhs.size());
+            auto from = View(rhs, self), part = View(w, self), to = View(x, self);
+            py::gil_scoped_release release;
+            self.Expand(from, part, to);
+            return x;
+          },
+          py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
+  m.def(
+      "VertexDofs",
+      [](const FESpace & fes) {
+        auto bits = make_shared<BitArray>(fes.GetNDof());
+        bits->Clear();
+        Array<DofId> dofs;
+        for (size_t v : Range(fes.GetMeshAccess()->GetNV())) {
+          fes.GetDofNrs(NodeId(NT_VERTEX, v), dofs);
+          for (auto dof : dofs)
+            if (IsRegularDof(dof))
+              bits->SetBit(dof);
+        }
+        return bits;
+      },
+      py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
+}
+} // namespace ngslac

@@ -1,0 +1,231 @@
+"""Solution of the Newton system without multipliers, by a Krylov method."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BaseMatrix
+from ngsolve.krylovspace import CGSolver, GMResSolver
+
+from ngslac._ngslac import Condensation
+from ngslac.preconditioner import (
+    CHOLESKY,
+    LU,
+    Cholesky,
+    Factor,
+    IsSymmetric,
+    LinearSolveError,
+    TwoLevel,
+)
+
+__all__ = ["DirectCondensed", "IterativeCondensed"]
+
+# Systems to factor at once after a kept factorisation did not serve.
+WAIT = 2
+
+
+class Condensed:
+    """Solves merged Newton systems by eliminating multipliers and one inner node of each.
+
+    What is left (``Z^T K Z`` with the columns Z of the displacements that keep the constraints) is
+    symmetric and positive definite where the bulk is, as long as nothing slips. Slip makes it
+    unsymmetric: then the system in which slip is frictionless preconditions GMRES.
+
+    Parameters
+    ----------
+    freedofs : (n,) bool
+        Scalar dofs of the whole system.
+    bits : BitArray
+        The same.
+    dim : int
+        Of the mesh.
+    inverse : str, optional
+        Sparse direct solver.
+
+    Attributes
+    ----------
+    factorisations, krylov : int
+        Of matrices of full size, and iterations, since this was made.
+    """
+
+    rounds = 3
+    exact = 1e-13  # where nothing less is asked for
+    best = 1e-14  # relative to the right hand side, for any Krylov method
+
+    def __init__(self, freedofs, bits, dim, inverse=None):
+        self.free, self.bits, self.dim, self.inverse = freedofs, bits, dim, inverse
+        self.factorisations = self.krylov = 0
+        self.Forget()
+
+    def Forget(self):
+        """Keep no factorisation for the next system."""
+        self._kept = None
+
+    def Solve(self, mat, multipliers, b, accuracy):
+        """x with mat x = b on the free dofs, and its relative residual: array and number.
+
+        Parameters
+        ----------
+        mat : SparseMatrix
+            Merged and scaled.
+        multipliers : (n,) int
+            Their dofs, d per macro-element.
+        b : (n,)
+            Zero where nothing is free.
+        accuracy : float
+            Relative residual that is enough for an iterative solution.
+
+        Raises
+        ------
+        NgException
+            A macro-element has no displacement of its own.
+        LinearSolveError
+            The matrix is singular, or the iteration does not converge.
+        """
+        given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
+        system = Condensation(*given)
+        frictionless = system
+        if not IsSymmetric(system.mat):
+            variant = Condensation(*given, symmetric=True)
+            frictionless = variant if IsSymmetric(variant.mat) else None
+        accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
+        x, left, error = np.zeros_like(b), b, 1.0
+        product = mat.CreateColVector()
+        for _ in range(self.rounds if size else 0):
+            step = self._Step(system, frictionless, left, 0.3 * accuracy / error)
+            factor = mat.CreateRowVector()
+            factor.FV().NumPy()[:] = x + step
+            product.data = mat * factor
+            left = (b - product.FV().NumPy()) * self.free
+            before, error = error, float(np.linalg.norm(left)) / size
+            if not error < before:  # also where it is NaN: keep the solution before
+                return x, before
+            x = x + step
+            if error <= accuracy:
+                break
+        return x, error if size else 0.0
+
+    def _Step(self, system, frictionless, rhs, accuracy):
+        """Solution of the whole system from that of the condensed one."""
+        reduced = system.mat.CreateColVector()
+        reduced.FV().NumPy()[:] = system.Reduce(rhs)
+        w = system.mat.CreateRowVector()
+        w[:] = 0
+        method = CGSolver if system is frictionless else GMResSolver
+        for inverse, iterations in self._Preconditioners(system, frictionless, reduced):
+            tol = min(max(accuracy, self.best), 0.1)
+            krylov = method(mat=system.mat, pre=inverse, tol=tol, maxiter=iterations)
+            krylov.Solve(rhs=reduced, sol=w)
+            self.krylov += krylov.iterations
+            if not krylov.residuals or krylov.residuals[-1] <= tol * krylov.residuals[0]:
+                return system.Expand(rhs, w.FV().NumPy())
+        raise LinearSolveError("the condensed system could not be solved")
+
+
+@dataclass
+class Kept:
+    """A factorisation that may serve for later matrices.
+
+    Attributes
+    ----------
+    inverse : BaseMatrix
+    mat : BaseMatrix
+        Whose factorisation it is; keeps it alive.
+    constraints : (m,) int
+        Eliminated directions per macro-element.
+    patience : int
+        Krylov iterations that cost half as much as another factorisation.
+    """
+
+    inverse: BaseMatrix
+    mat: BaseMatrix
+    constraints: np.ndarray
+    patience: int
+
+
+def Patience(count, dim):
+    """Krylov iterations that cost about half as much as a factorisation with `count` free dofs.
+
+    The ratio grows like n^(2/3) in 3D and n^(1/2) in 2D (nested dissection). A rule that looked at
+    the clock would give other results each time.
+    """
+    ratio = 35 * (count / 1e5) ** (2 / 3) if dim == 3 else 12 * (count / 1e5) ** 0.5
+    return int(np.clip(0.5 * ratio, 4, 40))
+
+
+class DirectCondensed(Condensed):
+    """With a sparse factorisation, kept for later systems while few macro-elements change.
+
+    Each macro-element that opens or closes costs about two Krylov iterations per direction; where
+    these would cost more than half of a factorisation the new matrix is factored.
+    """
+
+    most_iterations = 60
+
+    def Forget(self):
+        """Keep no factorisation for the next system."""
+        super().Forget()
+        self._wait = 0
+
+    def _Accuracy(self, _):
+        return self.exact
+
+    def _Preconditioners(self, system, frictionless, rhs):
+        """Inverses to try, with the most iterations for each."""
+        current = self._kept and self._kept.mat is (frictionless or system).mat
+        if not current:
+            if self._Serves(system):
+                yield self._kept.inverse, self._kept.patience
+                self._wait = WAIT
+            self._Factor(system, frictionless, rhs)
+        yield self._kept.inverse, self.most_iterations
+
+    def _Serves(self, system):
+        if self._wait:
+            self._wait -= 1
+            return False
+        if self._kept is None or self._kept.mat.height != system.mat.height:
+            return False
+        changes = np.abs(self._kept.constraints - system.constraints).sum()
+        return 4 * changes <= self._kept.patience
+
+    def _Factor(self, system, frictionless, rhs):
+        self._kept = None  # two of them would need twice the memory
+        lu = self.inverse and self.inverse not in CHOLESKY
+        symmetric = frictionless is not None and not lu
+        mat = frictionless.mat if symmetric else system.mat
+        inverse = Factor(mat, system.freedofs, (Cholesky if symmetric else LU)(self.inverse))
+        self.factorisations += 1
+        if not np.isfinite((inverse * rhs).Evaluate().Norm()):
+            raise LinearSolveError("the matrix is singular")
+        self._kept = Kept(
+            inverse, mat, system.constraints, Patience(int(self.free.sum()), self.dim)
+        )
+
+
+class IterativeCondensed(Condensed):
+    """With a two-level preconditioner, which needs little memory, made for each system.
+
+    Parameters
+    ----------
+    freedofs, bits, dim, inverse :
+        As above; the direct solver is for the vertices.
+    coarse : BitArray
+        Dofs of the vertices.
+    """
+
+    most_iterations = 250
+
+    def __init__(self, freedofs, bits, dim, inverse, coarse):
+        super().__init__(freedofs, bits, dim, inverse)
+        self.coarse = coarse
+
+    def _Accuracy(self, wanted):
+        return max(wanted, self.exact)
+
+    def _Preconditioners(self, system, frictionless, _):
+        near = frictionless or system
+        if self._kept is None or self._kept.mat is not near.mat:
+            kind = Cholesky if frictionless else LU
+            self._kept = None
+            self._kept = TwoLevel(near.mat, near.freedofs, self.coarse, kind(self.inverse))
+        yield self._kept, self.most_iterations

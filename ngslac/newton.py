@@ -1,0 +1,137 @@
+"""One step of the Newton method: assembly, linear solution, line search."""
+
+import numpy as np
+
+from ngslac._ngslac import EquilibrationScale, VertexDofs
+from ngslac.errors import ContactConvergenceError
+from ngslac.linear import LinearSolver, Multiply, ScalarDofs
+from ngslac.residual import State
+
+__all__ = ["ChooseSolver", "NewtonStep"]
+
+# Shorter parts of a step may lead macro-elements off the master.
+LEAST_SIGHT = 1 / 8
+# Relative residual of an iterative solution while the contact status still changes.
+LOOSE = 1e-3
+# From this many free displacements in 3D on an iterative solution is the faster one.
+LARGE = 25_000
+
+
+class NewtonStep:
+    """The steps of a ContactSolver, which derives from it.
+
+    Uses its ``a``, ``gf``, ``contacts``, ``linear``, ``residual`` and ``globalization``.
+    """
+
+    def _Assemble(self):
+        if not (self._islinear and self.a.mat.height == self.a.space.ndof):
+            self.a.AssembleLinearization(self.gf.vec)
+            self.residual.linear = None
+        for contact in self.contacts:
+            contact.Prepare(self.a.mat)
+        forms = [contact.form for contact in self.contacts]
+        self.scale = EquilibrationScale(self.a.mat, forms)
+        if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
+            self.scale[self._inner] = np.median(self.scale[self.linear.free])
+
+    def _Linearize(self, state):
+        """The residual of the next linear system, whose matrices are assembled."""
+        residual = self.gf.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        for contact in self.contacts:
+            contact.form.AssembleStep(self.gf.vec, residual)
+        return residual
+
+    def _Measure(self):
+        return self.residual.Measure(self.scale, honest=self._motion is not None)
+
+    def _Step(self, state):
+        correction = self._Correction(self._Linearize(state), self._Accuracy(state))
+        start = self.gf.vec.CreateVector()
+        start.data = self.gf.vec
+
+        def move(damping):
+            self.gf.vec.data = start
+            self.gf.vec.FV().NumPy()[:] -= damping * correction
+            trial = self._Measure()
+            if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
+                return State.Nothing("surfaces pass through each other")
+            return trial
+
+        trial, damping = self.globalization.Search(move, self._motion is not None)
+        if not trial.finite:
+            raise ContactConvergenceError(trial.reason + " however short the Newton step")
+        if trial.honest:
+            self._islinear = self._MovedLinearly(state, trial, damping * correction)
+            self.residual.linear = self.a.mat if self._islinear else None
+        if self._motion is not None:
+            self._motion = None if damping == 1 else (1 - damping) * self._motion
+        if self._CloseWhatFloats():
+            return self._Measure(), damping
+        return trial, damping
+
+    def _MovedLinearly(self, before, after, correction):
+        """Did the bulk's residual change as its matrix says, to rounding? None: too short to tell.
+
+        What convergence says is confirmed by the bulk form itself.
+        """
+        if self.a.condense:
+            return False  # the matrix holds the Schur complement only
+        expected = Multiply([self.a.mat], correction)
+        deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
+        size = np.linalg.norm(self.scale * expected)
+        if size < max(1e-5 * self.residual.forces, self.residual.rounding):
+            return self._islinear is not False
+        return bool(deviation <= 1e-10 * size)
+
+    def _Accuracy(self, state):
+        """Relative residual that an iterative solution needs for the next step to be a Newton step.
+
+        Loose while the contact status changes, then such that convergence stays quadratic.
+        """
+        if self.history[-1].changed or not self.history[-1].number:
+            return LOOSE
+        size = max(state.equilibrium, state.constraint)
+        return min(LOOSE, max(0.1 * self.tol / size, 0.1 * size))
+
+    def _Correction(self, residual, accuracy=0.0):
+        a = self.a
+        if a.condense:
+            residual.data += a.harmonic_extension_trans * residual
+        forms = [contact.form for contact in self.contacts]
+        if self._motion is not None:
+            residual.FV().NumPy()[:] -= self._Applied(forms, -self._motion)
+        correction = self.gf.vec.CreateVector()
+        correction.FV().NumPy()[:] = self.linear.SolveShifted(
+            a.mat, forms, self.scale, residual.FV().NumPy(), ~self.residual.rows, accuracy
+        )
+        if self._motion is not None:
+            correction.FV().NumPy()[:] -= self._motion
+        if a.condense:
+            correction.data += a.harmonic_extension * correction
+            correction.data += a.inner_solve * residual
+        return correction.FV().NumPy().copy()
+
+    def _Applied(self, forms, values):
+        """The Newton matrix times a vector."""
+        return Multiply((self.a.mat, *(form.mat for form in forms)), values)
+
+
+def ChooseSolver(a, contacts, freedofs, inverse, wanted):
+    """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest."""
+    if wanted not in (None, "direct", "iterative", "saddle"):
+        raise ValueError(f"solver={wanted!r} must be 'direct', 'iterative' or 'saddle'")
+    space = a.space
+    coarse = ScalarDofs(VertexDofs(space), space) & freedofs
+    free, vertices = freedofs.NumSet(), coarse.NumSet()
+    suits = 0 < vertices < free / 3  # else the coarse problem is nearly the whole one
+    if wanted == "iterative" and not suits:
+        raise ValueError(
+            f"solver='iterative' corrects on the {vertices} dofs of the vertices, which must be "
+            f"less than a third of the {free} free ones: take a displacement of order 2 or higher"
+        )
+    large = free >= LARGE and space.mesh.dim == 3 and not inverse
+    if wanted is None:
+        small_sliding = not any(contact.finite for contact in contacts)
+        wanted = "iterative" if suits and large and small_sliding and not a.condense else "direct"
+    return LinearSolver(freedofs, inverse, wanted, space.mesh.dim, coarse)

@@ -1,0 +1,144 @@
+"""Sparse factorisations and a two-level method, as preconditioners of the condensed system."""
+
+import ctypes
+import importlib.metadata
+import importlib.util
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from ngsolve import BaseMatrix
+
+__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError", "TwoLevel"]
+
+# Pardiso's own ordering is no match for nested dissection in three dimensions.
+FLAGS = {
+    "pardiso": {"ordering": "metis"},
+    "pardisospd": {"ordering": "metis", "symmetric": True},
+}
+CHOLESKY = ("pardisospd", "sparsecholesky")
+
+
+class LinearSolveError(RuntimeError):
+    """No linear solver found a solution with a small residual."""
+
+
+def HasMKL():
+    """Is Intel's MKL installed, and Pardiso with it?"""
+    try:
+        importlib.metadata.version("mkl")
+    except importlib.metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def LU(inverse=None):
+    """The solver for unsymmetric matrices: the one asked for, or the fastest installed."""
+    if inverse and inverse not in CHOLESKY:
+        return inverse
+    return "pardiso" if HasMKL() else "umfpack"
+
+
+def Cholesky(inverse=None):
+    """The solver for symmetric positive definite matrices, or the one asked for."""
+    return inverse or ("pardisospd" if HasMKL() else "sparsecholesky")
+
+
+@contextmanager
+def OneBLASThread():
+    """Let NGSolve's BLAS use one thread.
+
+    The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
+    TaskManager, whose workers spin on all cores, they cost a factor of ten.
+    """
+    spec = importlib.util.find_spec("ngsolve_openblas")
+    found = sorted(Path(spec.origin).parent.glob("libopenblas*")) if spec else []
+    blas = ctypes.CDLL(str(found[0])) if found else None
+    threads = blas.openblas_get_num_threads() if blas else 1
+    try:
+        if blas:
+            blas.openblas_set_num_threads(1)
+        yield
+    finally:
+        if blas:
+            blas.openblas_set_num_threads(threads)
+
+
+def Factor(mat, freedofs, inverse, **flags):
+    """Sparse factorisation of a matrix, as operator.
+
+    Raises
+    ------
+    ValueError
+        There is no solver of this name. LinearSolveError: the matrix is singular.
+    """
+    try:
+        with OneBLASThread():
+            return mat.Inverse(freedofs, inverse=inverse, flags=FLAGS.get(inverse, {}) | flags)
+    except Exception as error:
+        if isinstance(error, ImportError) or "available" in str(error):
+            raise ValueError(f"inverse={inverse!r} is not available: {error}") from error
+        raise LinearSolveError(f"{inverse}: {error}") from error
+
+
+def IsSymmetric(mat):
+    """Is x.Ay = y.Ax for two random vectors, to rounding?"""
+    random = np.random.default_rng(1)
+    x, y, image = mat.CreateRowVector(), mat.CreateRowVector(), mat.CreateColVector()
+    for vec in (x, y):
+        vec.FV().NumPy()[:] = random.standard_normal(vec.FV().NumPy().size)
+    image.data = mat * y
+    product = x.InnerProduct(image)
+    size = x.Norm() * image.Norm()
+    image.data = mat * x
+    return abs(y.InnerProduct(image) - product) <= 1e-13 * size
+
+
+class TwoLevel(BaseMatrix):
+    """Symmetric Gauss-Seidel sweeps around a direct solution on the vertices.
+
+    In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
+    the coarse matrix is a part of the given one. It needs a fraction of the memory of a
+    factorisation, and its quality does not depend on the mesh size.
+
+    Parameters
+    ----------
+    mat : SparseMatrix
+        Symmetric.
+    freedofs, coarse : BitArray
+        All free dofs, those of the vertices.
+    inverse : str
+        Direct solver on the vertices.
+    """
+
+    def __init__(self, mat, freedofs, coarse, inverse):
+        super().__init__()
+        self.mat = mat
+        self.smoother = mat.CreateSmoother(freedofs)
+        self.coarse = Factor(mat, coarse & freedofs, inverse)
+        self.residual, self.step = mat.CreateColVector(), mat.CreateRowVector()
+
+    def Mult(self, x, y):
+        """y = (approximate inverse) x"""
+        y[:] = 0
+        self.smoother.Smooth(y, x)
+        self.residual.data = x - self.mat * y
+        self.step.data = self.coarse * self.residual
+        y.data += self.step
+        self.smoother.SmoothBack(y, x)
+
+    def Height(self):
+        """Number of rows."""
+        return self.mat.height
+
+    def Width(self):
+        """Number of columns."""
+        return self.mat.width
+
+    def IsComplex(self):
+        """No."""
+        return False
+
+    def CreateVector(self, col):
+        """A vector of this size."""
+        return self.mat.CreateVector(col)

@@ -1,0 +1,120 @@
+"""Rigid motions as coefficients of a displacement space."""
+
+import numpy as np
+from netgen.meshing import NgException
+from ngsolve import (
+    VOL,
+    BitArray,
+    CoefficientFunction,
+    GridFunction,
+    InnerProduct,
+    Integrate,
+    Region,
+    x,
+    y,
+    z,
+)
+
+__all__ = ["DofsOfMaterials", "RigidMotions"]
+
+ACCURACY = 1e-10
+
+
+def RigidMotions(space):
+    """The rigid motions of the whole mesh, rotations about its middle and divided by its size.
+
+    Parameters
+    ----------
+    space : FESpace
+        Of a displacement, real.
+
+    Returns
+    -------
+    motions : (n, m) array
+        Scalar coefficients, one column for each of the m motions.
+    names : list[str]
+    """
+    mesh, d = space.mesh, space.mesh.dim
+    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
+    center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    arms = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
+    tables, names = Tables(d)
+    motions = FromVertices(space, (points - center) / size, arms, tables)
+    if motions is None or not IsAccurate(space, motions, arms, tables, size):
+        gf, columns = GridFunction(space), []
+        for table in tables:
+            gf.Set(Field(table, arms), VOL)
+            columns.append(gf.vec.FV().NumPy().copy())
+        motions = np.stack(columns, axis=1)
+    return motions, names
+
+
+def Tables(d):
+    """Each motion as a (d, 1 + d) array: component = row . (1, r), r from the middle; names."""
+    planes = [(0, 1)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
+    tables = np.zeros((d + len(planes), d, 1 + d))
+    for k in range(d):
+        tables[k, k, 0] = 1
+    for k, (i, j) in enumerate(planes, d):
+        tables[k, i, 1 + j], tables[k, j, 1 + i] = -1, 1
+    names = [f"translation in {c}" for c in "xyz"[:d]]
+    names += ["rotation"] if d == 2 else [f"rotation about {c}" for c in "xyz"]
+    return tables, names
+
+
+def Field(table, arms):
+    """The motion of such a table as CoefficientFunction."""
+    rows = (row[0] + sum(f * arm for f, arm in zip(row[1:], arms, strict=True)) for row in table)
+    return CoefficientFunction(tuple(rows))
+
+
+def FromVertices(space, points, arms, tables):
+    """The motions of spaces with a hierarchical basis of H1; None for others.
+
+    Setting a GridFunction on the volume takes longer than all else that a search for floating
+    bodies does. Where the mesh is not curved a linear function is its values at the vertices, and
+    where it is, what else there is belongs to the boundary.
+    """
+    d = len(arms)
+    parts = [space] if space.dim == d else SameComponents(space)
+    n = parts[0].ndof if parts else 0
+    if n < len(points):
+        return None
+    basis = np.zeros((n, 1 + d))
+    if space.mesh.GetCurveOrder() > 1:
+        gf = GridFunction(space)
+        gf.Set(CoefficientFunction(tuple(arms)), definedon=space.mesh.Boundaries(".*"))
+        values = gf.vec.FV().NumPy()
+        basis[:, 1:] = values.reshape(n, d) if space.dim == d else values.reshape(d, n).T
+    basis[: len(points), 0], basis[: len(points), 1:] = 1, points
+    order = "icm" if space.dim == d else "cim"
+    return np.einsum(f"ib,mcb->{order}", basis, tables).reshape(n * d, -1)
+
+
+def SameComponents(space):
+    """The components of a space that are alike and as many as dimensions; else nothing."""
+    try:
+        parts = space.components
+    except NgException:  # no product
+        return []
+    alike = len(parts) == space.mesh.dim and len({part.ndof for part in parts}) == 1
+    return parts if alike and all(part.dim == 1 for part in parts) else []
+
+
+def IsAccurate(space, motions, arms, tables, size):
+    """Is a random one of the motions, where the space has dofs, what it should be?
+
+    `size` is that of the mesh.
+    """
+    weights = np.random.default_rng(0).standard_normal(len(tables))
+    mesh, gf = space.mesh, GridFunction(space)
+    gf.vec.FV().NumPy()[:] = motions @ weights
+    error = gf - Field(np.tensordot(weights, tables, 1), arms)
+    squares = np.asarray(Integrate(InnerProduct(error, error), mesh, order=2, region_wise=True))
+    wrong = np.flatnonzero(~(squares <= ACCURACY**2 * size ** len(arms)))
+    return not any(DofsOfMaterials(space, np.arange(len(squares)) == i).NumSet() for i in wrong)
+
+
+def DofsOfMaterials(space, chosen):
+    """Dofs of the space on materials, of which `chosen` (n,) bool selects some, as BitArray."""
+    return space.GetDofs(Region(space.mesh, VOL, BitArray(list(map(bool, chosen)))))
