@@ -244,6 +244,8 @@ def ActiveRows(contact):
     """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas."""
     table, form = contact.Table(), contact.form
     d = contact.mesh.dim
+    if not np.any(table["status"]):
+        return csr_matrix((0, contact.nscalars))
     jump = ToCSR(form.JumpMatrix(Side.both))
     stick = jump[np.repeat(table["status"] == 1, d)]  # holds every direction
     slip = np.flatnonzero(table["status"] == 2)

@@ -83,10 +83,7 @@ class Condensed:
         """
         given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
         system = Condensation(*given)
-        frictionless = system
-        if not IsSymmetric(system.mat):
-            variant = Condensation(*given, symmetric=True)
-            frictionless = variant if IsSymmetric(variant.mat) else None
+        frictionless = system if IsSymmetric(system.mat) else self._Frictionless(given)
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0
         product = mat.CreateColVector()
@@ -103,6 +100,11 @@ class Condensed:
             if error <= accuracy:
                 break
         return x, error if size else 0.0
+
+    def _Frictionless(self, given):
+        """The system in which slip is frictionless, if that is symmetric."""
+        variant = Condensation(*given, symmetric=True)
+        return variant if IsSymmetric(variant.mat) else None
 
     def _Step(self, system, frictionless, rhs, accuracy):
         """Solution of the whole system from that of the condensed one."""
@@ -168,6 +170,11 @@ class DirectCondensed(Condensed):
 
     def _Accuracy(self, _):
         return self.exact
+
+    def _Frictionless(self, given):
+        # In 2D LU costs less than Cholesky and the iterations with it.
+        lu = self.inverse not in CHOLESKY if self.inverse else self.dim == 2
+        return None if lu else super()._Frictionless(given)
 
     def _Preconditioners(self, system, frictionless, rhs):
         """Inverses to try, with the most iterations for each."""

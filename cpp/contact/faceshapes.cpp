@@ -2,31 +2,75 @@
 #include "surface/bernstein.hpp"
 
 namespace ngslac {
+namespace {
+template <int R>
+struct Interpolation {
+  Array<Vec<R>> points;
+  Matrix<> control;
+  Interpolation(ELEMENT_TYPE type, int degree)
+      : points(InterpolationPoints<R>(type, degree)), control(ControlFromValues<R>(type, degree)) {}
+};
+
+/// The only component that a column of values (D rows per point) has; -1: several.
 template <int D>
-FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & reference)
-    : dofs(reference.Size()), coefficients(reference.Size()) {
+int OnlyComponent(FlatMatrix<> values, int column) {
+  int only = -1;
+  for (int i : Range(values.Height()))
+    if (values(i, column) != 0) {
+      if (only >= 0 && only != i % D)
+        return -1;
+      only = i % D;
+    }
+  return only;
+}
+
+/// Columns ordered so that number D i + k is component k of scalar function i; empty: impossible.
+template <int D>
+Array<int> PlainOrder(FlatMatrix<> values) {
+  ArrayMem<int, 50> of[D];
+  for (int j : Range(values.Width())) {
+    int component = OnlyComponent<D>(values, j);
+    if (component < 0)
+      return Array<int>();
+    of[component].Append(j);
+  }
+  Array<int> order;
+  for (int i : Range(of[0]))
+    for (int k : Range(D)) {
+      if (of[k].Size() != of[0].Size())
+        return Array<int>();
+      for (int l = 0; l < values.Height(); l += D)
+        if (values(l + k, of[k][i]) != values(l, of[0][i]))
+          return Array<int>();
+      order.Append(of[k][i]);
+    }
+  return order;
+}
+} // namespace
+
+template <int D>
+FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int adegree,
+                          const BitArray * wanted)
+    : degree(adegree), types(surface.Size()), dofs(surface.Size()), functions(surface.Size()),
+      conversion(surface.Size()) {
   static Timer timer("ngslac::FaceShapes");
   RegionTimer reg(timer);
   constexpr int R = D - 1;
-  struct Interpolation {
-    Array<Vec<R>> points;
-    Matrix<> control;
-    Interpolation(ELEMENT_TYPE type, int degree)
-        : points(InterpolationPoints<R>(type, degree)),
-          control(ControlFromValues<R>(type, degree)) {}
-  };
-  int degree = reference.Degree();
-  Interpolation simplex(D == 2 ? ET_SEGM : ET_TRIG, degree);
-  Interpolation square(D == 2 ? ET_SEGM : ET_QUAD, degree);
+  Interpolation<R> simplex(D == 2 ? ET_SEGM : ET_TRIG, degree);
+  Interpolation<R> square(D == 2 ? ET_SEGM : ET_QUAD, degree);
   int block = u.fes->GetDimension();
   LocalHeap heap(1000 * 1000, "ngslac-faceshapes", true);
-  ParallelForRange(reference.Size(), [&](IntRange faces) {
+  ParallelForRange(surface.Size(), [&](IntRange faces) {
     LocalHeap lh = heap.Split();
     Array<DofId> numbers;
+    Array<int> used_numbers, columns;
     for (auto f : faces) {
+      types[f] = surface.Type(f);
+      if (wanted && !wanted->Test(f))
+        continue;
       HeapReset hr(lh);
-      ElementId ei(BND, reference.Element(f));
-      auto & [points, control] = reference.Type(f) == ET_QUAD ? square : simplex;
+      ElementId ei(BND, surface.Element(f));
+      auto & [points, control] = types[f] == ET_QUAD ? square : simplex;
       auto & fel = u.fes->GetFE(ei, lh);
       auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
       u.fes->GetDofNrs(ei, numbers);
@@ -39,22 +83,43 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & reference)
         u.evaluator->CalcMatrix(fel, trafo(ToIntegrationPoint(points[i]), lh), shape, lh);
         values.Rows(D * i, D * (i + 1)).Cols(used) = shape.Cols(used);
       }
-      Array<int> columns;
+      used_numbers.SetSize0(), columns.SetSize0();
       for (int j : used)
         if (IsRegularDof(numbers[j / block]) && L2Norm2(values.Col(j)) > 0) {
           columns.Append(j);
-          dofs[f].Append(block * numbers[j / block] + j % block);
+          used_numbers.Append(block * numbers[j / block] + j % block);
         }
-      auto & result = coefficients[f];
-      result.SetSize(values.Height(), columns.Size());
-      result = 0.0;
+      FlatMatrix<> wanted_values(values.Height(), columns.Size(), lh);
       for (int j : Range(columns))
-        for (int i : Range(points))
-          for (int l : Range(points))
-            for (int k : Range(D))
-              result(D * i + k, j) += control(i, l) * values(D * l + k, columns[j]);
+        wanted_values.Col(j) = values.Col(columns[j]);
+      SetFace(f, wanted_values, used_numbers, control);
     }
   });
+}
+
+template <int D>
+void FaceShapes<D>::SetFace(size_t face, FlatMatrix<> values, FlatArray<int> numbers,
+                            const Matrix<> & control) {
+  int n = control.Height(), m = values.Width();
+  if (auto order = PlainOrder<D>(values); order.Size()) {
+    dofs[face] = Array<int>(numbers[order]);
+    functions[face].SetSize(n, m / D);
+    functions[face] = 0.0;
+    for (int i : Range(n))
+      for (int l : Range(n))
+        for (int j : Range(m / D))
+          functions[face](i, j) += control(i, l) * values(D * l, order[D * j]);
+    return;
+  }
+  dofs[face] = Array<int>(numbers);
+  functions[face].SetSize(n, n);
+  functions[face] = 0.0;
+  functions[face].Diag() = 1.0;
+  conversion[face].SetSize(D * n, m);
+  conversion[face] = 0.0;
+  for (int i : Range(n))
+    for (int l : Range(n))
+      conversion[face].Rows(D * i, D * (i + 1)) += control(i, l) * values.Rows(D * l, D * (l + 1));
 }
 
 template <int D>
@@ -62,35 +127,59 @@ Surface<D> FaceShapes<D>::Displaced(const Surface<D> & reference, FlatVector<> x
   Surface<D> result = reference;
   ParallelFor(reference.Size(), [&](size_t f) {
     auto control = result.Control(f);
+    auto & numbers = dofs[f];
+    auto & e = functions[f];
+    if (IsPlain(f)) {
+      for (int i : Range(control))
+        for (int j : Range(e.Width()))
+          for (int k : Range(D))
+            control[i](k) += e(i, j) * x(numbers[D * j + k]);
+      return;
+    }
     for (int i : Range(control))
-      for (int j : Range(dofs[f]))
+      for (int j : Range(numbers))
         for (int k : Range(D))
-          control[i](k) += coefficients[f](D * i + k, j) * x(dofs[f][j]);
+          control[i](k) += conversion[f](D * i + k, j) * x(numbers[j]);
   });
   return result;
 }
 
 template <int D>
-typename FaceShapes<D>::Values FaceShapes<D>::Calc(const Surface<D> & surface, size_t face,
-                                                   Vec<D - 1> xi, LocalHeap & lh) const {
-  auto & e = coefficients[face];
-  Values result(e.Width(), lh);
+typename FaceShapes<D>::Values FaceShapes<D>::Calc(size_t face, Vec<D - 1> xi,
+                                                   LocalHeap & lh) const {
+  auto & e = functions[face];
+  int n = e.Height(), m = e.Width();
+  Values result(m, lh);
   HeapReset hr(lh);
-  int n = e.Height() / D;
   FlatVector<> basis(n, lh);
   FlatMatrixFixWidth<D - 1> derivative(n, lh);
-  CalcBernstein<D - 1>(surface.Type(face), surface.Degree(), xi, basis, derivative);
+  CalcBernstein<D - 1>(types[face], degree, xi, basis, derivative);
   result.value = 0.0;
-  for (auto & d : result.derivative)
-    d = 0.0;
-  for (int i : Range(n))
-    for (int k : Range(D)) {
-      auto row = e.Row(D * i + k);
-      result.value.Row(k) += basis(i) * row;
-      for (int a : Range(D - 1))
-        result.derivative[a].Row(k) += derivative(i, a) * row;
-    }
+  result.derivative = 0.0;
+  for (int i : Range(n)) {
+    const double * row = &e(i, 0);
+    for (int j : Range(m))
+      result.value(j) += basis(i) * row[j];
+    for (int a : Range(D - 1))
+      for (int j : Range(m))
+        result.derivative(a, j) += derivative(i, a) * row[j];
+  }
   return result;
+}
+
+template <int D>
+void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum,
+                              LocalHeap & lh) const {
+  HeapReset hr(lh);
+  auto & e = functions[face];
+  FlatVector<> basis(e.Height(), lh);
+  CalcBernstein<D - 1>(types[face], degree, xi, basis);
+  for (int i : Range(e.Height())) {
+    const double * row = &e(i, 0);
+    double value = factor * basis(i);
+    for (int j : Range(e.Width()))
+      sum(j) += value * row[j];
+  }
 }
 
 template class FaceShapes<2>;

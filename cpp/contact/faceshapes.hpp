@@ -2,34 +2,47 @@
 #include "jump.hpp"
 
 namespace ngslac {
-/// The trace of a displacement on the faces of a surface, by the control points of the faces.
+/// The trace of a displacement on the faces of a surface, by polynomials of reference coordinates.
 ///
 /// Turns a vector of dofs into a deformed surface, and gives shape functions with their derivatives
-/// along the face without another evaluation of finite elements.
+/// along the face without another evaluation of finite elements. Where all components have the same
+/// scalar functions a face keeps only those, and its dof number  D i + k  is component k of
+/// function i. Other faces keep Bernstein polynomials, and a matrix from them to the dofs.
 template <int D>
 class FaceShapes {
 public:
-  /// `reference`: the surface without displacement, of the displacement's order at least
-  FaceShapes(const ProxyInfo & u, const Surface<D> & reference);
+  /// `degree`: the highest of the displacement on the faces; `wanted`: null for all
+  FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int degree,
+             const BitArray * wanted = nullptr);
 
   /// numbers in a vector on the product space
   FlatArray<int> Dofs(size_t face) const { return dofs[face]; }
-  /// The surface displaced by the entries of a vector.
+  /// number of scalar functions
+  int Size(size_t face) const { return functions[face].Width(); }
+  /// Is dof  D i + k  component k of function i?
+  bool IsPlain(size_t face) const { return conversion[face].Height() == 0; }
+  /// From function i times unit vector k (row D i + k) to the dofs of a face that is not plain.
+  const Matrix<> & Conversion(size_t face) const { return conversion[face]; }
+  /// The surface, of this degree at least, displaced by the entries of a vector.
   Surface<D> Displaced(const Surface<D> & reference, FlatVector<> x) const;
 
-  /// Values of all shape functions of a face at a point, a column each.
+  /// Values of the scalar functions of a face at a point, and a row of derivatives per direction.
   struct Values {
-    FlatMatrix<> value;
-    FlatMatrix<> derivative[D - 1];
-    Values(int n, LocalHeap & lh) : value(D, n, lh) {
-      for (auto & d : derivative)
-        d.AssignMemory(D, n, lh);
-    }
+    FlatVector<> value;
+    FlatMatrix<> derivative;
+    Values(int n, LocalHeap & lh) : value(n, lh), derivative(D - 1, n, lh) {}
   };
-  Values Calc(const Surface<D> & surface, size_t face, Vec<D - 1> xi, LocalHeap & lh) const;
+  Values Calc(size_t face, Vec<D - 1> xi, LocalHeap & lh) const;
+  /// Adds a factor times the values of the scalar functions.
+  void AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum, LocalHeap & lh) const;
 
 private:
-  Array<Array<int>> dofs;       // of each face
-  Array<Matrix<>> coefficients; // of each face: control points (D rows each) of each dof
+  void SetFace(size_t face, FlatMatrix<> values, FlatArray<int> numbers, const Matrix<> & control);
+
+  int degree;
+  Array<ELEMENT_TYPE> types;
+  Array<Array<int>> dofs;     // of each face
+  Array<Matrix<>> functions;  // of each face: control points of each scalar function
+  Array<Matrix<>> conversion; // empty for plain faces
 };
 } // namespace ngslac

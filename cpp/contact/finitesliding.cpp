@@ -1,9 +1,19 @@
+#include "couplings.hpp"
 #include "formbase.hpp"
-#include "macromotion.hpp"
 #include "selfcontact.hpp"
 
 namespace ngslac {
 namespace {
+/// What is known of one configuration; macro-elements without a partner are left out.
+template <int D>
+struct Motion {
+  MovingSurfaces<D> surfaces;
+  shared_ptr<const MacroPoints<D>> points, start;
+  Array<RayHit<D>> hits; // of the points
+  Array<MacroGap<D>> mean;
+  Array<Vec<D>> slip; // since the start, of macro-elements that slide
+};
+
 /// Partners, gap, slip, normals and forces are those of the current configuration.
 ///
 /// Areas, and with them the multipliers, count in the reference configuration. Between two calls of
@@ -23,8 +33,9 @@ class FiniteSliding : public FormBase<D> {
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
   Array<double> last_gap;                  // at the last Commit
-  unique_ptr<MovingSurfaces<D>> now;
-  bool moving_rim = false; // does the matrix see that the overlap changes?
+  Array<Vec<D>> paired_normal;             // before any Evaluate
+  unique_ptr<Motion<D>> now;               // of the last Configure
+  bool moving_rim = false;                 // does the matrix see that the overlap changes?
 
 public:
   using Base::Base;
@@ -35,19 +46,20 @@ public:
     this->CheckSpace(gf);
     slave_reference = this->SurfaceOf(space->SlaveRegion(), nullptr);
     master_reference = this->SurfaceOf(*this->setup.master, nullptr);
-    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference);
-    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference);
+    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
+    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
     Pairing<D> none;
     none.segments.Append(Segment{-1, -1, 0, 0});
-    fullarea = MacroJump<D>(u, *space, *slave_reference, nullptr, none).fullarea;
+    fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
 
-    along = AlongSurface(*space);
+    if (this->selfcontact)
+      along = AlongSurface(*space);
     Vector<> x(u.fes->GetNDof() * u.fes->GetDimension());
     x = 0.0;
     if (gf)
       x = gf->GetVector().FV<double>();
     lamdof.SetSize0(); // of another mesh
-    PairAnew(x);
+    PairAnew(x, true);
     this->Reset();
     start = points;
     reference = Vec<D>(0.0);
@@ -126,10 +138,34 @@ public:
   }
 
 protected:
+  /// Finds rays and means, unless the configuration is still the same.
   void Configure(FlatVector<> x) override {
-    now = make_unique<MovingSurfaces<D>>(MovingSurfaces<D>{
-        *slave_shapes, *master_shapes, slave_shapes->Displaced(*slave_reference, x),
-        master_shapes->Displaced(*master_reference, x)});
+    auto slave = slave_shapes->Displaced(*slave_reference, x);
+    auto master = master_shapes->Displaced(*master_reference, x);
+    bool same = now && now->points == points && now->surfaces.slave.HasShapeOf(slave) &&
+                now->surfaces.master.HasShapeOf(master);
+    if (same && now->start == start)
+      return;
+    if (!same) {
+      auto hits = now ? std::move(now->hits) : Array<RayHit<D>>();
+      hits.SetSize(points->pairing.points.Size());
+      now = make_unique<Motion<D>>(
+          Motion<D>{{*slave_shapes, *master_shapes, std::move(slave), std::move(master)},
+                    points,
+                    start,
+                    std::move(hits),
+                    Array<MacroGap<D>>(jump->Size()),
+                    Array<Vec<D>>(jump->Size())});
+    }
+    now->start = start;
+    ParallelFor(jump->Size(), [&](size_t m) {
+      if (points->area[m] == 0)
+        return;
+      if (!same)
+        now->mean[m] = MeanGap<D>(now->surfaces, *points, m, now->hits);
+      if (Slides(m))
+        now->slip[m] = MeanSlip<D>(now->surfaces, *start, m);
+    });
   }
 
   FlatArray<double> Memory() const override { return last_gap; }
@@ -137,22 +173,23 @@ protected:
   void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, FlatVector<> y,
                  LocalHeap & lh) const override {
     if (points->area[m] > 0 && L2Norm2(traction) > 0)
-      AddTraction<D>(*now, *points, m, MacroTraction<D>(traction, normal), y, lh);
+      AddTraction<D>(now->surfaces, *points, m, now->hits, MacroTraction<D>(traction, normal), y,
+                     lh);
   }
 
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     if (points->area[m] == 0 || L2Norm2(traction) == 0)
       return {Vec<D>(0.0), Vec<3>(0.0)};
-    return Resultant<D>(*now, *points, m, MacroTraction<D>(traction, jump->normal[m]));
+    return Resultant<D>(now->surfaces, *points, m, MacroTraction<D>(traction, jump->normal[m]));
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
     if (points->area[m] == 0)
       return {jump->normal[m], 0, Vec<D>(0.0), Vec<D>(0.0)};
-    auto mean = MeanGap<D>(*now, *points, m);
+    auto & mean = now->mean[m];
     Vec<D> slip = 0.0;
     if (Slides(m))
-      slip = MeanSlip<D>(*now, *start, m) - Offset(m);
+      slip = now->slip[m] - Offset(m);
     return PlaceOf(mean.gap, mean.normal, slip);
   }
 
@@ -170,7 +207,8 @@ private:
 
   /// What an approaching macro-element moves until it touches is no slip.
   Vec<D> Offset(size_t m) const {
-    return L2Norm2(reference[m]) > 0 ? Carried<D>(*now, *start, m, reference[m]) : reference[m];
+    return L2Norm2(reference[m]) > 0 ? Carried<D>(now->surfaces, *start, m, reference[m])
+                                     : reference[m];
   }
 
   static MacroPlace<D> PlaceOf(double gap, const Vec<D> & normal, const Vec<D> & slip) {
@@ -178,9 +216,18 @@ private:
     return {normal, gap, along, along - gap * normal};
   }
 
-  void PairAnew(FlatVector<> x) {
+  /// The same configuration has the same pairing; of self-contact it depends on more.
+  bool IsPairedIn(const Surface<D> & slave, const Surface<D> & master) const {
+    return !this->selfcontact && this->slave->HasShapeOf(slave) && this->master->HasShapeOf(master);
+  }
+
+  void PairAnew(FlatVector<> x, bool another_mesh = false) {
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
+    if (!another_mesh && IsPairedIn(*slave, *master)) {
+      jump->normal = paired_normal;
+      return;
+    }
     slave->CheckFinite(*u.fes->GetMeshAccess());
     master->CheckFinite(*u.fes->GetMeshAccess());
     auto paired = this->PairAt(std::move(slave), std::move(master));
@@ -189,6 +236,7 @@ private:
     CountReferenceAreas(*paired.slave, paired.pairing);
     this->Take(std::move(paired));
     jump->fullarea = fullarea;
+    paired_normal = jump->normal;
     points = MakePoints(pairing, *this->slave, *space, jump->area);
   }
 
@@ -221,71 +269,6 @@ private:
     return MeasureAt(*slave_reference, face, p);
   }
 
-  /// Dofs that a macro-element's gap and slip depend on, sorted.
-  Array<int> Dofs(size_t m) const {
-    Array<int> dofs;
-    auto add = [&](const MacroPoints<D> & from) {
-      for (int s : from.segments[m]) {
-        auto & segment = from.pairing.segments[s];
-        dofs += slave_shapes->Dofs(segment.slave);
-        dofs += master_shapes->Dofs(segment.master);
-      }
-    };
-    add(*points);
-    if (Slides(m))
-      add(*start);
-    return Sorted(std::move(dofs));
-  }
-
-  static Array<int> Sorted(Array<int> && dofs) {
-    QuickSort(dofs);
-    dofs.SetSize(std::unique(dofs.begin(), dofs.end()) - dofs.begin());
-    return std::move(dofs);
-  }
-
-  /// Dofs that a macro-element's normal depends on.
-  Array<int> TurningDofs(size_t m) const {
-    Array<int> dofs;
-    for (int s : points->segments[m])
-      dofs += slave_shapes->Dofs(points->pairing.segments[s].slave);
-    if (moving_rim)
-      for (int r : points->rim[m])
-        dofs +=
-            master_shapes->Dofs(points->pairing.segments[points->pairing.rim[r].segment].master);
-    return Sorted(std::move(dofs));
-  }
-
-  void MakeGraph(FlatArray<Vec<D>> tractions) {
-    static Timer timer("ngslac::FiniteSliding - graph");
-    RegionTimer reg(timer);
-    TableCreator<int> creator(nscalars);
-    for (; !creator.Done(); creator++)
-      ParallelFor(jump->Size(), [&](size_t m) {
-        FlatArray<int> own = lamdof.Range(D * m, D * (m + 1));
-        for (int row : own)
-          for (int col : own)
-            creator.Add(row, col);
-        if (points->area[m] == 0)
-          return;
-        for (int dof : Dofs(m))
-          for (int row : own) {
-            creator.Add(row, dof);
-            creator.Add(dof, row);
-          }
-        if (L2Norm2(tractions[m]) == 0)
-          return;
-        for (int s : points->segments[m]) {
-          auto & segment = points->pairing.segments[s];
-          for (int row : master_shapes->Dofs(segment.master))
-            creator.Add(row, master_shapes->Dofs(segment.master));
-        }
-        auto turning = TurningDofs(m);
-        for (int row : Dofs(m)) // of those the normal depends on
-          creator.Add(row, turning);
-      });
-    mat = MatrixOf(creator.MoveTable());
-  }
-
   template <typename PROJECT>
   void Assemble(const BaseVector & bx, PROJECT project, const Array<Vec<D>> * given = nullptr) {
     static Timer timer("ngslac::FiniteSliding::Assemble");
@@ -296,41 +279,39 @@ private:
     Array<Vec<D>> tractions(jump->Size()); // which the forces are made of
     for (size_t m : Range(tractions))
       tractions[m] = given ? (*given)[m] : this->Multiplier(m, x);
-    MakeGraph(tractions);
-    this->ForMacros(
-        [&](size_t m, LocalHeap & lh) { AssembleMacro(m, x, tractions[m], project, lh); });
+    Array<Coupling> couplings(jump->Size());
+    ParallelFor(jump->Size(), [&](size_t m) {
+      couplings[m] =
+          CouplingOf<D>(*slave_shapes, *master_shapes, *points, Slides(m) ? start.get() : nullptr,
+                        m, moving_rim, L2Norm2(tractions[m]) > 0);
+    });
+    mat = MatrixOf<D>(couplings, *master_shapes, lamdof, nscalars);
+    this->ForMacros([&](size_t m, LocalHeap & lh) {
+      AssembleMacro(m, x, tractions[m], project, couplings[m], lh);
+    });
   }
 
   template <typename PROJECT>
-  void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, PROJECT project, LocalHeap & lh) {
+  void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, PROJECT project,
+                     const Coupling & coupling, LocalHeap & lh) {
     if (points->area[m] == 0) {
       auto p = project(m, jump->normal[m], jump->normal[m]);
       SetMultiplierBlock(m, p.derivative);
       return;
     }
-    MacroRows<D> rows(Dofs(m));
-    bool pushes = L2Norm2(traction) > 0;
-    auto add = [&](FlatArray<int> slaves, FlatArray<int> masters, FlatMatrix<> block) {
-      int n1 = slaves.Size();
-      for (int i : Range(pushes ? block.Height() : 0)) {
-        int row = i < n1 ? slaves[i] : masters[i - n1];
-        for (int j : Range(n1))
-          AtomicAdd((*mat)(row, slaves[j]), block(i, j));
-        for (int j : Range(masters))
-          if (block(i, n1 + j) != 0)
-            AtomicAdd((*mat)(row, masters[j]), block(i, n1 + j));
-      }
-    };
-    auto mean = MeanGap<D>(*now, *points, m);
+    MacroRows<D> rows(coupling.dofs, coupling.turning);
+    auto add = [&](FlatArray<int> masters, FlatMatrix<> block) { AddBlock(masters, block); };
+    auto & mean = now->mean[m];
     auto & normal = mean.normal;
     MacroTraction<D> parts(traction, normal);
-    AddDerivatives<D>(*now, *points, m, mean, parts, moving_rim, rows, add, lh);
-    if (pushes)
-      AddTurningTraction(m, normal, traction, parts.pressure, rows);
+    AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, moving_rim, rows, add, lh);
+    if (!parts.IsZero())
+      AddStiffness(normal, traction, parts.pressure, rows);
     Vec<D> slip = 0.0;
     if (Slides(m)) {
-      slip = MeanSlip<D>(*now, *start, m, rows, lh) - Offset(m);
-      SubtractCarried<D>(*now, *start, m, reference[m], rows, lh);
+      slip = MeanSlip<D>(now->surfaces, *start, m, rows, lh) - Offset(m);
+      if (L2Norm2(reference[m]) > 0)
+        SubtractCarried<D>(now->surfaces, *start, m, reference[m], rows, lh);
     }
     auto place = PlaceOf(mean.gap, normal, slip);
     auto p = project(m, normal, this->Trial(m, place, x));
@@ -338,31 +319,51 @@ private:
 
     ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
     double area = points->area[m];
+    Matrix<> entries(D, rows.dofs.Size());
     for (int j : Range(rows.dofs)) {
       Vec<D> turn = rows.normal.Col(j);
       Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
       moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
       moved -= rows.gap(j) * normal + mean.gap * turn;
-      Vec<D> entry = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
+      entries.Col(j) = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
       Vec<D> force = across * Vec<D>(rows.force.Col(j)) + rows.squeeze(j) * normal;
-      for (int k : Range(D)) {
-        (*mat)(lamdof[D * m + k], rows.dofs[j]) = entry(k);
+      for (int k : Range(D))
         (*mat)(rows.dofs[j], lamdof[D * m + k]) = -force(k);
-      }
+    }
+    for (int k : Range(D))
+      AddToRow(*mat, lamdof[D * m + k], rows.dofs, &entries(k, 0));
+  }
+
+  /// Of the forces on a master face by its own dofs.
+  void AddBlock(FlatArray<int> masters, FlatMatrix<> block) {
+    int n = masters.Size();
+    ArrayMem<int, 100> order(n), sorted(n);
+    ArrayMem<double, 100> row(n);
+    for (int i : Range(n))
+      order[i] = i;
+    std::sort(order.begin(), order.end(), [&](int i, int j) { return masters[i] < masters[j]; });
+    for (int i : Range(n))
+      sorted[i] = masters[order[i]];
+    for (int i : Range(n)) {
+      for (int j : Range(n))
+        row[j] = block(i, order[j]);
+      AddToRow(*mat, masters[i], sorted, row.Data());
     }
   }
 
   /// The split of the multiplier into pressure and tangential traction turns with the normal.
-  void AddTurningTraction(size_t m, const Vec<D> & normal, const Vec<D> & traction, double pressure,
-                          const MacroRows<D> & rows) {
-    for (int col : TurningDofs(m)) {
-      Vec<D> turn = rows.normal.Col(rows.Position(col));
+  void AddStiffness(const Vec<D> & normal, const Vec<D> & traction, double pressure,
+                    MacroRows<D> & rows) {
+    for (int j : Range(rows.turning)) {
+      Vec<D> turn = rows.normal.Col(rows.Position(rows.turning[j]));
       double pressing = -InnerProduct(traction, turn);
       Vec<D> tangential = pressing * normal + pressure * turn;
       for (int i : Range(rows.dofs))
-        AtomicAdd((*mat)(rows.dofs[i], col),
-                  pressing * rows.squeeze(i) - InnerProduct(tangential, rows.force.Col(i)));
+        rows.stiffness(i, j) +=
+            pressing * rows.squeeze(i) - InnerProduct(tangential, rows.force.Col(i));
     }
+    for (int i : Range(rows.dofs))
+      AddToRow(*mat, rows.dofs[i], rows.turning, &rows.stiffness(i, 0));
   }
 
   void SetMultiplierBlock(size_t m, const ngbla::Mat<D, D> & derivative) {

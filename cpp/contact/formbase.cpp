@@ -63,10 +63,15 @@ void FormBase<D>::LimitToOthers(const Surface<D> & slave, const Surface<D> & mas
 
 template <int D>
 void FormBase<D>::Take(Paired && paired) {
-  auto new_jump =
-      make_unique<MacroJump<D>>(u, *space, *paired.slave, paired.master.get(), paired.pairing);
+  auto new_jump = make_unique<MacroJump<D>>(*space, *paired.slave, paired.pairing);
   slave = std::move(paired.slave), master = std::move(paired.master), jump = std::move(new_jump);
   pairing = std::move(paired.pairing);
+}
+
+template <int D>
+void FormBase<D>::NeedRows() {
+  if (!jump->HasRows())
+    jump->SetRows(u, *slave, master.get(), pairing);
 }
 
 template <int D>
@@ -83,6 +88,7 @@ void FormBase<D>::Reset() {
 template <int D>
 void FormBase<D>::SetStiffness(FlatVector<> diagonal, double factor) {
   CheckSize(diagonal.Size());
+  NeedRows();
   double sum = 0;
   int paired = 0;
   for (size_t m : Range(jump->Size())) {
@@ -215,10 +221,11 @@ void FormBase<D>::AddScale(FlatVector<> scale) {
 template <int D>
 shared_ptr<SparseMatrix<double>> FormBase<D>::JumpMatrix(Side side) {
   CheckPaired();
-  unique_ptr<MacroJump<D>> one; // of both sides there is one already
-  if (side != Side::both)
-    one = make_unique<MacroJump<D>>(u, *space, *slave, master.get(), pairing, side);
-  auto & op = one ? *one : *jump;
+  NeedRows();
+  MacroJump<D> one(*space, *slave, pairing);
+  if (side != Side::both) // of both sides there is one already
+    one.SetRows(u, *slave, master.get(), pairing, side);
+  auto & op = side == Side::both ? *jump : one;
   Array<int> rows, cols;
   Array<double> values;
   size_t offset = u.offset * u.fes->GetDimension();

@@ -56,6 +56,8 @@ protected:
                      PairingOptions & options) const;
   /// Takes over a new pairing and its macro-elements.
   void Take(Paired && paired);
+  /// Fills the rows of the jump, which finite sliding seldom needs.
+  void NeedRows();
   /// Scales, law and states for new macro-elements.
   void Reset();
   void CollectMultiplierDofs();

@@ -1,4 +1,4 @@
-#include "jump.hpp"
+#include "faceshapes.hpp"
 #include <symbolicintegrator.hpp>
 
 namespace ngslac {
@@ -40,49 +40,84 @@ template int ProxyInfo::Order(const Surface<2> &) const;
 template int ProxyInfo::Order(const Surface<3> &) const;
 
 namespace {
-/// Adds  factor * int N  of one face at some points to the row of a macro-element.
+/// The integrals of the shape functions over the segments of one macro-element.
 template <int D>
-void AddFace(const ProxyInfo & u, int element, FlatArray<Vec<D - 1>> points,
-             FlatArray<double> weights, Array<JumpEntry<D>> & row, LocalHeap & lh) {
-  HeapReset hr(lh);
-  ElementId ei(BND, element);
-  auto & fel = u.fes->GetFE(ei, lh);
-  auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
-  int block = u.fes->GetDimension();
-  ArrayMem<DofId, 100> dofs;
-  u.fes->GetDofNrs(ei, dofs);
-  FlatMatrix<double, ColMajor> shape(D, block * dofs.Size(), lh), sum(D, block * dofs.Size(), lh);
-  sum = 0;
-  IntRange used = u.evaluator->UsedDofs(fel);
-  for (int q : Range(points)) {
-    HeapReset hr(lh);
-    auto ip = ToIntegrationPoint(points[q]);
-    u.evaluator->CalcMatrix(fel, trafo(ip, lh), shape, lh);
-    sum.Cols(used) += weights[q] * shape.Cols(used);
-  }
-  for (int j : used)
-    if (IsRegularDof(dofs[j / block]) && L2Norm2(sum.Col(j)) > 0)
-      row.Append(JumpEntry<D>{block * dofs[j / block] + j % block, Vec<D>(sum.Col(j))});
-}
+class JumpRow {
+  const FaceShapes<D> & slave;
+  const FaceShapes<D> * master; // null: not wanted
+  bool onslave;
+  const Pairing<D> & pairing;
+  Array<pair<int, int>> partners; // master face and segment
+  ArrayMem<double, 50> memory;
 
-/// Adds what one segment contributes from one of its sides.
-template <int D>
-void AddSegment(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
-                const Pairing<D> & pairing, int number, Side side, Array<JumpEntry<D>> & row,
-                LocalHeap & lh) {
-  auto & segment = pairing.segments[number];
-  bool onslave = side == Side::slave;
-  if (!onslave && segment.master < 0)
-    return;
-  ArrayMem<Vec<D - 1>, 20> points;
-  ArrayMem<double, 20> weights;
-  for (auto & p : pairing.points.Range(pairing.Points(number))) {
-    points.Append(onslave ? p.slave : p.master);
-    weights.Append(onslave ? p.weight : -p.weight);
+public:
+  Array<JumpEntry<D>> entries;
+
+  JumpRow(const FaceShapes<D> & aslave, const FaceShapes<D> * amaster, bool aonslave,
+          const Pairing<D> & apairing)
+      : slave(aslave), master(amaster), onslave(aonslave), pairing(apairing) {}
+
+  void Set(FlatArray<int> faces, FlatArray<int> first_segment, LocalHeap & lh) {
+    entries.SetSize0(), partners.SetSize0();
+    for (int f : faces) {
+      auto segments = Range(first_segment[f], first_segment[f + 1]);
+      if (onslave && segments.Size())
+        AddFace(slave, f, [&](FlatVector<> sum) {
+          for (int s : segments)
+            for (auto & p : pairing.points.Range(pairing.Points(s)))
+              slave.AddValues(f, p.slave, p.weight, sum, lh);
+        });
+      if (master)
+        for (int s : segments)
+          partners.Append(pair(pairing.segments[s].master, s));
+    }
+    QuickSort(partners);
+    for (size_t i = 0, next = 0; i < partners.Size(); i = next) {
+      int face = partners[i].first;
+      while (next < partners.Size() && partners[next].first == face)
+        next++;
+      AddFace(*master, face, [&](FlatVector<> sum) {
+        for (auto & partner : partners.Range(i, next))
+          for (auto & p : pairing.points.Range(pairing.Points(partner.second)))
+            master->AddValues(face, p.master, -p.weight, sum, lh);
+      });
+    }
+    Compress();
   }
-  int element = onslave ? slave.Element(segment.slave) : master->Element(segment.master);
-  AddFace<D>(u, element, points, weights, row, lh);
-}
+
+private:
+  template <typename F>
+  void AddFace(const FaceShapes<D> & shapes, int face, F integrate) {
+    memory.SetSize(shapes.Size(face));
+    FlatVector<> sum(memory.Size(), memory.Data());
+    sum = 0.0;
+    integrate(sum);
+    auto dofs = shapes.Dofs(face);
+    for (int j : Range(dofs)) {
+      Vec<D> integral = 0.0;
+      if (shapes.IsPlain(face))
+        integral(j % D) = sum(j / D);
+      else
+        for (int i : Range(sum))
+          for (int k : Range(D))
+            integral(k) += sum(i) * shapes.Conversion(face)(D * i + k, j);
+      if (L2Norm2(integral) > 0)
+        entries.Append(JumpEntry<D>{dofs[j], integral});
+    }
+  }
+
+  /// Sorts by dof and adds up what belongs together.
+  void Compress() {
+    QuickSort(entries, [](auto & a, auto & b) { return a.dof < b.dof; });
+    size_t kept = 0;
+    for (auto & entry : entries)
+      if (kept && entries[kept - 1].dof == entry.dof)
+        entries[kept - 1].integral += entry.integral;
+      else
+        entries[kept++] = entry;
+    entries.SetSize(kept);
+  }
+};
 
 /// Number of the first segment of each slave face, and one more to close the last.
 template <int D>
@@ -96,73 +131,88 @@ Array<int> FirstSegments(const Pairing<D> & pairing, int nfaces) {
   return first;
 }
 
-/// Sorts by dof and adds up what belongs together.
+/// The area of a curved face is no polynomial: a high order makes its error invisible.
+const IntegrationRule & AreaRule(ELEMENT_TYPE type, bool flat) {
+  constexpr int curved = 20;
+  static const IntegrationRule segm[] = {{ET_SEGM, curved}, {ET_SEGM, 1}};
+  static const IntegrationRule trig[] = {{ET_TRIG, curved}, {ET_TRIG, 2}};
+  static const IntegrationRule quad[] = {{ET_QUAD, curved}, {ET_QUAD, 2}};
+  return (type == ET_SEGM ? segm : type == ET_TRIG ? trig : quad)[flat];
+}
+
+/// The faces that a pairing uses on one side.
 template <int D>
-void Compress(Array<JumpEntry<D>> & row) {
-  QuickSort(row, [](auto & a, auto & b) { return a.dof < b.dof; });
-  size_t kept = 0;
-  for (auto & entry : row)
-    if (kept && row[kept - 1].dof == entry.dof)
-      row[kept - 1].integral += entry.integral;
-    else
-      row[kept++] = entry;
-  row.SetSize(kept);
+BitArray Used(const Pairing<D> & pairing, size_t nfaces, int Segment::* face) {
+  BitArray used(nfaces);
+  used.Clear();
+  for (size_t s : Range(pairing.Size()))
+    used.SetBit(pairing.segments[s].*face);
+  return used;
 }
 } // namespace
 
 template <int D>
-MacroJump<D>::MacroJump(const ProxyInfo & u, const LACSpace & space, const Surface<D> & slave,
-                        const Surface<D> * master, const Pairing<D> & pairing, Side side) {
+MacroJump<D>::MacroJump(const LACSpace & space, const Surface<D> & slave,
+                        const Pairing<D> & pairing)
+    : first_segment(FirstSegments(pairing, slave.Size())) {
   static Timer timer("ngslac::MacroJump");
   RegionTimer reg(timer);
   size_t n = space.NMacros();
   area.SetSize(n), fullarea.SetSize(n), normal.SetSize(n), center.SetSize(n), moment.SetSize(n);
   gapvector.SetSize(n);
-
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)
     for (int f : Range(slave.Size()))
       creator.Add(space.MacroOfFace()[slave.Element(f)], f);
-  auto faces = creator.MoveTable();
-  auto first_segment = FirstSegments(pairing, slave.Size());
+  faces = creator.MoveTable();
+  ParallelFor(n, [&](size_t m) { Geometry(m, slave, pairing); });
+}
 
+template <int D>
+void MacroJump<D>::SetRows(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
+                           const Pairing<D> & pairing, Side side) {
+  static Timer timer("ngslac::MacroJump - rows");
+  RegionTimer reg(timer);
+  size_t n = Size();
+  auto used = Used<D>(pairing, slave.Size(), &Segment::slave);
+  FaceShapes<D> slave_shapes(u, slave, max(1, u.Order(slave)), &used);
+  unique_ptr<FaceShapes<D>> master_shapes;
+  if (master && side != Side::slave) {
+    used = Used<D>(pairing, master->Size(), &Segment::master);
+    master_shapes = make_unique<FaceShapes<D>>(u, *master, max(1, u.Order(*master)), &used);
+  }
   LocalHeap heap(1000 * 1000, "ngslac-jump", true);
   Array<Array<JumpEntry<D>>> parts(4 * TaskManager::GetNumThreads());
   first.SetSize(n + 1);
   first[0] = 0;
-  ParallelJob(
-      [&](TaskInfo & ti) {
+  auto macros = [&](size_t part) { return IntRange(n).Split(part, parts.Size()); };
+  ParallelFor(
+      parts.Size(),
+      [&](size_t i) {
         LocalHeap lh = heap.Split();
-        Array<JumpEntry<D>> row;
-        for (auto m : IntRange(n).Split(ti.task_nr, ti.ntasks)) {
-          row.SetSize0();
-          for (int f : faces[m])
-            for (int segment : Range(first_segment[f], first_segment[f + 1]))
-              for (auto from : {Side::slave, Side::master})
-                if (int(side) & int(from))
-                  AddSegment(u, slave, master, pairing, segment, from, row, lh);
-          Compress(row);
-          first[m + 1] = row.Size();
-          parts[ti.task_nr] += row;
-          Geometry(m, faces[m], slave, pairing, first_segment);
+        JumpRow<D> row(slave_shapes, master_shapes.get(), side != Side::master, pairing);
+        for (auto m : macros(i)) {
+          row.Set(faces[m], first_segment, lh);
+          first[m + 1] = row.entries.Size();
+          parts[i] += row.entries;
         }
       },
       parts.Size());
   for (size_t m : Range(n))
     first[m + 1] += first[m];
-  for (auto & part : parts)
-    entries += part;
+  entries.SetSize(first.Last());
+  ParallelFor(parts.Size(), [&](size_t i) {
+    if (auto range = macros(i); range.Size())
+      entries.Range(first[range.First()], first[range.Next()]) = parts[i];
+  });
 }
 
 template <int D>
-void MacroJump<D>::Geometry(size_t macro, FlatArray<int> faces, const Surface<D> & slave,
-                            const Pairing<D> & pairing, FlatArray<int> first_segment) {
+void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing) {
   Vec<D> normals = 0.0, gaps = 0.0, centers = 0.0, moments = 0.0;
   double paired = 0, full = 0;
-  for (int f : faces) {
-    // The area of a curved face is no polynomial: a high order makes its error invisible.
-    IntegrationRule rule(slave.Type(f), slave.IsFlat(f) ? D - 1 : 20);
-    for (auto & ip : rule) {
+  for (int f : faces[macro]) {
+    for (auto & ip : AreaRule(slave.Type(f), slave.IsFlat(f))) {
       Vec<D> x;
       Mat<D, D - 1> dx;
       slave.Evaluate(f, ReferencePoint<D - 1>(ip), x, dx);

@@ -38,9 +38,12 @@ struct ProxyInfo {
 template <int D>
 class MacroJump {
 public:
-  MacroJump(const ProxyInfo & u, const LACSpace & space, const Surface<D> & slave,
-            const Surface<D> * master, const Pairing<D> & pairing, Side side = Side::both);
+  /// The rows of the operator are left out until they are needed.
+  MacroJump(const LACSpace & space, const Surface<D> & slave, const Pairing<D> & pairing);
 
+  void SetRows(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
+               const Pairing<D> & pairing, Side side = Side::both);
+  bool HasRows() const { return first.Size() > 0; }
   size_t Size() const { return area.Size(); }
   /// Empty without a partner.
   FlatArray<JumpEntry<D>> Row(size_t macro) const {
@@ -57,16 +60,18 @@ public:
   Array<Vec<D>> gapvector; // mean of x1 - x2 in the paired configuration
 
 private:
-  void Geometry(size_t macro, FlatArray<int> faces, const Surface<D> & slave,
-                const Pairing<D> & pairing, FlatArray<int> first_segment);
+  void Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing);
 
+  Table<int> faces;         // of the macro-elements
+  Array<int> first_segment; // of the slave faces, and one more
   Array<size_t> first;
   Array<JumpEntry<D>> entries;
 };
+
 /// A zero matrix with the columns of each row in any order, maybe several times.
 shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && columns);
 
-/// An empty matrix with the entries that contact needs: the multipliers of a macro-element couple
+/// A zero matrix with the entries that contact needs: the multipliers of a macro-element couple
 /// with each other and with the displacements of both sides.
 template <int D>
 shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,

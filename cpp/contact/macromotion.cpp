@@ -1,5 +1,4 @@
-#include "macromotion.hpp"
-#include "ray.hpp"
+#include "facepair.hpp"
 
 namespace ngslac {
 namespace {
@@ -37,44 +36,29 @@ shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<
 }
 
 template <int D>
-MacroRows<D>::MacroRows(Array<int> && adofs) : dofs(std::move(adofs)) {
+MacroRows<D>::MacroRows(FlatArray<int> adofs, FlatArray<int> aturning)
+    : dofs(adofs), turning(aturning), data(3 * D + 2, adofs.Size()),
+      stiffness(adofs.Size(), aturning.Size()) {
+  data = 0.0, stiffness = 0.0;
   size_t n = dofs.Size();
-  gap.SetSize(n), squeeze.SetSize(n);
-  normal.SetSize(D, n), slip.SetSize(D, n), force.SetSize(D, n);
-  gap = 0.0, squeeze = 0.0, normal = 0.0, slip = 0.0, force = 0.0;
+  normal.AssignMemory(D, n, data.Data());
+  force.AssignMemory(D, n, data.Data() + D * n);
+  gap.AssignMemory(n, data.Data() + 2 * D * n);
+  squeeze.AssignMemory(n, data.Data() + (2 * D + 1) * n);
+  slip.AssignMemory(D, n, data.Data() + (2 * D + 2) * n);
 }
 
-namespace {
 template <int D>
-Array<int> Positions(const MacroRows<D> & rows, FlatArray<int> dofs) {
-  Array<int> positions(dofs.Size());
-  for (int i : Range(dofs))
-    positions[i] = rows.Position(dofs[i]);
-  return positions;
-}
-
-/// Derivative of the unit normal by the dofs of a slave face.
-template <int D>
-FlatMatrix<> NormalDerivative(Vec<D> normal, const Mat<D, D - 1> & dx,
-                              const typename FaceShapes<D>::Values & shapes, LocalHeap & lh) {
-  FlatMatrix<> result(D, shapes.value.Width(), lh);
-  auto dual = DualBasis<D>(dx);
-  result = 0.0;
-  for (int j : Range(result.Width()))
-    for (int a : Range(D - 1))
-      result.Col(j) -= InnerProduct(normal, shapes.derivative[a].Col(j)) * dual.Col(a);
-  return result;
-}
-} // namespace
-
-template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    FlatArray<RayHit<D>> hits) {
   double gap = 0;
   Vec<D> normals = 0.0;
   for (int s : points.segments[macro]) {
     auto & segment = points.pairing.segments[s];
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+    for (size_t i : points.pairing.Points(s)) {
+      auto & p = points.pairing.points[i];
       Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+      hits[i] = ray.Hit();
       gap += p.weight * ray.gap;
       normals += p.weight * ray.normal;
     }
@@ -84,108 +68,218 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 }
 
 namespace {
-/// Adds what the points of one segment contribute to the derivatives.
+/// y += factor * x, written so that it is vectorised.
+inline void Add(double factor, const double * __restrict x, double * __restrict y, int n) {
+  for (int i = 0; i < n; i++)
+    y[i] += factor * x[i];
+}
+
+/// Calls f with the segments of every pair of faces: divided faces have many, whose forces act on
+/// the same dofs.
+template <int D, typename F>
+void ForFacePairs(const MacroPoints<D> & points, size_t macro, F f) {
+  auto & segments = points.pairing.segments;
+  Array<int> order(points.segments[macro]);
+  auto faces = [&](int s) { return pair(segments[s].slave, segments[s].master); };
+  std::stable_sort(order.begin(), order.end(), [&](int s, int t) { return faces(s) < faces(t); });
+  for (size_t i = 0, next = 0; i < order.Size(); i = next) {
+    while (next < order.Size() && faces(order[next]) == faces(order[i]))
+      next++;
+    f(order.Range(i, next));
+  }
+}
+
+/// Adds what the points between two faces contribute to the derivatives, by scalar functions.
+///
+/// What is a sum of products over the points is collected and multiplied by matrices.
 template <int D>
-class SegmentDerivative {
+class FacePairDerivative {
+  static constexpr int most_points = 16;
   const MovingSurfaces<D> & now;
-  const Segment & segment;
-  Array<int> slave_at, master_at;
+  const MacroTraction<D> & traction;
   MacroRows<D> & rows;
+  FacePair<D> faces;
+  bool loaded, has_rim = false;
+  int n1, n; // columns of the slave, of both
+  int npoints = 0;
+  // normal, force, gap and squeeze as in MacroRows
+  FlatMatrix<> columns;
+  FlatMatrix<> pressed; // forces by the dofs of the slave, since pressure turns with its normals
+  FlatMatrix<> moved;   // forces on the master, which move along it
+  FlatMatrix<> rim;     // forces at the end of the master
+  // Of the collected points, a row each: weighted jumps and derivatives of the normals ...
+  FlatMatrix<> jumps, turns;
+  // ... and, D - 1 rows each: derivatives of master functions, and of their coordinates times force
+  FlatMatrix<> slopes, shifts;
 
 public:
-  FlatMatrix<> block; // of the forces, slave dofs first
-
-  SegmentDerivative(const MovingSurfaces<D> & anow, const Segment & asegment, MacroRows<D> & arows,
-                    LocalHeap & lh)
-      : now(anow), segment(asegment),
-        slave_at(Positions(arows, now.slave_shapes.Dofs(segment.slave))),
-        master_at(Positions(arows, now.master_shapes.Dofs(segment.master))), rows(arows),
-        block(slave_at.Size() + master_at.Size(), slave_at.Size() + master_at.Size(), lh) {
-    block = 0.0;
+  FacePairDerivative(const MovingSurfaces<D> & anow, const Segment & segment,
+                     const MacroTraction<D> & atraction, MacroRows<D> & arows, LocalHeap & lh)
+      : now(anow), traction(atraction), rows(arows), faces(now, segment, rows, lh),
+        loaded(!traction.IsZero()), n1(D * faces.slaves), n(faces.Size()),
+        columns(2 * D + 2, n, lh), pressed(faces.slaves + faces.masters, D * n1, lh),
+        moved(faces.masters, D * n, lh), rim(0, 0, lh),
+        jumps(most_points, faces.slaves + faces.masters, lh), turns(most_points, D * n1, lh),
+        slopes((D - 1) * most_points, faces.masters, lh), shifts((D - 1) * most_points, D * n, lh) {
+    columns = 0.0, pressed = 0.0, moved = 0.0;
   }
 
-  void Add(const PairPoint<D> & p, const MacroTraction<D> & traction, LocalHeap & lh) {
-    int n1 = slave_at.Size(), n2 = master_at.Size();
-    Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
-    auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
-    auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
-    auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
-    FlatMatrix<> moved(D, n1 + n2, lh), response(D, n1 + n2, lh);
-    moved.Cols(0, n1) = on_slave.value + ray.gap * turn;
-    moved.Cols(n1, n1 + n2) = -on_master.value;
-    response = ray.response * moved;
-    for (int j : Range(n1))
-      response(D - 1, j) += InnerProduct(ray.miss, turn.Col(j));
-
+  void Add(const PairPoint<D> & p, const RayHit<D> & hit, LocalHeap & lh) {
+    if (npoints == most_points)
+      Multiply();
+    auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
+    Ray<D> ray(now.slave, slave, now.master, master, p, hit);
+    auto on_slave = now.slave_shapes.Calc(slave, p.slave, lh);
+    auto on_master = now.master_shapes.Calc(master, ray.eta, lh);
+    auto gradients = Gradients<D>(ray.dx, on_slave, lh);
+    auto turn = turns.Row(npoints), jump = jumps.Row(npoints);
+    for (int l : Range(D))
+      for (int i : Range(faces.slaves))
+        for (int k : Range(D))
+          turn(l * n1 + D * i + k) = -ray.normal(k) * gradients(i, l);
     double w = p.weight;
-    for (int j : Range(n1))
-      rows.normal.Col(slave_at[j]) += w * turn.Col(j);
-    for (int j : Range(n1 + n2)) {
-      int at = At(j);
-      Vec<D> jump = j < n1 ? Vec<D>(on_slave.value.Col(j)) : Vec<D>(-on_master.value.Col(j - n1));
-      rows.gap(at) += w * response(D - 1, j);
-      rows.force.Col(at) += w * jump;
-      rows.squeeze(at) += w * InnerProduct(jump, ray.normal);
-      for (int l : Range(n1))
-        block(j, l) += w * traction.pressure * InnerProduct(jump, turn.Col(l));
-    }
+    jump.Range(0, faces.slaves) = w * on_slave.value;
+    jump.Range(faces.slaves, jump.Size()) = -w * on_master.value;
+    FlatMatrix<> response(D, n, lh);
+    Respond(ray, on_slave.value, on_master.value, gradients, response);
+    for (int l : Range(D))
+      ngslac::Add(w, &turn(l * n1), &columns(l, 0), n1);
+    ngslac::Add(w, &response(D - 1, 0), &columns(2 * D, 0), n);
+    for (int i : Range(jump.Size()))
+      for (int k : Range(D)) {
+        columns(D + k, D * i + k) += jump(i);
+        columns(2 * D + 1, D * i + k) += jump(i) * ray.normal(k);
+      }
+    if (!loaded)
+      return;
     Vec<D> force = w * traction.At(ray.normal);
-    for (int a : Range(D - 1))
-      for (int i : Range(n2))
-        block.Row(n1 + i) += InnerProduct(force, on_master.derivative[a].Col(i)) * response.Row(a);
+    for (int a : Range(D - 1)) {
+      int row = (D - 1) * npoints + a;
+      slopes.Row(row) = on_master.derivative.Row(a);
+      for (int k : Range(D))
+        shifts.Row(row).Range(k * n, (k + 1) * n) = force(k) * response.Row(a);
+    }
+    npoints++;
   }
 
   /// The overlap grows where the image of the master's end moves outwards.
-  void AddRim(const RimPoint<D> & rim, const MacroGap<D> & mean, const MacroTraction<D> & traction,
-              LocalHeap & lh) {
-    int n1 = slave_at.Size(), n2 = master_at.Size();
-    Ray<D> ray(now.slave, segment.slave, now.master, segment.master, rim.point);
-    auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, rim.point.slave, lh);
-    auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
-    auto turn = NormalDerivative<D>(ray.normal, ray.dx, on_slave, lh);
-    Vec<D> direction = DualBasis<D>(ray.dx) * rim.outwards;
+  void AddRim(const RimPoint<D> & end, const MacroGap<D> & mean, LocalHeap & lh) {
+    if (!has_rim && loaded) {
+      rim.AssignMemory(n, n, lh);
+      rim = 0.0;
+    }
+    has_rim = true;
+    HeapReset hr(lh);
+    auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
+    Ray<D> ray(now.slave, slave, now.master, master, end.point);
+    auto on_slave = now.slave_shapes.Calc(slave, end.point.slave, lh);
+    auto on_master = now.master_shapes.Calc(master, ray.eta, lh);
+    auto gradients = Gradients<D>(ray.dx, on_slave, lh);
+    Vec<D> direction = DualBasis<D>(ray.dx) * end.outwards;
     Vec<D> force = traction.At(ray.normal);
-    FlatVector<> growth(n1 + n2, lh), work(n1 + n2, lh);
-    for (int j : Range(n1)) {
-      growth(j) = -InnerProduct(direction, on_slave.value.Col(j) + ray.gap * turn.Col(j));
-      work(j) = InnerProduct(force, on_slave.value.Col(j));
+    FlatVector<> growth(n, lh), work(n, lh);
+    for (int i : Range(faces.slaves)) {
+      double turning = ray.gap * InnerProduct(direction, gradients.Row(i));
+      for (int k : Range(D)) {
+        growth(D * i + k) = turning * ray.normal(k) - direction(k) * on_slave.value(i);
+        work(D * i + k) = force(k) * on_slave.value(i);
+      }
     }
-    for (int j : Range(n2)) {
-      growth(n1 + j) = InnerProduct(direction, on_master.value.Col(j));
-      work(n1 + j) = -InnerProduct(force, on_master.value.Col(j));
-    }
-    growth *= rim.point.weight;
-    for (int j : Range(n1 + n2)) {
-      rows.gap(At(j)) += growth(j) * (ray.gap - mean.gap);
-      rows.normal.Col(At(j)) += growth(j) * ray.normal;
-    }
-    block -= work * Trans(growth);
+    for (int i : Range(faces.masters))
+      for (int k : Range(D)) {
+        growth(n1 + D * i + k) = direction(k) * on_master.value(i);
+        work(n1 + D * i + k) = -force(k) * on_master.value(i);
+      }
+    growth *= end.point.weight;
+    for (int l : Range(D))
+      columns.Row(l) += ray.normal(l) * growth;
+    columns.Row(2 * D) += (ray.gap - mean.gap) * growth;
+    if (loaded)
+      rim -= work * Trans(growth);
+  }
+
+  void AddToRows(const MasterBlock & add, LocalHeap & lh) {
+    auto & at = faces.at;
+    auto of_dofs = faces.OfDofs(columns, lh);
+    for (int row : Range(of_dofs.Height()))
+      for (int j : Range(at))
+        rows.data(row, at[j]) += of_dofs(row, j);
+    if (!loaded)
+      return;
+    auto by_dofs = faces.BlockOfDofs(Block(lh), lh);
+    auto slaves = faces.SlaveDofs(), masters = faces.MasterDofs();
+    IntRange slave(0, slaves.Size()), master(slaves.Size(), at.Size());
+    for (int j : slave)
+      for (int i : Range(at))
+        rows.stiffness(at[i], rows.TurningPosition(slaves[j])) += by_dofs(i, j);
+    for (int j : Range(has_rim ? masters.Size() : 0))
+      for (int i : slave)
+        rows.stiffness(at[i], rows.TurningPosition(masters[j])) += by_dofs(i, master.First() + j);
+    FlatMatrix<> own(masters.Size(), masters.Size(), lh);
+    own = by_dofs.Rows(master).Cols(master);
+    add(masters, own);
   }
 
 private:
-  int At(int j) const { return j < slave_at.Size() ? slave_at[j] : master_at[j - slave_at.Size()]; }
+  void Multiply() {
+    auto points = Range(npoints), directions = Range((D - 1) * npoints);
+    pressed += Trans(jumps.Rows(points)) * turns.Rows(points);
+    moved += Trans(slopes.Rows(directions)) * shifts.Rows(directions);
+    npoints = 0;
+  }
+
+  /// Derivative of the forces, rows and columns by function and component.
+  FlatMatrix<> Block(LocalHeap & lh) {
+    Multiply();
+    FlatMatrix<> block(n, n, lh);
+    block = 0.0;
+    // Row i of the products holds one row after the other for the components of function i.
+    block.Cols(0, n1) = traction.pressure * FlatMatrix<>(n, n1, pressed.Data());
+    block.Rows(n1, n) += FlatMatrix<>(n - n1, n, moved.Data());
+    if (has_rim)
+      block += rim;
+    return block;
+  }
+
+  /// Derivatives of (eta, gap).
+  void Respond(const Ray<D> & ray, FlatVector<> on_slave, FlatVector<> on_master,
+               FlatMatrixFixWidth<D> gradients, FlatMatrix<> response) const {
+    for (int a : Range(D)) {
+      Vec<D> by_turn = ray.gap * ray.response.Row(a);
+      if (a == D - 1)
+        by_turn += ray.miss;
+      for (int i : Range(on_slave)) {
+        double turning = InnerProduct(by_turn, gradients.Row(i));
+        for (int k : Range(D))
+          response(a, D * i + k) = ray.response(a, k) * on_slave(i) - turning * ray.normal(k);
+      }
+      for (int i : Range(on_master))
+        for (int k : Range(D))
+          response(a, n1 + D * i + k) = -ray.response(a, k) * on_master(i);
+    }
+  }
 };
 } // namespace
 
 template <int D>
 void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    const MacroGap<D> & mean, const MacroTraction<D> & traction, bool moving_rim,
-                    MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh) {
+                    FlatArray<RayHit<D>> hits, const MacroGap<D> & mean,
+                    const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
+                    const MasterBlock & add, LocalHeap & lh) {
   auto & pairing = points.pairing;
-  for (int s : points.segments[macro]) {
+  ForFacePairs(points, macro, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
-    auto & segment = pairing.segments[s];
-    SegmentDerivative<D> derivative(now, segment, rows, lh);
-    for (auto & p : pairing.points.Range(pairing.Points(s))) {
-      HeapReset hr(lh);
-      derivative.Add(p, traction, lh);
-    }
+    FacePairDerivative<D> derivative(now, pairing.segments[segments[0]], traction, rows, lh);
+    for (int s : segments)
+      for (size_t i : pairing.Points(s)) {
+        HeapReset hr(lh);
+        derivative.Add(pairing.points[i], hits[i], lh);
+      }
     for (int r : points.rim[macro])
-      if (moving_rim && pairing.rim[r].segment == s)
-        derivative.AddRim(pairing.rim[r], mean, traction, lh);
-    add(now.slave_shapes.Dofs(segment.slave), now.master_shapes.Dofs(segment.master),
-        derivative.block);
-  }
+      if (moving_rim && segments.Contains(pairing.rim[r].segment))
+        derivative.AddRim(pairing.rim[r], mean, lh);
+    derivative.AddToRows(add, lh);
+  });
   rows.gap *= 1 / points.area[macro];
   Mat<D, D> across = Id<D>() - mean.normal * Trans(mean.normal);
   across *= 1 / mean.length;
@@ -195,32 +289,48 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
   }
 }
 
+namespace {
+/// Adds forces on the scalar functions of a face to those on its dofs.
+template <int D>
+void AddForces(const FaceShapes<D> & shapes, int face, FlatMatrixFixWidth<D> forces, FlatVector<> y,
+               LocalHeap & lh) {
+  auto dofs = shapes.Dofs(face);
+  FlatVector<> by_dofs = forces.AsVector();
+  if (!shapes.IsPlain(face)) {
+    by_dofs.AssignMemory(dofs.Size(), lh);
+    by_dofs = Trans(shapes.Conversion(face)) * forces.AsVector();
+  }
+  for (int j : Range(dofs))
+    AtomicAdd(y(dofs[j]), by_dofs(j));
+}
+} // namespace
+
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 const MacroTraction<D> & traction, FlatVector<> y, LocalHeap & lh) {
-  for (int s : points.segments[macro]) {
+                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, FlatVector<> y,
+                 LocalHeap & lh) {
+  ForFacePairs(points, macro, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
-    auto & segment = points.pairing.segments[s];
-    auto slave_dofs = now.slave_shapes.Dofs(segment.slave);
-    auto master_dofs = now.master_shapes.Dofs(segment.master);
-    FlatVector<> slave_forces(slave_dofs.Size(), lh), master_forces(master_dofs.Size(), lh);
-    slave_forces = 0.0, master_forces = 0.0;
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
-      HeapReset hr(lh);
-      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
-      Vec<D> force = p.weight * traction.At(ray.normal);
-      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
-      auto on_master = now.master_shapes.Calc(now.master, segment.master, ray.eta, lh);
-      for (int j : Range(slave_dofs))
-        slave_forces(j) -= InnerProduct(force, on_slave.value.Col(j));
-      for (int j : Range(master_dofs))
-        master_forces(j) += InnerProduct(force, on_master.value.Col(j));
-    }
-    for (int j : Range(slave_dofs))
-      AtomicAdd(y(slave_dofs[j]), slave_forces(j));
-    for (int j : Range(master_dofs))
-      AtomicAdd(y(master_dofs[j]), master_forces(j));
-  }
+    auto & segment = points.pairing.segments[segments[0]];
+    FlatVector<> on_slave(now.slave_shapes.Size(segment.slave), lh);
+    FlatVector<> on_master(now.master_shapes.Size(segment.master), lh);
+    FlatMatrixFixWidth<D> slave(on_slave.Size(), lh), master(on_master.Size(), lh);
+    slave = 0.0, master = 0.0;
+    for (int s : segments)
+      for (size_t i : points.pairing.Points(s)) {
+        auto & p = points.pairing.points[i];
+        Vec<D> force = p.weight * traction.At(hits[i].normal);
+        on_slave = 0.0, on_master = 0.0;
+        now.slave_shapes.AddValues(segment.slave, p.slave, -1, on_slave, lh);
+        now.master_shapes.AddValues(segment.master, hits[i].eta, 1, on_master, lh);
+        for (int j : Range(on_slave))
+          slave.Row(j) += on_slave(j) * force;
+        for (int j : Range(on_master))
+          master.Row(j) += on_master(j) * force;
+      }
+    AddForces<D>(now.slave_shapes, segment.slave, slave, y, lh);
+    AddForces<D>(now.master_shapes, segment.master, master, y, lh);
+  });
 }
 
 template <int D>
@@ -242,107 +352,21 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
   return {force, moment};
 }
 
-namespace {
-/// A pair of points that once faced each other.
-template <int D>
-struct OldPair {
-  Vec<D> apart, normal;
-  Mat<D, D - 1> dx;
-
-  OldPair(const MovingSurfaces<D> & now, const Segment & segment, const PairPoint<D> & p) {
-    Vec<D> x;
-    now.slave.Evaluate(segment.slave, p.slave, x, dx);
-    normal = now.slave.Normal(segment.slave, dx);
-    apart = x - now.master.Point(segment.master, p.master);
-  }
-  Vec<D> Slip() const { return apart - InnerProduct(normal, apart) * normal; }
-};
-} // namespace
-
-template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
-  Vec<D> sum = 0.0;
-  for (int s : points.segments[macro])
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s)))
-      sum += p.weight * OldPair<D>(now, points.pairing.segments[s], p).Slip();
-  return (1 / points.area[macro]) * sum;
-}
-
-template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                MacroRows<D> & rows, LocalHeap & lh) {
-  Vec<D> sum = 0.0;
-  double mean = 1 / points.area[macro];
-  for (int s : points.segments[macro]) {
-    auto & segment = points.pairing.segments[s];
-    auto slave_at = Positions(rows, now.slave_shapes.Dofs(segment.slave));
-    auto master_at = Positions(rows, now.master_shapes.Dofs(segment.master));
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
-      HeapReset hr(lh);
-      OldPair<D> old(now, segment, p);
-      sum += p.weight * old.Slip();
-      auto on_slave = now.slave_shapes.Calc(now.slave, segment.slave, p.slave, lh);
-      auto on_master = now.master_shapes.Calc(now.master, segment.master, p.master, lh);
-      auto turn = NormalDerivative<D>(old.normal, old.dx, on_slave, lh);
-      Mat<D, D> across = Id<D>() - old.normal * Trans(old.normal);
-      across *= mean * p.weight;
-      double opening = InnerProduct(old.normal, old.apart);
-      for (int j : Range(slave_at)) {
-        rows.slip.Col(slave_at[j]) += across * Vec<D>(on_slave.value.Col(j));
-        rows.slip.Col(slave_at[j]) -= mean * p.weight * opening * turn.Col(j);
-        rows.slip.Col(slave_at[j]) -=
-            mean * p.weight * InnerProduct(turn.Col(j), old.apart) * old.normal;
-      }
-      for (int j : Range(master_at))
-        rows.slip.Col(master_at[j]) -= across * Vec<D>(on_master.value.Col(j));
-    }
-  }
-  return mean * sum;
-}
-
-template <int D>
-Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-               const Vec<D> & vector) {
-  auto & segment = points.pairing.segments[points.segments[macro][0]];
-  Vec<D> x;
-  Mat<D, D - 1> dx;
-  now.slave.Evaluate(segment.slave, points.pairing.points[segment.first].slave, x, dx);
-  return dx * Vec<D - 1>(Trans(points.dual[macro]) * vector);
-}
-
-template <int D>
-void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                     const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh) {
-  HeapReset hr(lh);
-  auto & segment = points.pairing.segments[points.segments[macro][0]];
-  auto & xi = points.pairing.points[segment.first].slave;
-  auto shapes = now.slave_shapes.Calc(now.slave, segment.slave, xi, lh);
-  auto positions = Positions(rows, now.slave_shapes.Dofs(segment.slave));
-  Vec<D - 1> components = Trans(points.dual[macro]) * vector;
-  for (int j : Range(positions))
-    for (int a : Range(D - 1))
-      rows.slip.Col(positions[j]) -= components(a) * shapes.derivative[a].Col(j);
-}
-
 #define INSTANTIATE(D)                                                                             \
   template shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> &, const Surface<D> &,           \
                                                  const LACSpace &, FlatArray<double>);             \
   template struct MacroRows<D>;                                                                    \
-  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);         \
+  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
+                               FlatArray<RayHit<D>>);                                              \
   template void AddDerivatives(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
-                               const MacroGap<D> &, const MacroTraction<D> &, bool,                \
-                               MacroRows<D> &, const ForceBlock &, LocalHeap &);                   \
+                               FlatArray<RayHit<D>>, const MacroGap<D> &,                          \
+                               const MacroTraction<D> &, bool, MacroRows<D> &,                     \
+                               const MasterBlock &, LocalHeap &);                                  \
   template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
-                            const MacroTraction<D> &, FlatVector<>, LocalHeap &);                  \
+                            FlatArray<RayHit<D>>, const MacroTraction<D> &, FlatVector<>,          \
+                            LocalHeap &);                                                          \
   template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \
-                                          size_t, const MacroTraction<D> &);                       \
-  template Vec<D> Carried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,               \
-                          const Vec<D> &);                                                         \
-  template void SubtractCarried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,         \
-                                const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
-  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
-  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
-                           MacroRows<D> &, LocalHeap &);
+                                          size_t, const MacroTraction<D> &);
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

@@ -1,5 +1,6 @@
 #pragma once
 #include "faceshapes.hpp"
+#include "ray.hpp"
 
 namespace ngslac {
 /// Both surfaces in one configuration, and how they move with the dofs.
@@ -28,15 +29,23 @@ shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<
 /// Derivatives of what moves with a macro-element, a column for each dof.
 template <int D>
 struct MacroRows {
-  Array<int> dofs; // sorted
-  Vector<> gap;
-  Matrix<> normal, slip;
-  Matrix<> force;   // integral of slave minus master shape functions
-  Vector<> squeeze; // the same along the slave normals
+  FlatArray<int> dofs;    // sorted
+  FlatArray<int> turning; // those of them that the normal depends on, sorted
+  Matrix<> data;          // of all that follows
+  FlatMatrix<> normal;
+  FlatMatrix<> force; // integral of slave minus master shape functions
+  FlatVector<> gap;
+  FlatVector<> squeeze; // the force along the slave normals
+  FlatMatrix<> slip;
+  Matrix<> stiffness; // of the contact forces, a column for each turning dof
 
-  explicit MacroRows(Array<int> && adofs);
-  int Position(int dof) const {
-    return std::lower_bound(dofs.begin(), dofs.end(), dof) - dofs.begin();
+  MacroRows(FlatArray<int> adofs, FlatArray<int> aturning);
+  int Position(int dof) const { return PositionIn(dofs, dof); }
+  int TurningPosition(int dof) const { return PositionIn(turning, dof); }
+
+private:
+  static int PositionIn(FlatArray<int> sorted, int dof) {
+    return std::lower_bound(sorted.begin(), sorted.end(), dof) - sorted.begin();
   }
 };
 
@@ -50,12 +59,12 @@ struct MacroTraction {
   MacroTraction(const Vec<D> & traction, const Vec<D> & normal)
       : pressure(-InnerProduct(traction, normal)), tangential(traction + pressure * normal) {}
   Vec<D> At(const Vec<D> & normal) const { return tangential - pressure * normal; }
+  bool IsZero() const { return pressure == 0 && L2Norm2(tangential) == 0; }
 };
 
 /// A block of the derivative of the contact forces at fixed pressure and tangential traction, for
-/// the dofs of a slave and of a master face.
-using ForceBlock =
-    std::function<void(FlatArray<int> slave, FlatArray<int> master, FlatMatrix<> block)>;
+/// the dofs of a master face.
+using MasterBlock = std::function<void(FlatArray<int> master, FlatMatrix<> block)>;
 
 /// Where the slave normals meet the master: mean gap and normal of a macro-element.
 ///
@@ -67,20 +76,25 @@ struct MacroGap {
   Vec<D> normal;
   double length; // of the mean of the points' normals, times the area
 };
+/// The hits of all points of the pairing that belong to the macro-element are set, too.
 template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
+MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+                    FlatArray<RayHit<D>> hits);
 
-/// Derivatives of gap, normal and forces at this mean. `moving_rim`: the overlap changes where the
-/// master ends, which the value at fixed points does not see.
+/// Derivatives of gap, normal and forces at this mean; of the forces only if there are any.
+/// `moving_rim`: the overlap changes where the master ends, which the value at fixed points does
+/// not see.
 template <int D>
 void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    const MacroGap<D> & mean, const MacroTraction<D> & traction, bool moving_rim,
-                    MacroRows<D> & rows, const ForceBlock & add, LocalHeap & lh);
+                    FlatArray<RayHit<D>> hits, const MacroGap<D> & mean,
+                    const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
+                    const MasterBlock & add, LocalHeap & lh);
 
 /// Subtracts the virtual work of a traction from a vector.
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 const MacroTraction<D> & traction, FlatVector<> y, LocalHeap & lh);
+                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, FlatVector<> y,
+                 LocalHeap & lh);
 
 /// Resultant of a traction on the slave, and its moment about the origin (2D: the last component).
 template <int D>

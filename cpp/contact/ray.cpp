@@ -18,22 +18,45 @@ Ray<D>::Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master,
   eta = start.master;
   master.Evaluate(master_face, eta, y, dy);
   gap = InnerProduct(normal, y - x);
+  Miss();
+}
+
+template <int D>
+Ray<D>::Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master, int master_face,
+            const PairPoint<D> & start, const RayHit<D> & hit)
+    : normal(hit.normal), eta(hit.eta), gap(hit.gap), miss(0.0) {
+  slave.Evaluate(slave_face, start.slave, x, dx);
+  master.Evaluate(master_face, eta, y, dy);
+  if (hit.missed)
+    Miss();
+  else
+    response = Inv(Moves());
+}
+
+template <int D>
+void Ray<D>::Miss() {
+  missed = true;
   miss = y - x - gap * normal;
   response = 0.0;
   response.Row(D - 1) = -normal;
 }
 
 template <int D>
+Mat<D, D> Ray<D>::Moves() const {
+  Mat<D, D> derivative;
+  for (int i : Range(D)) {
+    for (int k : Range(D - 1))
+      derivative(i, k) = dy(i, k);
+    derivative(i, D - 1) = -normal(i);
+  }
+  return derivative;
+}
+
+template <int D>
 bool Ray<D>::Shoot(const Surface<D> & master, int face, double size) {
   for (int it = 0; it < 20; it++) {
     master.Evaluate(face, eta, y, dy);
-    Mat<D, D> derivative;
-    for (int i : Range(D)) {
-      for (int k : Range(D - 1))
-        derivative(i, k) = dy(i, k);
-      derivative(i, D - 1) = -normal(i);
-    }
-    response = Inv(derivative);
+    response = Inv(Moves());
     Vec<D> step = response * Vec<D>(y - x - gap * normal);
     double length = 0;
     for (int k : Range(D - 1)) {

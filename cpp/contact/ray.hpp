@@ -2,6 +2,15 @@
 #include "pairing/pairing.hpp"
 
 namespace ngslac {
+/// What has to be kept of a ray to build it again without searching.
+template <int D>
+struct RayHit {
+  Vec<D - 1> eta;
+  double gap;
+  Vec<D> normal;
+  bool missed;
+};
+
 /// A point of the slave and the point of a master face that its normal meets.
 template <int D>
 struct Ray {
@@ -15,8 +24,17 @@ struct Ray {
 
   Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master, int master_face,
       const PairPoint<D> & start);
+  /// of a hit in the same configuration
+  Ray(const Surface<D> & slave, int slave_face, const Surface<D> & master, int master_face,
+      const PairPoint<D> & start, const RayHit<D> & hit);
+
+  RayHit<D> Hit() const { return {eta, gap, normal, missed}; }
 
 private:
+  void Miss();
+  /// of y - gap normal, by (eta, gap)
+  Mat<D, D> Moves() const;
+  bool missed = false;
   bool Shoot(const Surface<D> & master, int face, double size);
 };
 

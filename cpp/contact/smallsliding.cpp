@@ -10,6 +10,7 @@ class SmallSliding : public FormBase<D> {
   using Base::states, Base::u;
 
   Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
+  Array<int> loaded;       // rows of the displacements that have forces
 
 public:
   using Base::Base;
@@ -22,6 +23,7 @@ public:
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
     this->Take(this->PairIn(displacement)); // a failure leaves the old pairing as it was
+    this->NeedRows();
     this->Reset();
     size_t n = jump->Size();
     committed.SetSize(n);
@@ -34,6 +36,19 @@ public:
     }
     accepted = states;
     mat = ContactGraph(*jump, lamdof, this->nscalars);
+    SetForces();
+  }
+
+  void AddApply(const BaseVector & bx, BaseVector & by) override {
+    static Timer timer("ngslac::SmallSliding::Apply");
+    RegionTimer reg(timer);
+    this->Prepare(bx);
+    this->CheckSize(by.FV<double>().Size());
+    auto x = bx.FV<double>(), y = by.FV<double>();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      this->AddMultiplierResidual(m, x, this->ProjectAt(m, Place(m, x), x), y);
+    });
+    AddAllForces(x, y);
   }
 
   void AssembleLinearization(const BaseVector & bx) override {
@@ -50,11 +65,12 @@ public:
     RegionTimer reg(timer);
     this->Prepare(bx);
     auto x = bx.FV<double>(), y = residual.FV<double>();
-    this->ForMacros([&](size_t m, LocalHeap & lh) {
+    ParallelFor(jump->Size(), [&](size_t m) {
       auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
-      AddForces(m, jump->normal[m], this->AddMultiplierResidual(m, x, p, y), y, lh);
+      this->AddMultiplierResidual(m, x, p, y);
       SetRows(m, p.derivative);
     });
+    AddAllForces(x, y);
   }
 
   shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx, BaseVector & residual,
@@ -110,16 +126,51 @@ private:
     return -InnerProduct(jump->normal[m], mean + jump->gapvector[m]);
   }
 
+  /// The columns of the multipliers, which hold the forces of unit multipliers, do not change until
+  /// the next Update.
+  void SetForces() {
+    BitArray has_forces(mat->Height());
+    has_forces.Clear();
+    ParallelFor(jump->Size(), [&](size_t m) {
+      for (auto & e : jump->Row(m)) {
+        has_forces.SetBitAtomic(e.dof);
+        for (int k : Range(D))
+          if (e.integral(k) != 0)
+            (*mat)(e.dof, lamdof[D * m + k]) = -e.integral(k);
+      }
+    });
+    loaded.SetSize0();
+    for (size_t i : Range(mat->Height()))
+      if (has_forces.Test(i))
+        loaded.Append(i);
+  }
+
+  /// Of the multipliers of x, row by row, so that threads do not meet.
+  void AddAllForces(FlatVector<> x, FlatVector<> y) const {
+    ParallelFor(loaded.Size(), [&](size_t i) {
+      int row = loaded[i];
+      auto columns = mat->GetRowIndices(row);
+      auto values = mat->GetRowValues(row);
+      double sum = 0;
+      for (size_t j : Range(columns))
+        sum += values(j) * x(columns[j]);
+      y(row) += sum;
+    });
+  }
+
   void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
     ngbla::Mat<D, D> by_lam = (this->RowArea(m) / c[m]) * (derivative - Id<D>());
     for (int k : Range(D)) {
       int row = lamdof[D * m + k];
       for (int l : Range(D))
         (*mat)(row, lamdof[D * m + l]) = by_lam(k, l);
+      auto columns = mat->GetRowIndices(row); // sorted, as the entries are
+      auto values = mat->GetRowValues(row);
+      size_t at = 0;
       for (auto & e : jump->Row(m)) {
-        (*mat)(row, e.dof) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
-        if (e.integral(k) != 0)
-          (*mat)(e.dof, row) = -e.integral(k);
+        while (columns[at] < e.dof)
+          at++;
+        values(at) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
       }
     }
   }

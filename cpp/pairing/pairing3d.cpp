@@ -241,7 +241,8 @@ private:
     Vec<3> t[2], y;
     Tangents(normal, t);
     Mat<3, 2> dy;
-    Vec<2> eta = target.Reference(1.0 / target.n);
+    Vec<2> eta = Start(x, t, target);
+    double length = 1;
     for (int it = 0; it < 20; it++) {
       master.Evaluate(target.face, eta, y, dy);
       Vec<2> residual(InnerProduct(t[0], y - x), InnerProduct(t[1], y - x));
@@ -250,20 +251,35 @@ private:
         for (int k : Range(2))
           derivative(i, k) = InnerProduct(t[i], Vec<3>(dy.Col(k)));
       Vec<2> step = Inv(derivative) * residual;
-      double length = L2Norm(step);
+      length = L2Norm(step);
       if (!isfinite(length))
         return {eta, missed};
       eta -= min(1.0, 1 / length) * step;
       if (length < 1e-9) // the next one would be at rounding errors
         break;
     }
-    master.Evaluate(target.face, eta, y, dy);
+    if (length > 1e-15)
+      master.Evaluate(target.face, eta, y, dy);
     double gap = InnerProduct(normal, y - x);
     double off = L2Norm(y - x - gap * normal);
     bool hit = off <= 1e-9 * (target.size + fabs(gap)) && IsInside(eta, target.face) &&
                gap <= options.maxdist && gap >= -options.penetration &&
                InnerProduct(normal, master.Normal(target.face, dy)) <= facing_cosine;
     return {eta, hit ? gap : missed};
+  }
+
+  /// Where the ray meets the parallelogram with the sides of a facet, kept near the facet.
+  static Vec<2> Start(Vec<3> x, const Vec<3> (&t)[2], const Facet & target) {
+    Vec<3> sides[2] = {target.x[1] - target.x[0], target.x[target.n - 1] - target.x[0]};
+    Mat<2, 2> map;
+    for (int i : Range(2))
+      for (int k : Range(2))
+        map(i, k) = InnerProduct(t[i], sides[k]);
+    x -= target.x[0];
+    Vec<2> local = Inv(map) * Vec<2>(InnerProduct(t[0], x), InnerProduct(t[1], x));
+    for (int k : Range(2))
+      local(k) = min(1.0, max(0.0, local(k))); // also NaN
+    return target.Reference(local);
   }
 
   bool IsInside(Vec<2> eta, int face) const {

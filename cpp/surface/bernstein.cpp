@@ -101,6 +101,11 @@ int TrigNumber(int degree, int i, int j) {
 /// B^n_ij by the recursion over the degree.
 void CalcTrig(int degree, Vec<2> xi, FlatVector<> b) {
   double s = xi(0), t = xi(1), r = 1 - s - t;
+  if (degree == 2) { // the most frequent one
+    b(0) = r * r, b(1) = 2 * r * s, b(2) = s * s;
+    b(3) = 2 * r * t, b(4) = 2 * s * t, b(5) = t * t;
+    return;
+  }
   ArrayMem<double, 36> old(b.Size());
   b(0) = 1;
   for (int n = 1; n <= degree; n++) {
@@ -133,6 +138,25 @@ void CalcTrigDerivative(int degree, Vec<2> xi, FlatMatrixFixWidth<2> db) {
     }
 }
 } // namespace
+
+template <>
+void CalcBernstein(ELEMENT_TYPE, int degree, Vec<1> xi, FlatVector<> basis) {
+  CalcLine(degree, xi(0), basis);
+}
+
+template <>
+void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<2> xi, FlatVector<> basis) {
+  if (type == ET_TRIG)
+    return CalcTrig(degree, xi, basis);
+  int n = degree + 1;
+  ArrayMem<double, 24> memory(2 * n);
+  FlatVector<> s(n, &memory[0]), t(n, &memory[n]);
+  CalcLine(degree, xi(0), s);
+  CalcLine(degree, xi(1), t);
+  for (int j : Range(n))
+    for (int i : Range(n))
+      basis(j * n + i) = s(i) * t(j);
+}
 
 template <>
 void CalcBernstein(ELEMENT_TYPE, int degree, Vec<1> xi, FlatVector<> basis,
@@ -179,10 +203,17 @@ void EvaluateBernstein(ELEMENT_TYPE, int degree, FlatArray<Vec<2>> control, Vec<
 
 namespace {
 void EvaluateTrig(int degree, FlatArray<Vec<3>> control, Vec<2> xi, Vec<3> & x, Mat<3, 2> & dx) {
-  ArrayMem<Vec<3>, 36> b(control.Size());
-  b = control;
   double s = xi(0), t = xi(1), r = 1 - s - t;
-  for (int level = degree; level > 1; level--) {
+  ArrayMem<Vec<3>, 36> b(degree > 2 ? control.Size() : 3);
+  if (degree > 2)
+    b = control;
+  else if (degree == 2) { // the most frequent one
+    b[0] = r * control[0] + s * control[1] + t * control[3];
+    b[1] = r * control[1] + s * control[2] + t * control[4];
+    b[2] = r * control[3] + s * control[4] + t * control[5];
+  } else
+    b = control.Range(0, 3);
+  for (int level = degree; level > 1 && degree > 2; level--) {
     int from = 0, to = 0; // rows get shorter: the result never overtakes what it needs
     for (int j : Range(level)) {
       int above = from + level + 1 - j;

@@ -21,7 +21,11 @@ Array<Vec<R>> InterpolationPoints(ELEMENT_TYPE type, int degree);
 template <int R>
 Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree);
 
-/// The polynomials that belong to the control points, and their derivatives (a row each).
+/// The polynomials that belong to the control points.
+template <int R>
+void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<R> xi, FlatVector<> basis);
+
+/// The same with their derivatives (a row each).
 template <int R>
 void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<R> xi, FlatVector<> basis,
                    FlatMatrixFixWidth<R> derivative);

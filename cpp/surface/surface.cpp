@@ -67,6 +67,9 @@ Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
   if (auto def = ma->GetDeformation())
     degree = max(degree, def->GetFESpace()->GetOrder());
   degree = max(degree, order);
+  simplex_sites = ControlSites<D - 1>(D == 2 ? ET_SEGM : ET_TRIG, degree);
+  if (D == 3)
+    quad_sites = ControlSites<D - 1>(ET_QUAD, degree);
 
   first.Append(0);
   for (size_t i : Range(ma->GetNE(BND)))
@@ -158,7 +161,7 @@ double Surface<D>::Bulge(size_t face) const {
   Vec<D> c[4];
   for (int i : Range(corners))
     c[i] = Point(face, corners[i]);
-  auto sites = ControlSites<D - 1>(types[face], degree);
+  auto sites = Sites(face);
   auto points = Control(face);
   double bulge = 0;
   for (int i : Range(sites)) {

@@ -27,8 +27,18 @@ public:
   FlatArray<Vec<D>> Control(size_t face) const {
     return control.Range(first[face], first[face + 1]);
   }
+  /// Are all control points those of another surface of the same region?
+  bool HasShapeOf(const Surface & other) const {
+    return control.Size() == other.control.Size() &&
+           std::equal(control.begin(), control.end(), other.control.begin(),
+                      [](auto & a, auto & b) { return L2Norm2(a - b) == 0; });
+  }
   /// Throws where control points are NaN or infinite.
   void CheckFinite(const MeshAccess & ma) const;
+  /// reference coordinates of the control points
+  FlatArray<Vec<D - 1>> Sites(size_t face) const {
+    return types[face] == ET_QUAD ? quad_sites : simplex_sites;
+  }
   /// largest distance of two corners, the local size of everything that needs a tolerance
   double Diameter(size_t face) const;
   /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
@@ -49,7 +59,8 @@ private:
   Array<ELEMENT_TYPE> types;
   Array<signed char> orientation; // +1: the normal of the reference orientation is the outward one
   int degree;
-  Array<size_t> first; // control point of each face
+  Array<size_t> first;                         // control point of each face
+  Array<Vec<D - 1>> simplex_sites, quad_sites; // of the control points
   Array<Vec<D>> control;
 };
 

@@ -39,7 +39,8 @@ from ngslac._ngslac import ContactForm
 from ngslac.bodies import Bodies
 from ngslac.demos import HertzMesh, PointForce
 from ngslac.demos.hertz import FORCE, Problem, Stress
-from ngslac.linear import LinearSolver, OneBLASThread
+from ngslac.linear import LinearSolver
+from ngslac.preconditioner import OneBLASThread
 
 CALLS = {
     "pairing": [(ContactForm, "Update")],

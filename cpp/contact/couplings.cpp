@@ -1,0 +1,215 @@
+#include "couplings.hpp"
+#include <unordered_map>
+
+namespace ngslac {
+namespace {
+void SortUnique(Array<int> & numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.SetSize(std::unique(numbers.begin(), numbers.end()) - numbers.begin());
+}
+
+template <int D>
+Array<int> DofsOf(const FaceShapes<D> & shapes, Array<int> & faces) {
+  SortUnique(faces);
+  Array<int> dofs;
+  for (int face : faces)
+    dofs += shapes.Dofs(face);
+  return dofs;
+}
+} // namespace
+
+template <int D>
+Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
+                    const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
+                    bool moving_rim, bool pushes) {
+  Coupling result;
+  if (points.area[macro] == 0)
+    return result;
+  Array<int> slaves, masters;
+  auto add = [&](const MacroPoints<D> & from) {
+    for (int s : from.segments[macro]) {
+      slaves.Append(from.pairing.segments[s].slave);
+      masters.Append(from.pairing.segments[s].master);
+    }
+  };
+  add(points);
+  result.turning = DofsOf(slave, slaves);
+  result.dofs = DofsOf(master, masters);
+  if (pushes)
+    result.masters = masters;
+  if (start)
+    add(*start);
+  result.dofs += DofsOf(slave, slaves);
+  if (start)
+    result.dofs += DofsOf(master, masters);
+  SortUnique(result.dofs);
+  if (moving_rim && points.rim[macro].Size()) {
+    masters.SetSize0();
+    for (int r : points.rim[macro])
+      masters.Append(points.pairing.segments[points.pairing.rim[r].segment].master);
+    result.turning += DofsOf(master, masters);
+  }
+  SortUnique(result.turning);
+  return result;
+}
+
+namespace {
+/// Columns of a range of rows, one row after the other.
+struct RowColumns {
+  IntRange rows;
+  Array<int> columns;
+  Array<size_t> first;
+};
+
+/// Finds the columns of the rows of displacements; rows of the same macro-elements and faces (those
+/// of one node and its neighbours) share the work.
+template <int D>
+class RowFinder {
+  FlatArray<Coupling> couplings;
+  const FaceShapes<D> & master;
+  FlatArray<int> lamdof;
+  const Table<int> & macros;
+  const Table<int> & faces;
+  Array<int> mark; // last row that has the column
+  std::unordered_map<size_t, int> known;
+
+public:
+  RowFinder(FlatArray<Coupling> acouplings, const FaceShapes<D> & amaster, FlatArray<int> alamdof,
+            const Table<int> & amacros, const Table<int> & afaces, size_t n)
+      : couplings(acouplings), master(amaster), lamdof(alamdof), macros(amacros), faces(afaces),
+        mark(n) {
+    mark = -1;
+  }
+
+  void AddRow(int row, RowColumns & result) {
+    auto of_row = macros[row];
+    size_t begin = result.columns.Size();
+    if (auto same = known.find(Key(row)); same != known.end() && macros[same->second] == of_row &&
+                                          faces[same->second] == faces[row]) {
+      size_t other = same->second - result.rows.First();
+      auto columns = Range(result.first[other], result.first[other + 1]);
+      result.columns.SetSize(begin + columns.Size());
+      result.columns.Range(begin, result.columns.Size()) = result.columns.Range(columns);
+      return;
+    }
+    auto add = [&](int column) {
+      if (mark[column] != row) {
+        mark[column] = row;
+        result.columns.Append(column);
+      }
+    };
+    for (int m : of_row) {
+      for (int column : lamdof.Range(D * m, D * (m + 1)))
+        add(column);
+      if (couplings[m].masters.Size())
+        for (int column : couplings[m].turning)
+          add(column);
+    }
+    for (int face : faces[row])
+      for (int column : master.Dofs(face))
+        add(column);
+    std::sort(result.columns.begin() + begin, result.columns.end());
+    known[Key(row)] = row;
+  }
+
+private:
+  size_t Key(int row) const {
+    size_t key = 0;
+    for (auto list : {macros[row], faces[row]})
+      for (int number : list)
+        key = 1000003 * key + number + 1;
+    return key;
+  }
+};
+
+/// For each dof the macro-elements (or faces) that have it, sorted.
+template <typename F>
+Table<int> Owners(size_t n, size_t nmacros, F f) {
+  TableCreator<int> creator(n);
+  for (; !creator.Done(); creator++)
+    ParallelFor(nmacros, [&](size_t m) { f(m, creator); });
+  auto table = creator.MoveTable();
+  ParallelFor(n, [&](size_t i) {
+    if (table[i].Size() > 1)
+      std::sort(table[i].begin(), table[i].end());
+  });
+  return table;
+}
+} // namespace
+
+template <int D>
+shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
+                                          const FaceShapes<D> & master, FlatArray<int> lamdof,
+                                          size_t n) {
+  size_t nmacros = couplings.Size();
+  auto macros = Owners(n, nmacros, [&](size_t m, TableCreator<int> & creator) {
+    for (int dof : couplings[m].dofs)
+      creator.Add(dof, m);
+  });
+  auto faces = Owners(n, nmacros, [&](size_t m, TableCreator<int> & creator) {
+    for (int face : couplings[m].masters)
+      for (int dof : master.Dofs(face))
+        creator.Add(dof, face);
+  });
+  Array<int> macro_of(n), sizes(n);
+  macro_of = -1;
+  for (size_t i : Range(lamdof))
+    macro_of[lamdof[i]] = i / D;
+
+  Array<RowColumns> parts(4 * TaskManager::GetNumThreads());
+  ParallelFor(
+      parts.Size(),
+      [&](size_t i) {
+        auto & part = parts[i];
+        part.rows = IntRange(n).Split(i, parts.Size());
+        part.first.Append(0);
+        RowFinder<D> finder(couplings, master, lamdof, macros, faces, n);
+        for (int row : part.rows) {
+          if (int m = macro_of[row]; m >= 0) {
+            size_t begin = part.columns.Size();
+            part.columns += lamdof.Range(D * m, D * (m + 1));
+            part.columns += couplings[m].dofs;
+            std::sort(part.columns.begin() + begin, part.columns.end());
+          } else if (macros[row].Size())
+            finder.AddRow(row, part);
+          part.first.Append(part.columns.Size());
+          sizes[row] = part.columns.Size() - part.first[part.first.Size() - 2];
+        }
+      },
+      parts.Size());
+  auto mat = make_shared<SparseMatrix<double>>(sizes, n);
+  ParallelFor(parts.Size(), [&](size_t i) {
+    auto & part = parts[i];
+    for (int row : part.rows) {
+      size_t k = row - part.rows.First();
+      mat->GetRowIndices(row) = part.columns.Range(part.first[k], part.first[k + 1]);
+      mat->GetRowValues(row) = 0.0;
+    }
+  });
+  return mat;
+}
+
+void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, const double * values) {
+  auto all = mat.GetRowIndices(row);
+  auto entries = mat.GetRowValues(row);
+  size_t at = 0;
+  for (size_t j : Range(columns)) {
+    if (values[j] == 0)
+      continue;
+    if (at == 0)
+      at = std::lower_bound(all.begin(), all.end(), columns[j]) - all.begin();
+    while (all[at] < columns[j])
+      at++;
+    AtomicAdd(entries(at), values[j]);
+  }
+}
+
+#define INSTANTIATE(D)                                                                             \
+  template Coupling CouplingOf(const FaceShapes<D> &, const FaceShapes<D> &,                       \
+                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool,       \
+                               bool);                                                              \
+  template shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling>, const FaceShapes<D> &,   \
+                                                     FlatArray<int>, size_t);
+INSTANTIATE(2)
+INSTANTIATE(3)
+} // namespace ngslac

@@ -1,0 +1,87 @@
+#pragma once
+#include "macromotion.hpp"
+
+namespace ngslac {
+/// A slave and a master face whose scalar functions move: number D i + k is component k of function
+/// i, those of the slave first.
+template <int D>
+class FacePair {
+  const FaceShapes<D> & slave_shapes;
+  const FaceShapes<D> & master_shapes;
+
+public:
+  const Segment & segment;
+  int slaves, masters; // numbers of scalar functions
+  FlatArray<int> at;   // positions of the dofs in the rows of the macro-element, slave first
+
+  FacePair(const MovingSurfaces<D> & now, const Segment & asegment, const MacroRows<D> & rows,
+           LocalHeap & lh)
+      : slave_shapes(now.slave_shapes), master_shapes(now.master_shapes), segment(asegment),
+        slaves(slave_shapes.Size(segment.slave)), masters(master_shapes.Size(segment.master)),
+        at(SlaveDofs().Size() + MasterDofs().Size(), lh) {
+    int next = 0;
+    for (auto & dofs : {SlaveDofs(), MasterDofs()})
+      for (int dof : dofs)
+        at[next++] = rows.Position(dof);
+  }
+
+  FlatArray<int> SlaveDofs() const { return slave_shapes.Dofs(segment.slave); }
+  FlatArray<int> MasterDofs() const { return master_shapes.Dofs(segment.master); }
+  /// of scalar functions times components
+  int Size() const { return D * (slaves + masters); }
+
+  /// A column for each dof in place of each function and component.
+  FlatMatrix<> OfDofs(FlatMatrix<> m, LocalHeap & lh) const {
+    if (IsPlain())
+      return m;
+    FlatMatrix<> result(m.Height(), at.Size(), lh);
+    result = m * Conversion(lh);
+    return result;
+  }
+  /// The same for rows and columns.
+  FlatMatrix<> BlockOfDofs(FlatMatrix<> m, LocalHeap & lh) const {
+    if (IsPlain())
+      return m;
+    FlatMatrix<> result(at.Size(), at.Size(), lh);
+    auto by_dof = OfDofs(m, lh);
+    result = Trans(Conversion(lh)) * by_dof;
+    return result;
+  }
+
+private:
+  bool IsPlain() const {
+    return slave_shapes.IsPlain(segment.slave) && master_shapes.IsPlain(segment.master);
+  }
+  FlatMatrix<> Conversion(LocalHeap & lh) const {
+    FlatMatrix<> result(Size(), at.Size(), lh);
+    result = 0.0;
+    int n1 = D * slaves, dofs1 = SlaveDofs().Size();
+    Set(slave_shapes, segment.slave, result.Rows(0, n1).Cols(0, dofs1));
+    Set(master_shapes, segment.master, result.Rows(n1, Size()).Cols(dofs1, at.Size()));
+    return result;
+  }
+  static void Set(const FaceShapes<D> & shapes, int face, SliceMatrix<> part) {
+    if (shapes.IsPlain(face))
+      part.Diag() = 1.0;
+    else
+      part = shapes.Conversion(face);
+  }
+};
+
+/// By dof D i + k the unit normal of a slave face turns by  -n_k g_i  with these gradients g_i of
+/// the scalar functions, a row each.
+template <int D>
+FlatMatrixFixWidth<D> Gradients(const Mat<D, D - 1> & dx,
+                                const typename FaceShapes<D>::Values & shapes, LocalHeap & lh) {
+  FlatMatrixFixWidth<D> result(shapes.value.Size(), lh);
+  auto dual = DualBasis<D>(dx);
+  for (int i : Range(shapes.value.Size()))
+    for (int k : Range(D)) {
+      double sum = 0;
+      for (int a : Range(D - 1))
+        sum += dual(k, a) * shapes.derivative(a, i);
+      result(i, k) = sum;
+    }
+  return result;
+}
+} // namespace ngslac

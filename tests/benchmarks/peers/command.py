@@ -1,0 +1,113 @@
+"""What all peers share: command line, stop watch, JSON file, and how to fail.
+
+A peer is a script that hands `Main` a function. It runs in a process of its own:
+
+    python tests/benchmarks/peers/lac.py sphere sphere.npz --order 2 --json row.json
+
+and ends with 0, with 3 if a program is not installed (`NotInstalledError`), and with 1 and a last
+line that says why if anything else fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+from meshes import Load
+
+__all__ = ["Main", "NotInstalledError", "StopWatch"]
+
+MISSING = 3
+
+
+class NotInstalledError(Exception):
+    """Raised with a sentence that says what to install."""
+
+
+class StopWatch:
+    """Wall seconds, processor seconds of the process and its children, of the `Running` blocks."""
+
+    def __init__(self):
+        self.seconds = self.cpu = 0.0
+
+    @contextmanager
+    def Running(self):
+        """Count the time of this block."""
+        wall, cpu = time.perf_counter(), ProcessorSeconds()
+        try:
+            yield
+        finally:
+            self.seconds += time.perf_counter() - wall
+            self.cpu += ProcessorSeconds() - cpu
+
+
+def ProcessorSeconds():
+    """User and system time so far, of finished children, too."""
+    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(u.ru_utime + u.ru_stime for u in usage)
+
+
+def PeakMemory():
+    """GB: of the process or of its largest child, whichever is more."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+    status = Path("/proc/self/status")  # unlike getrusage without the parent's share before exec
+    if status.exists():
+        line = next(x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
+        own = int(line.split()[1]) * 1024
+    else:
+        own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return max(own, children) / 1e9
+
+
+def Parser(options=None):
+    """The command line of a peer; `options` is called with it to add more."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("problem", choices=("hertz", "sphere", "patch"))
+    parser.add_argument("mesh", help=".npz file of meshes.py")
+    parser.add_argument("--order", type=int, choices=(1, 2), default=2)
+    parser.add_argument("--friction", type=float, default=0.0)
+    parser.add_argument("--steps", type=int, default=1)
+    parser.add_argument("--json", metavar="FILE", required=True)
+    if options:
+        options(parser)
+    return parser
+
+
+def Main(solve, *, peer, options=None, argv=None):
+    """Run a peer from the command line; returns the exit code.
+
+    Parameters
+    ----------
+    solve : callable
+        ``solve(mesh, arguments, watch)`` with a `PeerMesh`, the parsed command line and a
+        `StopWatch` for building, assembling and solving. Returns a dict with ``version``,
+        ``dofs``, ``iterations`` (linear solves of all steps), ``settings`` (a short phrase) and
+        the figures of `metrics`. Raises `NotInstalledError`.
+    peer : str
+        Name for the table.
+    options : callable, optional
+        Adds options of its own to the parser.
+    """
+    arguments = Parser(options).parse_args(argv)
+    watch = StopWatch()
+    try:
+        mesh = Load(arguments.mesh)
+        if mesh.problem != arguments.problem:
+            raise ValueError(f"{arguments.mesh} is a mesh of the problem {mesh.problem}")
+        row = {"peer": peer, "problem": arguments.problem, "order": arguments.order}
+        row |= solve(mesh, arguments, watch)
+    except NotInstalledError as missing:
+        print(missing)
+        return MISSING
+    except Exception as error:
+        print(f"{type(error).__name__}: {' '.join(str(error).split())}", file=sys.stderr)
+        return 1
+    row |= {"h": mesh.h, "friction": arguments.friction, "steps": arguments.steps}
+    row |= {"seconds": watch.seconds, "cpu": watch.cpu, "memory": PeakMemory()}
+    Path(arguments.json).write_text(json.dumps(row, indent=2) + "\n")
+    return 0

@@ -1,0 +1,261 @@
+"""NGSolve's own contact in the comparison: `ContactBoundary` with a penalty or Nitsche's method.
+
+    python tests/benchmarks/peers/contactboundary.py sphere s.npz --variant penalty --json row.json
+
+The gap is penalised with gamma E / h, E of the softer body, and measured along the normals of the
+undeformed slave; friction by a tangential penalty of a tenth of that and a return mapping, whose
+traction is kept from step to step as an L2 projection on the slave side. Newton steps without
+damping until the residual is below 1e-10 of the load, each with a new factorisation, as
+`ContactBoundary` is meant to be used. Its pressure is evaluated pointwise and projected in L2 to
+continuous functions, linear on the faces (2D: to linear functions on each edge).
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import sys
+
+import numpy as np
+from command import Main, NotInstalledError
+
+try:
+    from elastic import (
+        CornerProjection,
+        Displacements,
+        Errors,
+        LoadVector,
+        Projection,
+        Read,
+        Stress,
+        Young,
+    )
+    from ngsolve import (
+        CF,
+        H1,
+        SEGM,
+        BilinearForm,
+        ContactBoundary,
+        Grad,
+        GridFunction,
+        IfPos,
+        InnerProduct,
+        IntegrationRule,
+        Norm,
+        SurfaceL2,
+        Sym,
+        TaskManager,
+        dx,
+        x,
+        y,
+        z,
+    )
+except ModuleNotFoundError as error:
+    MISSING = error
+else:
+    MISSING = None
+
+from metrics import PATCH_PRESSURE, RADIUS, YOUNG
+
+__all__ = ["Solve"]
+
+TOLERANCE, MOST = 1e-10, 60  # residual over load, Newton steps
+TANGENTIAL = 0.1  # times the normal penalty
+SLAVE = {"hertz": "cylinder", "sphere": "sphere", "patch": "upper"}
+SOFT = {"hertz": "block", "sphere": "block", "patch": "upper"}
+SEARCH = {"hertz": 20.0, "sphere": 10.0, "patch": 0.3}  # mm: farther points do not pair
+# The slave starts a little inside of the master, so that contact holds it.
+START = {"hertz": 0.05, "sphere": 0.1}
+
+
+class Contact:
+    """The contact law of a problem for `ContactBoundary.AddIntegrator`."""
+
+    def __init__(self, peermesh, mesh, arguments):
+        self.problem, self.mesh, self.arguments = peermesh.problem, mesh, arguments
+        self.penalty = arguments.gamma * YOUNG[SOFT[self.problem]] / peermesh.h
+        self.point = CF((x, y, z)[: mesh.dim])
+        axis = CF((0.0,) * (mesh.dim - 1) + (RADIUS,))
+        arm = self.point - axis
+        self.normal = CF((0, 0, -1)) if self.problem == "patch" else arm / Norm(arm)
+        self.nitsche = arguments.variant == "nitsche"
+        self.old, self.sheared = None, None  # displacement and tangential traction of the last step
+
+    def Pressure(self, u):
+        """Pressure of a displacement, on the slave side."""
+        depth = (self.point + u - self.point.Other() - u.Other()) * self.normal
+        pressure = self.penalty * depth
+        if self.nitsche:
+            stress = Stress(Sym(Grad(u)), YOUNG[SLAVE[self.problem]], self.mesh.dim)
+            pressure -= InnerProduct(stress * self.normal, self.normal)
+        return IfPos(pressure, pressure, 0)
+
+    def Tangential(self, u):
+        """Traction along the tangent of the slave edge in 2D: return mapping from the last step."""
+        moved = u - u.Other()
+        if self.old is not None:
+            moved -= self.old - self.old.Other()
+        limit = self.arguments.friction * self.Pressure(u)
+        trial = self.sheared + TANGENTIAL * self.penalty * moved * self.tangent
+        return IfPos(trial - limit, limit, IfPos(-limit - trial, -limit, trial))
+
+    @property
+    def tangent(self):
+        """The normal turned by a quarter."""
+        return CF((-self.normal[1], self.normal[0]))
+
+    def Traction(self, u):
+        """Of the slave on the master."""
+        if self.arguments.friction == 0:
+            return self.Pressure(u) * self.normal
+        return self.Pressure(u) * self.normal + self.Tangential(u) * self.tangent
+
+    def Boundary(self):
+        """An empty `ContactBoundary` of the two sides."""
+        sides = (self.mesh.Boundaries("slave"), self.mesh.Boundaries("master"))
+        return ContactBoundary(*sides, volume=self.nitsche)
+
+    def Pair(self, contact, space, form):
+        """Let a form have a `ContactBoundary`, paired in the undeformed configuration."""
+        order = 2 * self.arguments.order + 4
+        contact.Update(GridFunction(space), form, intorder=order, maxdist=SEARCH[self.problem])
+
+    def Form(self, space):
+        """Elasticity and contact; the second is returned since the form does not keep it."""
+        u, v = space.TnT()
+        form = BilinearForm(space)
+        form += (
+            InnerProduct(Stress(Sym(Grad(u)), Young(self.mesh), self.mesh.dim), Sym(Grad(v))) * dx
+        )
+        contact = self.Boundary()
+        contact.AddIntegrator(self.Traction(u) * (v - v.Other()))
+        self.Pair(contact, space, form)
+        return form, contact
+
+    def Moments(self, quantity, displacement, space):
+        """Integrals of ``quantity(u)`` times the basis functions of `space` over the slave."""
+        product = displacement.space * space
+        (u, _), (_, q) = product.TnT()
+        form, contact = BilinearForm(product), self.Boundary()
+        contact.AddIntegrator(quantity(u) * q)
+        self.Pair(contact, displacement.space, form)
+        state = GridFunction(product)
+        state.components[0].vec.data = displacement.vec
+        result = state.vec.CreateVector()
+        form.Apply(state.vec, result)
+        part = product.Range(1)
+        return result.FV().NumPy()[part.start : part.stop].copy()
+
+
+# ---------------------------------------------------------------- Newton
+
+
+def Solve(peermesh, arguments, watch):
+    """Solve a problem; see `command.Main`."""
+    if MISSING:
+        raise NotInstalledError(f"{MISSING}: pip install ngsolve")
+    if arguments.friction and (peermesh.dim == 3 or arguments.variant == "nitsche"):
+        raise ValueError("friction only in 2D and with the penalty")
+    mesh = Read(arguments)
+    with TaskManager():
+        with watch.Running():
+            space = Displacements(mesh, arguments)
+            contact = Contact(peermesh, mesh, arguments)
+            gf, iterations = Steps(peermesh, contact, space)
+        errors = Errors(peermesh, mesh, gf, lambda: Pressure(mesh, contact, gf))
+    method = {"penalty": "penalty", "nitsche": "Nitsche, incomplete,"}[arguments.variant]
+    return {
+        "version": importlib.metadata.version("ngsolve"),
+        "dofs": space.ndof,
+        "iterations": iterations,
+        "settings": f"{method} gamma = {arguments.gamma:g}, {Inverse(arguments)}, "
+        f"residual below {TOLERANCE:g}",
+        **errors,
+    }
+
+
+def Inverse(arguments):
+    """The fastest direct solver: of MKL if that is there, as ngslac takes it."""
+    if arguments.inverse:
+        return arguments.inverse
+    symmetric = arguments.variant == "penalty" and arguments.friction == 0
+    try:
+        importlib.metadata.version("mkl")
+    except importlib.metadata.PackageNotFoundError:
+        return "sparsecholesky" if symmetric else "umfpack"
+    return "pardisospd" if symmetric else "pardiso"
+
+
+def Start(peermesh, mesh, penalty, gf):
+    """A first displacement."""
+    if peermesh.problem == "patch":
+        strain = PATCH_PRESSURE / YOUNG["upper"]
+        depth = PATCH_PRESSURE / penalty + strain
+    else:
+        depth = START[peermesh.problem]
+    down = CF((0.0,) * (mesh.dim - 1) + (-depth,))
+    gf.Set(down, definedon=mesh.Materials(SLAVE[peermesh.problem]))
+
+
+def Steps(peermesh, contact, space):
+    """All load steps; returns the displacement and the number of linear solves."""
+    mesh, arguments = contact.mesh, contact.arguments
+    gf, load = GridFunction(space), LoadVector(peermesh, space)
+    Start(peermesh, mesh, contact.penalty, gf)
+    history = SurfaceL2(mesh, order=arguments.order)
+    contact.sheared = GridFunction(history)
+    iterations = 0
+    for step in range(1, arguments.steps + 1):
+        form, kept = contact.Form(space)
+        iterations += Newton(form, gf, (step / arguments.steps) * load, Inverse(arguments))
+        if arguments.friction:
+            moments = contact.Moments(contact.Tangential, gf, history)
+            contact.sheared.vec.data = Projection(mesh, moments, history).vec
+            contact.old = GridFunction(space)
+            contact.old.vec.data = gf.vec
+        del kept
+    return gf, iterations
+
+
+def Newton(form, gf, load, inverse):
+    """Newton's method; returns the number of linear solves."""
+    space = gf.space
+    free = np.fromiter(space.FreeDofs(), dtype=bool, count=space.ndof)
+    load, residual = load.Evaluate(), gf.vec.CreateVector()
+    size = np.linalg.norm(load.FV().NumPy())
+    flags = {"ordering": "metis"} if inverse.startswith("pardiso") else {}
+    if inverse == "pardisospd":
+        flags["symmetric"] = True  # or it takes the whole matrix for a triangle
+    for iteration in range(MOST + 1):
+        form.Apply(gf.vec, residual)
+        residual.data -= load
+        if iteration and np.linalg.norm(residual.FV().NumPy()[free]) < TOLERANCE * size:
+            return iteration
+        form.AssembleLinearization(gf.vec)
+        solver = form.mat.Inverse(space.FreeDofs(), inverse=inverse, flags=flags)
+        gf.vec.data -= solver * residual
+    raise RuntimeError(f"no convergence in {MOST} Newton steps")
+
+
+def Pressure(mesh, contact, gf):
+    """Samples of the pressure for `Errors`."""
+    if mesh.dim == 3:
+        return CornerProjection(mesh, contact.Moments(contact.Pressure, gf, H1(mesh, order=1)))
+    # With Nitsche's method NGSolve cannot mix volume elements with a space on the surface.
+    space = H1(mesh, order=gf.space.globalorder) if contact.nitsche else SurfaceL2(mesh, order=1)
+    pressure = Projection(mesh, contact.Moments(contact.Pressure, gf, space), space)
+    rule, samples = IntegrationRule(SEGM, 3), []
+    for element in mesh.Boundaries("slave").Elements():
+        transformation = mesh.GetTrafo(element)
+        samples += [(x(p), pressure(p)) for p in map(transformation, rule)]
+    return np.array(samples).T
+
+
+def Options(parser):
+    """What only this peer has."""
+    parser.add_argument("--variant", choices=("penalty", "nitsche"), default="penalty")
+    parser.add_argument("--gamma", type=float, default=10.0, help="penalty times h / E")
+    parser.add_argument("--inverse", help="sparse direct solver")
+
+
+if __name__ == "__main__":
+    sys.exit(Main(Solve, peer="ContactBoundary", options=Options))

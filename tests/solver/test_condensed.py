@@ -1,0 +1,184 @@
+"""The condensed system has the solution of the whole one and the condition of the bulk."""
+
+import contextlib
+
+import numpy as np
+import pytest
+from netgen.meshing import NgException
+from ngsolve import TaskManager
+from press import mixed_press, press
+from press3d import mixed_press3d, numpy, press3d, solved
+from scipy.sparse import csr_matrix
+
+from ngslac import BubbleVectorH1
+from ngslac._ngslac import Condensation, MergeMatrices
+from ngslac.linear import AsBits, AsNumPy
+from ngslac.preconditioner import IsSymmetric, TwoLevel
+
+TIED = {"tied": True, "friction": None}
+PLANE = {
+    "stick": (press, {"friction": 5.0}),
+    "tied": (press, TIED),
+    "frictionless": (press, {"friction": None}),
+    "mixed": (mixed_press, {}),
+    "large": (mixed_press, {"finite": True, "nonlinear": True}),
+    "first order": (mixed_press, {"order": 1}),
+    "bubbles": (mixed_press, {"order": 1, "space": BubbleVectorH1, "flags": {"slave": "slave"}}),
+}
+SPACE = {
+    "stick": (press3d, {"friction": 5.0}),
+    "tied": (press3d, TIED),
+    "frictionless": (press3d, {"friction": None}),
+    "mixed": (mixed_press3d, {}),
+    "slip": (press3d, {"push": (0.02, 0.01, -0.02), "friction": 0.1}),
+    "tets": (mixed_press3d, {"kinds": ("tet", "tet")}),
+}
+CASES = {f"2D {k}": v for k, v in PLANE.items()} | {f"3D {k}": v for k, v in SPACE.items()}
+
+
+def system(problem, number=-1):
+    """Matrix, right hand side, multipliers and free dofs of a Newton step of a problem."""
+    solver, seen = problem.solver(solver="saddle"), []
+    solve = solver.linear.Solve
+
+    def Solve(bulk, forms, scale, rhs, *args, **options):
+        seen.append((MergeMatrices(bulk, forms, scale), scale * rhs * solver.linear.free))
+        return solve(bulk, forms, scale, rhs, *args, **options)
+
+    solver.linear.Solve = Solve
+    solver.Solve(printing=False)
+    return *seen[number], problem.contact.form.MultiplierDofs(), solver.linear.bits
+
+
+def dense(mat):
+    values, columns, starts = (np.array(part) for part in mat.CSR())
+    return csr_matrix((values, columns, starts), shape=mat.shape).toarray()
+
+
+def condition(matrix):
+    """Of the matrix with unit diagonal."""
+    scale = 1 / np.sqrt(np.diag(matrix))
+    values = np.linalg.eigvalsh(scale[:, None] * matrix * scale)
+    assert values[0] > 0
+    return values[-1] / values[0]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_same_solution(case):
+    make, flags = CASES[case]
+    reference, condensed = make(**flags), make(**flags)
+    solved(reference, solver="saddle")
+    solver = solved(condensed, solver="direct")
+    assert solver.linear.method == "direct"
+    assert solver.linear.factorisations > 0
+    size = np.abs(numpy(reference.gf)).max()
+    assert numpy(condensed.gf) == pytest.approx(numpy(reference.gf), abs=1e-10 * size)
+
+
+@pytest.mark.parametrize("case", SPACE)
+def test_same_iterative_solution(case):
+    make, flags = SPACE[case]
+    reference, iterative = make(**flags), make(**flags)
+    solved(reference, solver="saddle")
+    solver = solved(iterative, solver="iterative")
+    assert solver.linear.method == "iterative"
+    assert solver.linear.factorisations == 0
+    for part, expected in zip(iterative.gf.components, reference.gf.components, strict=True):
+        size = np.abs(numpy(expected)).max()
+        assert numpy(part) == pytest.approx(numpy(expected), abs=1e-7 * size)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_reduce_and_expand_are_exact(case):
+    make, flags = CASES[case]
+    mat, b, multipliers, free = system(make(**flags))
+    given = mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free
+    condensed = Condensation(*given)
+    mask, inner = AsNumPy(free), AsNumPy(condensed.freedofs)
+    whole, part = dense(mat)[np.ix_(mask, mask)], dense(condensed.mat)[np.ix_(inner, inner)]
+    expected, w = np.zeros(len(b)), np.zeros(len(b))
+    expected[mask] = np.linalg.solve(whole, b[mask])
+    w[inner] = np.linalg.solve(part, condensed.Reduce(b)[inner])
+    # Also for a right hand side that is none of Newton's.
+    size = np.abs(expected).max()
+    assert condensed.Expand(b, w) == pytest.approx(expected, abs=1e-9 * size)
+
+
+@pytest.mark.parametrize("case", ["2D stick", "2D tied", "3D stick", "3D tied", "3D frictionless"])
+def test_condition_number(case):
+    """Within a factor of ten of the bulk's, on the free displacements of both bodies."""
+    make, flags = CASES[case]
+    mat, _, multipliers, free = system(make(**flags))
+    condensed = Condensation(mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free)
+    assert IsSymmetric(condensed.mat)
+    inner = np.flatnonzero(AsNumPy(condensed.freedofs))
+    rows = np.ix_(inner, inner)
+    assert np.sum(condensed.constraints) > 0
+    assert condition(dense(condensed.mat)[rows]) < 10 * condition(dense(mat)[rows])
+
+
+@pytest.mark.parametrize("case", ["2D mixed", "3D mixed", "3D slip"])
+def test_frictionless_variant_is_symmetric_and_positive(case):
+    make, flags = CASES[case]
+    mat, _, multipliers, free = system(make(**flags))
+    given = mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free
+    exact, variant = Condensation(*given), Condensation(*given, symmetric=True)
+    assert not IsSymmetric(exact.mat)
+    assert IsSymmetric(variant.mat)
+    inner = np.flatnonzero(AsNumPy(variant.freedofs))
+    assert np.linalg.eigvalsh(dense(variant.mat)[np.ix_(inner, inner)])[0] > 0
+
+
+def test_a_factorisation_serves_again():
+    problem = mixed_press3d()
+    solver = problem.solver(solver="direct")
+    solver.Solve(printing=False)
+    before = solver.linear.factorisations
+    problem.load.Set(1.02)
+    iterations = solver.Solve(printing=False).number
+    assert iterations > 1
+    assert solver.linear.factorisations - before < iterations
+    reference = mixed_press3d()
+    saddle = reference.solver(solver="saddle")
+    for load in (1, 1.02):
+        reference.load.Set(load)
+        saddle.Solve(printing=False)
+    size = np.abs(numpy(reference.gf)).max()
+    assert numpy(problem.gf) == pytest.approx(numpy(reference.gf), abs=1e-9 * size)
+
+
+def test_without_inner_displacement_the_whole_system_is_solved():
+    """Where the inner nodes of a macro-element are held there is nothing to eliminate it with."""
+    problem = press(friction=5.0)
+    mat, _, multipliers, free = system(problem)
+    held = AsNumPy(free)
+    first = np.flatnonzero(np.any(dense(mat)[multipliers[:2]] != 0, axis=0))
+    held[np.setdiff1d(first, multipliers)] = False
+    with pytest.raises(NgException, match="no displacement of its own"):
+        Condensation(mat, multipliers.tolist(), 2, AsBits(held))
+    solver = press(friction=5.0).solver(freedofs=AsBits(held), solver="direct")
+    with contextlib.suppress(RuntimeError):  # the constraint cannot be kept: who tried matters
+        solver.Solve(printing=False, maxit=1)
+    assert solver.linear._factorisations > 0
+
+
+def test_two_level_preconditioner_is_symmetric():
+    problem = press3d(friction=5.0, kinds=("tet", "tet"))
+    mat, _, multipliers, free = system(problem)
+    condensed = Condensation(mat, multipliers.tolist(), 3, free)
+    solver = problem.solver(solver="iterative")
+    coarse = solver.linear._methods[0][1].coarse
+    with TaskManager():
+        inverse = TwoLevel(condensed.mat, condensed.freedofs, coarse, "sparsecholesky")
+        assert IsSymmetric(inverse)
+
+
+@pytest.mark.parametrize("wanted", ["fast", 3])
+def test_unknown_solver(wanted):
+    with pytest.raises(ValueError, match="must be 'direct', 'iterative' or 'saddle'"):
+        press().solver(solver=wanted)
+
+
+def test_iterative_wants_second_order():
+    with pytest.raises(ValueError, match="take a displacement of order 2"):
+        press(order=1).solver(solver="iterative")
