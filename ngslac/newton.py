@@ -12,7 +12,7 @@ __all__ = ["ChooseSolver", "NewtonStep"]
 # Shorter parts of a step may lead macro-elements off the master.
 LEAST_SIGHT = 1 / 8
 # Relative residual of an iterative solution while the contact status still changes.
-LOOSE = 1e-3
+LOOSE = 0.1
 # From this many free displacements in 3D on an iterative solution is the faster one.
 LARGE = 25_000
 
