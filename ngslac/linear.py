@@ -96,7 +96,7 @@ class LinearSolver:
             except (LinearSolveError, NgException) as failure:
                 errors.append(f"{name}: {failure}")
                 continue
-            if error <= max(self.tolerance, 10 * accuracy * (name == "iterative")):
+            if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
                 return scale * x
             errors.append(f"{name}: relative residual {error:.1e}")
             if error < best[1]:

@@ -11,8 +11,9 @@ __all__ = ["ChooseSolver", "NewtonStep"]
 
 # Shorter parts of a step may lead macro-elements off the master.
 LEAST_SIGHT = 1 / 8
-# Relative residual of an iterative solution while the contact status still changes.
-LOOSE = 0.1
+# Relative residual of an iterative solution while the contact status still changes: without and
+# with tangential forces, whose direction has to be found, too.
+LOOSE, FIRM = 0.1, 1e-3
 # From this many free displacements in 3D on an iterative solution is the faster one.
 LARGE = 25_000
 
@@ -89,10 +90,12 @@ class NewtonStep:
 
         Loose while the contact status changes, then such that convergence stays quadratic.
         """
+        rubs = any(contact.holds_tangentially for contact in self.contacts)
+        most = FIRM if rubs else LOOSE
         if self.history[-1].changed or not self.history[-1].number:
-            return LOOSE
+            return most
         size = max(state.equilibrium, state.constraint)
-        return min(LOOSE, max(0.1 * self.tol / size, 0.1 * size))
+        return min(most, max(0.1 * self.tol / size, 0.1 * size))
 
     def _Correction(self, residual, accuracy=0.0):
         a = self.a

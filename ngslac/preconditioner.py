@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from ngsolve import BaseMatrix
 
-__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError", "TwoLevel"]
+from ngslac._ngslac import TwoLevel
+
+__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError", "OnVertices"]
 
 # Pardiso's own ordering is no match for nested dissection in three dimensions, and its own
 # refinement, of every solution, costs more than ours.
@@ -95,51 +96,19 @@ def IsSymmetric(mat):
     return abs(y.InnerProduct(image) - product) <= 1e-13 * size
 
 
-class TwoLevel(BaseMatrix):
-    """Symmetric Gauss-Seidel sweeps around a direct solution on the vertices.
+def OnVertices(mat, freedofs, coarse, inverse):
+    """Gauss-Seidel sweeps around a direct solution on the vertices.
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
-    the coarse matrix is a part of the given one. It needs a fraction of the memory of a
+    the coarse matrix is a part of the given one. This takes a fraction of the memory of a
     factorisation, and its quality does not depend on the mesh size.
 
     Parameters
     ----------
     mat : SparseMatrix
-        Symmetric.
     freedofs, coarse : BitArray
         All free dofs, those of the vertices.
     inverse : str
         Direct solver on the vertices.
     """
-
-    def __init__(self, mat, freedofs, coarse, inverse):
-        super().__init__()
-        self.mat = mat
-        self.smoother = mat.CreateSmoother(freedofs)
-        self.coarse = Factor(mat, coarse & freedofs, inverse)
-        self.residual, self.step = mat.CreateColVector(), mat.CreateRowVector()
-
-    def Mult(self, x, y):
-        """y = (approximate inverse) x"""
-        y[:] = 0
-        self.smoother.Smooth(y, x)
-        self.residual.data = x - self.mat * y
-        self.step.data = self.coarse * self.residual
-        y.data += self.step
-        self.smoother.SmoothBack(y, x)
-
-    def Height(self):
-        """Number of rows."""
-        return self.mat.height
-
-    def Width(self):
-        """Number of columns."""
-        return self.mat.width
-
-    def IsComplex(self):
-        """No."""
-        return False
-
-    def CreateVector(self, col):
-        """A vector of this size."""
-        return self.mat.CreateVector(col)
+    return TwoLevel(mat, freedofs, Factor(mat, coarse & freedofs, inverse))

@@ -1,4 +1,5 @@
 #include "condense.hpp"
+#include "twolevel.hpp"
 #include <comp.hpp>
 #include <python_comp.hpp>
 
@@ -63,6 +64,17 @@ void ExportCondense(py::module & m) {
             return x;
           },
           py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
+  py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
+      m, "TwoLevel",
+      "Preconditioner: a Gauss-Seidel sweep forward, the correction `coarse`, a sweep backward.")
+      .def(py::init([](shared_ptr<BaseMatrix> mat, shared_ptr<BitArray> free,
+                       shared_ptr<BaseMatrix> coarse) {
+             auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
+             if (!sparse)
+               throw Exception("TwoLevel: the matrix must be sparse, real and scalar");
+             return make_shared<TwoLevel>(sparse, free, coarse);
+           }),
+           py::arg("mat"), py::arg("freedofs"), py::arg("coarse"));
   m.def(
       "VertexDofs",
       [](const FESpace & fes) {
