@@ -198,6 +198,9 @@ class PrimalSolver(LinearSolver):
         self.contacts, self.symmetric = [], True
         self.Forget()
 
+    def __str__(self):
+        return f"linear systems: displacements alone, with {self.wanted}"
+
     def Forget(self):
         """Factor the next matrix anew."""
         self._kept, self.factorizations = None, 0

@@ -6,7 +6,7 @@ from ngsolve import BaseVector, BitArray
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.condensed import DirectCondensed, IterativeCondensed
-from ngslac.preconditioner import LU, Factor, LinearSolveError
+from ngslac.preconditioner import LU, Cholesky, Factor, LinearSolveError
 
 __all__ = ["AsBits", "AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
 
@@ -31,6 +31,8 @@ class LinearSolver:
         Of the mesh.
     coarse : BitArray
         Dofs of the vertices, for "iterative".
+    reason : str
+        Why this method, for people.
 
     Attributes
     ----------
@@ -46,7 +48,7 @@ class LinearSolver:
     # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
     shift, most_shifts = 1e-4, 5
 
-    def __init__(self, freedofs, inverse=None, method="saddle", dim=3, coarse=None):
+    def __init__(self, freedofs, inverse=None, method="saddle", dim=3, coarse=None, reason=""):
         self.bits = BitArray(freedofs)
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
@@ -58,11 +60,21 @@ class LinearSolver:
             iterative = IterativeCondensed(self.free, self.bits, dim, inverse, coarse)
             self._methods.insert(0, ("iterative", iterative))
         self._used = list(self._methods)
+        self._wanted, self._reason = inverse, reason
 
     @property
     def method(self):
         """What solves now: "iterative", "direct" or "saddle"."""
         return self._methods[0][0] if self._methods else "saddle"
+
+    def __str__(self):
+        cholesky = Cholesky(self._wanted)
+        ways = {
+            "iterative": f"iterative, with {cholesky} on the vertices",
+            "direct": f"condensed, with {cholesky}, or {LU(self._wanted)} where unsymmetric",
+            "saddle": f"saddle point, with {self.inverse}",
+        }
+        return f"linear systems: {ways[self.method]} ({self._reason})"
 
     @property
     def factorisations(self):

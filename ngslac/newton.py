@@ -133,8 +133,10 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted):
             f"solver='iterative' corrects on the {vertices} dofs of the vertices, which must be "
             f"less than a third of the {free} free ones: take a displacement of order 2 or higher"
         )
-    large = free >= LARGE and space.mesh.dim == 3 and not inverse
+    reason = "as asked for"
     if wanted is None:
-        small_sliding = not any(contact.finite for contact in contacts)
-        wanted = "iterative" if suits and large and small_sliding and not a.condense else "direct"
-    return LinearSolver(freedofs, inverse, wanted, space.mesh.dim, coarse)
+        large, small_sliding = free >= LARGE, not any(contact.finite for contact in contacts)
+        reason = f"{free} free dofs in {space.mesh.dim}D"
+        iterates = suits and large and space.mesh.dim == 3 and not inverse
+        wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
+    return LinearSolver(freedofs, inverse, wanted, space.mesh.dim, coarse, reason)

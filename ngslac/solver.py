@@ -87,7 +87,7 @@ class ContactSolver(NewtonStep):
         self.residual = Residual(a, gf, self.contacts, rhs, free)
         self.globalization = Globalization()
         self.history, self._closings, self._motion = [], 0, None
-        self._bodies = None
+        self._bodies, self._silent = None, True
         self._islinear = None  # the bulk, as far as seen: then its matrix is kept
 
     # --- the loop ------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ class ContactSolver(NewtonStep):
             For the equilibrium and the constraint residual, relative to the forces at work (the
             largest of this and of earlier converged states), free of units.
         printing : bool
-            One line per iteration.
+            One line per iteration; the first time also how linear systems are solved.
         callback : callable, optional
             Called with each `Iteration`.
         motion : (n,) array, optional
@@ -126,6 +126,9 @@ class ContactSolver(NewtonStep):
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
+        if printing and self._silent:
+            print(f"  {self.linear}")
+            self._silent = False
         try:
             return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:

@@ -42,6 +42,7 @@ PARTS = {
     "tree": "ngslac::Pair - tree",
     "pair": "ngslac::Pair",  # includes the tree
     "jump": "ngslac::MacroJump",
+    "rows": "ngslac::MacroJump - rows",
 }
 AMPLITUDE, WAVE = 0.1, 3.0
 
@@ -175,7 +176,7 @@ def Head():
 def Line(row):
     """One row; parts as microseconds per slave face."""
     parts = {**row.parts, "rest": row.update - sum(row.parts[k] for k in ("surfaces", "pair"))}
-    parts["rest"] -= row.parts["jump"]
+    parts["rest"] -= row.parts["jump"] + row.parts["rows"]
     cells = [f"{row.n:9d} {row.segments:9d} {row.update:9.4f} {row.cpu:9.4f}"]
     cells += [f"{1e6 * t / row.n:9.2f}" for t in parts.values()]
     cells += [f"{1e6 * row.update / row.n:9.2f} {row.space:9.3f} {row.memory:9.0f}"]

@@ -242,7 +242,8 @@ def test_callback_and_history():
 def test_printing(capsys):
     problem = mixed_press()
     problem.solver().Solve()
-    lines = capsys.readouterr().out.splitlines()
+    first, *lines = capsys.readouterr().out.splitlines()
+    assert "linear systems: condensed" in first
     assert len(lines) >= 3
     assert all("equilibrium" in line and "constraint" in line for line in lines)
 
