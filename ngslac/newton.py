@@ -13,7 +13,7 @@ __all__ = ["ChooseSolver", "NewtonStep"]
 LEAST_SIGHT = 1 / 8
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
-LOOSE, FIRM = 0.1, 1e-3
+LOOSE, FIRM = 0.1, 1e-2
 # From this many free displacements in 3D on an iterative solution is the faster one.
 LARGE = 25_000
 
