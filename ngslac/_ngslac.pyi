@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -299,6 +299,42 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+class Condensation:
+    """
+    Newton system without multipliers: each macro-element's multiplier and one inner node of its
+    displacement are eliminated exactly. `symmetric` takes slip for frictionless.
+    """
+    def Expand(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Solution of the whole system from one of `mat`.
+        """
+    def Reduce(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Right hand side of `mat` for one of the whole system.
+        """
+    def __init__(self, mat: BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
+        ...
+    @property
+    def constraints(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        (n,) int: eliminated directions of each macro-element
+        """
+    @property
+    def freedofs(self) -> pyngcore.pyngcore.BitArray:
+        """
+        the free displacements
+        """
+    @property
+    def mat(self) -> ngsolve.la.BaseMatrix:
+        """
+        of the displacements; rows of multipliers are empty
+        """
+class TwoLevel(ngsolve.la.BaseMatrix):
+    """
+    Preconditioner: a Gauss-Seidel sweep forward, the correction `coarse`, a sweep backward.
+    """
+    def __init__(self, mat: BaseMatrix, freedofs: pyngcore.pyngcore.BitArray, coarse: BaseMatrix) -> None:
+        ...
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm | ngsolve.la.BaseMatrix], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> ngsolve.la.BaseMatrix:
@@ -312,4 +348,8 @@ def PolygonOverlap(p: collections.abc.Sequence[typing.Annotated[collections.abc.
 def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region, hexes: str = 'pyramids') -> ngsolve.comp.Mesh:
     """
     New mesh with the slave faces split; see ngslac.SplitSlaveFaces
+    """
+def VertexDofs(fes: ngsolve.comp.FESpace) -> pyngcore.pyngcore.BitArray:
+    """
+    The dofs of a space that belong to vertices of the mesh.
     """

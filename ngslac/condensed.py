@@ -240,7 +240,7 @@ class IterativeCondensed(Condensed):
 
     def _Preconditioners(self, system, frictionless, _):
         near, inverse = frictionless or system, (Cholesky if frictionless else LU)(self.inverse)
-        if self._kept is None or self._kept[0] is not near.mat:
+        if self._kept is None or not IsNear(near.mat, self._kept[0]):
             self._kept = None
             self._kept = near.mat, OnVertices(near.mat, near.freedofs, self.coarse, inverse)
         yield self._kept[1], self.most_iterations

@@ -59,7 +59,10 @@ class NewtonStep:
                 return State.Nothing("surfaces pass through each other")
             return trial
 
-        trial, damping = self.globalization.Search(move, self._motion is not None)
+        found = None
+        if self._closings and len(self.history) == 1:
+            found = self.globalization.SearchStart(move)
+        trial, damping = found or self.globalization.Search(move, self._motion is not None)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
         if trial.honest:
