@@ -1,5 +1,4 @@
 #include "condense.hpp"
-#include "contact/jump.hpp"
 
 namespace ngslac {
 /// A sparse row that is summed up.
@@ -19,12 +18,12 @@ public:
   double operator[](int column) const { return value[column]; }
   FlatArray<int> Columns() const { return columns; }
   /// The sum with sorted columns; starts the next one.
-  void Take(Array<int> & cols, Array<double> & values) {
+  void Take(SparseRow & row) {
     QuickSort(columns);
-    cols = columns;
-    values.SetSize(columns.Size());
+    row.columns = columns;
+    row.values.SetSize(columns.Size());
     for (int i : Range(columns)) {
-      values[i] = value[columns[i]];
+      row.values[i] = value[columns[i]];
       value[columns[i]] = 0;
       used[columns[i]] = false;
     }
@@ -44,11 +43,6 @@ Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
     values(i) = x(dofs[i]);
   return values;
 }
-
-struct Row {
-  Array<int> columns;
-  Array<double> values;
-};
 
 /// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
 template <typename F>
@@ -162,27 +156,25 @@ void Condensation::Project(RowSum & sum) const {
   }
 }
 
-void Condensation::Assemble() {
-  size_t n = mat->Height();
-  // Rows  Bl^T K P : what the reactions carry to the other rows.
-  Array<size_t> first(blocks.Size() + 1);
-  first[0] = 0;
-  for (int m : Range(blocks))
-    first[m + 1] = first[m] + blocks[m].NConstraints();
-  Array<Row> carried(first[blocks.Size()]);
-  ForEach(blocks.Size(), n, [&](size_t m, RowSum & sum) {
+/// Rows  Bl^T K P  of each macro-element: what the reactions carry to the other rows.
+Array<Array<SparseRow>> Condensation::Carried() const {
+  Array<Array<SparseRow>> carried(blocks.Size());
+  ForEach(blocks.Size(), mat->Height(), [&](size_t m, RowSum & sum) {
     auto & block = blocks[m];
+    carried[m].SetSize(block.NConstraints());
     for (int k : Range(block.NConstraints())) {
       for (int p : Range(block.pivots))
         AddRow(block.dofs[block.pivots[p]], block.Bl(p, k), sum);
       Project(sum);
-      auto & row = carried[first[m] + k];
-      sum.Take(row.columns, row.values);
+      sum.Take(carried[m][k]);
     }
   });
+  return carried;
+}
 
-  Array<int> changed, place(n);
-  place = -1;
+/// Displacements on which a multiplier acts, or with a pivot among their columns.
+Array<int> Condensation::ChangedRows() const {
+  size_t n = mat->Height();
   Array<bool> changes(n);
   ParallelFor(n, [&](size_t i) {
     changes[i] = !ismultiplier[i] && touching[i].Size();
@@ -190,54 +182,60 @@ void Condensation::Assemble() {
       for (int j : mat->GetRowIndices(i))
         changes[i] = changes[i] || pivotblock[j] >= 0;
   });
+  Array<int> rows;
   for (size_t i : Range(n))
-    if (changes[i]) {
-      place[i] = changed.Size();
-      changed.Append(i);
-    }
-  Array<Row> rows(changed.Size());
-  ForEach(changed.Size(), n, [&](size_t c, RowSum & sum) {
-    int i = changed[c];
-    AddRow(i, 1, sum);
-    Project(sum);
-    for (int m : touching[i]) {
-      auto & block = blocks[m];
-      int pos = block.Position(i);
-      for (int k : Range(block.NConstraints()))
-        if (double force = block.G2(pos, k); force != 0) {
-          auto & row = carried[first[m] + k];
-          for (int j : Range(row.columns))
-            sum.Add(row.columns[j], -force * row.values[j]);
-        }
-      for (int p : Range(block.complement.Height()))
-        if (block.pivots[p] == pos)
-          for (int q : Range(block.pivots))
-            sum.Add(block.dofs[block.pivots[q]], block.complement(p, q));
-    }
-    sum.Take(rows[c].columns, rows[c].values);
-  });
+    if (changes[i])
+      rows.Append(i);
+  return rows;
+}
 
-  auto displacements = [&](int i) {
-    int count = 0;
-    for (int j : mat->GetRowIndices(i))
-      count += !ismultiplier[j];
-    return count;
-  };
-  Array<int> sizes(n);
-  ParallelFor(n, [&](size_t i) {
-    sizes[i] = ismultiplier[i] ? 0
-               : place[i] >= 0 ? rows[place[i]].columns.Size()
-                               : displacements(i);
+/// Sums up a row of A.
+void Condensation::SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum & sum) const {
+  AddRow(row, 1, sum);
+  Project(sum);
+  for (int m : touching[row]) {
+    auto & block = blocks[m];
+    int pos = block.Position(row);
+    for (int k : Range(block.NConstraints()))
+      if (double force = block.G2(pos, k); force != 0) {
+        auto & [columns, values] = carried[m][k];
+        for (int j : Range(columns))
+          sum.Add(columns[j], -force * values[j]);
+      }
+    for (int p : Range(block.complement.Height()))
+      if (block.pivots[p] == pos)
+        for (int q : Range(block.pivots))
+          sum.Add(block.dofs[block.pivots[q]], block.complement(p, q));
+  }
+}
+
+void Condensation::Assemble() {
+  size_t n = mat->Height();
+  auto carried = Carried();
+  auto changed = ChangedRows();
+  Array<SparseRow> rows(changed.Size());
+  ForEach(changed.Size(), n, [&](size_t c, RowSum & sum) {
+    SumRow(changed[c], carried, sum);
+    sum.Take(rows[c]);
   });
+  // No multiplier acts on the other rows: all their columns are displacements.
+  Array<int> place(n), sizes(n);
+  place = -1;
+  for (int c : Range(changed))
+    place[changed[c]] = c;
+  for (size_t i : Range(n))
+    sizes[i] = place[i] >= 0     ? rows[place[i]].columns.Size()
+               : ismultiplier[i] ? 0
+                                 : mat->GetRowIndices(i).Size();
   condensed = make_shared<SparseMatrix<double>>(sizes, n);
   ParallelFor(n, [&](size_t i) {
     auto columns = condensed->GetRowIndices(i);
     auto values = condensed->GetRowValues(i);
     if (place[i] >= 0) {
-      columns = rows[place[i]].columns;
-      values = FlatVector<>(rows[place[i]].values.Size(), rows[place[i]].values.Data());
+      auto & row = rows[place[i]];
+      columns = row.columns;
+      values = FlatVector<>(row.values.Size(), row.values.Data());
     } else if (!ismultiplier[i]) {
-      // No multiplier acts on this row: all its columns are displacements.
       columns = mat->GetRowIndices(i);
       values = mat->GetRowValues(i);
     }

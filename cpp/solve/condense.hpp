@@ -4,6 +4,12 @@
 namespace ngslac {
 class RowSum;
 
+/// Columns, ascending, and values.
+struct SparseRow {
+  Array<int> columns;
+  Array<double> values;
+};
+
 /// Newton system on the displacements alone, without the multipliers of the macro-elements.
 ///
 /// Of  K u + G lam = f,  E u + F lam = r  (F couples the multipliers of one macro-element only)
@@ -34,6 +40,9 @@ public:
 
 private:
   void Supports(FlatArray<int> multipliers, int d);
+  Array<Array<SparseRow>> Carried() const;
+  Array<int> ChangedRows() const;
+  void SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum & sum) const;
   void Assemble();
   void AddRow(int row, double factor, RowSum & sum) const;
   void Project(RowSum & sum) const;
