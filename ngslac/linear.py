@@ -53,7 +53,6 @@ class LinearSolver:
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
         self.shifts = self._factorisations = 0
-        self.condensed = None
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
@@ -109,6 +108,8 @@ class LinearSolver:
                 errors.append(f"{name}: {failure}")
                 continue
             if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
+                if name == SAFE:
+                    self.inverse = SAFE
                 return scale * x
             errors.append(f"{name}: relative residual {error:.1e}")
             if error < best[1]:
@@ -128,7 +129,6 @@ class LinearSolver:
                     del self._methods[0]
         for inverse in dict.fromkeys((self.inverse, SAFE)):
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
-            self.inverse = SAFE
 
     def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0):
         """The same; a singular matrix gets a small diagonal on `rows` (n,) bool.
