@@ -193,18 +193,6 @@ def test_getfem_dofs_of_nodes(mesh):
 # ---------------------------------------------------------------- what is not installed
 
 
-@pytest.fixture
-def arguments(tmp_path):
-    """Command line of a peer for a problem, with the mesh written."""
-
-    def write(problem, *more):
-        TinyMesh(problem).Save(tmp_path / "mesh.npz")
-        row = str(tmp_path / "row.json")
-        return [problem, str(tmp_path / "mesh.npz"), "--json", row, *more]
-
-    return write
-
-
 @pytest.mark.parametrize(
     ("peer", "remedy"),
     [
