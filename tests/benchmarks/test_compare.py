@@ -1,13 +1,12 @@
 """The comparison with other codes: meshes and measures, the two peers in NGSolve, the tables."""
 
 import json
-import os
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from ngsolve import SetNumThreads
+from ngsolve import GetNumThreads, SetNumThreads
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 
@@ -26,9 +25,10 @@ SIZES = {"hertz": 3.0, "sphere": 4.0, "patch": 1 / 3}
 @pytest.fixture(scope="module", autouse=True)
 def _one_thread():
     """The problems here are so small that a second thread only waits."""
+    before = GetNumThreads()
     SetNumThreads(1)
     yield
-    SetNumThreads(os.cpu_count())
+    SetNumThreads(before)
 
 
 @pytest.fixture(scope="module")

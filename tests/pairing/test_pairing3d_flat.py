@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from ngsolve import TaskManager
-from pyngcore import SetNumThreads
+from pyngcore import GetNumThreads, SetNumThreads
 from surfaces3d import (
     Sheet,
     areas_by_face,
@@ -254,6 +254,7 @@ def test_the_number_of_threads_does_not_matter():
     contact = contact_on(sheet_mesh(*sheets, motion=rigid(1)), order=2)
     alone, table, before = contact.Segments(), contact.Table(), entries(contact)
     assert len(alone) > 300
+    number = GetNumThreads()
     try:
         for threads in (1, 2, 4):
             SetNumThreads(threads)
@@ -266,4 +267,4 @@ def test_the_number_of_threads_does_not_matter():
                 assert np.array_equal(table[name], values), name
             assert all(map(np.array_equal, before, after))
     finally:
-        SetNumThreads(2)
+        SetNumThreads(number)
