@@ -255,7 +255,7 @@ PYBIND11_MODULE(_ngslac, m) {
       [](const BaseMatrix & bulk,
          const std::vector<std::variant<shared_ptr<ContactForm>, shared_ptr<BaseMatrix>>> &
              contacts,
-         py::array_t<double> scale) -> shared_ptr<BaseMatrix> {
+         py::array_t<double> scale, shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
         Array<shared_ptr<SparseMatrix<double>>> mats;
         for (auto & contact : contacts)
           mats.Append(contact.index() == 0
@@ -265,7 +265,10 @@ PYBIND11_MODULE(_ngslac, m) {
           throw Exception("MergeMatrices: a contact matrix must be sparse, real and scalar");
         FlatVector<> values(scale.size(), scale.mutable_data());
         py::gil_scoped_release release;
-        return MergeMatrices(bulk, mats, values);
+        return MergeMatrices(bulk, mats, values,
+                             dynamic_pointer_cast<SparseMatrix<double>>(former));
       },
-      py::arg("bulk"), py::arg("contacts"), py::arg("scale"));
+      py::arg("bulk"), py::arg("contacts"), py::arg("scale"), py::arg("former") = nullptr,
+      "diag(scale) (bulk + contacts) diag(scale). Of `former`, merged from the same bulk with the\n"
+      "same scale, only rows with contact are written anew, where the graph is the same.");
 }

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BaseMatrix
+from ngsolve import BaseMatrix, Projector
 from ngsolve.krylovspace import CGSolver, GMResSolver
 
 from ngslac._ngslac import Condensation
@@ -83,40 +83,50 @@ class Condensed:
         """
         given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
         system = Condensation(*given)
-        frictionless = system if IsSymmetric(system.mat) else self._Frictionless(given)
+        symmetric = system.has_symmetric_contact and IsSymmetric(system)
+        frictionless = system if symmetric else self._Frictionless(given)
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0
-        product = mat.CreateColVector()
+        best = x, error
+        product, factor = mat.CreateColVector(), mat.CreateRowVector()
         for _ in range(self.rounds if size else 0):
-            step = self._Step(system, frictionless, left, 0.3 * accuracy / error)
-            factor = mat.CreateRowVector()
-            factor.FV().NumPy()[:] = x + step
+            x = x + self._Step(system, frictionless, left, 0.9 * accuracy * size)
+            factor.FV().NumPy()[:] = x
             product.data = mat * factor
             left = (b - product.FV().NumPy()) * self.free
-            before, error = error, float(np.linalg.norm(left)) / size
-            if not error < before:  # also where it is NaN: keep the solution before
-                return x, before
-            x = x + step
-            if error <= accuracy:
+            error = float(np.linalg.norm(left)) / size
+            if error < best[1]:  # not so where it is NaN
+                best = x, error
+            if not accuracy < error < np.inf:
                 break
-        return x, error if size else 0.0
+        return best if size else (x, 0.0)
 
     def _Frictionless(self, given):
         """The system in which slip is frictionless, if that is symmetric."""
         variant = Condensation(*given, symmetric=True)
-        return variant if IsSymmetric(variant.mat) else None
+        return variant if IsSymmetric(variant) else None
 
-    def _Step(self, system, frictionless, rhs, accuracy):
-        """Solution of the whole system from that of the condensed one."""
-        reduced = system.mat.CreateColVector()
+    def _Step(self, system, frictionless, rhs, residual):
+        """Solution of the whole system, up to a residual, from that of the condensed one.
+
+        Conjugate gradients look at another norm of the residual, whose size is adapted.
+        """
+        reduced = system.CreateColVector()
         reduced.FV().NumPy()[:] = system.Reduce(rhs)
-        w = system.mat.CreateRowVector()
+        size = reduced.Norm()
+        tol = min(max(residual / size, self.best), 0.1) if size else 1.0
+        w = system.CreateRowVector()
         w[:] = 0
-        method = CGSolver if system is frictionless else GMResSolver
         for inverse, iterations in self._Preconditioners(system, frictionless, reduced):
-            tol = min(max(accuracy, self.best), 0.1)
-            krylov = method(mat=system.mat, pre=inverse, tol=tol, maxiter=iterations)
-            krylov.Solve(rhs=reduced, sol=w)
+            if system is frictionless:
+                krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * tol, maxiter=iterations)
+                krylov.Solve(rhs=reduced, sol=w)
+            else:  # preconditioned from the right, so that it is the residual that gets small
+                on_free = Projector(system.freedofs, True)
+                krylov = GMResSolver(
+                    mat=system @ inverse, pre=on_free, tol=tol, maxiter=iterations
+                )
+                w.data = inverse * krylov.Solve(rhs=reduced)
             self.krylov += krylov.iterations
             if not krylov.residuals or krylov.residuals[-1] <= tol * krylov.residuals[0]:
                 return system.Expand(rhs, w.FV().NumPy())
@@ -130,17 +140,14 @@ class Kept:
     Attributes
     ----------
     inverse : BaseMatrix
-    mat : BaseMatrix
-        Whose factorisation it is; keeps it alive.
-    constraints : (m,) int
-        Eliminated directions per macro-element.
+    system : Condensation
+        Whose factorisation it is.
     patience : int
         Krylov iterations that cost half as much as another factorisation.
     """
 
     inverse: BaseMatrix
-    mat: BaseMatrix
-    constraints: np.ndarray
+    system: Condensation
     patience: int
 
 
@@ -189,7 +196,7 @@ class DirectCondensed(Condensed):
     def _Preconditioners(self, system, frictionless, rhs):
         """Inverses to try, with the most iterations for each."""
         near = frictionless or system
-        if self._kept is None or not IsNear(near.mat, self._kept.mat):
+        if self._kept is None or not IsNear(near, self._kept.system):
             if self._Serves(near):
                 yield self._kept.inverse, self._kept.patience
                 self._wait = WAIT
@@ -200,22 +207,22 @@ class DirectCondensed(Condensed):
         if self._wait:
             self._wait -= 1
             return False
-        if self._kept is None or self._kept.mat.height != near.mat.height:
+        if self._kept is None or self._kept.system.height != near.height:
             return False
-        changes = np.abs(self._kept.constraints - near.constraints).sum()
+        changes = np.abs(self._kept.system.constraints - near.constraints).sum()
         return 4 * changes <= self._kept.patience
 
     def _Factor(self, system, frictionless, rhs):
         self._kept = None  # two of them would need twice the memory
         lu = self.inverse and self.inverse not in CHOLESKY
         symmetric = frictionless is not None and not lu
-        mat = frictionless.mat if symmetric else system.mat
-        inverse = Factor(mat, system.freedofs, (Cholesky if symmetric else LU)(self.inverse))
+        near = frictionless if symmetric else system
+        solver = (Cholesky if symmetric else LU)(self.inverse)
+        inverse = Factor(near.Part(), near.freedofs, solver)
         self.factorisations += 1
         if not np.isfinite((inverse * rhs).Evaluate().Norm()):
             raise LinearSolveError("the matrix is singular")
-        constraints = (frictionless or system).constraints
-        self._kept = Kept(inverse, mat, constraints, Patience(int(self.free.sum()), self.dim))
+        self._kept = Kept(inverse, near, Patience(int(self.free.sum()), self.dim))
 
 
 class IterativeCondensed(Condensed):
@@ -240,7 +247,7 @@ class IterativeCondensed(Condensed):
 
     def _Preconditioners(self, system, frictionless, _):
         near, inverse = frictionless or system, (Cholesky if frictionless else LU)(self.inverse)
-        if self._kept is None or not IsNear(near.mat, self._kept[0]):
+        if self._kept is None or not IsNear(near, self._kept[0]):
             self._kept = None
-            self._kept = near.mat, OnVertices(near.mat, near.freedofs, self.coarse, inverse)
+            self._kept = near, OnVertices(near, self.coarse, inverse)
         yield self._kept[1], self.most_iterations

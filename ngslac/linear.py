@@ -53,6 +53,7 @@ class LinearSolver:
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
         self.shifts = self._factorisations = 0
+        self.NewBulk()
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
@@ -96,9 +97,7 @@ class LinearSolver:
         `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
         iterative method stops at the relative residual `accuracy`.
         """
-        mat = MergeMatrices(bulk, forms, scale)
-        if shift is not None:
-            AddToDiagonal(mat, shift)
+        mat = self._Merge(bulk, forms, scale, shift)
         b = scale * rhs * self.free
         errors, best = [], (None, np.inf)
         for name, solve in self._Attempts(mat, forms, b, accuracy):
@@ -117,6 +116,23 @@ class LinearSolver:
         if best[1] <= self.acceptable:
             return scale * best[0]
         raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
+
+    def NewBulk(self):
+        """The bulk matrix that was used last has got other values."""
+        self._merged = None
+
+    def _Merge(self, bulk, forms, scale, shift):
+        """The scaled matrix; that of the last call, changed, where the bulk is the same."""
+        last, self._merged = self._merged, None
+        if last is not None and last[0] is bulk and np.array_equal(last[1], scale):
+            mat = MergeMatrices(bulk, forms, scale, last[2])
+        else:
+            mat = MergeMatrices(bulk, forms, scale)
+        if shift is None:
+            self._merged = bulk, np.array(scale), mat
+        else:
+            AddToDiagonal(mat, shift)
+        return mat
 
     def _Attempts(self, mat, forms, b, accuracy):
         """Names and functions that return a solution and its relative residual."""

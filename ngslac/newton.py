@@ -27,6 +27,7 @@ class NewtonStep:
     def _Assemble(self):
         if not (self._islinear and self.a.mat.height == self.a.space.ndof):
             self.a.AssembleLinearization(self.gf.vec)
+            self.linear.NewBulk()
             self.residual.linear = None
         for contact in self.contacts:
             contact.Prepare(self.a.mat)

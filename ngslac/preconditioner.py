@@ -96,7 +96,7 @@ def IsSymmetric(mat):
     return abs(y.InnerProduct(image) - product) <= 1e-13 * size
 
 
-def OnVertices(mat, freedofs, coarse, inverse):
+def OnVertices(system, vertices, inverse):
     """Gauss-Seidel sweeps around a direct solution on the vertices.
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
@@ -105,10 +105,11 @@ def OnVertices(mat, freedofs, coarse, inverse):
 
     Parameters
     ----------
-    mat : SparseMatrix
-    freedofs, coarse : BitArray
-        All free dofs, those of the vertices.
+    system : Condensation
+    vertices : BitArray
+        The dofs of the vertices.
     inverse : str
-        Direct solver on the vertices.
+        Direct solver on these.
     """
-    return TwoLevel(mat, freedofs, Factor(mat, coarse & freedofs, inverse))
+    dofs = vertices & system.freedofs
+    return TwoLevel(system, Factor(system.Part(dofs), None, inverse), dofs)

@@ -46,29 +46,106 @@ Array<double> EquilibrationScale(const BaseMatrix & bulk) {
   for (double & s : scale)
     s = s > 0 ? 1 / sqrt(s) : 0;
   Dispatch(bulk, [&](auto & a, int block) {
-    Array<double> zero_rows(scale.Size());
+    Array<double> factors(scale.Size());
     ParallelFor(a.Height(), [&](size_t i) {
       for (int k : Range(block)) {
+        double & factor = factors[block * i + k] = scale[block * i + k];
+        if (factor != 0)
+          continue;
         double largest = 0;
         auto cols = a.GetRowIndices(i);
         auto values = a.GetRowValues(i);
         for (size_t j : Range(cols))
           for (int l : Range(block))
             largest = max(largest, fabs(Entry(values(j), k, l)) * scale[block * cols[j] + l]);
-        zero_rows[block * i + k] = largest > 0 ? 1 / largest : 1;
+        factor = largest > 0 ? 1 / largest : 1;
       }
     });
-    for (size_t i : Range(scale))
-      if (scale[i] == 0)
-        scale[i] = zero_rows[i];
+    scale = std::move(factors);
     return 0;
   });
   return scale;
 }
 
+namespace {
+/// Merges rows of matrices in their scalar entries.
+template <typename TM>
+struct RowMerger {
+  const TM & bulk;
+  int block;
+  FlatArray<shared_ptr<SparseMatrix<double>>> contacts;
+  FlatVector<> scale;
+
+  bool HasContact(size_t row) const {
+    for (auto & c : contacts)
+      if (c->GetRowIndices(row).Size())
+        return true;
+    return false;
+  }
+
+  size_t BulkSize(size_t row) const { return block * bulk.GetRowIndices(row / block).Size(); }
+
+  void Columns(size_t row, Array<int> & cols) const {
+    cols.SetSize0();
+    for (int j : bulk.GetRowIndices(row / block))
+      for (int l : Range(block))
+        cols.Append(block * j + l);
+    if (!HasContact(row))
+      return;
+    for (auto & c : contacts)
+      for (int j : c->GetRowIndices(row))
+        cols.Append(j);
+    QuickSort(cols);
+    cols.SetSize(std::unique(cols.begin(), cols.end()) - cols.begin());
+  }
+
+  void Fill(size_t i, FlatArray<int> row, FlatVector<> values) const {
+    values = 0.0;
+    auto add = [&, pos = size_t(0)](int col, double value) mutable {
+      while (row[pos] < col)
+        pos++;
+      values(pos) += scale(i) * value * scale(col);
+    };
+    auto bulk_cols = bulk.GetRowIndices(i / block);
+    auto bulk_values = bulk.GetRowValues(i / block);
+    for (auto add_bulk = add; size_t j : Range(bulk_cols))
+      for (int l : Range(block))
+        add_bulk(block * bulk_cols[j] + l, Entry(bulk_values(j), i % block, l));
+    for (auto & c : contacts) {
+      auto add_contact = add;
+      auto contact_cols = c->GetRowIndices(i);
+      auto contact_values = c->GetRowValues(i);
+      for (size_t j : Range(contact_cols))
+        add_contact(contact_cols[j], contact_values(j));
+    }
+  }
+
+  /// Has a merged matrix the graph of what would be merged now?
+  bool Fits(const SparseMatrix<double> & merged) const {
+    if (merged.Height() != bulk.Height() * block)
+      return false;
+    std::atomic<bool> fits = true;
+    ParallelForRange(merged.Height(), [&](IntRange range) {
+      Array<int> cols;
+      for (auto i : range) {
+        auto row = merged.GetRowIndices(i);
+        if (HasContact(i)) {
+          Columns(i, cols);
+          if (cols != row)
+            fits = false;
+        } else if (row.Size() != BulkSize(i))
+          fits = false;
+      }
+    });
+    return fits;
+  }
+};
+} // namespace
+
 shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
                                                FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
-                                               FlatVector<> scale) {
+                                               FlatVector<> scale,
+                                               shared_ptr<SparseMatrix<double>> former) {
   static Timer timer("ngslac::MergeMatrices");
   RegionTimer reg(timer);
   return Dispatch(bulk, [&](auto & a, int block) {
@@ -76,60 +153,32 @@ shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
     for (auto & c : contacts)
       if (c->Height() != n)
         throw Exception("ngslac: bulk and contact live on different spaces");
-
-    // Rows with contact are few: only those are merged, all others are copied.
-    auto union_row = [&](size_t i, Array<int> & cols) {
-      cols.SetSize0();
-      for (int j : a.GetRowIndices(i / block))
-        for (int l : Range(block))
-          cols.Append(block * j + l);
-      size_t own = cols.Size();
-      for (auto & c : contacts)
-        for (int j : c->GetRowIndices(i))
-          cols.Append(j);
-      if (cols.Size() == own)
-        return;
-      QuickSort(cols);
-      size_t kept = 0;
-      for (int j : cols)
-        if (kept == 0 || cols[kept - 1] != j)
-          cols[kept++] = j;
-      cols.SetSize(kept);
-    };
+    RowMerger merger{a, block, contacts, scale};
+    if (former && merger.Fits(*former)) {
+      ParallelFor(n, [&](size_t i) {
+        if (merger.HasContact(i))
+          merger.Fill(i, former->GetRowIndices(i), former->GetRowValues(i));
+      });
+      return former;
+    }
     Array<int> sizes(n);
     ParallelForRange(n, [&](IntRange range) {
       Array<int> cols;
       for (auto i : range) {
-        union_row(i, cols);
-        sizes[i] = cols.Size();
+        sizes[i] = merger.BulkSize(i);
+        if (merger.HasContact(i)) {
+          merger.Columns(i, cols);
+          sizes[i] = cols.Size();
+        }
       }
     });
     auto merged = make_shared<SparseMatrix<double>>(sizes, n);
     ParallelForRange(n, [&](IntRange range) {
       Array<int> cols;
       for (auto i : range) {
-        union_row(i, cols);
-        auto row = merged->GetRowIndices(i);
-        auto values = merged->GetRowValues(i);
-        row = cols;
-        values = 0.0;
-        auto add = [&, pos = size_t(0)](int col, double value) mutable {
-          while (row[pos] < col)
-            pos++;
-          values(pos) += scale(i) * value * scale(col);
-        };
-        auto bulk_cols = a.GetRowIndices(i / block);
-        auto bulk_values = a.GetRowValues(i / block);
-        for (auto add_bulk = add; size_t j : Range(bulk_cols))
-          for (int l : Range(block))
-            add_bulk(block * bulk_cols[j] + l, Entry(bulk_values(j), i % block, l));
-        for (auto & c : contacts) {
-          auto add_contact = add;
-          auto contact_cols = c->GetRowIndices(i);
-          auto contact_values = c->GetRowValues(i);
-          for (size_t j : Range(contact_cols))
-            add_contact(contact_cols[j], contact_values(j));
-        }
+        merger.Columns(i, cols);
+        merged->GetRowIndices(i) = cols;
+        merger.Fill(i, cols, merged->GetRowValues(i));
       }
     });
     return merged;

@@ -78,7 +78,17 @@ Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int>
     if (blocks[m].NConstraints())
       for (int p : blocks[m].pivots)
         pivotblock[blocks[m].dofs[p]] = m;
-  Assemble();
+
+  auto carried = Carried();
+  auto changed = ChangedRows();
+  place.SetSize(mat->Height());
+  place = -1;
+  rows.SetSize(changed.Size());
+  ForEach(changed.Size(), mat->Height(), [&](size_t c, RowSum & sum) {
+    place[changed[c]] = c;
+    SumRow(changed[c], carried, sum);
+    sum.Take(rows[c]);
+  });
 }
 
 Array<int> Condensation::Constraints() const {
@@ -86,6 +96,13 @@ Array<int> Condensation::Constraints() const {
   for (int m : Range(blocks))
     counts[m] = blocks[m].NConstraints();
   return counts;
+}
+
+bool Condensation::HasSymmetricContact() const {
+  for (auto & block : blocks)
+    if (block.slides || L2Norm(Matrix<>(block.E2 - Trans(block.G2))) > 1e-12 * L2Norm(block.E2))
+      return false;
+  return true;
 }
 
 void Condensation::Supports(FlatArray<int> multipliers, int d) {
@@ -209,36 +226,66 @@ void Condensation::SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum &
   }
 }
 
-void Condensation::Assemble() {
+FlatArray<int> Condensation::Columns(size_t row) const {
+  if (ismultiplier[row])
+    return FlatArray<int>(0, nullptr);
+  return place[row] >= 0 ? FlatArray<int>(rows[place[row]].columns) : mat->GetRowIndices(row);
+}
+
+FlatVector<> Condensation::Values(size_t row) const {
+  if (ismultiplier[row])
+    return FlatVector<>(0, nullptr);
+  if (place[row] < 0)
+    return mat->GetRowValues(row);
+  auto & values = rows[place[row]].values;
+  return FlatVector<>(values.Size(), values.Data());
+}
+
+shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
   size_t n = mat->Height();
-  auto carried = Carried();
-  auto changed = ChangedRows();
-  Array<SparseRow> rows(changed.Size());
-  ForEach(changed.Size(), n, [&](size_t c, RowSum & sum) {
-    SumRow(changed[c], carried, sum);
-    sum.Take(rows[c]);
-  });
-  // No multiplier acts on the other rows: all their columns are displacements.
-  Array<int> place(n), sizes(n);
-  place = -1;
-  for (int c : Range(changed))
-    place[changed[c]] = c;
-  for (size_t i : Range(n))
-    sizes[i] = place[i] >= 0     ? rows[place[i]].columns.Size()
-               : ismultiplier[i] ? 0
-                                 : mat->GetRowIndices(i).Size();
-  condensed = make_shared<SparseMatrix<double>>(sizes, n);
-  ParallelFor(n, [&](size_t i) {
-    auto columns = condensed->GetRowIndices(i);
-    auto values = condensed->GetRowValues(i);
-    if (place[i] >= 0) {
-      auto & row = rows[place[i]];
-      columns = row.columns;
-      values = FlatVector<>(row.values.Size(), row.values.Data());
-    } else if (!ismultiplier[i]) {
-      columns = mat->GetRowIndices(i);
-      values = mat->GetRowValues(i);
+  Array<int> number(n), dofs;
+  number = -1;
+  for (int i : Range(n))
+    if (!bits || bits->Test(i)) {
+      number[i] = dofs.Size();
+      dofs.Append(i);
     }
+  Array<int> sizes(dofs.Size());
+  ParallelFor(dofs.Size(), [&](size_t i) {
+    sizes[i] = 0;
+    for (int j : Columns(dofs[i]))
+      sizes[i] += number[j] >= 0;
+  });
+  auto part = make_shared<SparseMatrix<double>>(sizes, dofs.Size());
+  ParallelFor(dofs.Size(), [&](size_t i) {
+    auto from = Columns(dofs[i]), columns = part->GetRowIndices(i);
+    auto entries = Values(dofs[i]), values = part->GetRowValues(i);
+    for (int j = 0, k = 0; j < from.Size(); j++)
+      if (number[from[j]] >= 0) {
+        columns[k] = number[from[j]];
+        values(k++) = entries(j);
+      }
+  });
+  return part;
+}
+
+void Condensation::Mult(const BaseVector & x, BaseVector & y) const {
+  y = 0.0;
+  MultAdd(1, x, y);
+}
+
+void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
+  static Timer timer("ngslac::Condensation - Mult");
+  RegionTimer reg(timer);
+  auto from = x.FV<double>();
+  auto to = y.FV<double>();
+  ParallelFor(mat->Height(), [&](size_t i) {
+    auto columns = Columns(i);
+    auto values = Values(i);
+    double sum = 0;
+    for (size_t j : Range(columns))
+      sum += values(j) * from(columns[j]);
+    to(i) += s * sum;
   });
 }
 

@@ -19,8 +19,9 @@ struct SparseRow {
 /// the pivots the oblique projections  P = 1 - B E2,  Pl = 1 - Bl G2^T  eliminate them exactly,
 ///   A = Pl^T K P + (projection on the pivots' eliminated directions),
 /// symmetric and positive definite where K is and G2 = E2^T. A has the numbers of the dofs of the
-/// given system; the rows of the multipliers stay empty.
-class Condensation {
+/// given system; the rows of the multipliers stay empty. Only the rows of A that differ from those
+/// of the given matrix are stored.
+class Condensation : public BaseMatrix {
 public:
   /// `mat` is merged and scaled, `multipliers` lists d scalar dofs per macro-element. The symmetric
   /// variant takes slip for frictionless, and for sticking where that is stiffer: for
@@ -28,7 +29,22 @@ public:
   Condensation(shared_ptr<SparseMatrix<double>> mat, FlatArray<int> multipliers, int d,
                const BitArray & free, bool symmetric);
 
-  shared_ptr<SparseMatrix<double>> Mat() const { return condensed; }
+  bool IsComplex() const override { return false; }
+  int VHeight() const override { return mat->Height(); }
+  int VWidth() const override { return mat->Width(); }
+  VecFormat RowFormat() const override { return mat->RowFormat(); }
+  VecFormat ColFormat() const override { return mat->ColFormat(); }
+  void Mult(const BaseVector & x, BaseVector & y) const override;
+  void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
+
+  FlatArray<int> Columns(size_t row) const;
+  FlatVector<> Values(size_t row) const;
+  /// Rows and columns of some dofs, numbered anew; all of them with their own numbers without bits.
+  shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
+
+  const SparseMatrix<double> & Whole() const { return *mat; }
+  /// Are forces and constraints of each macro-element the same combinations?
+  bool HasSymmetricContact() const;
   /// the free displacements
   shared_ptr<BitArray> Free() const { return free; }
   /// eliminated directions of each macro-element
@@ -43,18 +59,19 @@ private:
   Array<Array<SparseRow>> Carried() const;
   Array<int> ChangedRows() const;
   void SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum & sum) const;
-  void Assemble();
   void AddRow(int row, double factor, RowSum & sum) const;
   void Project(RowSum & sum) const;
   Vector<> Forces(FlatVector<> u) const;
   Vector<> Left(FlatVector<> rhs, FlatVector<> u) const;
   Vector<> Particular(FlatVector<> rhs) const;
 
-  shared_ptr<SparseMatrix<double>> mat, condensed;
+  shared_ptr<SparseMatrix<double>> mat;
   shared_ptr<BitArray> free;
   Array<bool> ismultiplier;
   Array<LocalBlock> blocks; // of the macro-elements
   Array<int> pivotblock;    // of each dof, or -1
   Table<int> touching;      // macro-elements of each dof
+  Array<int> place;         // of each row that differs from that of the given matrix, or -1
+  Array<SparseRow> rows;    // which differ
 };
 } // namespace ngslac

@@ -8,14 +8,14 @@ using namespace ngcomp;
 
 namespace {
 FlatVector<> View(py::array_t<double> & values, const Condensation & self) {
-  if (size_t(values.size()) != self.Mat()->Height())
+  if (values.size() != self.VHeight())
     throw Exception("Condensation: a vector needs one entry per row of the matrix");
   return FlatVector<>(values.size(), values.mutable_data());
 }
 } // namespace
 
 void ExportCondense(py::module & m) {
-  py::class_<Condensation, shared_ptr<Condensation>>(
+  py::class_<Condensation, shared_ptr<Condensation>, BaseMatrix>(
       m, "Condensation",
       "Newton system without multipliers: each macro-element's multiplier and one inner node of "
       "its\n"
@@ -33,9 +33,14 @@ void ExportCondense(py::module & m) {
            }),
            py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"),
            py::arg("symmetric") = false)
-      .def_property_readonly(
-          "mat", [](const Condensation & self) -> shared_ptr<BaseMatrix> { return self.Mat(); },
-          "of the displacements; rows of multipliers are empty")
+      .def(
+          "Part",
+          [](const Condensation & self, shared_ptr<BitArray> dofs) -> shared_ptr<BaseMatrix> {
+            py::gil_scoped_release release;
+            return self.Part(dofs.get());
+          },
+          py::arg("dofs") = nullptr,
+          "Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.")
       .def_property_readonly(
           "constraints",
           [](const Condensation & self) {
@@ -43,6 +48,8 @@ void ExportCondense(py::module & m) {
             return py::array_t<int>(counts.Size(), counts.Data());
           },
           "(n,) int: eliminated directions of each macro-element")
+      .def_property_readonly("has_symmetric_contact", &Condensation::HasSymmetricContact,
+                             "as without slip")
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
       .def(
           "Reduce",
@@ -66,15 +73,14 @@ void ExportCondense(py::module & m) {
           py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
-      "Preconditioner: a Gauss-Seidel sweep forward, the correction `coarse`, a sweep backward.")
-      .def(py::init([](shared_ptr<BaseMatrix> mat, shared_ptr<BitArray> free,
-                       shared_ptr<BaseMatrix> coarse) {
-             auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
-             if (!sparse)
-               throw Exception("TwoLevel: the matrix must be sparse, real and scalar");
-             return make_shared<TwoLevel>(sparse, free, coarse);
+      "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. `coarse` is an\n"
+      "approximate inverse of the part that belongs to `dofs`.")
+      .def(py::init([](const Condensation & system, shared_ptr<BaseMatrix> coarse,
+                       const BitArray & dofs) {
+             py::gil_scoped_release release;
+             return make_shared<TwoLevel>(system, coarse, dofs);
            }),
-           py::arg("mat"), py::arg("freedofs"), py::arg("coarse"));
+           py::arg("system"), py::arg("coarse"), py::arg("dofs"));
   m.def(
       "VertexDofs",
       [](const FESpace & fes) {

@@ -1,84 +1,178 @@
 #include "twolevel.hpp"
 
 namespace ngslac {
-/// Copies the entries (i, j) with keep(i, j).
-template <typename F>
-void TwoLevel::Triangle::Set(const SparseMatrix<double> & mat, F keep) {
-  first.SetSize(mat.Height() + 1);
-  first[0] = 0;
-  ParallelFor(mat.Height(), [&](size_t i) {
-    first[i + 1] = 0;
-    for (int j : mat.GetRowIndices(i))
-      first[i + 1] += keep(i, j);
-  });
-  for (size_t i : Range(mat.Height()))
-    first[i + 1] += first[i];
-  columns.SetSize(first[mat.Height()]);
-  values.SetSize(first[mat.Height()]);
-  ParallelFor(mat.Height(), [&](size_t i) {
-    auto row = mat.GetRowIndices(i);
-    auto entries = mat.GetRowValues(i);
-    size_t place = first[i];
-    for (size_t k : Range(row))
-      if (keep(i, row[k])) {
-        columns[place] = row[k];
-        values[place++] = float(entries(k));
-      }
-  });
-}
-
-double TwoLevel::Triangle::Times(size_t row, const double * y) const {
-  double sum[4] = {0, 0, 0, 0}; // none waits for the others
-  size_t j = first[row], end = first[row + 1];
-  for (; j + 4 <= end; j += 4)
-    for (int k : Range(4))
-      sum[k] += values[j + k] * y[columns[j + k]];
-  for (; j < end; j++)
-    sum[0] += values[j] * y[columns[j]];
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-TwoLevel::TwoLevel(shared_ptr<SparseMatrix<double>> amat, shared_ptr<BitArray> free,
-                   shared_ptr<BaseMatrix> acoarse)
-    : mat(amat), coarse(acoarse), inverse_diagonal(amat->Height()) {
+TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
+                   const BitArray & coarsedofs)
+    : order(system), format(system.RowFormat()), coarse(acoarse) {
   static Timer timer("ngslac::TwoLevel - setup");
   RegionTimer reg(timer);
+  for (int i : Range(order.slot))
+    if (coarsedofs.Test(i))
+      coarseslots.Append(order.slot[i]);
+  AllocateTriangles();
   std::atomic<bool> singular = false;
-  ParallelFor(mat->Height(), [&](size_t i) {
-    inverse_diagonal[i] = 0;
-    if (!free->Test(i))
-      return;
-    size_t pos = mat->GetPositionTest(i, i);
-    if (pos != numeric_limits<size_t>::max() && (*mat)[pos] > 0)
-      inverse_diagonal[i] = 1 / (*mat)[pos];
-    else
-      singular = true;
+  ParallelForRange(order.Size(), [&](IntRange range) {
+    Array<Block *> place(order.Size());
+    for (size_t row : range) {
+      FillRow(system, row, place);
+      for (int k : Range(width))
+        if (!(diagonal[row][width * k + k] > 0))
+          singular = true;
+    }
   });
   if (singular)
     throw Exception("ngslac: the matrix has a diagonal entry that is not positive");
-  auto isfree = [&](int i) { return inverse_diagonal[i] != 0; };
-  lower.Set(*mat, [&](int i, int j) { return j < i && isfree(i) && isfree(j); });
-  upper.Set(*mat, [&](int i, int j) { return j > i && isfree(i) && isfree(j); });
+  ParallelFor(order.Size(), [&](size_t row) {
+    Mat<width, width> block;
+    for (int k : Range(width))
+      for (int l : Range(width))
+        block(k, l) = diagonal[row][width * l + k];
+    block = Inv(block);
+    for (int k : Range(width))
+      for (int l : Range(width))
+        diagonal[row][width * l + k] = float(block(k, l));
+  });
+}
+
+void TwoLevel::AllocateTriangles() {
+  size_t n = order.Size();
+  diagonal.SetSize(n);
+  for (auto triangle : {&lower, &upper}) {
+    triangle->first.SetSize(n + 1);
+    triangle->first[0] = 0;
+  }
+  for (size_t row : Range(n)) {
+    size_t below = 0;
+    for (size_t column : order.coupled[row])
+      below += column < row;
+    lower.first[row + 1] = lower.first[row] + below;
+    upper.first[row + 1] = upper.first[row] + order.coupled[row].Size() - below;
+  }
+  for (auto triangle : {&lower, &upper}) {
+    triangle->columns.SetSize(triangle->first[n]);
+    triangle->blocks.SetSize(triangle->first[n] + 1);
+    triangle->blocks.Last() = {};
+  }
+}
+
+void TwoLevel::FillRow(const Condensation & system, size_t row, FlatArray<Block *> place) {
+  size_t below = lower.first[row], above = upper.first[row];
+  for (size_t column : order.coupled[row]) {
+    auto & triangle = column < row ? lower : upper;
+    size_t j = (column < row ? below : above)++;
+    triangle.columns[j] = column;
+    triangle.blocks[j] = {};
+    place[column] = &triangle.blocks[j];
+  }
+  diagonal[row] = {};
+  place[row] = &diagonal[row];
+  auto entries = [&](int column, auto set) {
+    if (int s = order.slot[column]; s >= 0)
+      set(place[s / width]->data() + width * (s % width));
+  };
+  auto dofs = order.dofs.Range(width * row, width * (row + 1));
+  auto columns = system.Columns(dofs[0]);
+  bool equal = dofs.Last() >= 0;
+  for (int k : Range(1, width))
+    equal = equal && system.Columns(dofs[k]) == columns;
+  if (equal) {
+    FlatVector<> values[] = {system.Values(dofs[0]), system.Values(dofs[1]), system.Values(dofs[2])};
+    for (int j : Range(columns))
+      entries(columns[j], [&](float * entry) {
+        for (int k : Range(width))
+          entry[k] = float(values[k](j));
+      });
+    return;
+  }
+  for (int k : Range(width)) {
+    if (dofs[k] < 0) {
+      diagonal[row][width * k + k] = 1;
+      continue;
+    }
+    auto columns = system.Columns(dofs[k]);
+    auto values = system.Values(dofs[k]);
+    for (int j : Range(columns))
+      entries(columns[j], [&](float * entry) { entry[k] = float(values(j)); });
+  }
+}
+
+auto TwoLevel::Triangle::Times(size_t row, FlatArray<Node> z) const -> Node {
+  constexpr int lanes = width + 1; // of vector registers; the last one reads the next column
+  float sum[width][lanes] = {};    // one for each column: none waits for the others
+  const float * block = blocks[first[row]].data();
+  for (int column : columns.Range(first[row], first[row + 1])) {
+    const Node & value = z[column];
+    for (int l : Range(width))
+      for (int k : Range(lanes))
+        sum[l][k] += block[width * l + k] * value[l];
+    block += width * width;
+  }
+  Node total{};
+  for (int l : Range(width))
+    for (int k : Range(width))
+      total[k] += sum[l][k];
+  return total;
+}
+
+/// D^-1 (right - product)
+auto TwoLevel::Solved(size_t row, Node right, const Node & product) const -> Node {
+  Node solution{};
+  for (int l : Range(width)) {
+    right[l] -= product[l];
+    for (int k : Range(width))
+      solution[k] += diagonal[row][width * l + k] * right[l];
+  }
+  return solution;
+}
+
+/// After a sweep  (L + D) z = b  what is left is  - U z.
+void TwoLevel::Correct(FlatArray<Node> z) const {
+  auto rhs = coarse->CreateColVector(), solution = coarse->CreateRowVector();
+  auto left = rhs.FV<double>(), correction = solution.FV<double>();
+  ParallelFor(coarseslots.Size(), [&](size_t i) {
+    int s = coarseslots[i];
+    left(i) = -upper.Times(s / width, z)[s % width];
+  });
+  coarse->Mult(rhs, solution);
+  for (int i : Range(coarseslots))
+    z[coarseslots[i] / width][coarseslots[i] % width] += float(correction(i));
 }
 
 void TwoLevel::Mult(const BaseVector & x, BaseVector & y) const {
   static Timer timer("ngslac::TwoLevel");
   RegionTimer reg(timer);
-  auto b = x.FV<double>();
-  auto fy = y.FV<double>();
-  double * values = fy.Data();
-  size_t n = b.Size();
-  auto work = mat->CreateColVector(), step = mat->CreateRowVector();
-  auto left = work.FV<double>();
-  for (size_t i : Range(n))
-    fy(i) = inverse_diagonal[i] * (b(i) - lower.Times(i, values));
-  // After the sweep  (L + D) y = b  what is left is  - U y.
-  ParallelFor(n, [&](size_t i) { left(i) = -upper.Times(i, values); });
-  coarse->Mult(work, step);
-  y += step;
-  ParallelFor(n, [&](size_t i) { left(i) = b(i) - lower.Times(i, values); });
-  for (size_t i = n; i-- > 0;)
-    fy(i) = inverse_diagonal[i] * (left(i) - upper.Times(i, values));
+  auto from = x.FV<double>(), to = y.FV<double>();
+  Array<Node> b(order.Size()), z(order.Size());
+  ParallelFor(order.Size(), [&](size_t row) {
+    for (int k : Range(width))
+      if (int dof = order.dofs[width * row + k]; dof >= 0)
+        b[row][k] = float(from(dof));
+      else
+        b[row][k] = 0;
+  });
+  auto sweep = [&](int colour, auto && f) {
+    auto & chunks = order.chunks[colour];
+    ParallelJob([&](TaskInfo info) { f(chunks[info.task_nr]); }, chunks.Size());
+  };
+  for (int colour : {0, 1})
+    sweep(colour, [&](IntRange chunk) {
+      for (size_t row : chunk)
+        z[row] = Solved(row, b[row], lower.Times(row, z));
+    });
+  Correct(z);
+  for (int colour : {1, 0})
+    sweep(colour, [&](IntRange chunk) {
+      for (size_t row = chunk.end(); row-- > chunk.begin();) {
+        Node product = lower.Times(row, z), above = upper.Times(row, z);
+        for (int k : Range(width))
+          product[k] += above[k];
+        z[row] = Solved(row, b[row], product);
+      }
+    });
+  ParallelFor(order.slot.Size(), [&](size_t i) {
+    int s = order.slot[i];
+    to(i) = s >= 0 ? z[s / width][s % width] : 0;
+  });
 }
 
 void TwoLevel::MultAdd(double s, const BaseVector & x, BaseVector & y) const {

@@ -1,43 +1,49 @@
 #pragma once
-#include <la.hpp>
+#include "sweeporder.hpp"
 
 namespace ngslac {
-using namespace ngla;
-
 /// Preconditioner: a Gauss-Seidel sweep forward, a correction, and a sweep backward.
 ///
-/// Symmetric where the matrix and the correction are. The first sweep starts from zero, so that
-/// each sweep reads one triangle of the matrix, and the other one is a product in parallel. What
-/// counts is memory traffic: the triangles are copied in single precision.
+/// Symmetric where the system and the correction are. Solves for all dofs of a node at once. The
+/// first sweep starts from zero, so that it reads one triangle of the matrix. What counts is memory
+/// traffic: the triangles are copied to blocks in single precision.
 class TwoLevel : public BaseMatrix {
 public:
-  /// `coarse` is the correction: an approximate inverse on some of the free dofs.
-  TwoLevel(shared_ptr<SparseMatrix<double>> mat, shared_ptr<BitArray> free,
-           shared_ptr<BaseMatrix> coarse);
+  /// `coarse` is an approximate inverse of the part of the system that belongs to `coarsedofs`.
+  TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> coarse, const BitArray & coarsedofs);
 
   bool IsComplex() const override { return false; }
-  int VHeight() const override { return mat->Height(); }
-  int VWidth() const override { return mat->Width(); }
-  VecFormat RowFormat() const override { return mat->RowFormat(); }
-  VecFormat ColFormat() const override { return mat->ColFormat(); }
+  int VHeight() const override { return order.slot.Size(); }
+  int VWidth() const override { return order.slot.Size(); }
+  VecFormat RowFormat() const override { return format; }
+  VecFormat ColFormat() const override { return format; }
   void Mult(const BaseVector & x, BaseVector & y) const override;
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
 
 private:
-  /// Entries on one side of the diagonal, between free dofs.
+  static constexpr int width = SweepOrder::width;
+  using Node = std::array<float, width>;
+  using Block = std::array<float, width * width>; // column by column
+
+  /// Blocks on one side of the diagonal, and one more.
   struct Triangle {
     Array<size_t> first;
     Array<int> columns;
-    Array<float> values;
+    Array<Block> blocks;
 
-    template <typename F>
-    void Set(const SparseMatrix<double> & mat, F keep);
-    double Times(size_t row, const double * y) const;
+    Node Times(size_t row, FlatArray<Node> z) const;
   };
 
-  shared_ptr<SparseMatrix<double>> mat;
+  void AllocateTriangles();
+  void FillRow(const Condensation & system, size_t row, FlatArray<Block *> place);
+  Node Solved(size_t row, Node right, const Node & product) const;
+  void Correct(FlatArray<Node> z) const;
+
+  SweepOrder order;
+  VecFormat format;
   shared_ptr<BaseMatrix> coarse;
-  Array<double> inverse_diagonal; // 0 where a dof is not free
+  Array<int> coarseslots;
+  Array<Block> diagonal; // inverses
   Triangle lower, upper;
 };
 } // namespace ngslac
