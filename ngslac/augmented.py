@@ -213,6 +213,7 @@ class PrimalSolver(LinearSolver):
         """As LinearSolver, with the matrices `contacts` in place of the forms."""
         self.symmetric = all(map(IsSymmetric, (bulk, *self.contacts)))
         self.inverse = self.wanted if self.symmetric else LU()
+        self.NewBulk()  # a matrix that is kept must not be changed
         return super().Solve(bulk, self.contacts, scale, rhs, shift)
 
     def _Factor(self, mat, inverse):

@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import BaseMatrix, Projector
 from ngsolve.krylovspace import CGSolver, GMResSolver
 
-from ngslac._ngslac import Condensation
+from ngslac._ngslac import Condensation, TwoLevelProduct
 from ngslac.preconditioner import (
     CHOLESKY,
     LU,
@@ -49,16 +49,21 @@ class Condensed:
 
     rounds = 3
     exact = 1e-13  # where nothing less is asked for
-    best = 1e-14  # relative to the right hand side, for any Krylov method
+    best = 1e-14  # relative residual that a Krylov method can reach
 
     def __init__(self, freedofs, bits, dim, inverse=None):
         self.free, self.bits, self.dim, self.inverse = freedofs, bits, dim, inverse
         self.factorisations = self.krylov = 0
+        self.NewBulk()
         self.Forget()
 
     def Forget(self):
         """Keep no factorisation for the next system."""
         self._kept = None
+
+    def NewBulk(self):
+        """The bulk matrix has got other values."""
+        self._bulk_is_symmetric = None
 
     def Solve(self, mat, multipliers, b, accuracy):
         """x with mat x = b on the free dofs, and its relative residual: array and number.
@@ -83,8 +88,7 @@ class Condensed:
         """
         given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
         system = Condensation(*given)
-        symmetric = system.has_symmetric_contact and IsSymmetric(system)
-        frictionless = system if symmetric else self._Frictionless(given)
+        frictionless = system if self._IsSymmetric(system) else self._Frictionless(given)
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0
         best = x, error
@@ -104,33 +108,36 @@ class Condensed:
     def _Frictionless(self, given):
         """The system in which slip is frictionless, if that is symmetric."""
         variant = Condensation(*given, symmetric=True)
-        return variant if IsSymmetric(variant) else None
+        return variant if self._IsSymmetric(variant) else None
+
+    def _IsSymmetric(self, system):
+        if not system.has_symmetric_contact:
+            return False
+        if self._bulk_is_symmetric is None:
+            self._bulk_is_symmetric = IsSymmetric(system)
+        return self._bulk_is_symmetric
 
     def _Step(self, system, frictionless, rhs, residual):
-        """Solution of the whole system, up to a residual, from that of the condensed one.
-
-        Conjugate gradients look at another norm of the residual, whose size is adapted.
-        """
+        """Solution of the whole system, up to a residual, from that of the condensed one."""
         reduced = system.CreateColVector()
         reduced.FV().NumPy()[:] = system.Reduce(rhs)
         size = reduced.Norm()
         tol = min(max(residual / size, self.best), 0.1) if size else 1.0
-        w = system.CreateRowVector()
-        w[:] = 0
         for inverse, iterations in self._Preconditioners(system, frictionless, reduced):
-            if system is frictionless:
-                krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * tol, maxiter=iterations)
-                krylov.Solve(rhs=reduced, sol=w)
-            else:  # preconditioned from the right, so that it is the residual that gets small
-                on_free = Projector(system.freedofs, True)
-                krylov = GMResSolver(
-                    mat=system @ inverse, pre=on_free, tol=tol, maxiter=iterations
-                )
-                w.data = inverse * krylov.Solve(rhs=reduced)
+            krylov, w = self._Iterate(system, frictionless, inverse, reduced, tol, iterations)
             self.krylov += krylov.iterations
             if not krylov.residuals or krylov.residuals[-1] <= tol * krylov.residuals[0]:
                 return system.Expand(rhs, w.FV().NumPy())
         raise LinearSolveError("the condensed system could not be solved")
+
+
+def _RightGMRes(product, inverse, rhs, freedofs, **options):
+    """GMRES preconditioned from the right, so that it is the residual that gets small.
+
+    `product` is the matrix times `inverse`. Returns the iteration, and the solution.
+    """
+    krylov = GMResSolver(mat=product, pre=Projector(freedofs, True), **options)
+    return krylov, (inverse * krylov.Solve(rhs=rhs)).Evaluate()
 
 
 @dataclass
@@ -140,24 +147,29 @@ class Kept:
     Attributes
     ----------
     inverse : BaseMatrix
+    mat : BaseMatrix
+        Whose factorisation it is; keeps it alive.
     system : Condensation
-        Whose factorisation it is.
+        Whose matrix that is.
     patience : int
         Krylov iterations that cost half as much as another factorisation.
     """
 
     inverse: BaseMatrix
+    mat: BaseMatrix
     system: Condensation
     patience: int
 
 
-def IsNear(mat, other):
-    """Do two matrices differ by rounding only? Told by the images of a random vector."""
-    if mat is other or mat.height != other.height:
-        return mat is other
-    x = mat.CreateRowVector()
-    x.FV().NumPy()[:] = np.random.default_rng(2).standard_normal(mat.height)
-    image = (mat * x).Evaluate()
+def IsNear(system, other):
+    """Do two systems differ by rounding only? Told by the images of a random vector."""
+    if system is other or system.height != other.height:
+        return system is other
+    if np.any(system.constraints != other.constraints):
+        return False
+    x = system.CreateRowVector()
+    x.FV().NumPy()[:] = np.random.default_rng(2).standard_normal(system.height)
+    image = (system * x).Evaluate()
     return (image - other * x).Evaluate().Norm() <= 1e-10 * image.Norm()
 
 
@@ -203,6 +215,14 @@ class DirectCondensed(Condensed):
             self._Factor(system, frictionless, rhs)
         yield self._kept.inverse, self.most_iterations
 
+    def _Iterate(self, system, frictionless, inverse, rhs, tol, iterations):
+        if system is not frictionless:
+            given = system @ inverse, inverse, rhs, system.freedofs
+            return _RightGMRes(*given, tol=tol, maxiter=iterations)
+        # Conjugate gradients look at another norm of the residual, whose size is adapted.
+        krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * tol, maxiter=iterations)
+        return krylov, krylov.Solve(rhs=rhs)
+
     def _Serves(self, near):
         if self._wait:
             self._wait -= 1
@@ -218,11 +238,12 @@ class DirectCondensed(Condensed):
         symmetric = frictionless is not None and not lu
         near = frictionless if symmetric else system
         solver = (Cholesky if symmetric else LU)(self.inverse)
-        inverse = Factor(near.Part(), near.freedofs, solver)
+        mat = near.Part()
+        inverse = Factor(mat, near.freedofs, solver)
         self.factorisations += 1
         if not np.isfinite((inverse * rhs).Evaluate().Norm()):
             raise LinearSolveError("the matrix is singular")
-        self._kept = Kept(inverse, near, Patience(int(self.free.sum()), self.dim))
+        self._kept = Kept(inverse, mat, near, Patience(int(self.free.sum()), self.dim))
 
 
 class IterativeCondensed(Condensed):
@@ -237,6 +258,7 @@ class IterativeCondensed(Condensed):
     """
 
     most_iterations = 250
+    best = 1e-5  # in single precision; the rounds do the rest
 
     def __init__(self, freedofs, bits, dim, inverse, coarse):
         super().__init__(freedofs, bits, dim, inverse)
@@ -251,3 +273,8 @@ class IterativeCondensed(Condensed):
             self._kept = None
             self._kept = near, OnVertices(near, self.coarse, inverse)
         yield self._kept[1], self.most_iterations
+
+    def _Iterate(self, system, frictionless, inverse, rhs, tol, iterations):
+        product = TwoLevelProduct(system, frictionless or system, inverse)
+        options = {"tol": tol, "maxiter": iterations}
+        return _RightGMRes(product, inverse, rhs, system.freedofs, **options)

@@ -53,13 +53,13 @@ class LinearSolver:
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
         self.shifts = self._factorisations = 0
-        self.NewBulk()
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
             iterative = IterativeCondensed(self.free, self.bits, dim, inverse, coarse)
             self._methods.insert(0, ("iterative", iterative))
         self._used = list(self._methods)
+        self.NewBulk()
         self._wanted, self._reason = inverse, reason
 
     @property
@@ -120,6 +120,8 @@ class LinearSolver:
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
         self._merged = None
+        for _, method in self._methods:
+            method.NewBulk()
 
     def _Merge(self, bulk, forms, scale, shift):
         """The scaled matrix; that of the last call, changed, where the bulk is the same."""

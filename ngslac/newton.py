@@ -92,14 +92,17 @@ class NewtonStep:
     def _Accuracy(self, state):
         """Relative residual that an iterative solution needs for the next step to be a Newton step.
 
-        Loose while the contact status changes, then such that convergence stays quadratic.
+        Loose while the contact status changes, then such that convergence stays quadratic, or
+        enough where nothing but the status was nonlinear.
         """
         rubs = any(contact.holds_tangentially for contact in self.contacts)
         most = FIRM if rubs else LOOSE
         if self.history[-1].changed or not self.history[-1].number:
             return most
         size = max(state.equilibrium, state.constraint)
-        return min(most, max(0.1 * self.tol / size, 0.1 * size))
+        enough = 0.3 * self.tol / size
+        last = self._islinear and not self.history[-1].slip
+        return min(most, enough if last else max(enough, 0.1 * size))
 
     def _Correction(self, residual, accuracy=0.0):
         a = self.a

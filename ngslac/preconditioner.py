@@ -112,4 +112,5 @@ def OnVertices(system, vertices, inverse):
         Direct solver on these.
     """
     dofs = vertices & system.freedofs
-    return TwoLevel(system, Factor(system.Part(dofs), None, inverse), dofs)
+    coarse = system.Part(dofs)
+    return TwoLevel(system, coarse, Factor(coarse, None, inverse), dofs)

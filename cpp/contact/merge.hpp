@@ -11,8 +11,8 @@ Array<double> EquilibrationScale(const BaseMatrix & bulk);
 
 /// diag(scale) (bulk + sum of contacts) diag(scale)  as a scalar matrix with its exact graph.
 ///
-/// `former` was merged from the same bulk with the same scale: where it has the same graph, only its
-/// rows with contact are written anew, and it is returned.
+/// `former` was merged from the same bulk with the same scale: where it has the same graph, only
+/// its rows with contact are written anew, and it is returned.
 shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
                                                FlatArray<shared_ptr<SparseMatrix<double>>> contacts,
                                                FlatVector<> scale,

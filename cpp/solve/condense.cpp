@@ -17,9 +17,8 @@ public:
   }
   double operator[](int column) const { return value[column]; }
   FlatArray<int> Columns() const { return columns; }
-  /// The sum with sorted columns; starts the next one.
+  /// The sum; starts the next one.
   void Take(SparseRow & row) {
-    QuickSort(columns);
     row.columns = columns;
     row.values.SetSize(columns.Size());
     for (int i : Range(columns)) {
@@ -241,6 +240,30 @@ FlatVector<> Condensation::Values(size_t row) const {
   return FlatVector<>(values.Size(), values.Data());
 }
 
+Array<int> Condensation::DifferentRows(const Condensation & other) const {
+  Array<bool> differs(place.Size());
+  ParallelFor(place.Size(), [&](size_t i) {
+    auto values = Values(i), others = other.Values(i);
+    differs[i] = (place[i] >= 0 || other.place[i] >= 0) &&
+                 (Columns(i) != other.Columns(i) ||
+                  !std::equal(values.Data(), values.Data() + values.Size(), others.Data()));
+  });
+  Array<int> different;
+  for (int i : Range(differs))
+    if (differs[i])
+      different.Append(i);
+  return different;
+}
+
+double Condensation::RowTimes(size_t row, FlatVector<> x) const {
+  auto columns = Columns(row);
+  auto values = Values(row);
+  double sum = 0;
+  for (size_t j : Range(columns))
+    sum += values(j) * x(columns[j]);
+  return sum;
+}
+
 shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
   size_t n = mat->Height();
   Array<int> number(n), dofs;
@@ -260,7 +283,13 @@ shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const
   ParallelFor(dofs.Size(), [&](size_t i) {
     auto from = Columns(dofs[i]), columns = part->GetRowIndices(i);
     auto entries = Values(dofs[i]), values = part->GetRowValues(i);
-    for (int j = 0, k = 0; j < from.Size(); j++)
+    Array<int> order(from.Size());
+    for (int j : Range(order))
+      order[j] = j;
+    if (place[dofs[i]] >= 0) // others are sorted
+      QuickSortI(from, order);
+    int k = 0;
+    for (int j : order)
       if (number[from[j]] >= 0) {
         columns[k] = number[from[j]];
         values(k++) = entries(j);
@@ -279,14 +308,7 @@ void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const
   RegionTimer reg(timer);
   auto from = x.FV<double>();
   auto to = y.FV<double>();
-  ParallelFor(mat->Height(), [&](size_t i) {
-    auto columns = Columns(i);
-    auto values = Values(i);
-    double sum = 0;
-    for (size_t j : Range(columns))
-      sum += values(j) * from(columns[j]);
-    to(i) += s * sum;
-  });
+  ParallelFor(mat->Height(), [&](size_t i) { to(i) += s * RowTimes(i, from); });
 }
 
 /// K (u of x) on the displacements, with the local terms.

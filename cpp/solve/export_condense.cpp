@@ -73,14 +73,25 @@ void ExportCondense(py::module & m) {
           py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
-      "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. `coarse` is an\n"
-      "approximate inverse of the part that belongs to `dofs`.")
+      "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The "
+      "correction\n"
+      "is by `inverse`, that of the part `coarse` of the system, which belongs to `dofs`.")
       .def(py::init([](const Condensation & system, shared_ptr<BaseMatrix> coarse,
-                       const BitArray & dofs) {
+                       shared_ptr<BaseMatrix> inverse, const BitArray & dofs) {
              py::gil_scoped_release release;
-             return make_shared<TwoLevel>(system, coarse, dofs);
+             return make_shared<TwoLevel>(system, coarse, inverse, dofs);
            }),
-           py::arg("system"), py::arg("coarse"), py::arg("dofs"));
+           py::arg("system"), py::arg("coarse"), py::arg("inverse"), py::arg("dofs"));
+  py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
+      m, "TwoLevelProduct",
+      "A M^-1 on the free dofs, for the matrix A of `system` and M made for the system `near`,\n"
+      "most of whose rows are the same; to single precision.")
+      .def(py::init([](shared_ptr<Condensation> system, const Condensation & near,
+                       shared_ptr<TwoLevel> pre) {
+             py::gil_scoped_release release;
+             return make_shared<TwoLevelProduct>(system, near, pre);
+           }),
+           py::arg("system"), py::arg("near"), py::arg("preconditioner"));
   m.def(
       "VertexDofs",
       [](const FESpace & fes) {

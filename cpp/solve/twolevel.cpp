@@ -2,8 +2,8 @@
 
 namespace ngslac {
 TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
-                   const BitArray & coarsedofs)
-    : order(system), format(system.RowFormat()), coarse(acoarse) {
+                   shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs)
+    : order(system), format(system.RowFormat()), coarse(acoarse), coarseinverse(inverse) {
   static Timer timer("ngslac::TwoLevel - setup");
   RegionTimer reg(timer);
   for (int i : Range(order.slot))
@@ -76,7 +76,8 @@ void TwoLevel::FillRow(const Condensation & system, size_t row, FlatArray<Block 
   for (int k : Range(1, width))
     equal = equal && system.Columns(dofs[k]) == columns;
   if (equal) {
-    FlatVector<> values[] = {system.Values(dofs[0]), system.Values(dofs[1]), system.Values(dofs[2])};
+    FlatVector<> values[] = {system.Values(dofs[0]), system.Values(dofs[1]),
+                             system.Values(dofs[2])};
     for (int j : Range(columns))
       entries(columns[j], [&](float * entry) {
         for (int k : Range(width))
@@ -127,18 +128,18 @@ auto TwoLevel::Solved(size_t row, Node right, const Node & product) const -> Nod
 
 /// After a sweep  (L + D) z = b  what is left is  - U z.
 void TwoLevel::Correct(FlatArray<Node> z) const {
-  auto rhs = coarse->CreateColVector(), solution = coarse->CreateRowVector();
+  auto rhs = coarseinverse->CreateColVector(), solution = coarseinverse->CreateRowVector();
   auto left = rhs.FV<double>(), correction = solution.FV<double>();
   ParallelFor(coarseslots.Size(), [&](size_t i) {
     int s = coarseslots[i];
     left(i) = -upper.Times(s / width, z)[s % width];
   });
-  coarse->Mult(rhs, solution);
+  coarseinverse->Mult(rhs, solution);
   for (int i : Range(coarseslots))
     z[coarseslots[i] / width][coarseslots[i] % width] += float(correction(i));
 }
 
-void TwoLevel::Mult(const BaseVector & x, BaseVector & y) const {
+void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const {
   static Timer timer("ngslac::TwoLevel");
   RegionTimer reg(timer);
   auto from = x.FV<double>(), to = y.FV<double>();
@@ -160,6 +161,9 @@ void TwoLevel::Mult(const BaseVector & x, BaseVector & y) const {
         z[row] = Solved(row, b[row], lower.Times(row, z));
     });
   Correct(z);
+  Array<Node> before;
+  if (image)
+    before = z;
   for (int colour : {1, 0})
     sweep(colour, [&](IntRange chunk) {
       for (size_t row = chunk.end(); row-- > chunk.begin();) {
@@ -169,14 +173,44 @@ void TwoLevel::Mult(const BaseVector & x, BaseVector & y) const {
         z[row] = Solved(row, b[row], product);
       }
     });
-  ParallelFor(order.slot.Size(), [&](size_t i) {
-    int s = order.slot[i];
-    to(i) = s >= 0 ? z[s / width][s % width] : 0;
-  });
+  auto scatter = [&](FlatArray<Node> nodes, FlatVector<> values) {
+    ParallelFor(values.Size(), [&](size_t i) {
+      int s = order.slot[i];
+      values(i) = s >= 0 ? nodes[s / width][s % width] : 0;
+    });
+  };
+  scatter(z, to);
+  if (!image)
+    return;
+  // (D + U) z = b - L (z before the sweep)
+  auto subtract = [](Node value, const Node & other) {
+    for (int k : Range(width))
+      value[k] -= other[k];
+    return value;
+  };
+  ParallelFor(z.Size(), [&](size_t row) { before[row] = subtract(before[row], z[row]); });
+  ParallelFor(z.Size(), [&](size_t row) { z[row] = subtract(b[row], lower.Times(row, before)); });
+  scatter(z, image->FV<double>());
 }
 
 void TwoLevel::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
   auto product = CreateRowVector();
+  Mult(x, product);
+  y += s * product;
+}
+
+void TwoLevelProduct::Mult(const BaseVector & x, BaseVector & y) const {
+  auto z = CreateRowVector();
+  pre->Apply(x, z, &y);
+  auto from = z.FV<double>(), to = y.FV<double>();
+  ParallelFor(different.Size(), [&](size_t i) {
+    int row = different[i];
+    to(row) = system->Free()->Test(row) ? system->RowTimes(row, from) : 0;
+  });
+}
+
+void TwoLevelProduct::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
+  auto product = CreateColVector();
   Mult(x, product);
   y += s * product;
 }

@@ -9,16 +9,20 @@ namespace ngslac {
 /// traffic: the triangles are copied to blocks in single precision.
 class TwoLevel : public BaseMatrix {
 public:
-  /// `coarse` is an approximate inverse of the part of the system that belongs to `coarsedofs`.
-  TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> coarse, const BitArray & coarsedofs);
+  /// The part `coarse` of the system, which belongs to `coarsedofs`, only is kept alive for its
+  /// inverse.
+  TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> coarse,
+           shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs);
 
   bool IsComplex() const override { return false; }
   int VHeight() const override { return order.slot.Size(); }
   int VWidth() const override { return order.slot.Size(); }
   VecFormat RowFormat() const override { return format; }
   VecFormat ColFormat() const override { return format; }
-  void Mult(const BaseVector & x, BaseVector & y) const override;
+  void Mult(const BaseVector & x, BaseVector & y) const override { Apply(x, y, nullptr); }
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
+  /// y = M^-1 x, and A y where `image` is given, to single precision: what the last sweep leaves.
+  void Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const;
 
 private:
   static constexpr int width = SweepOrder::width;
@@ -41,9 +45,31 @@ private:
 
   SweepOrder order;
   VecFormat format;
-  shared_ptr<BaseMatrix> coarse;
+  shared_ptr<BaseMatrix> coarse, coarseinverse;
   Array<int> coarseslots;
   Array<Block> diagonal; // inverses
   Triangle lower, upper;
+};
+
+/// A M^-1  for the matrix A of a system and a preconditioner M, made for a system with mostly the
+/// same rows; on the free dofs.
+class TwoLevelProduct : public BaseMatrix {
+public:
+  TwoLevelProduct(shared_ptr<Condensation> system, const Condensation & near,
+                  shared_ptr<TwoLevel> pre)
+      : system(system), pre(pre), different(system->DifferentRows(near)) {}
+
+  bool IsComplex() const override { return false; }
+  int VHeight() const override { return system->VHeight(); }
+  int VWidth() const override { return system->VWidth(); }
+  VecFormat RowFormat() const override { return system->RowFormat(); }
+  VecFormat ColFormat() const override { return system->ColFormat(); }
+  void Mult(const BaseVector & x, BaseVector & y) const override;
+  void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
+
+private:
+  shared_ptr<Condensation> system;
+  shared_ptr<TwoLevel> pre;
+  Array<int> different; // rows of the system that are not those of M
 };
 } // namespace ngslac

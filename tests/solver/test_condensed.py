@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from netgen.meshing import NgException
-from ngsolve import Parameter, TaskManager
+from ngsolve import GetNumThreads, Parameter, Projector, SetNumThreads, TaskManager
 from press import mixed_press, press
 from press3d import mixed_press3d, numpy, press3d, solved
 from scipy.sparse import csr_matrix
 
 from ngslac import BubbleVectorH1
-from ngslac._ngslac import Condensation, MergeMatrices
+from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.linear import AsBits, AsNumPy, LinearSolver, Multiply
 from ngslac.preconditioner import IsSymmetric, OnVertices
 
@@ -93,7 +93,7 @@ def test_reduce_and_expand_are_exact(case):
     given = mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free
     condensed = Condensation(*given)
     mask, inner = AsNumPy(free), AsNumPy(condensed.freedofs)
-    whole, part = dense(mat)[np.ix_(mask, mask)], dense(condensed.mat)[np.ix_(inner, inner)]
+    whole, part = dense(mat)[np.ix_(mask, mask)], dense(condensed.Part())[np.ix_(inner, inner)]
     expected, w = np.zeros(len(b)), np.zeros(len(b))
     expected[mask] = np.linalg.solve(whole, b[mask])
     w[inner] = np.linalg.solve(part, condensed.Reduce(b)[inner])
@@ -108,11 +108,11 @@ def test_condition_number(case):
     make, flags = CASES[case]
     mat, _, multipliers, free = system(make(**flags))
     condensed = Condensation(mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free)
-    assert IsSymmetric(condensed.mat)
+    assert IsSymmetric(condensed)
     inner = np.flatnonzero(AsNumPy(condensed.freedofs))
     rows = np.ix_(inner, inner)
     assert np.sum(condensed.constraints) > 0
-    assert condition(dense(condensed.mat)[rows]) < 10 * condition(dense(mat)[rows])
+    assert condition(dense(condensed.Part())[rows]) < 10 * condition(dense(mat)[rows])
 
 
 @pytest.mark.parametrize("case", ["2D mixed", "3D mixed", "3D slip"])
@@ -121,10 +121,10 @@ def test_frictionless_variant_is_symmetric_and_positive(case):
     mat, _, multipliers, free = system(make(**flags))
     given = mat, multipliers.tolist(), 2 if case.startswith("2D") else 3, free
     exact, variant = Condensation(*given), Condensation(*given, symmetric=True)
-    assert not IsSymmetric(exact.mat)
-    assert IsSymmetric(variant.mat)
+    assert not IsSymmetric(exact)
+    assert IsSymmetric(variant)
     inner = np.flatnonzero(AsNumPy(variant.freedofs))
-    assert np.linalg.eigvalsh(dense(variant.mat)[np.ix_(inner, inner)])[0] > 0
+    assert np.linalg.eigvalsh(dense(variant.Part())[np.ix_(inner, inner)])[0] > 0
 
 
 def test_a_factorisation_serves_again():
@@ -169,15 +169,77 @@ def test_without_inner_displacement_the_whole_system_is_solved():
     assert linear._factorisations == 1
 
 
-def test_two_level_preconditioner_is_symmetric():
-    problem = press3d(friction=5.0, kinds=("tet", "tet"))
+def two_level(problem):
+    """Condensed system, its symmetric variant and the preconditioner of that."""
     mat, _, multipliers, free = system(problem)
-    condensed = Condensation(mat, multipliers.tolist(), 3, free)
+    given = mat, multipliers.tolist(), 3, free
+    exact, near = Condensation(*given), Condensation(*given, symmetric=True)
     solver = problem.solver(solver="iterative")
     coarse = solver.linear._methods[0][1].coarse
+    return exact, near, OnVertices(near, coarse, "sparsecholesky")
+
+
+def random_vectors(system, number):
+    """On the free dofs."""
+    values = np.random.default_rng(4).standard_normal((number, system.height))
+    vectors = [system.CreateRowVector() for _ in values]
+    for vec, entries in zip(vectors, values * AsNumPy(system.freedofs), strict=True):
+        vec.FV().NumPy()[:] = entries
+    return vectors
+
+
+def test_two_level_preconditioner_is_symmetric_and_positive():
+    """To single precision, in which it computes."""
     with TaskManager():
-        inverse = OnVertices(condensed.mat, condensed.freedofs, coarse, "sparsecholesky")
-        assert IsSymmetric(inverse)
+        _, near, inverse = two_level(press3d(friction=5.0, kinds=("tet", "tet")))
+        x, y = random_vectors(near, 2)
+        left, right = (inverse * x).Evaluate(), (inverse * y).Evaluate()
+    size = left.Norm() * y.Norm()
+    assert left.InnerProduct(y) == pytest.approx(x.InnerProduct(right), abs=1e-6 * size)
+    assert left.InnerProduct(x) > 0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.05, 5.0])
+def test_two_level_product(friction):
+    """The last sweep leaves the product with the matrix, also where that has slip."""
+    with TaskManager():
+        exact, near, inverse = two_level(press3d(friction=friction, kinds=("tet", "hex")))
+        assert exact.has_symmetric_contact == (friction != 0.05)
+        (x,) = random_vectors(near, 1)
+        expected = (Projector(near.freedofs, True) * (exact * (inverse * x))).Evaluate()
+        product = (TwoLevelProduct(exact, near, inverse) * x).Evaluate()
+    assert (product - expected).Evaluate().Norm() < 1e-6 * expected.Norm()
+
+
+def test_threads_do_not_change_the_preconditioner():
+    before, images = GetNumThreads(), []
+    with TaskManager():
+        _, near, inverse = two_level(press3d(friction=5.0, kinds=("tet", "tet")))
+        (x,) = random_vectors(near, 1)
+    try:
+        for threads in (1, 3):
+            SetNumThreads(threads)
+            with TaskManager():
+                images.append(numpy((inverse * x).Evaluate()))
+    finally:
+        SetNumThreads(before)
+    assert np.array_equal(*images)
+
+
+def test_matrix_is_merged_in_place_where_only_contact_changes():
+    """As merged anew, after each change of status; another bulk makes another matrix."""
+    problem = press3d(friction=0.05)
+    solver = problem.solver(solver="saddle")
+    form, linear = problem.contact.form, solver.linear
+    solver._Assemble()
+    first = linear._Merge(problem.a.mat, [form], solver.scale, None)
+    numpy(problem.gf)[:] = 1e-3 * np.random.default_rng(0).standard_normal(len(numpy(problem.gf)))
+    form.AssembleStep(problem.gf.vec, problem.gf.vec.CreateVector())
+    again = linear._Merge(problem.a.mat, [form], solver.scale, None)
+    assert again is first
+    assert np.array_equal(dense(again), dense(MergeMatrices(problem.a.mat, [form], solver.scale)))
+    linear.NewBulk()
+    assert linear._Merge(problem.a.mat, [form], solver.scale, None) is not first
 
 
 @pytest.mark.parametrize("wanted", ["fast", 3])
