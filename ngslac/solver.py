@@ -143,9 +143,14 @@ class ContactSolver(NewtonStep):
                 raise ContactConvergenceError(str(error), self.history) from error
             raise
 
-    def Merit(self):
-        """Size of the residual at `gf`, infinite without one; None before the first solve."""
-        return self.residual.Measure(self.scale, honest=True).merit if self.history else None
+    def Merit(self, *, same_load=False):
+        """Size of the residual at `gf`, infinite without one; None before the first solve.
+
+        With the load of the last call the bulk's part of it may be a product with its matrix.
+        """
+        if not self.history:
+            return None
+        return self.residual.Measure(self.scale, honest=not same_load).merit
 
     def _ReturnTo(self, start):
         self.gf.vec.data = start

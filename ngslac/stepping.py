@@ -189,7 +189,7 @@ class LoadStepper:
             if fixed is not None:
                 values[fixed] = wanted[fixed]
             # A larger residual is no harm as long as the status is a better guess.
-            if merit is None or self.solver.Merit() < 10 * merit:
+            if merit is None or self.solver.Merit(same_load=True) < 10 * merit:
                 return {}
         vec.data = last
         if start == "free":
