@@ -28,7 +28,7 @@ class Condensed:
 
     What is left (``Z^T K Z`` with the columns Z of the displacements that keep the constraints) is
     symmetric and positive definite where the bulk is, as long as nothing slips. Slip makes it
-    unsymmetric: then the system in which slip is frictionless preconditions GMRES.
+    unsymmetric, which takes GMRES.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Condensed:
         return best if size else (x, 0.0)
 
     def _Frictionless(self, given):
-        """The system in which slip is frictionless, if that is symmetric."""
+        """The system in which slip is frictionless, if that serves and is symmetric."""
         variant = Condensation(*given, symmetric=True)
         return variant if self._IsSymmetric(variant) else None
 
@@ -186,6 +186,8 @@ def Patience(count, dim):
 class DirectCondensed(Condensed):
     """With a sparse factorisation, kept for later systems while few macro-elements change.
 
+    With slip that of the system in which slip is frictionless preconditions GMRES.
+
     Each macro-element that opens or closes costs about two Krylov iterations per direction; where
     these would cost more than half of a factorisation the new matrix is factored.
     """
@@ -249,6 +251,8 @@ class DirectCondensed(Condensed):
 class IterativeCondensed(Condensed):
     """With a two-level preconditioner, which needs little memory, made for each system.
 
+    Slip is in it: a frictionless one costs up to twice the iterations.
+
     Parameters
     ----------
     freedofs, bits, dim, inverse :
@@ -267,14 +271,16 @@ class IterativeCondensed(Condensed):
     def _Accuracy(self, wanted):
         return max(wanted, self.exact)
 
-    def _Preconditioners(self, system, frictionless, _):
-        near, inverse = frictionless or system, (Cholesky if frictionless else LU)(self.inverse)
-        if self._kept is None or not IsNear(near, self._kept[0]):
+    def _Frictionless(self, _):
+        return None
+
+    def _Preconditioners(self, system, symmetric, _):
+        if self._kept is None or not IsNear(system, self._kept[0]):
             self._kept = None
-            self._kept = near, OnVertices(near, self.coarse, inverse)
+            inverse = (Cholesky if symmetric else LU)(self.inverse)
+            self._kept = system, OnVertices(system, self.coarse, inverse)
         yield self._kept[1], self.most_iterations
 
-    def _Iterate(self, system, frictionless, inverse, rhs, tol, iterations):
-        product = TwoLevelProduct(system, frictionless or system, inverse)
-        options = {"tol": tol, "maxiter": iterations}
-        return _RightGMRes(product, inverse, rhs, system.freedofs, **options)
+    def _Iterate(self, system, _, inverse, rhs, tol, iterations):
+        given = TwoLevelProduct(inverse), inverse, rhs, system.freedofs
+        return _RightGMRes(*given, tol=tol, maxiter=iterations)

@@ -68,10 +68,10 @@ class LinearSolver:
         return self._methods[0][0] if self._methods else "saddle"
 
     def __str__(self):
-        cholesky = Cholesky(self._wanted)
+        factor = f"{Cholesky(self._wanted)}, or {LU(self._wanted)} where unsymmetric"
         ways = {
-            "iterative": f"iterative, with {cholesky} on the vertices",
-            "direct": f"condensed, with {cholesky}, or {LU(self._wanted)} where unsymmetric",
+            "iterative": f"iterative, on the vertices with {factor}",
+            "direct": f"condensed, with {factor}",
             "saddle": f"saddle point, with {self.inverse}",
         }
         return f"linear systems: {ways[self.method]} ({self._reason})"

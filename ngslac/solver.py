@@ -41,8 +41,8 @@ class ContactSolver(NewtonStep):
         How linear systems are solved. "direct": each macro-element's multiplier and one inner node
         of its displacement are eliminated, the rest is factored (with slip, the frictionless system
         is, for GMRES); the factorisation serves again while few macro-elements change. "iterative":
-        CG or GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution
-        on the vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
+        GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution on the
+        vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
         Default: "iterative" in 3D from 25,000 free displacements on, else "direct".
     initial : {"gap", "none"}
         Which macro-elements start closed when a body is held by contact alone: those nearest to the

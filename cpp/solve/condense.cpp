@@ -240,30 +240,6 @@ FlatVector<> Condensation::Values(size_t row) const {
   return FlatVector<>(values.Size(), values.Data());
 }
 
-Array<int> Condensation::DifferentRows(const Condensation & other) const {
-  Array<bool> differs(place.Size());
-  ParallelFor(place.Size(), [&](size_t i) {
-    auto values = Values(i), others = other.Values(i);
-    differs[i] = (place[i] >= 0 || other.place[i] >= 0) &&
-                 (Columns(i) != other.Columns(i) ||
-                  !std::equal(values.Data(), values.Data() + values.Size(), others.Data()));
-  });
-  Array<int> different;
-  for (int i : Range(differs))
-    if (differs[i])
-      different.Append(i);
-  return different;
-}
-
-double Condensation::RowTimes(size_t row, FlatVector<> x) const {
-  auto columns = Columns(row);
-  auto values = Values(row);
-  double sum = 0;
-  for (size_t j : Range(columns))
-    sum += values(j) * x(columns[j]);
-  return sum;
-}
-
 shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
   size_t n = mat->Height();
   Array<int> number(n), dofs;
@@ -308,7 +284,14 @@ void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const
   RegionTimer reg(timer);
   auto from = x.FV<double>();
   auto to = y.FV<double>();
-  ParallelFor(mat->Height(), [&](size_t i) { to(i) += s * RowTimes(i, from); });
+  ParallelFor(mat->Height(), [&](size_t i) {
+    auto columns = Columns(i);
+    auto values = Values(i);
+    double sum = 0;
+    for (size_t j : Range(columns))
+      sum += values(j) * from(columns[j]);
+    to(i) += s * sum;
+  });
 }
 
 /// K (u of x) on the displacements, with the local terms.

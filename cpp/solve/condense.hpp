@@ -39,9 +39,6 @@ public:
 
   FlatArray<int> Columns(size_t row) const;
   FlatVector<> Values(size_t row) const;
-  double RowTimes(size_t row, FlatVector<> x) const;
-  /// Rows that are not those of another condensation of the same matrix.
-  Array<int> DifferentRows(const Condensation & other) const;
   /// Rows and columns of some dofs, numbered anew; all of them with their own numbers without bits.
   shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
 

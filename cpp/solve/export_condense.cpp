@@ -84,14 +84,8 @@ void ExportCondense(py::module & m) {
            py::arg("system"), py::arg("coarse"), py::arg("inverse"), py::arg("dofs"));
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
       m, "TwoLevelProduct",
-      "A M^-1 on the free dofs, for the matrix A of `system` and M made for the system `near`,\n"
-      "most of whose rows are the same; to single precision.")
-      .def(py::init([](shared_ptr<Condensation> system, const Condensation & near,
-                       shared_ptr<TwoLevel> pre) {
-             py::gil_scoped_release release;
-             return make_shared<TwoLevelProduct>(system, near, pre);
-           }),
-           py::arg("system"), py::arg("near"), py::arg("preconditioner"));
+      "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
+      .def(py::init<shared_ptr<TwoLevel>>(), py::arg("preconditioner"));
   m.def(
       "VertexDofs",
       [](const FESpace & fes) {

@@ -202,11 +202,6 @@ void TwoLevel::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
 void TwoLevelProduct::Mult(const BaseVector & x, BaseVector & y) const {
   auto z = CreateRowVector();
   pre->Apply(x, z, &y);
-  auto from = z.FV<double>(), to = y.FV<double>();
-  ParallelFor(different.Size(), [&](size_t i) {
-    int row = different[i];
-    to(row) = system->Free()->Test(row) ? system->RowTimes(row, from) : 0;
-  });
 }
 
 void TwoLevelProduct::MultAdd(double s, const BaseVector & x, BaseVector & y) const {

@@ -51,25 +51,20 @@ private:
   Triangle lower, upper;
 };
 
-/// A M^-1  for the matrix A of a system and a preconditioner M, made for a system with mostly the
-/// same rows; on the free dofs.
+/// A M^-1  for this preconditioner M of a matrix A, to single precision.
 class TwoLevelProduct : public BaseMatrix {
 public:
-  TwoLevelProduct(shared_ptr<Condensation> system, const Condensation & near,
-                  shared_ptr<TwoLevel> pre)
-      : system(system), pre(pre), different(system->DifferentRows(near)) {}
+  TwoLevelProduct(shared_ptr<TwoLevel> pre) : pre(pre) {}
 
   bool IsComplex() const override { return false; }
-  int VHeight() const override { return system->VHeight(); }
-  int VWidth() const override { return system->VWidth(); }
-  VecFormat RowFormat() const override { return system->RowFormat(); }
-  VecFormat ColFormat() const override { return system->ColFormat(); }
+  int VHeight() const override { return pre->VHeight(); }
+  int VWidth() const override { return pre->VWidth(); }
+  VecFormat RowFormat() const override { return pre->RowFormat(); }
+  VecFormat ColFormat() const override { return pre->ColFormat(); }
   void Mult(const BaseVector & x, BaseVector & y) const override;
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
 
 private:
-  shared_ptr<Condensation> system;
   shared_ptr<TwoLevel> pre;
-  Array<int> different; // rows of the system that are not those of M
 };
 } // namespace ngslac
