@@ -5,7 +5,8 @@ from netgen.meshing import NgException
 from ngsolve import BaseVector, BitArray
 
 from ngslac._ngslac import MergeMatrices
-from ngslac.condensed import DirectCondensed, IterativeCondensed
+from ngslac.direct import DirectCondensed
+from ngslac.iterative import IterativeCondensed
 from ngslac.preconditioner import LU, Cholesky, Factor, LinearSolveError
 
 __all__ = ["AsBits", "AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
@@ -33,6 +34,8 @@ class LinearSolver:
         Dofs of the vertices, for "iterative".
     reason : str
         Why this method, for people.
+    preconditioner : callable, optional
+        For "iterative", see ContactSolver.
 
     Attributes
     ----------
@@ -45,22 +48,33 @@ class LinearSolver:
     tolerance = 1e-9
     acceptable = 1e-5  # nearly singular: the next Newton step makes up for it
     refinements = 3
+    most_failures = 3  # of an iteration in a row: then it is given up
     # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
     shift, most_shifts = 1e-4, 5
 
-    def __init__(self, freedofs, inverse=None, method="saddle", dim=3, coarse=None, reason=""):
+    def __init__(
+        self,
+        freedofs,
+        inverse=None,
+        method="saddle",
+        dim=3,
+        coarse=None,
+        reason="",
+        preconditioner=None,
+    ):
         self.bits = BitArray(freedofs)
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
-        self.shifts = self._factorisations = 0
+        self.shifts = self._factorisations = self._failures = 0
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
-            iterative = IterativeCondensed(self.free, self.bits, dim, inverse, coarse)
+            given = self.free, self.bits, dim, inverse, coarse, preconditioner
+            iterative = IterativeCondensed(*given)
             self._methods.insert(0, ("iterative", iterative))
         self._used = list(self._methods)
         self.NewBulk()
-        self._wanted, self._reason = inverse, reason
+        self._wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
 
     @property
     def method(self):
@@ -69,8 +83,9 @@ class LinearSolver:
 
     def __str__(self):
         factor = f"{Cholesky(self._wanted)}, or {LU(self._wanted)} where unsymmetric"
+        vertices = f"on the vertices with {factor}"
         ways = {
-            "iterative": f"iterative, on the vertices with {factor}",
+            "iterative": "iterative, " + ("as given" if self._preconditioner else vertices),
             "direct": f"condensed, with {factor}",
             "saddle": f"saddle point, with {self.inverse}",
         }
@@ -109,6 +124,8 @@ class LinearSolver:
             if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
                 if name == SAFE:
                     self.inverse = SAFE
+                if name == "iterative":
+                    self._failures = 0
                 return scale * x
             errors.append(f"{name}: relative residual {error:.1e}")
             if error < best[1]:
@@ -143,8 +160,10 @@ class LinearSolver:
             args = mat, dofs, b, accuracy
             for name, method in list(self._methods):
                 yield name, lambda method=method: method.Solve(*args)
-                if name == "iterative":  # it was too slow: so it would be next time
-                    del self._methods[0]
+                if name == "iterative":
+                    self._failures += 1
+                    if self._failures == self.most_failures:
+                        del self._methods[0]
         for inverse in dict.fromkeys((self.inverse, SAFE)):
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
 

@@ -127,15 +127,19 @@ class NewtonStep:
         return Multiply((self.a.mat, *(form.mat for form in forms)), values)
 
 
-def ChooseSolver(a, contacts, freedofs, inverse, wanted):
+def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
     """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest."""
+    if preconditioner is not None:
+        if wanted not in (None, "iterative") or not callable(preconditioner):
+            raise ValueError("preconditioner= must be callable, and goes with solver='iterative'")
+        wanted = "iterative"
     if wanted not in (None, "direct", "iterative", "saddle"):
         raise ValueError(f"solver={wanted!r} must be 'direct', 'iterative' or 'saddle'")
     space = a.space
     coarse = ScalarDofs(VertexDofs(space), space) & freedofs
     free, vertices = freedofs.NumSet(), coarse.NumSet()
     suits = 0 < vertices < free / 3  # else the coarse problem is nearly the whole one
-    if wanted == "iterative" and not suits:
+    if wanted == "iterative" and not suits and not preconditioner:
         raise ValueError(
             f"solver='iterative' corrects on the {vertices} dofs of the vertices, which must be "
             f"less than a third of the {free} free ones: take a displacement of order 2 or higher"
@@ -146,4 +150,5 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted):
         reason = f"{free} free dofs in {space.mesh.dim}D"
         iterates = suits and large and space.mesh.dim == 3 and not inverse
         wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
-    return LinearSolver(freedofs, inverse, wanted, space.mesh.dim, coarse, reason)
+    given = freedofs, inverse, wanted, space.mesh.dim, coarse, reason, preconditioner
+    return LinearSolver(*given)

@@ -44,6 +44,11 @@ class ContactSolver(NewtonStep):
         GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution on the
         vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
         Default: "iterative" in 3D from 25,000 free displacements on, else "direct".
+    preconditioner : callable, optional
+        For "iterative", of any order: ``preconditioner(mat, freedofs)`` returns an operator of the
+        same size, which approximates the inverse of a sparse matrix on the free dofs, as an
+        algebraic multigrid method does. Called for each new matrix; the numbers of the scalar dofs
+        are those of the product space, and the rows of the multipliers are empty.
     initial : {"gap", "none"}
         Which macro-elements start closed when a body is held by contact alone: those nearest to the
         master, or none (then such a body is an error).
@@ -61,7 +66,17 @@ class ContactSolver(NewtonStep):
     """
 
     def __init__(
-        self, a, gf, contacts, *, rhs=None, freedofs=None, inverse=None, solver=None, initial="gap"
+        self,
+        a,
+        gf,
+        contacts,
+        *,
+        rhs=None,
+        freedofs=None,
+        inverse=None,
+        solver=None,
+        preconditioner=None,
+        initial="gap",
     ):
         self.contacts = [*contacts] if isinstance(contacts, (list, tuple)) else [contacts]
         if not self.contacts:
@@ -76,7 +91,7 @@ class ContactSolver(NewtonStep):
         self.a, self.gf, self.initial = a, gf, initial
         space = a.space
         scalars = ScalarDofs(freedofs or space.FreeDofs(a.condense), space)
-        self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver)
+        self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver, preconditioner)
         self._inner = np.zeros_like(self.linear.free)
         if a.condense:  # these are free, but not in the matrix
             inner = BitArray(space.FreeDofs())

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from netgen.meshing import NgException
-from ngsolve import GetNumThreads, Parameter, Projector, SetNumThreads, TaskManager
+from ngsolve import GetNumThreads, IdentityMatrix, Parameter, Projector, SetNumThreads, TaskManager
 from press import mixed_press, press
 from press3d import mixed_press3d, numpy, press3d, solved
 from scipy.sparse import csr_matrix
 
 from ngslac import BubbleVectorH1
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
-from ngslac.condensed import IterativeCondensed
+from ngslac.iterative import IterativeCondensed
 from ngslac.linear import AsBits, AsNumPy, LinearSolver, Multiply
 from ngslac.preconditioner import IsSymmetric, OnVertices
 
@@ -241,6 +241,38 @@ def test_matrix_is_merged_in_place_where_only_contact_changes():
     assert np.array_equal(dense(again), dense(MergeMatrices(problem.a.mat, [form], solver.scale)))
     linear.NewBulk()
     assert linear._Merge(problem.a.mat, [form], solver.scale, None) is not first
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("friction", [0.05, 5.0])
+def test_own_preconditioner(order, friction):
+    """Of any order, also with slip; called anew where the matrix changes."""
+    given, calls = {"order": order, "friction": friction, "n": (4, 3)}, []
+
+    def smoother(mat, freedofs):
+        calls.append(mat)
+        return mat.CreateSmoother(freedofs)
+
+    reference, problem = press3d(**given), press3d(**given)
+    solved(reference, solver="saddle")
+    solver = solved(problem, preconditioner=smoother)
+    assert solver.linear.method == "iterative"
+    assert solver.linear.factorisations == 0
+    assert 1 <= len(calls) <= len(solver.history)
+    size = np.abs(numpy(reference.gf.components[0])).max()
+    u, expected = (numpy(p.gf.components[0]) for p in (problem, reference))
+    assert u == pytest.approx(expected, abs=1e-7 * size)
+
+
+def test_preconditioner_has_to_fit():
+    def identity(mat, freedofs):
+        return IdentityMatrix(mat.height - 1)
+
+    with pytest.raises(ValueError, match="not an operator of the size"):
+        press3d().solver(preconditioner=identity).Solve(printing=False)
+    for wrong in ({"solver": "direct", "preconditioner": identity}, {"preconditioner": "amg"}):
+        with pytest.raises(ValueError, match="must be callable, and goes with solver='iterative'"):
+            press3d().solver(**wrong)
 
 
 @pytest.mark.parametrize("wanted", ["fast", 3])
