@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -299,7 +299,7 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
-class Condensation:
+class Condensation(ngsolve.la.BaseMatrix):
     """
     Newton system without multipliers: each macro-element's multiplier and one inner node of its
     displacement are eliminated exactly. `symmetric` takes slip for frictionless.
@@ -308,11 +308,15 @@ class Condensation:
         """
         Solution of the whole system from one of `mat`.
         """
+    def Part(self, dofs: pyngcore.pyngcore.BitArray = None) -> ngsolve.la.BaseMatrix:
+        """
+        Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.
+        """
     def Reduce(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
         """
         Right hand side of `mat` for one of the whole system.
         """
-    def __init__(self, mat: BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
+    def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
         ...
     @property
     def constraints(self) -> numpy.typing.NDArray[numpy.int32]:
@@ -325,20 +329,30 @@ class Condensation:
         the free displacements
         """
     @property
-    def mat(self) -> ngsolve.la.BaseMatrix:
+    def has_symmetric_contact(self) -> bool:
         """
-        of the displacements; rows of multipliers are empty
+        as without slip
         """
 class TwoLevel(ngsolve.la.BaseMatrix):
     """
-    Preconditioner: a Gauss-Seidel sweep forward, the correction `coarse`, a sweep backward.
+    Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The correction
+    is by `inverse`, that of the part `coarse` of the system, which belongs to `dofs`.
     """
-    def __init__(self, mat: BaseMatrix, freedofs: pyngcore.pyngcore.BitArray, coarse: BaseMatrix) -> None:
+    def __init__(self, system: Condensation, coarse: ngsolve.la.BaseMatrix, inverse: ngsolve.la.BaseMatrix, dofs: pyngcore.pyngcore.BitArray) -> None:
+        ...
+class TwoLevelProduct(ngsolve.la.BaseMatrix):
+    """
+    A M^-1 on the free dofs for a preconditioner M of A, to single precision.
+    """
+    def __init__(self, preconditioner: TwoLevel) -> None:
         ...
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...
-def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm | ngsolve.la.BaseMatrix], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> ngsolve.la.BaseMatrix:
-    ...
+def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm | ngsolve.la.BaseMatrix], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], former: ngsolve.la.BaseMatrix = None) -> ngsolve.la.BaseMatrix:
+    """
+    diag(scale) (bulk + contacts) diag(scale). Of `former`, merged from the same bulk with the
+    same scale, only rows with contact are written anew, where the graph is the same.
+    """
 def PolygonDifference(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[list[typing.Annotated[list[float], "FixedSize(2)"]]]:
     ...
 def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[typing.Annotated[list[float], "FixedSize(2)"]]:

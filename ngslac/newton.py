@@ -15,7 +15,7 @@ LEAST_SIGHT = 1 / 8
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
 # From this many free displacements in 3D on an iterative solution is the faster one.
-LARGE = 25_000
+LARGE = 5_000
 
 
 class NewtonStep:
