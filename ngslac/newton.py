@@ -14,8 +14,8 @@ LEAST_SIGHT = 1 / 8
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
-# From this many free displacements in 3D on an iterative solution is the faster one.
-LARGE = 5_000
+# From this many free displacements on an iterative solution is the faster one: 2D and 3D.
+LARGE = {2: 10_000, 3: 5_000}
 
 
 class NewtonStep:
@@ -146,9 +146,10 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
         )
     reason = "as asked for"
     if wanted is None:
-        large, small_sliding = free >= LARGE, not any(contact.finite for contact in contacts)
+        large = free >= LARGE[space.mesh.dim]
+        small_sliding = not any(contact.finite for contact in contacts)
         reason = f"{free} free dofs in {space.mesh.dim}D"
-        iterates = suits and large and space.mesh.dim == 3 and not inverse
+        iterates = suits and large and not inverse
         wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
     given = freedofs, inverse, wanted, space.mesh.dim, coarse, reason, preconditioner
     return LinearSolver(*given)
