@@ -15,7 +15,7 @@ LEAST_SIGHT = 1 / 8
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
-LARGE = {2: 10_000, 3: 5_000}
+LARGE = {2: 25_000, 3: 5_000}
 
 
 class NewtonStep:

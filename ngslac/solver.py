@@ -43,7 +43,7 @@ class ContactSolver(NewtonStep):
         is, for GMRES); the factorisation serves again while few macro-elements change. "iterative":
         GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution on the
         vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
-        Default: "iterative" from 5,000 free displacements in 3D and 10,000 in 2D on, for small
+        Default: "iterative" from 5,000 free displacements in 3D and 25,000 in 2D on, for small
         sliding, else "direct".
     preconditioner : callable, optional
         For "iterative", of any order: ``preconditioner(mat, freedofs)`` returns an operator of the
