@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from netgen.meshing import NgException
 
-from ngslac.linear import AsBits, LinearSolver, Multiply
+from ngslac.arrays import AsBits, Multiply
+from ngslac.linear import LinearSolver
 from ngslac.preconditioner import LU, Cholesky, Factor, IsSymmetric
 from ngslac.solver import ContactSolver
 

@@ -6,7 +6,7 @@ from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
-from ngslac.linear import AsBits, AsNumPy
+from ngslac.arrays import AsBits, AsNumPy
 from ngslac.rigidmotions import DofsOfMaterials, RigidMotions
 
 __all__ = ["Bodies", "CloseNearest", "FloatingMessage"]

@@ -5,6 +5,7 @@ from ngsolve import Projector
 from ngsolve.krylovspace import GMResSolver
 
 from ngslac._ngslac import Condensation
+from ngslac.arrays import Multiply
 from ngslac.preconditioner import IsSymmetric, LinearSolveError
 
 __all__ = ["Condensed", "IsNear", "RightGMRes"]
@@ -79,12 +80,9 @@ class Condensed:
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0
         best = x, error
-        product, factor = mat.CreateColVector(), mat.CreateRowVector()
         for _ in range(self.rounds if size else 0):
             x = x + self._Step(system, frictionless, left, 0.9 * accuracy * size)
-            factor.FV().NumPy()[:] = x
-            product.data = mat * factor
-            left = (b - product.FV().NumPy()) * self.free
+            left = (b - Multiply([mat], x)) * self.free
             error = float(np.linalg.norm(left)) / size
             if error < best[1]:  # not so where it is NaN
                 best = x, error

@@ -6,8 +6,8 @@ import numpy as np
 from ngsolve import BilinearForm, GridFunction, InnerProduct, Parameter, dx
 from scipy.sparse import vstack
 
+from ngslac.arrays import AsBits
 from ngslac.bodies import ActiveRows
-from ngslac.linear import AsBits
 
 __all__ = ["DynamicForm", "Inert", "Mass", "Scheme"]
 

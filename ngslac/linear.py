@@ -2,14 +2,15 @@
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BaseVector, BitArray
+from ngsolve import BitArray
 
 from ngslac._ngslac import MergeMatrices
+from ngslac.arrays import AsNumPy
 from ngslac.direct import DirectCondensed
 from ngslac.iterative import IterativeCondensed
 from ngslac.preconditioner import LU, Cholesky, Factor, LinearSolveError
 
-__all__ = ["AsBits", "AsNumPy", "LinearSolveError", "LinearSolver", "Multiply", "ScalarDofs"]
+__all__ = ["LinearSolveError", "LinearSolver"]
 
 SAFE = "umfpack"
 
@@ -143,10 +144,8 @@ class LinearSolver:
     def _Merge(self, bulk, forms, scale, shift):
         """The scaled matrix; that of the last call, changed, where the bulk is the same."""
         last, self._merged = self._merged, None
-        if last is not None and last[0] is bulk and np.array_equal(last[1], scale):
-            mat = MergeMatrices(bulk, forms, scale, last[2])
-        else:
-            mat = MergeMatrices(bulk, forms, scale)
+        same = last is not None and last[0] is bulk and np.array_equal(last[1], scale)
+        mat = MergeMatrices(bulk, forms, scale, last[2] if same else None)
         if shift is None:
             self._merged = bulk, np.array(scale), mat
         else:
@@ -216,40 +215,9 @@ class LinearSolver:
         return x.FV().NumPy(), error
 
 
-def Multiply(mats, values):
-    """The sum of sparse matrices times a vector, as numpy arrays of scalar entries."""
-    total = 0.0
-    for mat in mats:
-        factor, product = mat.CreateRowVector(), mat.CreateColVector()
-        factor.FV().NumPy()[:] = values
-        product.data = mat * factor
-        total = total + product.FV().NumPy()
-    return total
-
-
 def AddToDiagonal(mat, values):
     """Add to the diagonal of a sparse matrix, which has to be in its graph."""
     entries, columns, starts = mat.CSR()
     rows = np.repeat(np.arange(mat.height), np.diff(np.asarray(starts).astype(int)))
     where = np.flatnonzero(rows == np.asarray(columns))
     np.asarray(entries)[where] += values[rows[where]]
-
-
-def AsNumPy(bits):
-    """A BitArray as numpy array of bool."""
-    vec = BaseVector(len(bits))
-    vec[:] = 0
-    vec[bits] = 1  # far faster than a loop over the bits
-    return vec.FV().NumPy() != 0
-
-
-def AsBits(values):
-    """A numpy array of bool as BitArray."""
-    return BitArray(np.asarray(values, dtype=bool).tolist())
-
-
-def ScalarDofs(dofs, space):
-    """The scalar entries that belong to dofs of a space with blocks."""
-    if space.dim == 1:
-        return dofs
-    return AsBits(AsNumPy(dofs).repeat(space.dim))

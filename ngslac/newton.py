@@ -3,8 +3,9 @@
 import numpy as np
 
 from ngslac._ngslac import EquilibrationScale, VertexDofs
+from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
-from ngslac.linear import LinearSolver, Multiply, ScalarDofs
+from ngslac.linear import LinearSolver
 from ngslac.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]

@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, Region
 
-from ngslac.linear import AsNumPy, ScalarDofs
+from ngslac.arrays import AsNumPy, ScalarDofs
 
 __all__ = ["Prescribed"]
 

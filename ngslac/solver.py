@@ -4,11 +4,12 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BitArray
 
+from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
-from ngslac.linear import AsNumPy, LinearSolveError, ScalarDofs
+from ngslac.linear import LinearSolveError
 from ngslac.newton import ChooseSolver, NewtonStep
 from ngslac.residual import Residual
 

@@ -56,7 +56,7 @@ void ForEach(size_t count, size_t n, F f) {
 
 Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int> multipliers, int d,
                            const BitArray & afree, bool symmetric)
-    : mat(amat), free(make_shared<BitArray>(afree)) {
+    : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)) {
   static Timer timer("ngslac::Condense");
   RegionTimer reg(timer);
   Supports(multipliers, d);
@@ -272,11 +272,6 @@ shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const
       }
   });
   return part;
-}
-
-void Condensation::Mult(const BaseVector & x, BaseVector & y) const {
-  y = 0.0;
-  MultAdd(1, x, y);
 }
 
 void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {

@@ -1,5 +1,6 @@
 #pragma once
 #include "localblock.hpp"
+#include "squareoperator.hpp"
 
 namespace ngslac {
 class RowSum;
@@ -21,7 +22,7 @@ struct SparseRow {
 /// symmetric and positive definite where K is and G2 = E2^T. A has the numbers of the dofs of the
 /// given system; the rows of the multipliers stay empty. Only the rows of A that differ from those
 /// of the given matrix are stored.
-class Condensation : public BaseMatrix {
+class Condensation : public SquareOperator {
 public:
   /// `mat` is merged and scaled, `multipliers` lists d scalar dofs per macro-element. The symmetric
   /// variant takes slip for frictionless, and for sticking where that is stiffer: for
@@ -29,12 +30,6 @@ public:
   Condensation(shared_ptr<SparseMatrix<double>> mat, FlatArray<int> multipliers, int d,
                const BitArray & free, bool symmetric);
 
-  bool IsComplex() const override { return false; }
-  int VHeight() const override { return mat->Height(); }
-  int VWidth() const override { return mat->Width(); }
-  VecFormat RowFormat() const override { return mat->RowFormat(); }
-  VecFormat ColFormat() const override { return mat->ColFormat(); }
-  void Mult(const BaseVector & x, BaseVector & y) const override;
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
 
   FlatArray<int> Columns(size_t row) const;

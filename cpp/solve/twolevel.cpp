@@ -3,7 +3,7 @@
 namespace ngslac {
 TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
                    shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs)
-    : order(system), format(system.RowFormat()), coarse(acoarse), coarseinverse(inverse) {
+    : SquareOperator(system), order(system), coarse(acoarse), coarseinverse(inverse) {
   static Timer timer("ngslac::TwoLevel - setup");
   RegionTimer reg(timer);
   for (int i : Range(order.slot))
@@ -50,8 +50,7 @@ void TwoLevel::AllocateTriangles() {
   }
   for (auto triangle : {&lower, &upper}) {
     triangle->columns.SetSize(triangle->first[n]);
-    triangle->blocks.SetSize(triangle->first[n] + 1);
-    triangle->blocks.Last() = {};
+    triangle->blocks.SetSize(triangle->first[n]);
   }
 }
 
@@ -98,15 +97,13 @@ void TwoLevel::FillRow(const Condensation & system, size_t row, FlatArray<Block 
 }
 
 auto TwoLevel::Triangle::Times(size_t row, FlatArray<Node> z) const -> Node {
-  constexpr int lanes = width + 1; // of vector registers; the last one reads the next column
-  float sum[width][lanes] = {};    // one for each column: none waits for the others
-  const float * block = blocks[first[row]].data();
-  for (int column : columns.Range(first[row], first[row + 1])) {
-    const Node & value = z[column];
+  float sum[width][width] = {}; // one for each column: none waits for the others
+  for (size_t j : Range(first[row], first[row + 1])) {
+    const Block & block = blocks[j];
+    const Node & value = z[columns[j]];
     for (int l : Range(width))
-      for (int k : Range(lanes))
+      for (int k : Range(width))
         sum[l][k] += block[width * l + k] * value[l];
-    block += width * width;
   }
   Node total{};
   for (int l : Range(width))
@@ -193,20 +190,8 @@ void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) c
   scatter(z, image->FV<double>());
 }
 
-void TwoLevel::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
-  auto product = CreateRowVector();
-  Mult(x, product);
-  y += s * product;
-}
-
 void TwoLevelProduct::Mult(const BaseVector & x, BaseVector & y) const {
   auto z = CreateRowVector();
   pre->Apply(x, z, &y);
-}
-
-void TwoLevelProduct::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
-  auto product = CreateColVector();
-  Mult(x, product);
-  y += s * product;
 }
 } // namespace ngslac

@@ -7,20 +7,14 @@ namespace ngslac {
 /// Symmetric where the system and the correction are. Solves for all dofs of a node at once. The
 /// first sweep starts from zero, so that it reads one triangle of the matrix. What counts is memory
 /// traffic: the triangles are copied to blocks in single precision.
-class TwoLevel : public BaseMatrix {
+class TwoLevel : public SquareOperator {
 public:
   /// The part `coarse` of the system, which belongs to `coarsedofs`, only is kept alive for its
   /// inverse.
   TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> coarse,
            shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs);
 
-  bool IsComplex() const override { return false; }
-  int VHeight() const override { return order.slot.Size(); }
-  int VWidth() const override { return order.slot.Size(); }
-  VecFormat RowFormat() const override { return format; }
-  VecFormat ColFormat() const override { return format; }
   void Mult(const BaseVector & x, BaseVector & y) const override { Apply(x, y, nullptr); }
-  void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
   /// y = M^-1 x, and A y where `image` is given, to single precision: what the last sweep leaves.
   void Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const;
 
@@ -29,7 +23,7 @@ private:
   using Node = std::array<float, width>;
   using Block = std::array<float, width * width>; // column by column
 
-  /// Blocks on one side of the diagonal, and one more.
+  /// Blocks on one side of the diagonal.
   struct Triangle {
     Array<size_t> first;
     Array<int> columns;
@@ -44,7 +38,6 @@ private:
   void Correct(FlatArray<Node> z) const;
 
   SweepOrder order;
-  VecFormat format;
   shared_ptr<BaseMatrix> coarse, coarseinverse;
   Array<int> coarseslots;
   Array<Block> diagonal; // inverses
@@ -52,17 +45,10 @@ private:
 };
 
 /// A M^-1  for this preconditioner M of a matrix A, to single precision.
-class TwoLevelProduct : public BaseMatrix {
+class TwoLevelProduct : public SquareOperator {
 public:
-  TwoLevelProduct(shared_ptr<TwoLevel> pre) : pre(pre) {}
-
-  bool IsComplex() const override { return false; }
-  int VHeight() const override { return pre->VHeight(); }
-  int VWidth() const override { return pre->VWidth(); }
-  VecFormat RowFormat() const override { return pre->RowFormat(); }
-  VecFormat ColFormat() const override { return pre->ColFormat(); }
+  explicit TwoLevelProduct(shared_ptr<TwoLevel> pre) : SquareOperator(*pre), pre(pre) {}
   void Mult(const BaseVector & x, BaseVector & y) const override;
-  void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
 
 private:
   shared_ptr<TwoLevel> pre;

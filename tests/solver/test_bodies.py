@@ -35,8 +35,8 @@ from press import linear, press
 from press3d import brick, press3d
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
+from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
 from ngslac.bodies import AreApart, Bodies, ConnectedParts, Forces, LikelyParts, ToCSR
-from ngslac.linear import AsBits, AsNumPy, ScalarDofs
 from ngslac.rigidmotions import RigidMotions
 
 PLANE = ["translation in x", "translation in y", "rotation"]

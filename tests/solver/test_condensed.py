@@ -10,8 +10,9 @@ from scipy.sparse import csr_matrix
 
 from ngslac import BubbleVectorH1
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
+from ngslac.arrays import AsBits, AsNumPy, Multiply
 from ngslac.iterative import IterativeCondensed
-from ngslac.linear import AsBits, AsNumPy, LinearSolver, Multiply
+from ngslac.linear import LinearSolver
 from ngslac.preconditioner import IsSymmetric, OnVertices
 
 TIED = {"tied": True, "friction": None}

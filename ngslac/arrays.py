@@ -1,0 +1,37 @@
+"""Dofs and products of matrices as numpy arrays of scalar entries."""
+
+import numpy as np
+from ngsolve import BaseVector, BitArray
+
+__all__ = ["AsBits", "AsNumPy", "Multiply", "ScalarDofs"]
+
+
+def Multiply(mats, values):
+    """The sum of sparse matrices times a vector, as numpy arrays of scalar entries."""
+    total = 0.0
+    for mat in mats:
+        factor, product = mat.CreateRowVector(), mat.CreateColVector()
+        factor.FV().NumPy()[:] = values
+        product.data = mat * factor
+        total = total + product.FV().NumPy()
+    return total
+
+
+def AsNumPy(bits):
+    """A BitArray as numpy array of bool."""
+    vec = BaseVector(len(bits))
+    vec[:] = 0
+    vec[bits] = 1  # far faster than a loop over the bits
+    return vec.FV().NumPy() != 0
+
+
+def AsBits(values):
+    """A numpy array of bool as BitArray."""
+    return BitArray(np.asarray(values, dtype=bool).tolist())
+
+
+def ScalarDofs(dofs, space):
+    """The scalar entries that belong to dofs of a space with blocks."""
+    if space.dim == 1:
+        return dofs
+    return AsBits(AsNumPy(dofs).repeat(space.dim))
