@@ -7,12 +7,13 @@ from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import BoundaryRegion, Coefficient
+from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
 
 __all__ = ["LACContact"]
 
 
-class LACContact(ContactResults):
+class LACContact(ContactResults, ContactPictures):
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,

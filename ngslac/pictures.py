@@ -1,0 +1,229 @@
+"""Pictures of a contact: scenes of the webgui, profiles by matplotlib, files for ParaView."""
+
+from pathlib import Path
+
+import numpy as np
+from ngsolve import BND, CF, BitArray, GridFunction, VTKOutput
+
+from ngslac.facepoints import FacePoints
+from ngslac.glyphs import Arrows, Bars, Dots, Ticks
+
+__all__ = ["ContactPictures"]
+
+SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
+KINDS = (*SCALARS, *VECTORS, "macros", "segments")
+COLOUR = "crimson"  # of bars and arrows
+STATUS = {"open": "gray", "stick": "blue", "slip": "orange"}
+
+
+class ContactPictures:
+    """How a contact, with its fields on its `mesh`, is looked at: a base of `LACContact`."""
+
+    def Draw(
+        self, field="pressure", *, background=None, deformation=None, scale=1, size=None, **options
+    ):
+        """Show a field of the last evaluation on the slave side, in the webgui.
+
+        In 3D numbers are colours on the slave faces and vectors are arrows on them. In 2D the faces
+        are edges: numbers are bars along the outward normal, vectors arrows, each status a
+        colour of dots (gray open, blue stick, orange slip), drawn on the bodies.
+
+        Parameters
+        ----------
+        field : str
+            "pressure", "gap", "status", "traction", "slip", "normal", or what contact is made of:
+            "macros" (by shuffled colours, in 2D by their ends) or "segments".
+        background : CoefficientFunction, optional
+            In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
+            norm of the `deformation`.
+        deformation : GridFunction or CoefficientFunction, optional
+            Displacement (d,), by which bodies and glyphs are moved, times `scale`.
+        size : float, optional
+            Length of the longest bar or arrow. Default: a fifth of the slave's diameter.
+        **options :
+            Handed to `ngsolve.webgui.Draw` (min, max, radius, euler_angles, settings, show, ...).
+
+        Returns
+        -------
+        ngsolve.webgui.WebGLScene
+
+        Raises
+        ------
+        ValueError
+            An unknown field.
+
+        Examples
+        --------
+        >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
+        >>> scene = contact.Draw("traction", deformation=gf.components[0], show=False)
+        """
+        # Importing the webgui switches NumPy's warnings off: not before somebody draws.
+        from ngsolve.webgui import Draw
+
+        if field not in KINDS:
+            raise ValueError(f"field {field!r} is none of {', '.join(KINDS)}")
+        if not self.form.paired:
+            self.Update()
+        flat = self.mesh.dim == 2
+        displacement = deformation
+        if deformation is not None:
+            # `scale` of Draw does not reach a deformation that is not the shown function.
+            options["deformation"] = deformation = scale * displacement
+        objects = list(options.pop("objects", []))
+        if field == "segments":
+            objects.append(self)
+        elif field in VECTORS or flat:
+            objects += self._Glyphs(field, FacePoints(self, deformation), size)
+        if not flat:
+            shown, defaults = self._Colours(field)
+            return Draw(shown, self.space.slave, objects=objects, **(defaults | options))
+        shown = displacement if background is None else background
+        shown = [self.mesh] if shown is None else [shown, self.mesh]
+        return Draw(*shown, objects=objects, **options)
+
+    def _Glyphs(self, field, faces, size):
+        if field == "macros":
+            return [Ticks(faces, field, COLOUR, size)]
+        values = self.Table()[field][faces.macro]
+        if field == "status":
+            return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
+        kind = Arrows if field in VECTORS else Bars
+        return [kind(faces, field, COLOUR, values, size)]
+
+    def _Colours(self, field):
+        """In 3D the function that gives the colours, and options of its own."""
+        if field == "status":
+            return self.status, {"min": 0, "max": 2, "settings": {"colormap_ncolors": 3}}
+        if field == "macros":
+            # Neighbours have nearly the same number: in order they would have the same colour.
+            number = self._Number()
+            order = np.random.default_rng(1).permutation(self.space.nmacros)
+            number.vec.FV().NumPy()[:] = order
+            return number, {"settings": {"colormap_ncolors": 32}}
+        if field == "segments":
+            return self.gap, {}
+        values = getattr(self, field)
+        return (sum(value * value for value in values) ** 0.5 if field in VECTORS else values), {}
+
+    def _Number(self):
+        number = GridFunction(self.space.WithComponents(1))
+        number.vec.FV().NumPy()[:] = np.arange(self.space.nmacros)
+        return number
+
+    def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
+        """Plot a field of the last evaluation over a coordinate, by matplotlib.
+
+        In 2D one step for each macro-element, in 3D one point. Of the traction and of the slip the
+        tangential part is shown: in 2D its component along the normal turned by 90 degrees
+        counterclockwise, in 3D its norm.
+
+        Parameters
+        ----------
+        field : str
+            "pressure", "gap", "status", "traction" or "slip".
+        along : str or callable
+            "x", "y", "z", or a function of the points (n, d) that returns (n,).
+        deformation : GridFunction or CoefficientFunction, optional
+            Displacement (d,): points of the current configuration in place of the reference.
+        axes : matplotlib.axes.Axes, optional
+            Default: the current ones.
+        **style :
+            Handed to `axes.plot` (label, color, ...).
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ValueError
+            An unknown field or coordinate.
+
+        Examples
+        --------
+        >>> axes = contact.Plot("pressure", along="x", label="computed")
+        """
+        from matplotlib import pyplot as plt
+
+        fields = (*SCALARS, *VECTORS[:2])
+        if field not in fields:
+            raise ValueError(f"field {field!r} is none of {', '.join(fields)}")
+        coordinate = _Coordinate(along, self.mesh.dim)
+        axes = plt.gca() if axes is None else axes
+        values = self._Tangential(field) if field in VECTORS else self.Table()[field]
+        faces = FacePoints(self, deformation)
+        if self.mesh.dim == 2:
+            axes.plot(*_Steps(faces, coordinate, values), **style)
+        else:
+            points = faces.MacroMeans(faces.centers)
+            axes.plot(coordinate(points), values, **({"ls": "", "marker": "."} | style))
+        axes.set_ylabel(field)
+        if isinstance(along, str):
+            axes.set_xlabel(along)
+        return axes
+
+    def _Tangential(self, field):
+        table = self.Table()
+        vectors, normals = table[field], table["normal"]
+        if self.mesh.dim == 2:
+            return normals[:, 0] * vectors[:, 1] - normals[:, 1] * vectors[:, 0]
+        along = np.sum(vectors * normals, axis=1, keepdims=True)
+        return np.linalg.norm(vectors - along * normals, axis=1)
+
+    def WriteVTU(self, filename, *, displacement=None):
+        """Write the fields on the slave faces for ParaView; returns the path.
+
+        Parameters
+        ----------
+        filename : str or Path
+        displacement : GridFunction or CoefficientFunction, optional
+            Written, too: ParaView's filter "Warp By Vector" shows the deformed faces.
+
+        Returns
+        -------
+        pathlib.Path
+
+        Examples
+        --------
+        >>> path = contact.WriteVTU("slave", displacement=gf.components[0])
+        >>> path.name
+        'slave.vtu'
+        """
+        path = Path(filename)
+        path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
+        fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
+        fields["macro"] = self._Number()
+        if displacement is not None:
+            fields["displacement"] = displacement
+        if self.mesh.dim == 2:  # ParaView's vectors have three components
+            fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
+        slave = self.space.slave
+        chosen = BitArray([slave.Mask()[e.index] for e in self.mesh.Elements(BND)])
+        output = VTKOutput(
+            self.mesh, list(fields.values()), list(fields), str(path.with_suffix("")), order=2
+        )
+        output.Do(vb=BND, drawelems=chosen)
+        return path
+
+
+def _Coordinate(along, dim):
+    if callable(along):
+        return along
+    names = "xyz"[:dim]
+    if along not in tuple(names):
+        raise ValueError(f"along = {along!r} must be one of {', '.join(names)}, or a function")
+    return lambda points: points[:, names.index(along)]
+
+
+def _Steps(faces, coordinate, values):
+    """Abscissas and ordinates of a step for each macro-element, with breaks where others lie."""
+    ends = np.sort([coordinate(points) for points in faces.ends], axis=0)
+    low, high = np.full(len(values), np.inf), np.full(len(values), -np.inf)
+    np.minimum.at(low, faces.macro, ends[0])
+    np.maximum.at(high, faces.macro, ends[1])
+    order = np.argsort(low)
+    s = np.stack([low, high, high], axis=1)[order]
+    v = np.stack([values] * 3, axis=1)[order]
+    apart = np.append(low[order][1:] - high[order][:-1] > 1e-6 * (high - low).max(), False)
+    s[:, 2], v[~apart, 2], v[apart, 2] = s[:, 1], v[~apart, 1], np.nan
+    return s.ravel(), v.ravel()
