@@ -10,6 +10,7 @@ from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
 from ngslac.inertia import DynamicForm, Inert, Mass, Scheme
 from ngslac.prescribed import Prescribed
+from ngslac.progress import Progress
 from ngslac.residual import LoadVector, Residual
 
 __all__ = ["TimeStepper"]
@@ -126,6 +127,8 @@ class TimeStepper:
 
         Raises
         ------
+        ValueError
+            If `end` is not after the present time.
         ContactConvergenceError
             When the smallest step fails. After any error, solution, velocity, time and history are
             those of the last converged step.
@@ -136,9 +139,10 @@ class TimeStepper:
         self._Begin()
         count = max(1, int(np.ceil((end - begin) / self.dt - 1e-9)))
         done = []
-        for k in range(1, count + 1):
-            target = end if k == count else begin + (end - begin) * k / count
-            done += self._Reach(target, callback, printing, maxit, tol)
+        with Progress("contact: time steps", begin, end) as self._progress:
+            for k in range(1, count + 1):
+                target = end if k == count else begin + (end - begin) * k / count
+                done += self._Reach(target, callback, printing, maxit, tol)
         return done
 
     def _Begin(self):
@@ -181,6 +185,7 @@ class TimeStepper:
                 print(self.balance)
             self.steps.append(TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance))
             done.append(self.steps[-1])
+            self._progress.At(goal)
             if callback:
                 callback(self.steps[-1])
             size, cuts = 2 * size, 0

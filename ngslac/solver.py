@@ -11,6 +11,7 @@ from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
 from ngslac.newton import ChooseSolver, NewtonStep
+from ngslac.progress import Progress
 from ngslac.residual import Residual
 
 __all__ = ["ContactSolver"]
@@ -59,6 +60,11 @@ class ContactSolver(NewtonStep):
     ----------
     history : list[Iteration]
         Of the last `Solve`.
+
+    Raises
+    ------
+    ValueError
+        If there is no contact, spaces differ, the start holds NaN, or an option is unknown.
 
     Examples
     --------
@@ -110,7 +116,7 @@ class ContactSolver(NewtonStep):
     # --- the loop ------------------------------------------------------------------------------
 
     def Solve(self, *, maxit=30, tol=1e-10, printing=True, callback=None, motion=None):
-        """Iterate until both relative residuals are below `tol`; returns the last `Iteration`.
+        """Iterate until both relative residuals are below `tol`.
 
         Parameters
         ----------
@@ -127,8 +133,15 @@ class ContactSolver(NewtonStep):
             How far constrained dofs still have to move. The Newton steps carry it: Dirichlet values
             that jump turn the elements beside them inside out.
 
+        Returns
+        -------
+        Iteration
+            The last one.
+
         Raises
         ------
+        ValueError
+            If `maxit` or `tol` is not positive, or the space was refined.
         ContactConvergenceError
             Not converged. FloatingBodyError: a body is held by nothing. After any error `gf` is as
             before the call.
@@ -147,7 +160,8 @@ class ContactSolver(NewtonStep):
             print(f"  {self.linear}")
             self._silent = False
         try:
-            return self._Iterate(maxit, tol, printing, callback)
+            with Progress("contact: Newton's method") as self._progress:
+                return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:
             self.residual.linear = None
             floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
@@ -163,7 +177,15 @@ class ContactSolver(NewtonStep):
     def Merit(self, *, same_load=False):
         """Size of the residual at `gf`, infinite without one; None before the first solve.
 
-        With the load of the last call the bulk's part of it may be a product with its matrix.
+        Parameters
+        ----------
+        same_load : bool
+            The load is that of the last call: the bulk's part may be a product with its matrix.
+
+        Returns
+        -------
+        float or None
+            Relative to the forces at work, without unit.
         """
         if not self.history:
             return None
@@ -230,6 +252,9 @@ class ContactSolver(NewtonStep):
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status
         self.history.append(entry)
+        sizes = [max(e.equilibrium, e.constraint) for e in (self.history[0], entry)]
+        if min(sizes) > self.tol:
+            self._progress.At(np.log(sizes[1] / sizes[0]) / np.log(self.tol / sizes[0]))
         if printing:
             print(entry)
         if callback:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.prescribed import Prescribed
+from ngslac.progress import Progress
 
 __all__ = ["LoadStepper", "Step"]
 
@@ -91,6 +92,8 @@ class LoadStepper:
 
         Raises
         ------
+        ValueError
+            If there is no step.
         ContactConvergenceError
             When the smallest step fails; the message says what the contact looks like there. After
             any error, solution, load, history and fields are those of the last converged step.
@@ -100,9 +103,10 @@ class LoadStepper:
         self.printing = printing
         begin = self.load.Get()
         done = []
-        for k in range(1, steps + 1):
-            target = begin + (end - begin) * k / steps
-            done += self._Reach(target, callback, maxit, tol)
+        with Progress("contact: load steps", begin, end) as self._progress:
+            for k in range(1, steps + 1):
+                target = begin + (end - begin) * k / steps
+                done += self._Reach(target, callback, maxit, tol)
         return done
 
     def _Reach(self, target, callback, maxit, tol):
@@ -125,6 +129,7 @@ class LoadStepper:
                 goal, last = self._Jump(target, error, maxit, tol)
             self.steps.append(Step(len(self.steps) + 1, goal, last.number, cuts))
             done.append(self.steps[-1])
+            self._progress.At(goal)
             if callback:
                 callback(self.steps[-1])
             # What was hard before mostly is so for another while.
@@ -200,11 +205,14 @@ class LoadStepper:
     def _Diagnosis(self, error):
         """What a user has to know of a step that fails however small."""
         message = f"no step beyond load {self.load.Get():g} converges: {error}"
-        status = np.concatenate([c.Table()["status"] for c in self.solver.contacts])
+        contacts = self.solver.contacts
+        status = np.concatenate([c.Table()["status"] for c in contacts])
         last = error.history[-1] if error.history else None
         closed = int(np.sum(status > 0))
         if closed == 0:
             message += "; all macro-elements are open"
+        elif not any(contact.holds_tangentially for contact in contacts):
+            return message
         elif np.all(status[status > 0] == 2) or (last and last.slip and not last.stick):
             message += (
                 f"; all {closed} closed macro-elements slip: the load seems to exceed what "
