@@ -1,0 +1,36 @@
+"""Sphinx extension: puts the executed tutorials among the sources of the site."""
+
+import shutil
+from pathlib import Path
+
+import nbformat
+from executed import Executed
+from scenes import Script, TakeScenes
+
+__all__ = ["setup"]
+
+
+def _Write(path, text):
+    """Write if that changes something, so that Sphinx reads again only what it has to."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+
+
+def _Prepare(app):
+    source = Path(app.srcdir)
+    generated = source / "_generated"
+    static = generated / "static"
+    static.mkdir(parents=True, exist_ok=True)
+    shutil.copy(app.config.webgui_script, static / "webgui.js")
+    paths = sorted((source.parent / "tutorials").glob("*.ipynb"))
+    for name, notebook in Executed(paths, generated / "executed").items():
+        for key, scene in TakeScenes(notebook, name).items():
+            _Write(static / "scenes" / f"{key}.js", Script(key, scene))
+        _Write(source / "tutorials" / f"{name}.ipynb", nbformat.writes(notebook) + "\n")
+
+
+def setup(app):
+    app.add_config_value("webgui_script", "", "env", [str])
+    app.connect("config-inited", lambda app, config: _Prepare(app))
+    return {"parallel_read_safe": True}

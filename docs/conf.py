@@ -1,0 +1,39 @@
+"""Configuration of the site: `python -m sphinx -W docs site`."""
+
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+
+import ngslac  # noqa: E402
+
+project = "ngslac"
+author = "the ngslac developers"
+release = version = ngslac.__version__
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx-mathjax-offline",
+    "tutorials",
+]
+exclude_patterns = ["_ext", "_generated"]
+
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = "off"  # the extension `tutorials` runs them
+
+autodoc_member_order = "bysource"
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = "ngslac"
+html_static_path = ["_static", "_generated/static"]
+html_js_files = ["webgui.js", "scenes.js"]
+html_css_files = ["scenes.css"]
+
+# The webgui's own script, from the package that brings it to Jupyter.
+webgui_script = str(Path(find_spec("webgui_jupyter_widgets").origin).parent / "js" / "webgui.js")
