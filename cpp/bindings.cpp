@@ -117,14 +117,23 @@ void ExportSpace(py::module & m) {
             return MakeSpace(state[0].cast<shared_ptr<FESpace>>(), state[1].cast<Flags>());
           }))
       .def_property_readonly("displacement", &LACSpace::Displacement,
-                             "the displacement space the macro-elements are made for")
-      .def_property_readonly("nmacros", &LACSpace::NMacros, "number of macro-elements")
+                             "The displacement space (FESpace) that the macro-elements are made for.")
+      .def_property_readonly("nmacros", &LACSpace::NMacros, "Number of macro-elements.")
       .def_property_readonly(
           "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },
-          "macro-element of each boundary element of the mesh, -1 off the slave surface")
-      .def_property_readonly("slave", &LACSpace::SlaveRegion, "the slave region")
+          "Macro-element of each boundary element of the mesh, -1 off the slave surface.")
+      .def_property_readonly("slave", &LACSpace::SlaveRegion, "The slave surface (Region).")
       .def("WithComponents", &LACSpace::WithComponents, py::arg("components"),
-           "the space on the same macro-elements with another number of components")
+           R"(The space on the same macro-elements with another number of components.
+
+Parameters
+----------
+components : int
+    1, 2 or 3 numbers per macro-element.
+
+Returns
+-------
+LACSpace)")
       .def(
           "CoreDofs",
           [](const LACSpace & self, size_t macro) {
@@ -134,7 +143,21 @@ void ExportSpace(py::module & m) {
             return Array<int>(self.CoreDofs(macro));
           },
           py::arg("macro"),
-          "displacement dofs whose trace on the slave surface lives in the macro-element alone");
+          R"(Displacement dofs whose trace on the slave surface lives in one macro-element alone.
+
+Parameters
+----------
+macro : int
+
+Returns
+-------
+Array of int
+    Numbers in `displacement`; at least one.
+
+Raises
+------
+IndexError
+    If there is no such macro-element.)");
 }
 
 template <typename T>

@@ -4,7 +4,7 @@ import math
 
 from ngsolve import BND, CoefficientFunction, Region
 
-__all__ = ["BoundaryRegion", "Coefficient"]
+__all__ = ["BoundaryRegion", "CheckDistinct", "Coefficient"]
 
 
 def BoundaryRegion(mesh, region, name):
@@ -29,3 +29,14 @@ def Coefficient(value, name):
     if not math.isfinite(value) or value < 0:
         raise ValueError(f"{name} = {value} must be a finite number >= 0")
     return CoefficientFunction(float(value))
+
+
+def CheckDistinct(slave, master):
+    """Raise ValueError where the two regions share boundaries."""
+    both, names = (slave * master).Mask(), slave.mesh.GetBoundaries()
+    shared = [name for name, common in zip(names, both, strict=True) if common]
+    if shared:
+        raise ValueError(
+            f"boundaries {', '.join(shared)} are both slave and master: self-contact needs "
+            "finite=True"
+        )

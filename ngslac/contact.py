@@ -6,7 +6,7 @@ from ngsolve import CoefficientFunction, GridFunction
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm
-from ngslac.arguments import BoundaryRegion, Coefficient
+from ngslac.arguments import BoundaryRegion, CheckDistinct, Coefficient
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
 
@@ -130,20 +130,9 @@ class LACContact(ContactResults, ContactPictures):
         self.stiffness = stiffness
         self.finite = finite
         self._scaled, self._paired = False, None
-        self._CheckRegions(region)
+        if region is not None and not finite:
+            CheckDistinct(self.space.slave, region)
         self._MakeFields()
-
-    def _CheckRegions(self, master):
-        if master is None or self.finite:
-            return
-        both = self.space.slave * master
-        names = self.mesh.GetBoundaries()
-        shared = [names[i] for i in range(len(names)) if both.Mask()[i]]
-        if shared:
-            raise ValueError(
-                f"boundaries {', '.join(shared)} are both slave and master: self-contact needs "
-                "finite=True"
-            )
 
     def _MakeFields(self):
         scalar = self.space.WithComponents(1)
@@ -171,6 +160,10 @@ class LACContact(ContactResults, ContactPictures):
         """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
 
         Weights, normals and partners stay fixed until the next call; slip counts from here.
+
+        Parameters
+        ----------
+        gf : GridFunction, optional
         """
         if self.pressure.space.ndof != self.space.nmacros:
             self._MakeFields()
@@ -180,7 +173,13 @@ class LACContact(ContactResults, ContactPictures):
         self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
 
     def Prepare(self, bulk):
-        """Pair if that was not done, and take the scale of the form from the bulk matrix."""
+        """Pair if that was not done, and take the scale of the form from the bulk's matrix.
+
+        Parameters
+        ----------
+        bulk : BaseMatrix
+            On the product space.
+        """
         if not self.form.paired:
             self.Update()
         if not self._scaled:
@@ -192,21 +191,38 @@ class LACContact(ContactResults, ContactPictures):
 
         The solver calls it for each iterate; slip keeps counting from the last `Commit`. Until the
         next call the quadrature points on the slave and the master faces that they see stay.
+
+        Parameters
+        ----------
+        gf : GridFunction
+            On the product space.
         """
         if self.form.paired:
             self.form.Follow(gf.vec)
 
     def AddApply(self, x, y):
-        """y += residual at x."""
+        """y += residual at x.
+
+        Parameters
+        ----------
+        x, y : BaseVector
+            State and residual (forces, and lengths times areas) on the product space.
+        """
         self.form.AddApply(x, y)
 
     def Apply(self, x, y):
-        """y = residual at x (BaseVectors on the product space)."""
+        """y = residual at x, see `LACContact.AddApply`."""
         y[:] = 0
         self.form.AddApply(x, y)
 
     def AssembleLinearization(self, x):
-        """Assemble the generalised derivative at x into `mat`."""
+        """Assemble the generalised derivative of the residual into `mat`.
+
+        Parameters
+        ----------
+        x : BaseVector
+            State on the product space.
+        """
         self.form.AssembleLinearization(x)
 
     def Commit(self, gf):
@@ -214,6 +230,11 @@ class LACContact(ContactResults, ContactPictures):
 
         A macro-element that is open now counts its slip from the first touch, which is where its
         path of the last step meets the master.
+
+        Parameters
+        ----------
+        gf : GridFunction
+            On the product space.
         """
         self.form.Commit(gf.vec)
         if self.finite:
@@ -223,12 +244,22 @@ class LACContact(ContactResults, ContactPictures):
         """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
 
         Restore it with `SetState` on a contact that was built in the same way.
+
+        Returns
+        -------
+        dict
         """
         history = self.form.History() if self.form.paired else {}
         return {"paired": self._paired, "scaled": self._scaled} | history
 
     def SetState(self, state):
-        """Pair in the saved configuration and take over the saved history, see `State`."""
+        """Pair in the saved configuration and take over the saved history.
+
+        Parameters
+        ----------
+        state : dict
+            Of `State`.
+        """
         history = {name: state[name] for name in state if name not in ("paired", "scaled")}
         if not history:
             return
@@ -245,6 +276,11 @@ class LACContact(ContactResults, ContactPictures):
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
 
         After a `Commit` of the same `gf` the slip is 0: it counts from there.
+
+        Parameters
+        ----------
+        gf : GridFunction
+            On the product space.
         """
         self.form.Evaluate(gf.vec)
         self._Fill()

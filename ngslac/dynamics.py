@@ -293,12 +293,5 @@ class TimeStepper:
         return {"external": external, "friction": friction, "impact": -work - friction}
 
     def Table(self):
-        """The energy balance after each step as numpy arrays, see `EnergyBalance`.
-
-        Returns
-        -------
-        dict
-            ``time``, ``kinetic``, ``internal``, ``external``, ``friction``, ``impact``,
-            ``algorithmic``, all (number of steps,).
-        """
+        """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""
         return EnergyBalance.Table(step.balance for step in self.steps)

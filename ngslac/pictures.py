@@ -37,7 +37,9 @@ class ContactPictures:
             In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
             norm of the `deformation`.
         deformation : GridFunction or CoefficientFunction, optional
-            Displacement (d,), by which bodies and glyphs are moved, times `scale`.
+            Displacement (d,), by which bodies and glyphs are moved.
+        scale : float
+            Factor of the deformation.
         size : float, optional
             Length of the longest bar or arrow. Default: a fifth of the slave's diameter.
         **options :
@@ -171,7 +173,7 @@ class ContactPictures:
         return np.linalg.norm(vectors - along * normals, axis=1)
 
     def WriteVTU(self, filename, *, displacement=None):
-        """Write the fields on the slave faces for ParaView; returns the path.
+        """Write the fields on the slave faces for ParaView.
 
         Parameters
         ----------

@@ -42,7 +42,18 @@ class ContactResults:
         return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
 
     def Moment(self, point):
-        """Moment of the tractions on the slave about `point`: a number in 2D, (3,) in 3D."""
+        """Moment of the contact tractions on the slave.
+
+        Parameters
+        ----------
+        point : (d,) array-like
+            About which; a position (length).
+
+        Returns
+        -------
+        float in 2D, (3,) array in 3D
+            Force times length.
+        """
         total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
         arm, force = np.zeros(3), np.zeros(3)
         arm[: self.mesh.dim], force[: self.mesh.dim] = point, self.Force()

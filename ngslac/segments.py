@@ -40,10 +40,19 @@ class Segments:
         return len(self.slave)
 
     def WriteVTU(self, filename):
-        """Write the segments for ParaView; returns the path.
+        """Write the segments for ParaView.
 
         2D: quadrilaterals from slave to master. 3D: the polygons on the slave and then those on the
         master. Cell data: slave, master, area, gap, and in 3D side (1 slave, 2 master).
+
+        Parameters
+        ----------
+        filename : str or Path
+            The ending .vtu is added where it is missing.
+
+        Returns
+        -------
+        pathlib.Path
         """
         path = Path(filename)
         if path.suffix != ".vtu":

@@ -112,7 +112,15 @@ the order alone has none, and no other: edges get order 2, triangles order 3,
 quadrilaterals order 2. The mesh, and the space away from the slave boundary,
 stay as they are. In 2D with order >= 2 the space equals VectorH1.
 
-V = BubbleVectorH1(mesh, order=1, slave="contact", dirichlet="bottom")
+Parameters
+----------
+mesh : ngsolve.Mesh
+
+Examples
+--------
+>>> V = BubbleVectorH1(mesh, order=1, slave="slave", dirichlet="bottom")
+>>> LACSpace(V, slave="slave").nmacros == len(list(mesh.Boundaries("slave").Elements()))
+True
 )raw";
   DocumentSlave(docu);
   return docu;

@@ -11,6 +11,7 @@ __all__ = ["TakeScenes"]
 VIEW = "application/vnd.jupyter.widget-view+json"
 STATE = "application/vnd.jupyter.widget-state+json"
 
+
 def TakeScenes(notebook, name):
     """Replace the widgets in the outputs of `notebook` by boxes; returns the scenes by name."""
     state = notebook.metadata.pop("widgets", {}).get(STATE, {}).get("state", {})
@@ -28,6 +29,7 @@ def TakeScenes(notebook, name):
                 "text/html": f'<div class="webgui" data-scene="{key}" style="{size}"></div>'
             }
     return scenes
+
 
 def Script(key, scene):
     """The scene as a script, since browsers do not let pages on a disk read other files."""
