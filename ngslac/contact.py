@@ -64,6 +64,7 @@ class LACContact(ContactResults, ContactPictures):
         Vectors: traction on the slave, tangential slip of the last step (slave minus master;
         not known for ``finite=True`` without friction), unit normal out of the slave.
     space : LACSpace
+    master : Region or None
     form : the compiled form
 
     Raises
@@ -112,6 +113,7 @@ class LACContact(ContactResults, ContactPictures):
             raise ValueError(f"stiffness = {stiffness} must be a positive factor")
         mesh = u.space.mesh
         region = None if master is None else BoundaryRegion(mesh, master, "master")
+        self.mesh, self.master = mesh, region
         self.form = ContactForm(
             u=u,
             lam=lam,
@@ -124,7 +126,6 @@ class LACContact(ContactResults, ContactPictures):
             maxdist=maxdist or 0.0,
             penetration=penetration or 0.0,
         )
-        self.mesh = mesh
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self.space = self.form.space
         self.stiffness = stiffness

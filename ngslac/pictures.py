@@ -150,6 +150,8 @@ class ContactPictures:
         fields = (*SCALARS, *VECTORS[:2])
         if field not in fields:
             raise ValueError(f"field {field!r} is none of {', '.join(fields)}")
+        if not self.form.paired:
+            self.Update()
         coordinate = _Coordinate(along, self.mesh.dim)
         axes = plt.gca() if axes is None else axes
         values = self._Tangential(field) if field in VECTORS else self.Table()[field]

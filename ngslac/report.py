@@ -1,6 +1,9 @@
 """What to look at when a contact does not do what it should."""
 
 import numpy as np
+from ngsolve import H1
+
+from ngslac.arrays import AsNumPy
 
 __all__ = ["ContactReport"]
 
@@ -19,6 +22,8 @@ class ContactReport:
         Mean gaps of paired macro-elements at the last evaluation; negative: penetration.
     penetrating : (n,) int
         Macro-elements that penetrate by more than a thousandth of their size.
+    shared : (n,) int
+        Mesh vertices of both surfaces: there nothing can open or slide, as at the tip of a crack.
     """
 
     def __init__(self, contact):
@@ -38,6 +43,8 @@ class ContactReport:
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
         self.macro_size = (float(size.min()), float(size.max()))
         self.where = table["x"]
+        self.shared = _SharedVertices(contact)
+        self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):
         return ", ".join(f"{m} at {tuple(self.where[m].round(6).tolist())}" for m in macros[:3])
@@ -63,4 +70,16 @@ class ContactReport:
                 f"penetrating      {len(self.penetrating)} macro-elements, by up to "
                 f"{-self.min_gap:.4g}: {self._Some(self.penetrating)}"
             )
+        if len(self.shared):
+            points = ", ".join(str(tuple(round(x, 6) for x in p)) for p in self._corners)
+            lines.append(f"shared vertices  {len(self.shared)}, of slave and master: {points}")
         return "\n".join(lines)
+
+
+def _SharedVertices(contact):
+    if contact.master is None:
+        return np.array([], int)
+    slave, corners = contact.space.slave, H1(contact.mesh, order=1)
+    both = corners.GetDofs(slave) & corners.GetDofs(contact.master)
+    # A surface that may touch itself is both.
+    return np.flatnonzero(AsNumPy(both & ~corners.GetDofs(slave * contact.master)))

@@ -60,6 +60,9 @@ class ContactSolver(NewtonStep):
     ----------
     history : list[Iteration]
         Of the last `Solve`.
+    linear :
+        How linear systems are solved; ``print(solver.linear)`` says it. ``linear.factorisations``
+        and ``linear.krylov`` count factorisations and iterations.
 
     Raises
     ------
