@@ -18,7 +18,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx-mathjax-offline",
-    "tutorials",
+    "sources",
 ]
 exclude_patterns = ["_ext", "_generated"]
 
@@ -37,3 +37,15 @@ html_css_files = ["scenes.css"]
 
 # The webgui's own script, from the package that brings it to Jupyter.
 webgui_script = str(Path(find_spec("webgui_jupyter_widgets").origin).parent / "js" / "webgui.js")
+
+
+def _EscapeBars(app, what, name, thing, options, lines):
+    """|x| is an absolute value in our docstrings, not a substitution."""
+    for i, line in enumerate(lines):
+        parts = line.split("``")
+        parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+        lines[i] = "``".join(parts)
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", _EscapeBars)

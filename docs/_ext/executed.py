@@ -11,7 +11,7 @@ from nbclient import NotebookClient
 
 import ngslac
 
-__all__ = ["Executed"]
+__all__ = ["Executed", "Keep"]
 
 
 def _Stamp(path):
@@ -23,11 +23,20 @@ def _Stamp(path):
     return total.hexdigest()
 
 
+def Keep(notebook, path, cache):
+    """Put the executed `notebook` of the file `path` into the folder `cache`."""
+    notebook.metadata["stamp"] = _Stamp(path)
+    cache.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", dir=cache, delete=False) as file:
+        nbformat.write(notebook, file)
+    os.replace(file.name, cache / path.name)  # at once: others may be reading
+
+
 def _Run(path, cache):
-    stamp, kept = _Stamp(path), cache / path.name
+    kept = cache / path.name
     if kept.exists():
         notebook = nbformat.read(kept, as_version=4)
-        if notebook.metadata.get("stamp") == stamp:
+        if notebook.metadata.get("stamp") == _Stamp(path):
             return notebook
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
@@ -35,9 +44,7 @@ def _Run(path, cache):
             notebook, kernel_name="python3", timeout=600, resources={"metadata": {"path": folder}}
         )
         client.execute()
-    notebook.metadata["stamp"] = stamp
-    cache.mkdir(parents=True, exist_ok=True)
-    nbformat.write(notebook, kept)
+    Keep(notebook, path, cache)
     return notebook
 
 
@@ -48,4 +55,5 @@ def Executed(paths, cache):
     os.environ |= {"NGS_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     os.environ.pop("MPLBACKEND", None)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return dict(zip((p.stem for p in paths), pool.map(lambda p: _Run(p, cache), paths)))
+        notebooks = pool.map(lambda path: _Run(path, cache), paths)
+        return {path.stem: notebook for path, notebook in zip(paths, notebooks, strict=True)}

@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import nbformat
@@ -11,7 +12,12 @@ from nbclient import NotebookClient
 
 import ngslac
 
-FOLDER = Path(__file__).parents[2] / "tutorials"
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "tutorials"
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+
+from executed import Keep  # noqa: E402
+
 CONTACT, HERTZ, SPACE = "01_contact_in_twenty_lines", "02_hertz", "03_three_dimensions"
 
 PRINT = """
@@ -23,7 +29,9 @@ print(json.dumps(VALUES, default=lambda value: value.tolist()))
 
 def Execute(name, values, replace=None, folder=None):
     """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
-    notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+    path = FOLDER / f"{name}.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    sources = [cell.source for cell in notebook.cells]
     for old, new in (replace or {}).items():
         (cell,) = (cell for cell in notebook.cells if old in cell.source)
         cell.source = cell.source.replace(old, new)
@@ -38,6 +46,10 @@ def Execute(name, values, replace=None, folder=None):
         client.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     text = "".join(cell.text for cell in notebook.cells[-1].outputs if "text" in cell)
+    notebook.cells = notebook.cells[: len(sources)]
+    for cell, source in zip(notebook.cells, sources, strict=True):
+        cell.source = source
+    Keep(notebook, path, ROOT / "docs" / "_generated" / "executed")  # the site need not run it
     return json.loads(text, object_hook=Arrays), outputs
 
 

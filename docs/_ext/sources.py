@@ -1,4 +1,7 @@
-"""Sphinx extension: puts the executed tutorials among the sources of the site."""
+"""Sphinx extension: puts among the sources of the site what lies elsewhere.
+
+That is the executed tutorials and the pages about benchmarks.
+"""
 
 import shutil
 from pathlib import Path
@@ -8,6 +11,9 @@ from executed import Executed
 from scenes import Script, TakeScenes
 
 __all__ = ["setup"]
+
+# At the same place below the site's sources, so that links to them hold here and there.
+PAGES = ("tests/benchmarks/README.md", "tests/benchmarks/peers/README.md")
 
 
 def _Write(path, text):
@@ -28,6 +34,8 @@ def _Prepare(app):
         for key, scene in TakeScenes(notebook, name).items():
             _Write(static / "scenes" / f"{key}.js", Script(key, scene))
         _Write(source / "tutorials" / f"{name}.ipynb", nbformat.writes(notebook) + "\n")
+    for page in PAGES:
+        _Write(source / page, (source.parent / page).read_text())
 
 
 def setup(app):

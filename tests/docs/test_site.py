@@ -1,0 +1,130 @@
+"""The site builds without warnings, its links lead somewhere, and browsers show its pictures."""
+
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from io import BytesIO
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import numpy as np
+import pytest
+from PIL import Image
+
+pytestmark = pytest.mark.slow
+
+DOCS = Path(__file__).parents[2] / "docs"
+TUTORIALS = sorted(path.stem for path in (DOCS.parent / "tutorials").glob("*.ipynb"))
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The built site."""
+    for name in ("sphinx", "myst_nb", "furo", "webgui_jupyter_widgets"):
+        pytest.importorskip(name)
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-d", folder / "trees", DOCS, folder]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    return folder
+
+
+class Links(HTMLParser):
+    """What a page refers to, and the anchors that it has."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.anchors = [], set()
+        self.feed(path.read_text())
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.links += [attrs[name] for name in ("href", "src") if attrs.get(name)]
+        self.anchors |= {attrs[name] for name in ("id", "name") if attrs.get(name)}
+
+
+def test_links(site):
+    pages = {path: Links(path) for path in site.rglob("*.html")}
+    broken = []
+    for path, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme:
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            anchors = pages[target].anchors if target in pages else {parts.fragment}
+            if not target.exists() or (parts.fragment and unquote(parts.fragment) not in anchors):
+                broken.append((path.name, link))
+    assert not broken
+    assert len(pages) > len(TUTORIALS) + 8
+
+
+def test_nothing_from_elsewhere(site):
+    """Pages work without a network: scripts, styles and pictures are all there."""
+    loaded = re.compile(r'<(?:script|link|img)[^>]+(?:src|href)="(https?:[^"]+)"')
+    for path in site.rglob("*.html"):
+        assert not loaded.findall(path.read_text()), path.name
+
+
+@pytest.fixture(scope="module")
+def browser():
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    sync_api = pytest.importorskip("playwright.sync_api")
+    if chromium is None:
+        pytest.skip("no Chromium")
+    with sync_api.sync_playwright() as playwright:
+        flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        browser = playwright.chromium.launch(executable_path=chromium, args=flags)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(browser):
+    """A page of the browser, and a list of what goes wrong in it."""
+    page, errors = browser.new_page(viewport={"width": 1200, "height": 900}), []
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("requestfailed", lambda request: errors.append(request.url))
+    yield page, errors
+    page.close()
+
+
+def Colours(box):
+    """Number of different colours of a screenshot."""
+    pixels = np.asarray(Image.open(BytesIO(box.screenshot())).convert("RGB")).reshape(-1, 3)
+    return len(np.unique(pixels, axis=0))
+
+
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_scenes_in_a_browser(site, page, name):
+    page, errors = page
+    page.goto((site / "tutorials" / f"{name}.html").as_uri())
+    page.wait_for_function("window.MathJax && MathJax.startup && MathJax.startup.promise")
+    boxes = page.locator(".webgui")
+    assert boxes.count() == len(list((site / "_static" / "scenes").glob(f"{name}-*.js")))
+    for k in range(boxes.count()):
+        box = boxes.nth(k)
+        box.scroll_into_view_if_needed()
+        page.wait_for_function("box => box.dataset.drawn", arg=box.element_handle())
+        page.wait_for_timeout(300)
+        # An empty scene has the colours of the axes and of the legend alone.
+        assert Colours(box.locator("canvas").first) > 30, f"scene {k + 1}"
+    assert not errors
+
+
+@pytest.mark.parametrize("name", ["index", "theory", "api", "validation/index", "benchmarks"])
+def test_pages_in_a_browser(site, page, name):
+    page, errors = page
+    page.goto((site / f"{name}.html").as_uri())
+    page.wait_for_function("window.MathJax && MathJax.startup && MathJax.startup.promise")
+    page.wait_for_timeout(300)
+    if name == "theory":
+        assert page.locator("mjx-container").count() > 20
+        assert page.locator("mjx-merror").count() == 0
+    pictures = page.locator("article img")
+    for k in range(pictures.count()):
+        assert pictures.nth(k).evaluate("picture => picture.naturalWidth") > 100
+    assert not errors
