@@ -85,6 +85,7 @@ def browser():
 def page(browser):
     """A page of the browser, and a list of what goes wrong in it."""
     page, errors = browser.new_page(viewport={"width": 1200, "height": 900}), []
+    page.set_default_timeout(120_000)  # pictures are drawn without a graphics card
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("requestfailed", lambda request: errors.append(request.url))
