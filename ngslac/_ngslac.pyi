@@ -50,11 +50,34 @@ class LACSpace(ngsolve.comp.FESpace):
     """
     def CoreDofs(self, macro: typing.SupportsInt | typing.SupportsIndex) -> pyngcore.pyngcore.Array_I_S:
         """
-        displacement dofs whose trace on the slave surface lives in the macro-element alone
+        Displacement dofs whose trace on the slave surface lives in one macro-element alone.
+
+        Parameters
+        ----------
+        macro : int
+
+        Returns
+        -------
+        Array of int
+            Numbers in `displacement`; at least one.
+
+        Raises
+        ------
+        IndexError
+            If there is no such macro-element.
         """
     def WithComponents(self, components: typing.SupportsInt | typing.SupportsIndex) -> LACSpace:
         """
-        the space on the same macro-elements with another number of components
+        The space on the same macro-elements with another number of components.
+
+        Parameters
+        ----------
+        components : int
+            1, 2 or 3 numbers per macro-element.
+
+        Returns
+        -------
+        LACSpace
         """
     def __getstate__(self) -> tuple[ngsolve.comp.FESpace, pyngcore.pyngcore.Flags]:
         ...
@@ -65,22 +88,22 @@ class LACSpace(ngsolve.comp.FESpace):
     @property
     def displacement(self) -> ngsolve.comp.FESpace:
         """
-        the displacement space the macro-elements are made for
+        The displacement space (FESpace) that the macro-elements are made for.
         """
     @property
     def macros(self) -> pyngcore.pyngcore.Array_I_S:
         """
-        macro-element of each boundary element of the mesh, -1 off the slave surface
+        Macro-element of each boundary element of the mesh, -1 off the slave surface.
         """
     @property
     def nmacros(self) -> int:
         """
-        number of macro-elements
+        Number of macro-elements.
         """
     @property
     def slave(self) -> ngsolve.comp.Region:
         """
-        the slave region
+        The slave surface (Region).
         """
 class Side:
     """
@@ -208,7 +231,15 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
     quadrilaterals order 2. The mesh, and the space away from the slave boundary,
     stay as they are. In 2D with order >= 2 the space equals VectorH1.
 
-    V = BubbleVectorH1(mesh, order=1, slave="contact", dirichlet="bottom")
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+
+    Examples
+    --------
+    >>> V = BubbleVectorH1(mesh, order=1, slave="slave", dirichlet="bottom")
+    >>> LACSpace(V, slave="slave").nmacros == len(list(mesh.Boundaries("slave").Elements()))
+    True
 
     Keyword arguments can be:
 
