@@ -1,5 +1,6 @@
 #include "contact/contactform.hpp"
 #include "contact/merge.hpp"
+#include "space/split.hpp"
 #include <python_comp.hpp>
 
 using namespace ngslac;
@@ -26,13 +27,10 @@ Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string
   for (size_t i : Range(ma.GetNE(BND)))
     if (region.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
       return numbers;
-  string names;
-  for (size_t i : Range(ma.GetNRegions(BND)))
-    names += (i ? ", " : "") + string(ma.GetMaterial(BND, i));
   throw Exception("LACSpace: slave=" +
                   (std::holds_alternative<string>(slave) ? "'" + std::get<string>(slave) + "'"
                                                          : string("Region")) +
-                  " matches no boundary face; the boundaries are: " + names);
+                  " matches no boundary face; the boundaries are: " + BoundaryNames(ma));
 }
 
 shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags) {
@@ -116,8 +114,9 @@ void ExportSpace(py::module & m) {
           [](py::tuple state) {
             return MakeSpace(state[0].cast<shared_ptr<FESpace>>(), state[1].cast<Flags>());
           }))
-      .def_property_readonly("displacement", &LACSpace::Displacement,
-                             "The displacement space (FESpace) that the macro-elements are made for.")
+      .def_property_readonly(
+          "displacement", &LACSpace::Displacement,
+          "The displacement space (FESpace) that the macro-elements are made for.")
       .def_property_readonly("nmacros", &LACSpace::NMacros, "Number of macro-elements.")
       .def_property_readonly(
           "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },

@@ -279,7 +279,8 @@ class ContactSolver(NewtonStep):
         self._closings += 1
         if self._closings > 5:  # each time the iteration opened what was closed
             raise FloatingBodyError(
-                FloatingMessage(floating) + ". The loads seem to pull it away from the contact"
+                FloatingMessage(floating)
+                + ". The loads pull it away from the contact, or too little touches at first"
             )
         if self.initial == "gap" and CloseNearest(self.contacts, self.gf, self._WhatFloats):
             return True
