@@ -11,6 +11,7 @@ import ngslac  # noqa: E402
 
 project = "ngslac"
 author = "the ngslac developers"
+copyright = f"2026, {author}"
 release = version = ngslac.__version__
 
 extensions = [

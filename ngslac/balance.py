@@ -40,11 +40,23 @@ class EnergyBalance:
 
     @property
     def total(self):
-        """Kinetic and internal energy."""
+        """Kinetic and internal energy together."""
         return self.kinetic + self.internal
 
     def After(self, time, kinetic, *, internal, external, friction, impact):
-        """The balance after a step with this kinetic energy and these works."""
+        """The balance after a step.
+
+        Parameters
+        ----------
+        time, kinetic : float
+            At the end of the step.
+        internal, external, friction, impact : float
+            Works done and energies lost in it.
+
+        Returns
+        -------
+        EnergyBalance
+        """
         losses = friction + impact
         return EnergyBalance(
             time,
@@ -58,7 +70,17 @@ class EnergyBalance:
 
     @classmethod
     def Table(cls, balances):
-        """Balances as a dict of numpy arrays."""
+        """Balances as arrays.
+
+        Parameters
+        ----------
+        balances : iterable of EnergyBalance
+
+        Returns
+        -------
+        dict
+            Name -> (n,) array, for each attribute.
+        """
         rows = np.array([astuple(balance) for balance in balances]).reshape(-1, len(fields(cls)))
         return {f.name: column for f, column in zip(fields(cls), rows.T, strict=True)}
 

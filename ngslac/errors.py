@@ -10,6 +10,18 @@ class ContactConvergenceError(RuntimeError):
     ----------
     history : list[Iteration]
         One entry per iteration, see `ContactSolver.history`.
+
+    Examples
+    --------
+    >>> square = InnerProduct(Grad(u), Grad(u))
+    >>> a = BilinearForm(fes)
+    >>> a += Variation((square + square**2) * dx)
+    >>> a += v[1] * ds("top")
+    >>> try:
+    ...     last = ContactSolver(a, gf, contact).Solve(maxit=1, printing=False)
+    ... except ContactConvergenceError as error:
+    ...     print(str(error)[:14], error.history[-1].number)
+    no convergence 1
     """
 
     def __init__(self, message, history=()):
@@ -18,4 +30,19 @@ class ContactConvergenceError(RuntimeError):
 
 
 class FloatingBodyError(ContactConvergenceError):
-    """A body is held by nothing: neither Dirichlet conditions nor active contact."""
+    """A body is held by nothing: neither Dirichlet conditions nor active contact.
+
+    The message names the body and the motions that are left to it. Its `history` is that of a
+    `ContactConvergenceError`.
+
+    Examples
+    --------
+    A load that pulls the upper block away:
+
+    >>> load.Set(-1)
+    >>> try:
+    ...     solver.Solve(printing=False)
+    ... except FloatingBodyError as error:
+    ...     print("upper" in str(error))
+    True
+    """

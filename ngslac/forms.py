@@ -20,6 +20,16 @@ class FormSum:
     contacts : LACContact
         Contact forms on the same X.
 
+    Attributes
+    ----------
+    mat : BaseMatrix
+        Of the last `AssembleLinearization`, with the scalar dofs of X as rows and columns.
+
+    Raises
+    ------
+    ValueError
+        If two contacts share one `lam`.
+
     Examples
     --------
     >>> form = FormSum(a, contact)
@@ -37,26 +47,32 @@ class FormSum:
 
     @property
     def condense(self):
-        """Is the bulk condensed?"""
+        """Does the bulk condense (a bool)?"""
         return self.a.condense
 
     @property
     def harmonic_extension(self):
-        """Of the bulk."""
+        """Matrix of the bulk, for what it condenses."""
         return self.a.harmonic_extension
 
     @property
     def harmonic_extension_trans(self):
-        """Of the bulk."""
+        """Matrix of the bulk, for what it condenses."""
         return self.a.harmonic_extension_trans
 
     @property
     def inner_solve(self):
-        """Of the bulk."""
+        """Matrix of the bulk, for what it condenses."""
         return self.a.inner_solve
 
     def AssembleLinearization(self, x):
-        """Assemble `mat` at the state x (BaseVector); pairs the surfaces if that was not done."""
+        """Assemble `mat` at a state; pairs the surfaces if that was not done.
+
+        Parameters
+        ----------
+        x : BaseVector
+            On the product space.
+        """
         self.a.AssembleLinearization(x)
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
@@ -66,7 +82,13 @@ class FormSum:
         )
 
     def Apply(self, x, y):
-        """y = residual of bulk and contact at x (both BaseVectors)."""
+        """y = residual of bulk and contact at x.
+
+        Parameters
+        ----------
+        x, y : BaseVector
+            State and residual (forces) on the product space.
+        """
         self.a.Apply(x, y)
         for contact in self.contacts:
             contact.AddApply(x, y)

@@ -35,7 +35,21 @@ class Iteration:
 
     @classmethod
     def Of(cls, number, state, before, damping):
-        """The line for a State; `before` are the statuses of the iterate before."""
+        """The line for a State.
+
+        Parameters
+        ----------
+        number : int
+        state : State
+            What was measured of the iterate.
+        before : (n,) array
+            Statuses of the iterate before.
+        damping : float
+
+        Returns
+        -------
+        Iteration
+        """
         counts = (int(np.sum(state.status == s)) for s in range(3))
         changed = int(np.sum(before != state.status))
         return cls(number, state.equilibrium, state.constraint, *counts, changed, damping)

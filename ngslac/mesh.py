@@ -37,6 +37,8 @@ def SplitSlaveFaces(mesh, slave, *, hexes="pyramids"):
     ------
     ValueError
         If no boundary of the mesh matches `slave`, or `hexes` is unknown.
+    TypeError
+        If `mesh` is no mesh, or `slave` neither a pattern nor a region.
     NgException
         If the mesh has elements of second order, or is so coarse that its curved boundary would
         fold an element over.

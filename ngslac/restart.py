@@ -79,6 +79,20 @@ def LoadMesh(file):
     Returns
     -------
     ngsolve.Mesh
+
+    Raises
+    ------
+    ValueError
+        If the file is no saved state.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     SaveState(folder + "/state", solver)
+    ...     found = LoadMesh(folder + "/state")
+    >>> found.nv == mesh.nv and found.GetBoundaries() == mesh.GetBoundaries()
+    True
     """
     with open(file, "rb") as stream:
         _CheckFormat(stream, file)
@@ -103,6 +117,18 @@ def LoadState(file, tool, *, also=None):
     ValueError
         If the file is no saved state, or belongs to another kind of tool, mesh, space, number of
         contacts or dict `also`. Nothing is changed then.
+
+    Examples
+    --------
+    Back to a saved state, of a parameter as well:
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     SaveState(folder + "/state", solver, also={"load": load})
+    ...     load.Set(2)
+    ...     LoadState(folder + "/state", solver, also={"load": load})
+    >>> load.Get()
+    1.0
     """
     with open(file, "rb") as stream:
         _CheckFormat(stream, file)

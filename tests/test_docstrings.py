@@ -1,15 +1,30 @@
 """Every example in a docstring of a public name runs."""
 
 import doctest
+import sys
+from pathlib import Path
 
 import ngsolve
 import pytest
 from ngsolve import Grad, InnerProduct, Sym, ds, dx
 
 import ngslac
+import ngslac.reference
 from ngslac.demos import TwoBlocks
 
-PUBLIC = [name for name in ngslac.__all__ if not name.startswith("_")]
+sys.path.insert(0, str(Path(__file__).parent / "docs"))
+
+from docstrings import PublicNames
+
+
+def examples(name):
+    return doctest.DocTestParser().get_doctest(name.doc, {}, name.name, None, 0)
+
+
+NAMES = {name.name: name for name in PublicNames() if examples(name).examples}
+REFERENCE = {
+    key for key, name in NAMES.items() if name.thing.__module__.startswith("ngslac.reference")
+}
 
 
 @pytest.fixture
@@ -28,19 +43,26 @@ def problem():
     return vars(ngsolve) | vars(ngslac) | locals()
 
 
-def examples(name):
-    thing = getattr(ngslac, name)
-    return doctest.DocTestParser().get_doctest(thing.__doc__, {}, name, None, 0)
-
-
-@pytest.mark.parametrize("name", [name for name in PUBLIC if examples(name).examples])
-def test_example(name, problem):
-    test = examples(name)
-    test.globs.update(problem)
+def run(name, names):
+    test = examples(NAMES[name])
+    test.globs.update(names)
     result = doctest.DocTestRunner(verbose=False).run(test)
+    assert result.attempted > 0
     assert result.failed == 0
+
+
+@pytest.mark.parametrize("name", sorted(NAMES.keys() - REFERENCE))
+def test_example(name, problem, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    run(name, problem)
+
+
+@pytest.mark.parametrize("name", sorted(REFERENCE))
+def test_example_of_reference(name):
+    run(name, vars(ngslac.reference))
 
 
 def test_the_main_names_have_examples():
     main = {"LACSpace", "LACContact", "ContactSolver", "LoadStepper", "FormSum", "SplitSlaveFaces"}
-    assert main <= {name for name in PUBLIC if examples(name).examples}
+    assert main <= NAMES.keys()
+    assert {"HertzLine", "TwistPoint", "TwistPoint.FromAngle"} <= REFERENCE

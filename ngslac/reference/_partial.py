@@ -75,5 +75,5 @@ class Reversal:
 
     @property
     def stick(self):
-        """Half width or radius b of that part."""
+        """Half width or radius b of that part (length)."""
         return self._change.stick

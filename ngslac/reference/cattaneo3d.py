@@ -44,6 +44,11 @@ class CattaneoMindlinPoint(PartialSlip):
     friction : float
         Coefficient of friction F >= 0.
 
+    Raises
+    ------
+    ValueError
+        If the bodies would slide, or are of different materials.
+
     Examples
     --------
     >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -56,7 +61,21 @@ class CattaneoMindlinPoint(PartialSlip):
 
     @classmethod
     def FromShift(cls, *, hertz, shift, friction):
-        """State after the far parts of the bodies have been moved by `shift`, see there.
+        """State after the far parts of the bodies have moved; else as in `CattaneoMindlinPoint`.
+
+        Parameters
+        ----------
+        shift : float
+            Of the master against the slave (length), see the property of this name.
+
+        Returns
+        -------
+        CattaneoMindlinPoint
+
+        Raises
+        ------
+        ValueError
+            If the bodies would slide.
 
         Examples
         --------
@@ -86,7 +105,7 @@ class CattaneoMindlinPoint(PartialSlip):
 
     @property
     def stick(self):
-        """Radius c of the stick zone."""
+        """Radius c of the stick zone (length)."""
         return self.ratio * self.hertz.contact_radius
 
     @property
@@ -106,7 +125,18 @@ class CattaneoMindlinPoint(PartialSlip):
         return float(pi * self._scale * self._compliances[0] * (a * a - c * c) / (8.0 * a))
 
     def Traction(self, r):
-        """Tangential traction on the slave, along Q, at distance `r` from the middle."""
+        """Tangential traction on the slave, along Q.
+
+        Parameters
+        ----------
+        r : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `r`.
+        """
         r = points("r", r)
         outer, inner = semi_ellipse(r, self.hertz.contact_radius), semi_ellipse(r, self.stick)
         return self._scale * (outer - self.ratio * inner)
@@ -117,11 +147,20 @@ class CattaneoMindlinPoint(PartialSlip):
         return self._scale * (outer - self.ratio * semi_ellipsoid_mean(vertices, self.stick))
 
     def Slip(self, x, y):
-        """Slip of the slave against the master at (x, y) inside the contact, x along Q.
+        """Slip of the slave against the master: displacements by the tractions, less `shift`.
 
-        Both components, as a tuple: the surface displacements of the tractions less `shift`. Zero
-        in stick, nearly against the traction in slip, NaN for r > a, where the surfaces do not
-        touch. For |Q| = F P the rigid sliding is left out.
+        Zero in stick, nearly against the traction in slip; for |Q| = F P the rigid sliding is left
+        out.
+
+        Parameters
+        ----------
+        x, y : float or array
+            Position relative to the middle (length), x along Q.
+
+        Returns
+        -------
+        tuple of float or array
+            Both components (length); NaN for r > a, where the surfaces do not touch.
         """
         x, y = np.broadcast_arrays(points("x", x), points("y", y))
         a, c = self.hertz.contact_radius, self.stick
@@ -154,7 +193,17 @@ class CattaneoMindlinPoint(PartialSlip):
         return along, factor * twin * double * x * y
 
     def Reverse(self, shear):
-        """State after the tangential load has gone back from here to `shear`."""
+        """State after the tangential load has gone back from here.
+
+        Parameters
+        ----------
+        shear : float
+            The load to which it has gone, |shear| <= |Q|.
+
+        Returns
+        -------
+        MindlinPointReversal
+        """
         return MindlinPointReversal(start=self, shear=shear)
 
 
@@ -175,6 +224,11 @@ class MindlinPointReversal(Reversal):
     shear : float
         Present resultant Q of the tangential tractions on the slave, -|Q*| <= Q <= |Q*|.
 
+    Raises
+    ------
+    ValueError
+        If the load is larger than the one at the point of reversal.
+
     Examples
     --------
     >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -192,7 +246,7 @@ class MindlinPointReversal(Reversal):
         return self._Superposed(lambda state: state.shift)
 
     def Traction(self, r):
-        """Tangential traction on the slave, along the load, at distance `r` from the middle."""
+        """Tangential traction on the slave, see `CattaneoMindlinPoint.Traction`."""
         return self._Superposed(lambda state: state.Traction(r))
 
     def MeanTraction(self, vertices):
@@ -200,6 +254,6 @@ class MindlinPointReversal(Reversal):
         return self._Superposed(lambda state: state.MeanTraction(vertices))
 
     def Slip(self, x, y):
-        """Slip of the slave against the master since the first loading, see there."""
+        """Slip since the first loading, see `CattaneoMindlinPoint.Slip`."""
         pairs = zip(self.start.Slip(x, y), self._change.Slip(x, y), strict=True)
         return tuple(before - 2.0 * change for before, change in pairs)

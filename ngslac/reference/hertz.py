@@ -29,6 +29,13 @@ class HertzLine(HertzPair):
         Young's moduli and Poisson ratios; `inf` makes one of the bodies rigid. Body 1 is the
         slave (this fixes the sign of `beta`).
 
+    Raises
+    ------
+    ValueError
+        If a number is out of range, or both bodies are flat or both rigid.
+
+    Notes
+    -----
     Any consistent system of units: with N and mm, `force` is in N/mm and pressures are in MPa.
 
     Examples
@@ -40,16 +47,27 @@ class HertzLine(HertzPair):
 
     @property
     def halfwidth(self):
-        """Half width a of the contact, a^2 = 4 P R / (pi E*)."""
+        """Half width a of the contact (length), a^2 = 4 P R / (pi E*)."""
         return sqrt(4.0 * self.force * self.radius / (pi * self.modulus))
 
     @property
     def peak(self):
-        """Largest pressure p0 = 2 P / (pi a)."""
+        """Largest pressure p0 = 2 P / (pi a) (stress)."""
         return 2.0 * self.force / (pi * self.halfwidth)
 
     def Pressure(self, x):
-        """Pressure at distance `x` (number or array) from the middle of the contact."""
+        """Pressure along the contact.
+
+        Parameters
+        ----------
+        x : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `x`.
+        """
         return self.peak * semi_ellipse(x, self.halfwidth)
 
     def MeanPressure(self, x0, x1):
@@ -57,5 +75,15 @@ class HertzLine(HertzPair):
 
         This is what a piecewise constant multiplier on a face with these ends is compared with;
         faces may reach over the edge of the contact, and either end may come first.
+
+        Parameters
+        ----------
+        x0, x1 : float or array
+            Ends (length), x0 != x1.
+
+        Returns
+        -------
+        float or array
+            Stress, of the common shape of both.
         """
         return self.peak * semi_ellipse_mean(x0, x1, self.halfwidth)

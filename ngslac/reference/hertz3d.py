@@ -34,6 +34,13 @@ class HertzPoint(HertzPair):
         Young's moduli and Poisson ratios; `inf` makes one of the bodies rigid. Body 1 is the
         slave (this fixes the sign of `beta`).
 
+    Raises
+    ------
+    ValueError
+        If a number is out of range, or both bodies are flat or both rigid.
+
+    Notes
+    -----
     Any consistent system of units: with N and mm, pressures are in MPa.
 
     Examples
@@ -47,9 +54,18 @@ class HertzPoint(HertzPair):
 
     @classmethod
     def FromApproach(cls, *, approach, radius1, radius2=inf, young1, nu1, young2, nu2):
-        """Contact of two bodies whose distant points have come closer by `approach` > 0.
+        """Contact of two bodies whose distant points have come closer.
 
-        The other parameters are those of the class; P = (4/3) E* sqrt(R) approach^(3/2).
+        P = (4/3) E* sqrt(R) approach^(3/2) (Johnson, section 4.2); the rest as in `HertzPoint`.
+
+        Parameters
+        ----------
+        approach : float
+            By which they have come closer (length), > 0.
+
+        Returns
+        -------
+        HertzPoint
 
         Examples
         --------
@@ -66,21 +82,32 @@ class HertzPoint(HertzPair):
 
     @property
     def contact_radius(self):
-        """Radius a of the contact, a^3 = 3 P R / (4 E*)."""
+        """Radius a of the contact (length), a^3 = 3 P R / (4 E*)."""
         return (0.75 * self.force * self.radius / self.modulus) ** (1.0 / 3.0)
 
     @property
     def peak(self):
-        """Largest pressure p0 = 3 P / (2 pi a^2)."""
+        """Largest pressure p0 = 3 P / (2 pi a^2) (stress)."""
         return 1.5 * self.force / (pi * self.contact_radius**2)
 
     @property
     def approach(self):
-        """Approach a^2 / R of points of the two bodies far from the contact."""
+        """Approach a^2 / R (length) of points of the two bodies far from the contact."""
         return self.contact_radius**2 / self.radius
 
     def Pressure(self, r):
-        """Pressure at distance `r` (number or array) from the middle of the contact."""
+        """Pressure over the distance from the middle.
+
+        Parameters
+        ----------
+        r : float or array
+            Distance (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `r`.
+        """
         return self.peak * semi_ellipse(points("r", r), self.contact_radius)
 
     def MeanPressure(self, vertices):
@@ -92,19 +119,30 @@ class HertzPoint(HertzPair):
         Parameters
         ----------
         vertices : array of shape (..., corners, 2)
-            Corners relative to the middle of the contact, in either sense of rotation.
+            Corners relative to the middle of the contact (length), in either sense of rotation.
 
         Returns
         -------
         float or array of shape (...)
+            Stress.
         """
         return self.peak * semi_ellipsoid_mean(vertices, self.contact_radius)
 
     def Gap(self, r):
-        """Distance of the loaded surfaces at `r`: zero in contact, positive around it.
+        """Distance of the loaded surfaces: zero in contact, positive around it.
 
         The parabola r^2/(2R), less the approach, plus the displacements of both surfaces outside
         the contact (Johnson, section 3.4).
+
+        Parameters
+        ----------
+        r : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Length, of the shape of `r`.
         """
         distance, a = np.abs(points("r", r)), self.contact_radius
         outside = np.maximum(distance, a)
@@ -114,10 +152,27 @@ class HertzPoint(HertzPair):
         return np.where(distance > a, np.maximum(gap, 0.0), 0.0)[()]
 
     def AxisStress(self, depth, *, body=1):
-        """Stresses (rr, zz) on the axis at `depth` >= 0 below the surface of `body` 1 or 2.
+        """Stresses on the axis below the surface.
 
         Tension positive; the hoop stress equals the radial one, and all shear stresses vanish.
         Source: Johnson, section 3.4.
+
+        Parameters
+        ----------
+        depth : float or array
+            Below the surface (length), >= 0.
+        body : {1, 2}
+            Slave or master.
+
+        Returns
+        -------
+        tuple of float or array
+            The stresses rr and zz, of the shape of `depth`.
+
+        Raises
+        ------
+        ValueError
+            If `body` is another number, or a depth negative.
         """
         if body not in (1, 2):
             raise ValueError(f"body = {body!r} is not valid: give 1 (slave) or 2 (master)")

@@ -36,6 +36,11 @@ class CattaneoMindlin(PartialSlip):
     friction : float
         Coefficient of friction F >= 0.
 
+    Raises
+    ------
+    ValueError
+        If the bodies would slide, or are of different materials.
+
     Examples
     --------
     >>> hertz = HertzLine(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -55,25 +60,56 @@ class CattaneoMindlin(PartialSlip):
 
     @property
     def stick(self):
-        """Half width c of the stick zone."""
+        """Half width c of the stick zone (length)."""
         return self.ratio * self.hertz.halfwidth
 
     def Traction(self, x):
-        """Tangential traction on the slave at distance `x` from the middle."""
+        """Tangential traction on the slave.
+
+        Parameters
+        ----------
+        x : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `x`, of the sign of Q.
+        """
         outer, inner = semi_ellipse(x, self.hertz.halfwidth), semi_ellipse(x, self.stick)
         return self._scale * (outer - self.ratio * inner)
 
     def MeanTraction(self, x0, x1):
-        """Exact average of the traction over each interval from `x0` to `x1`."""
+        """Exact average of the traction over each interval from `x0` to `x1`.
+
+        Parameters
+        ----------
+        x0, x1 : float or array
+            Ends (length), x0 != x1.
+
+        Returns
+        -------
+        float or array
+            Stress, of the common shape of both.
+        """
         outer = semi_ellipse_mean(x0, x1, self.hertz.halfwidth)
         return self._scale * (outer - self.ratio * semi_ellipse_mean(x0, x1, self.stick))
 
     def Slip(self, x):
-        """Tangential slip of the slave against the master at `x` inside the contact.
+        """Tangential slip of the slave against the master.
 
-        The integral of the slip gradient sqrt(x^2 - c^2) 2 F p0 / (E* a) over the slip zone,
-        against the traction. For |Q| = F P the rigid sliding is left out. NaN for |x| > a, where
-        the surfaces do not touch.
+        The integral of the slip gradient sqrt(x^2 - c^2) 2 F p0 / (E* a) over the slip zone
+        (Johnson, section 7.2), against the traction. For |Q| = F P the rigid sliding is left out.
+
+        Parameters
+        ----------
+        x : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Length, of the shape of `x`; NaN for |x| > a, where the surfaces do not touch.
         """
         x, c, a = points("x", x), self.stick, self.hertz.halfwidth
         distance = np.maximum(np.abs(x), c)
@@ -84,7 +120,17 @@ class CattaneoMindlin(PartialSlip):
         return np.where(np.abs(x) <= a, slip, np.nan)[()]
 
     def Reverse(self, shear):
-        """State after the tangential load has gone back from here to `shear`."""
+        """State after the tangential load has gone back from here.
+
+        Parameters
+        ----------
+        shear : float
+            The load to which it has gone, |shear| <= |Q|.
+
+        Returns
+        -------
+        MindlinReversal
+        """
         return MindlinReversal(start=self, shear=shear)
 
 
@@ -105,6 +151,11 @@ class MindlinReversal(Reversal):
     shear : float
         Present resultant Q of the tangential tractions on the slave, -|Q*| <= Q <= |Q*|.
 
+    Raises
+    ------
+    ValueError
+        If the load is larger than the one at the point of reversal.
+
     Examples
     --------
     >>> hertz = HertzLine(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -117,13 +168,13 @@ class MindlinReversal(Reversal):
     shear: float
 
     def Traction(self, x):
-        """Tangential traction on the slave at distance `x` from the middle."""
+        """Tangential traction on the slave, see `CattaneoMindlin.Traction`."""
         return self._Superposed(lambda state: state.Traction(x))
 
     def MeanTraction(self, x0, x1):
-        """Exact average of the traction over each interval from `x0` to `x1`."""
+        """Exact average of the traction, see `CattaneoMindlin.MeanTraction`."""
         return self._Superposed(lambda state: state.MeanTraction(x0, x1))
 
     def Slip(self, x):
-        """Slip of the slave against the master since the first loading; NaN for |x| > a."""
+        """Slip since the first loading, see `CattaneoMindlin.Slip`."""
         return self._Superposed(lambda state: state.Slip(x))

@@ -28,6 +28,13 @@ class ScalarSignorini:
     tip : float
         End X0 of the contact; best inside an element.
 
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+
+    Notes
+    -----
     `Value`, `Gradient` use arithmetic and a square root only. With ``sqrt=ngsolve.sqrt`` they take
     and give coefficient functions.
 
@@ -50,25 +57,70 @@ class ScalarSignorini:
         return sqrt(0.5 * (r + x)), sqrt(0.5 * (r - x))
 
     def Value(self, x, y, *, body=1, sqrt=np.sqrt):
-        """Solution of `body` 1 at (x, y >= 0), or of `body` 2 at (x, y <= 0)."""
+        """Solution of one of the bodies.
+
+        Parameters
+        ----------
+        x, y : float, array or CoefficientFunction
+            Position, y >= 0 for body 1 and y <= 0 for body 2.
+        body : {1, 2}
+            Slave or master.
+        sqrt : callable
+            The square root for these numbers.
+
+        Returns
+        -------
+        float, array or CoefficientFunction
+        """
         real, imag = self._Root(x, y, sqrt)
         return _sign(body) * real * (real * real - 3.0 * imag * imag)
 
     def Gradient(self, x, y, *, body=1, sqrt=np.sqrt):
-        """Both derivatives of the solution, as a tuple."""
+        """Both derivatives of the solution, as a tuple; arguments as in `ScalarSignorini.Value`."""
         real, imag = self._Root(x, y, sqrt)
         return _sign(body) * 1.5 * real, -1.5 * imag
 
     def Gap(self, x):
-        """Gap u1 - u2 on the line, zero in contact."""
+        """Gap u1 - u2 on the line, zero in contact.
+
+        Parameters
+        ----------
+        x : float or array
+
+        Returns
+        -------
+        float or array
+            Of the shape of `x`.
+        """
         return 2.0 * np.maximum(points("x", x) - self.tip, 0.0) ** 1.5
 
     def Pressure(self, x):
-        """Pressure du1/dn >= 0 (n points out of body 1) on the line."""
+        """Pressure du1/dn >= 0 (n points out of body 1) on the line.
+
+        Parameters
+        ----------
+        x : float or array
+
+        Returns
+        -------
+        float or array
+            Of the shape of `x`.
+        """
         return 1.5 * np.sqrt(np.maximum(self.tip - points("x", x), 0.0))
 
     def MeanPressure(self, x0, x1):
-        """Exact average of the pressure over each interval from `x0` to `x1`."""
+        """Exact average of the pressure over each interval from `x0` to `x1`.
+
+        Parameters
+        ----------
+        x0, x1 : float or array
+            Ends, x0 != x1.
+
+        Returns
+        -------
+        float or array
+            Of the common shape of both.
+        """
         x0, x1 = interval(x0, x1)
         left, right = np.maximum(self.tip - x0, 0.0), np.maximum(self.tip - x1, 0.0)
         return (left**1.5 - right**1.5) / (x1 - x0)

@@ -49,6 +49,13 @@ class ElasticSignoriniDisc:
     strength : float
         Factor k > 0 of the pressure (stress over length).
 
+    Raises
+    ------
+    ValueError
+        If a number is out of range.
+
+    Notes
+    -----
     Coordinates may be numbers or arrays; with ``functions=ngsolve`` the method `Displacement`
     takes and gives coefficient functions. Any consistent system of units.
 
@@ -101,7 +108,22 @@ class ElasticSignoriniDisc:
         return f_x - 0.25 * pi * z, f_z + bent, f_xz - 0.25 * pi, f_zz + 0.5 * pi * z
 
     def Displacement(self, x, y, z, *, body=1, functions=np):
-        """The three displacements of `body` 1 at (x, y, z >= 0), or of `body` 2 for z <= 0."""
+        """Displacements of one of the bodies.
+
+        Parameters
+        ----------
+        x, y, z : float, array or CoefficientFunction
+            Position (length), z >= 0 for body 1 and z <= 0 for body 2.
+        body : {1, 2}
+            Slave or master.
+        functions : module
+            With ``sqrt``, ``log`` and the arc tangent for these numbers: numpy or ngsolve.
+
+        Returns
+        -------
+        tuple of float, array or CoefficientFunction
+            Along x, y and z (length).
+        """
         sign, k = _sign(body), self.strength
         shear2, nu = self._Material(body)
         height = sign * z
@@ -111,7 +133,18 @@ class ElasticSignoriniDisc:
         return along * x, along * y, sign * up
 
     def Gap(self, r):
-        """Distance of the surfaces at `r`, zero in contact."""
+        """Distance of the surfaces, zero in contact.
+
+        Parameters
+        ----------
+        r : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Length, of the shape of `r`.
+        """
         distance, a = np.abs(points("r", r)), self.radius
         (shear1, nu1), (shear2, nu2) = self._Material(1), self._Material(2)
         factor = self.strength * 2.0 * ((1.0 - nu1) / shear1 + (1.0 - nu2) / shear2)
@@ -121,7 +154,18 @@ class ElasticSignoriniDisc:
         return np.where(distance > a, np.maximum(gap, 0.0), 0.0)[()]
 
     def Pressure(self, r):
-        """Contact pressure at `r`, positive in compression."""
+        """Contact pressure, positive in compression.
+
+        Parameters
+        ----------
+        r : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `r`.
+        """
         return self.strength * self.radius * semi_ellipse(points("r", r), self.radius)
 
     def MeanPressure(self, vertices):

@@ -35,6 +35,13 @@ class ElasticSignorini:
     strength : float
         Factor k > 0 of the pressure (stress over the root of a length).
 
+    Raises
+    ------
+    ValueError
+        If a number is out of range.
+
+    Notes
+    -----
     Coordinates may be numbers or arrays; with ``sqrt=ngsolve.sqrt`` the methods `Displacement` and
     `Stress` take and give coefficient functions. Any consistent system of units.
 
@@ -72,7 +79,22 @@ class ElasticSignorini:
         return sqrt(0.5 * (r - x)), sqrt(0.5 * (r + x)), r
 
     def Displacement(self, x, y, *, body=1, sqrt=np.sqrt):
-        """Both displacements of `body` 1 at (x, y >= 0), or of `body` 2 at (x, y <= 0)."""
+        """Displacements of one of the bodies.
+
+        Parameters
+        ----------
+        x, y : float, array or CoefficientFunction
+            Position (length), y >= 0 for body 1 and y <= 0 for body 2.
+        body : {1, 2}
+            Slave or master.
+        sqrt : callable
+            The square root for these numbers.
+
+        Returns
+        -------
+        tuple of float, array or CoefficientFunction
+            Along x and y (length).
+        """
         sign, k = _sign(body), self.strength
         shear2, nu = self._Material(body)
         real, imag, _ = self._Root(x, y, sqrt)
@@ -84,7 +106,10 @@ class ElasticSignorini:
         return u, sign * v
 
     def Stress(self, x, y, *, body=1, sqrt=np.sqrt):
-        """Stresses (xx, yy, xy) in `body`, tension positive; the zz stress is nu (xx + yy)."""
+        """Stresses (xx, yy, xy) as a tuple, tension positive; the zz stress is nu (xx + yy).
+
+        The arguments are as in `ElasticSignorini.Displacement`.
+        """
         sign, k = _sign(body), self.strength
         real, imag, r = self._Root(x, y, sqrt)
         slope = 0.5 * k * (sign * y) / (r + 1e-300)  # the offset gives zero at the tip
@@ -92,7 +117,18 @@ class ElasticSignorini:
         return mean - slope * imag, mean + slope * imag, -sign * slope * real
 
     def Gap(self, x):
-        """Distance of the surfaces along the line, zero in contact."""
+        """Distance of the surfaces along the line, zero in contact.
+
+        Parameters
+        ----------
+        x : float or array
+            Position (length).
+
+        Returns
+        -------
+        float or array
+            Length, of the shape of `x`.
+        """
         (shear1, nu1), (shear2, nu2) = self._Material(1), self._Material(2)
         factor = 2.0 / 3.0 * self.strength * ((1.0 - nu1) / shear1 + (1.0 - nu2) / shear2)
         return factor * self._scalar.Gap(x)
@@ -102,9 +138,31 @@ class ElasticSignorini:
         return ScalarSignorini(tip=self.tip)
 
     def Pressure(self, x):
-        """Contact pressure, positive in compression."""
+        """Contact pressure, positive in compression.
+
+        Parameters
+        ----------
+        x : float or array
+            Position (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `x`.
+        """
         return self.strength / 1.5 * self._scalar.Pressure(x)
 
     def MeanPressure(self, x0, x1):
-        """Exact average of the pressure over each interval from `x0` to `x1`."""
+        """Exact average of the pressure over each interval from `x0` to `x1`.
+
+        Parameters
+        ----------
+        x0, x1 : float or array
+            Ends (length), x0 != x1.
+
+        Returns
+        -------
+        float or array
+            Stress, of the common shape of both.
+        """
         return self.strength / 1.5 * self._scalar.MeanPressure(x0, x1)

@@ -13,6 +13,8 @@ __all__ = ["GRECO_SLAB", "FrictionSlab"]
 class FrictionSlab:
     """Half of a slab, pushed down onto a rigid plane and in from its side, in plane strain.
 
+    Source: code_aster, verification document V6.04.128 (SSNV128); see `GRECO_SLAB`.
+
     The body is the rectangle (0, width) x (0, height). The plane is y = 0; `top_pressure` acts on
     y = height and `side_pressure` on x = 0, both as pressures (positive pushes inwards); x = width
     is a plane of symmetry, without displacement along x. Both loads grow together.
@@ -31,6 +33,11 @@ class FrictionSlab:
         These displacements as published, and as they converge under mesh refinement.
     open_end, slip_end : float
         Converged ends of the open part (from x = 0) and of the part that slips; the rest sticks.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range, or there is not one value for each abscissa.
 
     Examples
     --------
@@ -68,13 +75,41 @@ class FrictionSlab:
                 )
 
     def FrictionlessDisplacement(self, x):
-        """Displacement along x if the plane had no friction: the exact, uniform stress state."""
+        """Displacement along x if the plane had no friction: the exact, uniform stress state.
+
+        Parameters
+        ----------
+        x : float or array
+            Position (length).
+
+        Returns
+        -------
+        float or array
+            Length, of the shape of `x`.
+        """
         across = (1.0 - self.nu**2) * self.side_pressure
         strain = (across - self.nu * (1.0 + self.nu) * self.top_pressure) / self.young
         return strain * (self.width - points("x", x))
 
     def Errors(self, displacement, *, reference="converged"):
-        """Relative errors of displacements at the abscissae, against "converged" or "published"."""
+        """Relative errors of displacements at the abscissae.
+
+        Parameters
+        ----------
+        displacement : (n,) array
+            Along x at `abscissae` (length).
+        reference : {"converged", "published"}
+            Against which values.
+
+        Returns
+        -------
+        (n,) array
+
+        Raises
+        ------
+        ValueError
+            If `reference` is another name.
+        """
         if reference not in ("converged", "published"):
             raise ValueError(
                 f"reference = {reference!r} is not valid: give 'converged' or 'published'"

@@ -17,7 +17,7 @@ class SpenceLine:
     The stick zone |x| < c grows with the contact, c = k a; outside it |tau| = F p. The formulas
     and their derivation are in `StickZone`. They hold for a load that has never been taken back.
     A discrete load history must have several steps: in one single step the stick zone and the
-    tractions are those of another problem.
+    tractions are those of another problem. Source: Spence, Proc. Camb. Phil. Soc. 73 (1973) 249.
 
     Parameters
     ----------
@@ -25,6 +25,11 @@ class SpenceLine:
         The normal contact; body 1 is the slave.
     friction : float
         Coefficient of friction F >= 0.
+
+    Raises
+    ------
+    ValueError
+        If the friction is negative or not finite.
 
     Examples
     --------
@@ -52,18 +57,39 @@ class SpenceLine:
 
     @property
     def stick(self):
-        """Half width c of the stick zone."""
+        """Half width c of the stick zone (length)."""
         return self.ratio * self.hertz.halfwidth
 
     def Traction(self, x):
-        """Tangential traction on the slave at distance `x` from the middle of the contact.
+        """Tangential traction on the slave.
 
         Odd in `x`, and away from the middle where `hertz.beta` > 0, towards it otherwise.
+
+        Parameters
+        ----------
+        x : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `x`.
         """
         x = points("x", x)
         return self.hertz.Pressure(x) * self.zone.HertzFriction(x / self.hertz.halfwidth)
 
     def MeanTraction(self, x0, x1):
-        """Average of the traction over each interval from `x0` to `x1`, to about 1e-12."""
+        """Average of the traction over each interval from `x0` to `x1`, to about 1e-12.
+
+        Parameters
+        ----------
+        x0, x1 : float or array
+            Ends (length), x0 != x1.
+
+        Returns
+        -------
+        float or array
+            Stress, of the common shape of both.
+        """
         a, c = self.hertz.halfwidth, self.stick
         return integral_mean(self.Traction, x0, x1, [-a, -c, 0.0, c, a])

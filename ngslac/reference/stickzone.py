@@ -50,6 +50,11 @@ class StickZone:
     friction : float
         Coefficient of friction F >= 0.
 
+    Raises
+    ------
+    ValueError
+        If beta is not finite, or the friction negative or not finite.
+
     Examples
     --------
     >>> zone = StickZone(beta=1 / 7, friction=0.2)
@@ -86,14 +91,25 @@ class StickZone:
         return self._solution[0]
 
     def PunchFriction(self, t):
-        """Tangential traction on the slave over pressure, for a flat punch, at t = x/a."""
+        """Tangential traction on the slave over pressure, for a flat punch.
+
+        Parameters
+        ----------
+        t : float or array
+            Distance from the middle over the half width, x/a.
+
+        Returns
+        -------
+        float or array
+            Of the shape of `t`, without unit.
+        """
         return self._Friction(t, lambda sine, angle, k: ellipkinc(angle, k**2))
 
     def HertzFriction(self, t):
-        """Tangential traction on the slave over pressure, for two cylinders, at t = x/a.
+        """Tangential traction on the slave over pressure, for two cylinders.
 
         Like the traction, it points away from the middle for beta > 0, and vanishes with the
-        pressure outside the contact.
+        pressure outside the contact. Its argument is as in `StickZone.PunchFriction`.
         """
 
         def stick(sine, angle, k):

@@ -57,6 +57,11 @@ class TwistPoint:
     friction : float
         Coefficient of friction F >= 0.
 
+    Raises
+    ------
+    ValueError
+        If the bodies would turn freely.
+
     Examples
     --------
     >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -80,10 +85,19 @@ class TwistPoint:
 
     @classmethod
     def FromAngle(cls, *, hertz, angle, friction):
-        """State after the far parts of the bodies have been turned by `angle`, see there.
+        """State after the far parts of the bodies have been turned; else as in `TwistPoint`.
 
         Every finite angle has its state, in partial slip, but beyond about 5 F p0/G* the moment is
         the limit to rounding.
+
+        Parameters
+        ----------
+        angle : float
+            Of the master against the slave, in radians.
+
+        Returns
+        -------
+        TwistPoint
 
         Examples
         --------
@@ -107,12 +121,12 @@ class TwistPoint:
 
     @property
     def limit(self):
-        """Moment (3 pi/16) F P a of complete slip."""
+        """Moment (3 pi/16) F P a of complete slip (force times length)."""
         return 3.0 * pi / 16.0 * self.friction * self.hertz.force * self.hertz.contact_radius
 
     @property
     def stiffness(self):
-        """Moment over angle for small moments, (16/3) G* a^3."""
+        """Moment over angle for small moments, (16/3) G* a^3 (force times length)."""
         return 16.0 / 3.0 * self.hertz.contact_radius**3 / self.hertz._ShearSum()
 
     @cached_property
@@ -133,7 +147,7 @@ class TwistPoint:
 
     @property
     def stick(self):
-        """Radius c of the stick zone."""
+        """Radius c of the stick zone (length)."""
         return self.ratio * self.hertz.contact_radius
 
     @property
@@ -152,7 +166,18 @@ class TwistPoint:
         return float(0.5 * self._scale * self.hertz._ShearSum() * value)
 
     def Traction(self, r):
-        """Traction on the slave around the normal, from x to y, at distance `r`."""
+        """Traction on the slave around the normal, from x to y.
+
+        Parameters
+        ----------
+        r : float or array
+            Distance from the middle (length).
+
+        Returns
+        -------
+        float or array
+            Stress, of the shape of `r`.
+        """
         r, a, k = np.abs(points("r", r)), self.hertz.contact_radius, self.ratio
         limit = self._scale * semi_ellipse(r, a)
         if self.moment == 0 or k == 0:
@@ -176,7 +201,7 @@ class TwistPoint:
         Returns
         -------
         array of shape (..., 2)
-            Components along x and y.
+            Components along x and y (stress).
         """
         edges = PolygonEdges.FromVertices(vertices)
         if self.moment == 0:
@@ -195,10 +220,11 @@ class TwistPoint:
         return -2.0 / pi * self._scale * (a - c) * flow
 
     def Slip(self, r):
-        """Slip of the slave against the master around the normal, from x to y.
+        """Slip (length) of the slave against the master, with `r` as in `TwistPoint.Traction`.
 
-        Zero in stick, against the traction in slip, NaN for r > a, where the surfaces do not
-        touch; infinite for the limit moment. From the rotation of the discs t < r as seen at r.
+        Around the normal from x to y: zero in stick, against the traction in slip, NaN for r > a,
+        where the surfaces do not touch; infinite for the limit moment. From the rotation of the
+        discs t < r as seen at r.
         """
         r, a = np.abs(points("r", r)), self.hertz.contact_radius
         c = self.stick
@@ -213,7 +239,12 @@ class TwistPoint:
         return np.where(r <= a, slip, np.nan)[()]
 
     def Reverse(self, moment):
-        """State after the moment has gone back from here to `moment`."""
+        """State after the moment has gone back from here to `moment`, as in `TwistReversal`.
+
+        Returns
+        -------
+        TwistReversal
+        """
         return TwistReversal(start=self, moment=moment)
 
 
@@ -233,6 +264,11 @@ class TwistReversal(Reversal):
     moment : float
         Present moment M of the tangential tractions on the slave, -|M*| <= M <= |M*|.
 
+    Raises
+    ------
+    ValueError
+        If the moment is larger than the one at the point of reversal.
+
     Examples
     --------
     >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
@@ -251,7 +287,7 @@ class TwistReversal(Reversal):
         return self._Superposed(lambda state: state.angle)
 
     def Traction(self, r):
-        """Traction on the slave around the normal, from x to y, at distance `r`."""
+        """Traction on the slave around the normal, see `TwistPoint.Traction`."""
         return self._Superposed(lambda state: state.Traction(r))
 
     def MeanTraction(self, vertices):
@@ -259,5 +295,5 @@ class TwistReversal(Reversal):
         return self._Superposed(lambda state: state.MeanTraction(vertices))
 
     def Slip(self, r):
-        """Slip of the slave against the master since the first twist; NaN for r > a."""
+        """Slip since the first twist, see `TwistPoint.Slip`."""
         return self._Superposed(lambda state: state.Slip(r))

@@ -1,0 +1,204 @@
+"""Impact, sliding, a bouncing ring; and saved states."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import continued
+import numpy as np
+from _report_case import Case, Outcome, Row
+from _report_pictures import BLUE, INK, ORANGE, Figure
+from motions import bar, sliding, two_bars
+
+from ngslac import SaveState
+from ngslac.demos import bouncing
+from ngslac.demos._bouncing_picture import Picture
+
+
+def Impact(quick):
+    n = 10 if quick else 20
+    one, two = bar(n=n, dt=0.5 / n), two_bars(dt=0.025)
+    time, pressure, energy, _ = one.run(2.6)
+    times, pressures, _, _ = two.run(2.6)
+    velocity = two.stepper.velocity
+    during = (time > 0.3) & (time < 1.9)
+    both = (times > 0.3) & (times < 1.8)
+    rows = [
+        Row("bar: mean pressure of the impact", pressure[during].mean(), 1, 5e-3),
+        Row("bar: begin of the contact", time[pressure > 0][0], 0.1, 0.75 / n, "absolute"),
+        Row("bar: end of the contact", time[pressure > 0][-1], 2.1, 1.5 / n, "absolute"),
+        Row(
+            "bar: velocity afterwards",
+            one.mean(one.stepper.velocity)[1],
+            1,
+            0.04,
+        ),
+        Row("bar: energy afterwards over that before", energy[-1] / 0.5, 1, 0.02),
+        Row("two bars: mean pressure", pressures[both].mean(), 0.5, 0.02),
+        Row(
+            "two bars: velocity of the one that was thrown",
+            two.mean(velocity, "upper")[1],
+            0,
+            0.03,
+            "absolute",
+        ),
+        Row("two bars: velocity of the other one", two.mean(velocity, "lower")[1], -1, 0.03),
+        Row("two bars: mean velocity of both", two.mean(velocity)[1], -0.5, 1e-12),
+    ]
+
+    def Draw(ax):
+        exact = np.array([(0, 0), (0.1, 0), (0.1, 1), (2.1, 1), (2.1, 0), (2.6, 0)])
+        ax.plot(*exact.T, color=INK, lw=0.8, label="exact, bar on a wall")
+        ax.step(time, pressure, where="pre", color=BLUE, lw=1.2, label="bar on a wall")
+        ax.step(times, pressures, where="pre", color=ORANGE, lw=1.2, label="two bars")
+        ax.set_xlabel("time")
+        ax.set_ylabel("pressure / (density c v)")
+        ax.legend()
+
+    return Outcome(rows, Figure(Draw, size=(6.5, 3.4)), "Contact pressures over the time.")
+
+
+def Sliding(quick):
+    motion = sliding(dt=0.05)
+    time, force, _, tangential = motion.run(4.0)
+    slides = time < 3.2
+    ratio = -tangential[slides] / force[slides]
+    farthest = ratio[np.abs(ratio - 0.3).argmax()]
+    balance = motion.stepper.balance
+    rows = [
+        Row("way until it stops", motion.mean()[0], 1 / 0.6, 2e-4),
+        Row("energy lost to friction", balance.friction, 0.05, 1e-3),
+        Row("friction over normal force while it slides", farthest, 0.3, 1e-9),
+        Row("energy lost by the time integration", balance.algorithmic, 0, 1e-13, "absolute"),
+    ]
+
+    def Draw(ax):
+        table = motion.stepper.Table()
+        for colour, name in zip((BLUE, ORANGE), ("kinetic", "friction"), strict=True):
+            ax.plot(table["time"], table[name], color=colour, lw=1.2, label=name)
+        exact = 0.05 * np.maximum(1 - 0.3 * table["time"], 0) ** 2
+        ax.plot(table["time"], exact, color=INK, lw=0.8, ls="--", label="kinetic, exact")
+        ax.set_xlabel("time")
+        ax.set_ylabel("energy")
+        ax.legend()
+
+    return Outcome(rows, Figure(Draw, size=(6, 3.2)), "Kinetic energy becomes heat.")
+
+
+def Bouncing(quick):
+    size = {"h": 0.25, "dt": 0.04, "end": 1.6} if quick else {"h": 0.17, "dt": 0.02, "end": 1.6}
+    results = bouncing.Run(**size, friction=0.2, gravity=0.0, velocity=(2.0, -1.0))
+    figures = results.figures
+    gone = figures["friction"] + figures["impact"] + figures["algorithmic"]
+    rows = [
+        Row(
+            "tangential over normal impulse, slipping all the time",
+            figures["friction_ratio"],
+            0.2,
+            0.03,
+        ),
+        Row(
+            "energy at the end and all losses",
+            figures["energy_end"] + gone,
+            figures["energy_start"],
+            1e-10,
+        ),
+        Row(
+            "velocity along the ground in flight: change",
+            figures["flight_speed_drift"],
+            0,
+            1e-9,
+            "absolute",
+        ),
+        Row(
+            "largest gain of energy in a step, over the energy",
+            max(0.0, figures["largest_contact_gain"]) / figures["energy_start"],
+            0,
+            1e-12,
+            "absolute",
+        ),
+    ]
+    caption = "Instants of the motion, and where the energy goes."
+    return Outcome(rows, lambda file: Picture(results, file), caption)
+
+
+def Restart(quick):
+    rows, curves = [], {}
+    kinds = ["linear"] if quick else list(continued.MAKE)
+    with tempfile.TemporaryDirectory() as folder:
+        steppers = {kind: continued.half(continued.MAKE[kind](), 1) for kind in continued.MAKE}
+        for kind, stepper in steppers.items():
+            SaveState(Path(folder) / kind, stepper)
+        ends = {kind: continued.outcome(continued.half(s, 2)) for kind, s in steppers.items()}
+        subprocess.run(
+            [sys.executable, continued.__file__, folder],
+            check=True,
+            cwd=Path(continued.__file__).parent,
+        )
+        for kind in kinds:
+            with np.load(Path(folder) / f"{kind}.npz") as found:
+                worst = max(
+                    float(np.abs(np.subtract(found[name], value, dtype=float)).max(initial=0))
+                    for name, value in ends[kind].items()
+                )
+                curves[kind] = ends[kind]["pressure"], found["pressure"]
+            accepted = 1e-10 if kind == "bouncing" else 0
+            text = f"{kind}: largest difference of {len(ends[kind])} arrays of end values"
+            rows.append(Row(text, worst, 0, accepted, "absolute"))
+
+    def Draw(ax):
+        for k, both in enumerate(curves.values()):
+            for style, values in zip("ox", both, strict=True):
+                colour = ORANGE if style == "x" else BLUE
+                ax.plot(k + np.linspace(-0.3, 0.3, len(values)), values, style, color=colour)
+        ax.set_xticks(range(len(curves)), curves)
+        ax.set_ylabel("pressure of the macro-elements")
+
+    caption = "End pressures without interruption (circles) and saved and continued (crosses)."
+    return Outcome(rows, Figure(Draw, size=(6, 3.2)), caption)
+
+
+CASES = [
+    Case(
+        "impact",
+        "Impact of elastic bars",
+        "A bar of length, density and speed of sound 1 is thrown at a wall with velocity 1: the "
+        "pressure is 1 while a wave runs there and back, from t = 0.1 to 2.1. Two equal bars on "
+        "meshes that do not match exchange their velocities. The layer of elements at the contact "
+        "loses its kinetic energy, a loss of first order in their size.",
+        "Waves in bars (one-dimensional, exact).",
+        "pytest tests/solver/test_dynamics.py -k bar",
+        Impact,
+    ),
+    Case(
+        "sliding-block",
+        "A sliding block stops",
+        "A flat block on the ground gets the velocity 1; friction 0.3, gravity 1.",
+        "Way v^2/(2 F g), and all energy lost to friction.",
+        "pytest tests/solver/test_dynamics.py -k sliding",
+        Sliding,
+    ),
+    Case(
+        "bouncing-ring",
+        "A bouncing ring",
+        "An elastic ring is thrown at the ground so fast that it slips as long as it touches: "
+        "friction slows it down and turns it. Large deformation and rotation, no gravity.",
+        "Balances of momentum and energy; friction 0.2 as ratio of the impulses.",
+        "python -m ngslac.demos.bouncing --gravity 0 --friction 0.2 --end 1.6 --picture ring.png",
+        Bouncing,
+    ),
+    Case(
+        "restart",
+        "Saved and continued",
+        "Four computations (a load path with friction, the same with a linear bulk, with large "
+        "sliding, and a block in flight) are saved half way and continued in another process. The "
+        "end values agree to the last bit; for the flight to rounding, since the last digits of "
+        "dense products depend on where arrays lie in memory.",
+        "The computations without interruption.",
+        "pytest tests/solver/test_restart.py",
+        Restart,
+    ),
+]

@@ -1,0 +1,207 @@
+"""Friction in 2D with closed-form solutions: Cattaneo-Mindlin, Spence, and the slab."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import test_validation_cattaneo as cattaneo
+import test_validation_greco as slab
+import test_validation_slab3d as slab3d
+import test_validation_spence as spence
+from _report_case import Case, Outcome, Row
+from _report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
+from problems_cylinder import STICK, Model
+from problems_punch import CoupledPunch, StickRatio
+
+from ngslac.reference import GRECO_SLAB
+
+
+def Mindlin(quick):
+    problem, exact = cattaneo.PROBLEM, [cattaneo.LOADED, *cattaneo.REVERSALS]
+    if quick:
+        problem = replace(problem, h=4 * problem.h)
+    model = Model(problem)
+    model.Press(3)
+    force, friction = problem.force, problem.friction
+    rows, profiles = [], []
+    for state in exact:
+        profile = model.Shear(state.shear)
+        profiles.append(profile)
+        text = f"Q = {state.shear / (friction * force):+.1f} F P"
+        found = np.array(model.contact.Force())
+        end = np.array(profile.Zone(STICK))
+        farthest = np.abs(np.abs(end) - state.stick).argmax()
+        mean = cattaneo.Errors(profile, state)[1]
+        rows += [
+            Row(
+                f"{text}: end of the stick zone over a",
+                abs(end[farthest]) / cattaneo.HERTZ.halfwidth,
+                state.stick / cattaneo.HERTZ.halfwidth,
+                0.02,
+            ),
+            Row(
+                f"{text}: error of the traction over F p0, in L2",
+                mean,
+                0,
+                0.008,
+                "absolute",
+            ),
+            Row(
+                f"{text}: resultant along the contact over P",
+                found[0] / force,
+                state.shear / force,
+                1e-10,
+                "absolute",
+            ),
+        ]
+
+    def Draw(*axes):
+        a, scale = cattaneo.HERTZ.halfwidth, friction * cattaneo.HERTZ.peak
+        x = np.linspace(-1.1, 1.1, 1001)
+        for ax, profile, state in zip(axes, profiles, exact, strict=True):
+            spans = profile.start / a, profile.end / a
+            Profile(ax, *spans, profile.traction / scale, profile.status)
+            ax.plot(x, state.Traction(x * a) / scale, color=INK, lw=0.8, label="exact")
+            ax.set_xlim(-1.15, 1.15)
+            ax.set_xlabel("x / a")
+            ax.set_title(f"Q = {state.shear / (friction * force):+.1f} F P")
+        axes[0].set_ylabel("traction / (F p0)")
+        axes[0].legend(loc="lower center")
+
+    caption = "Tractions after the first loading, after half of it is taken back, and reversed."
+    return Outcome(rows, Figure(Draw, columns=3, sharey=True, size=(10, 3.4)), caption)
+
+
+def Spence(quick):
+    if quick:
+        runs = {0.2: spence.Run.Of(replace(spence.FLAT[0.2], h=0.006))}
+    else:
+        runs = {friction: spence.Run.Of(problem) for friction, problem in spence.FLAT.items()}
+    rows, exact = [], {}
+    for friction, run in runs.items():
+        guess = spence.GUESS[friction]
+        punch = CoupledPunch(beta=abs(run.problem.hertz.beta), friction=friction)
+        ratio = StickRatio(punch.beta, friction, guess)
+        x, computed = run.Ratio()
+        exact[friction] = x, computed, punch.HertzFriction(x, guess)
+        error = computed - exact[friction][2]
+        text = f"friction {friction:g}"
+        rows += [
+            Row(
+                f"{text}: stick ratio c/a, coupled equations",
+                run.stick,
+                ratio,
+                run.macro,
+                "absolute",
+            ),
+            Row(
+                f"{text}: the same, Spence's closed form",
+                run.stick,
+                run.spence.ratio,
+                run.macro,
+                "absolute",
+            ),
+            Row(
+                f"{text}: error of |tau|/(F p) in L2",
+                float(np.sqrt(np.mean(error**2))),
+                0,
+                0.006,
+                "absolute",
+            ),
+        ]
+
+    def Draw(ax):
+        for colour, (friction, run) in zip((BLUE, ORANGE), runs.items(), strict=False):
+            x, computed, coupled = exact[friction]
+            ax.plot(x, computed, "o", ms=4, color=colour, label=f"computed, friction {friction:g}")
+            ax.plot(x, coupled, color=INK, lw=0.9, label="coupled equations")
+            at = np.linspace(0.01, 0.999, 300)
+            closed = np.abs(run.spence.zone.HertzFriction(at)) / friction
+            ax.plot(at, closed, color=GREY, lw=0.9, ls="--", label="Spence's closed form")
+        ax.set_xlabel("x / a")
+        ax.set_ylabel("|tau| / (F p)")
+        ax.legend()
+
+    caption = "Share of the friction that is used, over the contact; 1 is slip."
+    return Outcome(rows, Figure(Draw, size=(6.5, 3.8)), caption)
+
+
+def Slab(quick):
+    cases = {"2D, order 2": lambda: slab.Solve(2, "none")}
+    if not quick:
+        cases["2D, order 1 with bubbles"] = lambda: slab.Solve(1, "bubble")
+        cases["3D slice of hexahedra, order 2"] = lambda: slab3d.Solve("hex", 2, "none")
+    rows, found = [], {name: solve() for name, solve in cases.items()}
+    for name, outcome in found.items():
+        for at, ours, reference in zip(
+            GRECO_SLAB.abscissae, outcome.displacement, GRECO_SLAB.converged, strict=True
+        ):
+            text = f"{name}: displacement at x = {1e3 * at:g} mm"
+            rows.append(Row(text, 1e6 * ours, 1e6 * reference, 5e-3, unit="µm"))
+    first = next(iter(found.values()))
+    for at, ours, published in zip(
+        GRECO_SLAB.abscissae, first.displacement, GRECO_SLAB.published, strict=True
+    ):
+        text = f"the first one against the published value at x = {1e3 * at:g} mm"
+        rows.append(Row(text, 1e6 * ours, 1e6 * published, 5e-2, unit="µm"))
+
+    def Draw(left, right):
+        table = first.table
+        ends = [1e3 * x for x in slab.Ends(table)]
+        Profile(left, *ends, 1e-6 * table["pressure"], table["status"])
+        friction = -1e-6 * table["traction"][:, 0]
+        left.plot(1e3 * table["x"][:, 0], friction, color=INK, lw=0.9, label="friction")
+        left.set_ylabel("pressure, friction [MPa]")
+        left.set_xlabel("x [mm]")
+        left.legend(loc="upper left")
+        x = 1e3 * np.array(GRECO_SLAB.abscissae)
+        right.plot(x, 1e6 * np.array(GRECO_SLAB.published), "s", color=GREY, label="published")
+        for marker, (name, outcome) in zip("ox+", found.items(), strict=False):
+            right.plot(x, 1e6 * outcome.displacement, marker, color=BLUE, label=name)
+        right.set_xlabel("x [mm]")
+        right.set_ylabel("displacement [µm]")
+        right.legend()
+
+    caption = "Left: pressure and friction along the plane. Right: displacements of the base."
+    return Outcome(rows, Figure(Draw, columns=2), caption)
+
+
+CASES = [
+    Case(
+        "cattaneo2d",
+        "Cattaneo and Mindlin in 2D, with a reversal",
+        "Two cylinders of equal material are pressed together, then pushed sideways to 0.6 of "
+        "what friction can carry, back to half of that, and reversed. The stick zone and the "
+        "tractions remember the way (hysteresis).",
+        "Mindlin, J. Appl. Mech. 16 (1949); Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953); as "
+        "`CattaneoMindlin` and `MindlinReversal`.",
+        "pytest tests/validation/test_validation_cattaneo.py",
+        Mindlin,
+    ),
+    Case(
+        "spence",
+        "Stick and slip under a growing load",
+        "A steel cylinder on an aluminium block: under pressure the softer surface moves further "
+        "inwards, friction holds it in a stick zone that keeps its share of the contact. The load "
+        "is so low that both bodies are half-planes. Spence's closed form takes the pressure "
+        "from the problem without friction; the coupled equations do not. Differences of the "
+        "stick ratio are accepted up to one macro-element.",
+        "Spence, Proc. Camb. Phil. Soc. 73 (1973) and J. Elasticity 5 (1975), as `SpenceLine`; "
+        "coupled equations solved by quadrature (`tests/validation/problems_punch.py`).",
+        "pytest tests/validation/test_validation_spence.py",
+        Spence,
+    ),
+    Case(
+        "slab",
+        "A compressed slab with friction 1",
+        "Half of a slab is pressed down on a rigid plane and in from its side (the benchmark of "
+        "the French group GRECO, in SI units). Along the plane it is open, slips and sticks. The "
+        "last published value is 3 % too low.",
+        "Code_aster, test SSNV128 (manual V6.04.128; accepted there: 5 %), and the limit of mesh "
+        "refinement, `GRECO_SLAB`.",
+        "pytest tests/validation/test_validation_greco.py "
+        "tests/validation/test_validation_slab3d.py",
+        Slab,
+    ),
+]

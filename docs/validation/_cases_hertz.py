@@ -1,0 +1,174 @@
+"""Hertz' line contact, NAFEMS benchmark 1, frame and units."""
+
+from __future__ import annotations
+
+import numpy as np
+from _report_case import Case, Outcome, Row
+from _report_pictures import INK, Figure, Profile
+from problems_cb1 import PUBLISHED, CylinderModel
+from test_validation_nafems import DISPLACEMENT, FRICTION
+from test_validation_nafems import Outcome as Benchmark
+
+from ngslac.demos import hertz
+from ngslac.demos._multiplier_picture import MultiplierPicture
+
+# An independent program with the same multipliers: p(0) and the largest traction with friction.
+INDEPENDENT = {0.1: (3640.0, 184.0), 0.2: (3641.7, 247.0)}
+HALF_PLANES = 1.018  # what friction 0.2 does to p(0) of half-planes, from coupled equations
+
+
+def L2(results):
+    """Error of the pressure against the means of Hertz', relative in L2."""
+    macros, exact = results.states[-1].macros, results.problem.Hertz()
+    means = exact.MeanPressure(macros["start"], macros["end"])
+    size = macros["end"] - macros["start"]
+    return float(np.sqrt(size @ (macros["pressure"] - means) ** 2 / (size @ means**2)))
+
+
+def Hertz2D(quick):
+    h = 1.0 if quick else 0.25
+    smooth = hertz.Run(h=h, friction=0.0, steps=1)
+    rough = hertz.Run(h=max(h, 0.5), friction=0.2, steps=2 if quick else 10)
+    exact, figures, macros = smooth.problem.Hertz(), smooth.figures, rough.states[-1].macros
+    peak, largest = INDEPENDENT[0.2]
+    rows = [
+        Row("p(0)", figures["p0_ratio"] * exact.peak, exact.peak, 0.003, unit="MPa"),
+        Row("half width", figures["contact_edge_estimate"], exact.halfwidth, 0.01, unit="mm"),
+        Row("error of the pressure in L2", L2(smooth), 0, 0.02 + 0.05 * h, "absolute"),
+        Row("contact force over load", figures["force_ratio"], 1, 1e-10),
+        Row("friction 0.2: p(0) over p0", rough.figures["p0_ratio"], HALF_PLANES, 0.003),
+        Row("friction 0.2: p(0)", macros["pressure"][0], peak, 0.003, unit="MPa"),
+        Row(
+            "friction 0.2: largest traction",
+            abs(macros["traction"]).max(),
+            largest,
+            0.04,
+            unit="MPa",
+        ),
+        Row("friction 0.2: contact force over load", rough.figures["force_ratio"], 1, 1e-10),
+    ]
+
+    def Draw(file):
+        window = {"window": (0, 9, -6.2, 2.8), "limit": 9}
+        MultiplierPicture(
+            rough.mesh,
+            rough.displacement,
+            macros,
+            file,
+            exact=exact.Pressure,
+            friction=0.2,
+            **window,
+        )
+
+    caption = "Friction 0.2: deformed interface, pressure against Hertz', tangential traction."
+    return Outcome(rows, Draw, caption)
+
+
+def Nafems(quick):
+    smooth = Benchmark.Of(h=1.0 if quick else 0.25, friction=0.0, steps=1)
+    rough = Benchmark.Of(h=0.5, friction=FRICTION, steps=2 if quick else 10)
+    peak, largest = INDEPENDENT[FRICTION]
+    macros = rough.macros
+    rows = [
+        Row("small strain: displacement of the block", smooth.block, DISPLACEMENT, 5e-4, unit="mm"),
+        Row("small strain, friction 0.1: p(0)", macros["pressure"][0], peak, 2e-3, unit="MPa"),
+        Row(
+            "small strain, friction 0.1: largest traction",
+            abs(macros["traction"]).max(),
+            largest,
+            0.03,
+            unit="MPa",
+        ),
+    ]
+    for friction, (linear, quadratic) in PUBLISHED.items():
+        model = CylinderModel(1.0 if quick else 0.5, friction=friction or None)
+        model.Run(steps=2 if friction else 1)
+        block = model.At("block", (0.0, 0.0))[1]
+        text = f"large displacements, friction {friction:g}: the same, published with"
+        rows.append(Row(f"{text} quadratic elements", block, quadratic, 2e-4, unit="mm"))
+        rows.append(Row(f"{text} linear ones", block, linear, 1.5e-3, unit="mm"))
+
+    def Draw(left, right):
+        spans = macros["start"], macros["end"]
+        Profile(left, *spans, macros["pressure"], macros["status"])
+        Profile(right, *spans, -macros["traction"], macros["status"])
+        bound = FRICTION * macros["pressure"]
+        right.step(
+            macros["end"], bound, where="pre", color=INK, lw=0.8, label="friction x pressure"
+        )
+        left.set_ylabel("pressure [MPa]")
+        right.set_ylabel("traction towards the axis [MPa]")
+        for ax in (left, right):
+            ax.set_xlim(0, 8)
+            ax.set_xlabel("x [mm]")
+            ax.legend()
+
+    caption = "Small strain with friction 0.1: pressure and tangential traction."
+    return Outcome(rows, Figure(Draw, columns=2), caption)
+
+
+def Frame(quick):
+    options = {"h": 1.0 if quick else 0.5, "friction": 0.2, "steps": 1 if quick else 3}
+    before = hertz.Run(**options, half=False)
+    changes = {"rotated by 37 degrees": {"angle": 37.0}}
+    changes["in metres and pascals"] = {"length": 1e-3, "stress": 1e6}
+    rows, curves = [], {}
+    first = before.states[-1].macros
+    for name, change in changes.items():
+        after = hertz.Run(**options, half=False, **change)
+        last = after.states[-1].macros
+        for key in ("pressure", "traction"):
+            error = np.abs(last[key] - first[key]).max() / first["pressure"].max()
+            rows.append(Row(f"{name}: change of the {key} over p0", error, 0, 1e-8, "absolute"))
+        status = float(np.sum(last["status"] != first["status"]))
+        rows.append(Row(f"{name}: statuses that change", status, 0, 0.5, "absolute"))
+        curves[name] = last
+
+    def Draw(ax):
+        Profile(ax, first["start"], first["end"], first["pressure"], label="upright, mm and MPa")
+        for marker, (name, last) in zip("x+", curves.items(), strict=True):
+            middle = 0.5 * (last["start"] + last["end"])
+            ax.plot(middle, last["pressure"], marker, color=INK, ms=5, label=name)
+        ax.set_xlim(-8, 8)
+        ax.set_xlabel("x [mm]")
+        ax.set_ylabel("pressure [MPa]")
+        ax.legend(loc="lower center")
+
+    return Outcome(rows, Figure(Draw, size=(6, 3.4)), "The pressures of all three, in MPa.")
+
+
+CASES = [
+    Case(
+        "hertz2d",
+        "Hertz' line contact, with and without friction",
+        "The problem of the paper: a steel cylinder of diameter 100 mm is pressed on an aluminium "
+        "block with 35 kN/mm, in plane strain. Hertz has no friction; with friction 0.2 the "
+        "pressure in the middle rises by 1.8 % for half-planes, and by a little less here, where "
+        "the contact is an eighth of the radius wide.",
+        "Johnson, Contact Mechanics (1985), section 4.2, as `HertzLine`; with friction a program "
+        "of others with the same multipliers (3641.7 MPa; 240 to 254 MPa), and the coupled "
+        "equations of half-planes (`tests/validation/problems_punch.py`).",
+        "python -m ngslac.demos.hertz --h 0.25 --friction 0",
+        Hertz2D,
+    ),
+    Case(
+        "nafems1",
+        "NAFEMS contact benchmark 1",
+        "The same bodies: displacement of the block under the axis, in small strain and with the "
+        "large displacements of the published values (Hooke's law of Green's strain).",
+        "A. Konter, Advanced Finite Element Contact Benchmarks, NAFEMS (2006); values of "
+        "code_aster, test SSNP154. Small strain: a program of others with the same multipliers.",
+        "pytest tests/validation/test_validation_nafems.py "
+        "tests/validation/test_validation_cb1_large.py",
+        Nafems,
+    ),
+    Case(
+        "frame-and-units",
+        "Frame and units",
+        "The frictional Hertz problem once more, turned by 37 degrees, and in metres and pascals: "
+        "nothing in the method knows directions or sizes.",
+        "The same problem upright, in millimetres and megapascals.",
+        "pytest tests/validation/test_validation_hertz.py -k frame",
+        Frame,
+    ),
+]

@@ -1,0 +1,234 @@
+"""Large deformation: pin, half ring, flattened cylinder, self-contact."""
+
+from __future__ import annotations
+
+import numpy as np
+import test_hertz_large
+import test_validation_halfring as halfring
+from _report_case import Case, Outcome, Row
+from _report_pictures import Bodies, Figure
+from problems_halfring import QuadMesh, RingMesh, RingModel
+from problems_large import Small
+from problems_pin import FORCE, PinMesh, PinModel
+from test_validation_pin import BEHIND, PUSHED
+
+from ngslac.demos import flatring, hertz_large
+from ngslac.demos._hertz_large_pictures import OverviewPicture
+
+
+def Pin(quick):
+    mesh = PinMesh(20 if quick else 30)
+    rough, smooth = PinModel(mesh), PinModel(mesh, friction=None)
+    linear = PinModel(mesh, energy=Small, finite=False)
+    for model, steps in ((rough, 2), (smooth, 1), (linear, 1)):
+        model.Run(steps=steps)
+    rows = [
+        Row(
+            "large displacements, friction 0.1: in front of the pin",
+            rough.At("sheet", PUSHED)[0],
+            0.73617,
+            1e-3,
+            unit="mm",
+        ),
+        Row(
+            "small strain, friction 0.1: in front of the pin",
+            linear.At("sheet", PUSHED)[0],
+            0.73924,
+            3e-3,
+            unit="mm",
+        ),
+        Row(
+            "frictionless: in front of the pin",
+            smooth.At("sheet", PUSHED)[0],
+            0.75485,
+            5e-3,
+            unit="mm",
+        ),
+        Row("frictionless: back of the pin", smooth.At("pin", BEHIND)[0], 0.77928, 5e-3, unit="mm"),
+        Row("contact force over load", -rough.contact.Force()[0] / FORCE, 1, 1e-8),
+    ]
+    caption = "Displacements 20 times as large: the contact opens behind the pin."
+    return Outcome(
+        rows,
+        Figure(lambda ax: Bodies(ax, mesh, rough.displacement, factor=20), size=(7, 3)),
+        caption,
+    )
+
+
+def HalfRing(quick):
+    rows = []
+    for friction in [None] if quick else halfring.LOGARITHMIC:
+        model, motion = RingModel(QuadMesh(), order=1, friction=friction)
+        values, _, _ = halfring.Follow(model, motion, end=0.6, steps=12)
+        text = "published mesh, " + (f"friction {friction:g}" if friction else "frictionless")
+        for time, (middle, beside) in halfring.LOGARITHMIC[friction].items():
+            if time == 0.4 or friction is None:
+                rows.append(
+                    Row(
+                        f"{text}: middle of the block at t = {time:g}",
+                        values[time]["PA"][1],
+                        middle,
+                        0.09,
+                        unit="mm",
+                    )
+                )
+            if time == 0.6:
+                rows.append(
+                    Row(
+                        f"{text}: beside it at t = {time:g}",
+                        values[time]["PB"][1],
+                        beside,
+                        0.08,
+                        unit="mm",
+                    )
+                )
+    model, motion = RingModel(RingMesh(12.0 if quick else 6.3))
+    values, _, steps = halfring.Follow(
+        model, motion, end=0.6 if quick else 1.0, steps=24 if quick else 40
+    )
+    middle, beside = halfring.FINE[0.6]
+    found = values[0.6]
+    rows += [
+        Row(
+            "order 2: middle of the block at t = 0.6, against a mesh three times finer",
+            found["PA"][1],
+            middle,
+            0.01,
+            "absolute",
+            unit="mm",
+        ),
+        Row("order 2: beside it", found["PB"][1], beside, 0.025, unit="mm"),
+        Row(
+            "order 2: steps that had to be cut",
+            sum(step.cuts for step in steps),
+            0,
+            0.5,
+            "absolute",
+        ),
+    ]
+    caption = "The end: the ring has buckled and rests on two places."
+
+    def Draw(ax):
+        Bodies(ax, model.V.mesh, model.displacement, n=3)
+
+    return Outcome(rows, Figure(Draw, size=(5.5, 4.4)), caption)
+
+
+def Cylinder(quick):
+    results = hertz_large.Run(h=0.2 if quick else 0.1, steps=8 if quick else 15)
+    figures = results.figures
+    small = hertz_large.Run(h=0.05 if quick else 0.02, depth=0.02, steps=2).figures
+    depth, steps = 0.3, 6 if quick else 10
+    soft, stiff = (test_hertz_large.Penalty(results.problem.h, depth, steps, f) for f in (200, 800))
+    rows = [
+        Row(
+            "force at an approach of 1 % of the radius",
+            small["force"][0],
+            small["hertz"][0],
+            0.02,
+            unit="N/mm",
+        ),
+        Row("force at an approach of 2 %", small["force"][1], small["hertz"][1], 0.02, unit="N/mm"),
+        Row(
+            "force at 30 %, against a penalty method by NGSolve alone",
+            figures["force"][-1],
+            stiff + (stiff - soft) / 3,
+            4e-3,
+            unit="N/mm",
+        ),
+        Row(
+            "work of the plates over strain energy",
+            1 + figures["energy_error"],
+            1,
+            2e-3,
+        ),
+    ]
+    caption = "Sections at rest, half way and at the end; forces and pressures."
+    return Outcome(rows, lambda file: OverviewPicture(results, file), caption)
+
+
+def FlatRing(quick):
+    travel, steps = (1.0, 10) if quick else (1.71, 38)
+    itself, plane = (
+        flatring.Run(h=0.12, quarter=quarter, travel=travel, steps=steps)
+        for quarter in (False, True)
+    )
+    table = [{key: np.array(v) for key, v in r.figures.items()} for r in (itself, plane)]
+    before = table[0]["travel"] < 1.6
+    worst = np.abs(table[0]["force"] / table[1]["force"] - 1)[before].argmax()
+    rows = [
+        Row(
+            "force before the inside touches, where it differs most",
+            table[0]["force"][worst],
+            table[1]["force"][worst],
+            3e-3,
+            unit="G R",
+        ),
+        Row(
+            "forces above and below",
+            table[0]["force_below"][-1],
+            table[0]["force"][-1],
+            1e-9,
+            unit="G R",
+        ),
+    ]
+    if not quick:
+        rows.append(
+            Row(
+                "force at the end, where the inside carries most of it",
+                table[0]["force"][-1],
+                table[1]["force"][-1],
+                0.1,
+                unit="G R",
+            )
+        )
+    caption = "The ring at the end, and the force over the travel of the plates."
+    return Outcome(rows, lambda file: flatring.Picture(itself.model, itself.figures, file), caption)
+
+
+CASES = [
+    Case(
+        "pin",
+        "A loaded pin",
+        "A steel pin fills the hole of an aluminium sheet without clearance and is pushed towards "
+        "its round end; the contact opens at the back of the pin (receding contact).",
+        "Code_aster, test SSNP156 with quadratic elements, and CONT014 with linear ones for the "
+        "rows without friction.",
+        "pytest tests/validation/test_validation_pin.py",
+        Pin,
+    ),
+    Case(
+        "half-ring",
+        "A half ring is pressed on a block",
+        "A ring of two layers, the inner one a hundred times stiffer, sinks into a soft block, "
+        "then buckles and rests on two places. The published values belong to a mesh with one "
+        "linear quadrilateral through each layer, which locks in bending: they are met on that "
+        "mesh, within what code_aster's own variants differ by (2 % at t = 0.4, 15 % at 0.6), and "
+        "not by a converged computation.",
+        "Code_aster, test SSNP165 (modellings a and b); for order 2 a finer mesh of this program.",
+        "pytest tests/validation/test_validation_halfring.py",
+        HalfRing,
+    ),
+    Case(
+        "hertz-large",
+        "A rubber cylinder is flattened",
+        "A neo-Hookean cylinder (Poisson ratio 0.49) between rigid plates, until each has come "
+        "nearer to its middle by 30 % of the radius. Small approaches are those of Hertz; the "
+        "large one is compared with a penalty method, extrapolated to an infinite penalty, and "
+        "the work with the energy.",
+        "Johnson (1985), equation 5.56 for the approach; a penalty on the plane, by NGSolve alone "
+        "(`tests/demos/test_hertz_large.py`).",
+        "python -m ngslac.demos.hertz_large --h 0.1 --steps 15 --out results",
+        Cylinder,
+    ),
+    Case(
+        "flat-ring",
+        "Self-contact: a ring is pressed flat",
+        "A rubber ring between two plates, until its inside touches itself. By symmetry this is "
+        "contact with a rigid plane through the middle, which is a problem of two bodies. At the "
+        "end a small difference of the travel makes a large one of the force.",
+        "The computation with the plane.",
+        "python -m ngslac.demos.flatring --out results",
+        FlatRing,
+    ),
+]

@@ -1,0 +1,115 @@
+"""Large sliding with friction: ironing and twisting blocks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from _report_case import Case, Outcome, Row
+
+from ngslac.demos import ironing, twistblocks
+from ngslac.demos._ironing_pictures import OverviewPicture
+from ngslac.demos._ironing_reference import DECK, DECK_SMOOTH, PUBLISHED, TIMES
+from ngslac.demos._twistblocks_figures import MEAN_DISTANCE
+from ngslac.demos._twistblocks_pictures import OverviewPicture as TwistPicture
+
+CODE_ASTER = PUBLISHED["code_aster 2020"]
+
+
+def Ironing(quick):
+    size = (
+        {"h": 0.5, "steps": 16, "stroke": 1.5} if quick else {"h": 0.3, "steps": 44, "stroke": 5.0}
+    )
+    rough = ironing.Run(**size)
+
+    def At(results, key, time):
+        return float(np.interp(time, results.figures["time"], results.figures[f"{key}_force"]))
+
+    rows = []
+    for time in (0.6, 1.0) if quick else (0.6, 1.0, 1.5):
+        at = TIMES.index(time)
+        for k, (key, accepted) in enumerate({"vertical": 0.04, "horizontal": 0.12}.items()):
+            text = f"{key} force at t = {time:g}, published curve"
+            rows.append(Row(text, At(rough, key, time), CODE_ASTER[k][at], accepted, unit="N/mm"))
+    for time, forces in {} if quick else DECK.items():
+        for key, force in zip(("vertical", "horizontal"), forces, strict=True):
+            text = f"{key} force at t = {time:g}, test deck"
+            rows.append(Row(text, At(rough, key, time), force, 0.025, unit="N/mm"))
+    smooth = None if quick else ironing.Run(**size | {"steps": 30, "stroke": 0.5}, friction=0.0)
+    for time, force in {} if quick else DECK_SMOOTH.items():
+        text = f"frictionless: vertical force at t = {time:g}, test deck"
+        rows.append(Row(text, At(smooth, "vertical", time), force, 0.02, unit="N/mm"))
+    done = rough.figures["converged_steps"] / rough.figures["steps"]
+    rows.append(Row("share of the steps that converged", done, 1, 1e-12))
+    caption = "Deformed states, and the forces of this computation beside the published ones."
+    return Outcome(rows, lambda file: OverviewPicture(rough, file), caption)
+
+
+def Twist(quick):
+    turn = 22.5
+    rigid = twistblocks.Run(
+        n=2, steps=2 if quick else 4, angle=45 if quick else 4 * turn, rigid=True
+    )
+    elastic = rigid if quick else twistblocks.Run(n=4, steps=8, angle=120.0)
+    middles = 0.25 * math.sqrt(2) / MEAN_DISTANCE
+    half = math.radians(turn / 2)
+    steady, full = rigid.figures, elastic.figures
+    rows = [
+        Row(
+            "rigid plane, 4 faces: steady torque over that of a flat punch",
+            steady["punch_ratio"][-1],
+            middles,
+            0.08,
+        ),
+        Row(
+            "rigid plane: work of friction over that of the tangential torque",
+            steady["dissipation_ratio"],
+            math.tan(half) / half,
+            2e-3,
+        ),
+    ]
+    if not quick:
+        change = abs(steady["torque"][-1] / steady["torque"][-2] - 1)
+        rows += [
+            Row("rigid plane: change of the torque in the last step", change, 0, 1e-4, "absolute"),
+            Row(
+                "two blocks, 16 faces: torque over that of a flat punch",
+                full["punch_ratio"][-1],
+                1,
+                0.08,
+            ),
+        ]
+    for name, value in full["balance"].items():
+        text = f"balance of {name.replace('_', ', ')}: error over its size"
+        rows.append(Row(text, value, 0, 2e-3 if name == "torque_both" else 1e-9, "absolute"))
+    rows.append(Row("symmetry of the pressures", full["symmetry_error"], 0, 1e-8, "absolute"))
+    caption = "Deformed states, tractions, and the torque over the angle."
+    return Outcome(rows, lambda file: TwistPicture(elastic, file), caption)
+
+
+CASES = [
+    Case(
+        "ironing",
+        "Shallow ironing",
+        "A die is pressed into a soft slab by 1 mm (t = 0 to 1) and drawn over it (t = 1 to 2 for "
+        "10 mm, of which half is computed here) with friction 0.3. Published forces differ by up "
+        "to 25 % (vertical) and 90 % (horizontal); those of code_aster are the reference, a "
+        "curve read from a figure and the numbers of its test decks.",
+        "Fischer and Wriggers, Comput. Methods Appl. Mech. Engrg. 195 (2006); code_aster, tests "
+        "SSNP153 and CONT003.",
+        "python -m ngslac.demos.ironing --h 0.3 --steps 44 --stroke 5 --out results",
+        Ironing,
+    ),
+    Case(
+        "twisting-blocks",
+        "Twisting blocks",
+        "A soft block is pressed on another one and turned: it twists, then slides with friction "
+        "0.3 and turns as a whole. Under a uniform pressure the torque of a flat square punch is "
+        "0.3826 times friction, force and width; faces that count by their middles alone have "
+        "0.924 of it if there are four. Forces and moments balance; the tractions act on both "
+        "sides of a gap that vanishes on average, hence the error of the last moment.",
+        "The torque of a flat punch; balances of forces, moments and energy.",
+        "python -m ngslac.demos.twistblocks --n 4 --steps 8 --angle 120 --out results",
+        Twist,
+    ),
+]

@@ -1,0 +1,188 @@
+"""Materials under contact: plasticity, rubber, thermal strain, hyperelastic blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+from _report_case import Case, Outcome, Row
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Det,
+    Grad,
+    GridFunction,
+    Id,
+    Parameter,
+    Trace,
+    Variation,
+    VectorH1,
+    dx,
+    log,
+)
+from scipy.optimize import brentq
+from test_materials import SOFT, STIFF, nominal_stress
+
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.demos import TwoBlocks, indentation, materials
+from ngslac.demos._indentation_figures import PRANDTL
+from ngslac.demos._indentation_pictures import IndentationPicture
+from ngslac.demos._materials_pictures import MaterialsPicture
+
+
+def Indentation(quick):
+    options = {"h": 0.4, "steps": 8, "back": 8} if quick else {}
+    results = indentation.Run(**options)
+    figures = results.figures
+    rows = [
+        Row(
+            "peak pressure over yield stress at onset",
+            figures["onset_pressure"],
+            figures["onset_pressure_hertz"],
+            0.015,
+        ),
+        Row(
+            "mean pressure over yield stress, fully plastic",
+            figures["mean_pressure_ratio"],
+            PRANDTL,
+            0.1,
+        ),
+        Row(
+            "depth left: where the cylinder leaves, and at the middle",
+            figures["permanent_depth"],
+            figures["imprint_depth"],
+            0.005,
+            unit="mm",
+        ),
+        Row(
+            "force at the end of the second loading",
+            figures["reloading_force_ratio"],
+            1,
+            2e-3,
+        ),
+        Row("reaction against contact force", figures["balance"], 0, 1e-9, "absolute"),
+    ]
+    if not quick:
+        rows.append(Row("mean pressure over yield stress, soft block", *RigidPlastic(), 0.04))
+    caption = "Force over depth, mean pressure over the width, plastic strain and imprint."
+    return Outcome(rows, lambda file: IndentationPicture(results, file), caption)
+
+
+def RigidPlastic():
+    """Mean pressure where elasticity plays no role, and Prandtl's."""
+    problem = indentation.Problem(h=0.4, steps=8, yield_stress=8.0, hardening=1.6)
+    results = indentation.Model(problem)
+    indentation.Advance(results, problem.Depths()[0])
+    return results.curve[-1]["mean_pressure"] / problem.yield_stress, PRANDTL
+
+
+def Rubber(quick):
+    results = materials.Run()
+    rubber, thermal = (results[name].figures for name in ("rubber", "thermal"))
+    small = materials.Rubber(h=2.0 if quick else 1.0, squeeze=0.005, steps=1).figures["force"]
+    hot = materials.Thermal(h=6.0 if quick else 3.0).figures
+    rows = [
+        Row(
+            "cord: force at half a percent",
+            small,
+            materials.SqueezeForce(0.005),
+            5e-3,
+            unit="G D",
+        ),
+        Row(
+            "cord: change of the volume at a quarter", rubber["volume_change"], 0, 2e-4, "absolute"
+        ),
+        Row("heated disc: pressure over E, faces of 6", thermal["pressure"], thermal["lame"], 2e-3),
+        Row("heated disc: the same, finer", hot["pressure"], hot["lame"], 3e-4),
+    ]
+    if not quick:
+        fine = materials.Rubber(h=2.5, order=3, steps=3).figures
+        for key, accepted in {"force": 4e-3, "peak_pressure": 0.02}.items():
+            text = f"cord: {key.replace('_', ' ')} at a quarter, against order 3"
+            rows.append(Row(text, rubber[key], fine[key], accepted))
+    caption = "Force of the cord over the squeeze; pressure in the rubber; hoop stress of the disc."
+    return Outcome(rows, lambda file: MaterialsPicture(results, file), caption)
+
+
+def Series(quick):
+    from _report_pictures import Bodies, Figure
+
+    def Difference(stretch):
+        return nominal_stress(stretch, *STIFF) - nominal_stress(1.4 - stretch, *SOFT)
+
+    stretch = brentq(Difference, 0.5, 0.95, xtol=1e-15)
+    exact, rows = -nominal_stress(stretch, *STIFF), []
+    for finite in (True,) if quick else (False, True):
+        gf, contact = Squeezed(finite)
+        pressure = contact.Table()["pressure"]
+        farthest = pressure[np.abs(pressure - exact).argmax()]
+        text = "finite sliding" if finite else "small sliding"
+        middle = gf(gf.space.mesh(0.31, 0.5))[1]
+        rows += [
+            Row(f"{text}: pressure", farthest, exact, 1e-9),
+            Row(
+                f"{text}: displacement in the upper block", middle, -0.6 + 0.5 * (1 - stretch), 1e-9
+            ),
+        ]
+
+    def Draw(left, right):
+        Bodies(left, gf.space.mesh, gf, factor=0)
+        Bodies(right, gf.space.mesh, gf)
+
+    caption = "At rest, and squeezed to 70 % of the height."
+    return Outcome(rows, Figure(Draw, columns=2, sharex=True, sharey=True), caption)
+
+
+def Squeezed(finite):
+    """Two neo-Hookean blocks between walls, pressed by 0.6: displacement and contact."""
+    mesh = TwoBlocks(0.34, structured=True)
+    walls = "left_upper|right_upper|left_lower|right_lower|top|bottom"
+    V = VectorH1(mesh, order=2, dirichletx=walls, dirichlety="top|bottom")
+    X = V * LACSpace(V, slave="slave")
+    (u, lam), _ = X.TnT()
+    both = zip(STIFF, SOFT, strict=True)
+    shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
+    F = Grad(u) + Id(2)
+    J = Det(F)
+    energy = shear / 2 * (Trace(F.trans * F) - 2 - 2 * log(J)) + lame / 2 * log(J) ** 2
+    a = BilinearForm(X)
+    a += Variation(energy * dx)
+    contact = LACContact(u, lam, master="master", finite=finite)
+    gf, load = GridFunction(X), Parameter(0.0)
+    prescribe = {"top": CF((0, -0.6 * load))}
+    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
+    stepper.Integrate(steps=3, printing=False)
+    return gf.components[0], contact
+
+
+CASES = [
+    Case(
+        "indentation",
+        "Elastoplastic indentation",
+        "A rigid cylinder is pressed into a block that yields (von Mises, a little hardening), "
+        "withdrawn, and pressed again. The mean pressure rises from Hertz' at the onset of yield "
+        "to Prandtl's of the rigid plastic body, which a block reaches only if it is soft enough.",
+        "Johnson (1985), sections 6.1, 6.2 and 6.4: 1.79 Y at the onset, (2 + pi) k when fully "
+        "plastic.",
+        "python -m ngslac.demos.indentation --picture indentation.png",
+        Indentation,
+    ),
+    Case(
+        "materials",
+        "Rubber and thermal strain",
+        "A cord of nearly incompressible rubber is squeezed by a quarter of its diameter, with "
+        "displacement and hydrostatic pressure as unknowns; a heated disc presses against the "
+        "cold ring around it.",
+        "Johnson (1985), equation 5.57, for small squeezes; Lamé's thick-walled cylinders; order "
+        "3 on a finer mesh.",
+        "python -m ngslac.demos.materials --picture materials.png",
+        Rubber,
+    ),
+    Case(
+        "series",
+        "Hyperelastic blocks in series",
+        "Two neo-Hookean blocks between walls, squeezed to 70 %: uniaxial strain, and the "
+        "stretches follow from one equation.",
+        "That equation, solved to rounding.",
+        "pytest tests/validation/test_materials.py -k hyperelastic",
+        Series,
+    ),
+]

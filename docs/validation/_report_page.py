@@ -1,0 +1,123 @@
+"""The page of the validation report, as MyST markdown, and its pictures."""
+
+from __future__ import annotations
+
+import platform
+import re
+import time
+import traceback
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from _report_case import Outcome, Worst
+
+from ngslac.preconditioner import LU
+
+__all__ = ["Compute", "Page", "Shrink", "Versions"]
+
+LABEL = "validation-"  # of headings, unique in the site
+HEAD = """# Validation
+
+What `ngslac` computes, beside what others computed, published or proved. The page is written by
+
+```bash
+{command}
+```
+
+with {versions}.
+
+Numbers and pictures come from that run. `--cases NAME ... --out FOLDER` computes some of the cases,
+`--quick` small ones. The pytest commands need the package's extra `test`.
+
+A row holds if the difference is within what is accepted: relative to the reference in percent, or
+absolute. The summary shows one row of each case, the one nearest to its bound.
+"""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A case, and its outcome or the error that it ended with."""
+
+    case: object
+    outcome: Outcome | None
+    error: str
+    seconds: float
+
+    @property
+    def holds(self):
+        return self.outcome is not None and all(row.holds for row in self.outcome.rows)
+
+
+def Compute(case, quick, folder):
+    """Compute a case and draw its picture to ``folder/pictures``; errors become part of it."""
+    start = time.process_time()
+    outcome, error = None, ""
+    try:
+        outcome = case.function(quick)
+        file = Path(folder) / "pictures" / f"{case.name}.png"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        outcome.picture(file)
+        Shrink(file)
+    except Exception as failure:
+        traceback.print_exc()
+        outcome, error = None, f"{type(failure).__name__}: {failure}"
+    return Result(case, outcome, error, time.process_time() - start)
+
+
+def Shrink(file, *, width=1100, colours=96):
+    """Few colours and pixels: the pictures are part of the repository."""
+    from PIL import Image
+
+    picture = Image.open(file).convert("RGB")
+    if picture.width > width:
+        size = width, round(picture.height * width / picture.width)
+        picture = picture.resize(size, Image.Resampling.LANCZOS)
+    picture.quantize(colours, dither=Image.Dither.NONE).save(file, optimize=True)
+
+
+def Versions():
+    """Of everything that numbers may depend on."""
+    project = (Path(__file__).parents[2] / "pyproject.toml").read_text()
+    ours = re.search(r'^version = "(.*)"', project, re.MULTILINE)[1]
+    parts = [f"ngslac {ours}"]
+    parts += [f"{name} {version(name)}" for name in ("ngsolve", "numpy", "scipy")]
+    return ", ".join(parts) + f", Python {platform.python_version()}, the direct solver {LU()}"
+
+
+def Page(results, command):
+    """The page as markdown text."""
+    parts = [HEAD.format(command=command, versions=Versions()), "## Summary\n"]
+    rows = [_SummaryRow(result) for result in results]
+    head = ("case", "row nearest to its bound", "difference", "accepted", "")
+    parts += [_Table(head, rows, "llrrl"), ""]
+    count = sum(result.holds for result in results)
+    numbers = sum(len(result.outcome.rows) for result in results if result.outcome)
+    parts.append(f"{count} of {len(results)} cases hold, with {numbers} numbers.\n")
+    parts += [_Section(result) for result in results]
+    return "\n".join(parts)
+
+
+def _SummaryRow(result):
+    link = f"[{result.case.title}](#{LABEL}{result.case.name})"
+    if result.outcome is None:
+        return [link, result.error.splitlines()[0], "-", "-", "**failed**"]
+    quantity, _, _, difference, accepted = Worst(result.outcome.rows).Cells()
+    return [link, quantity, difference, accepted, "holds" if result.holds else "**does not hold**"]
+
+
+def _Section(result):
+    case = result.case
+    parts = [f"({LABEL}{case.name})=\n## {case.title}\n", case.text.strip(), ""]
+    parts += [f"Reference: {case.source.strip()}\n", f"```bash\n{case.command}\n```\n"]
+    if result.outcome is None:
+        return "\n".join([*parts, f"**Failed**: {result.error}\n"])
+    head = ("quantity", "ours", "reference", "difference", "accepted")
+    parts.append(_Table(head, [row.Cells() for row in result.outcome.rows], "lrrrr"))
+    picture = f"![{case.title}](pictures/{case.name}.png)"
+    return "\n".join([*parts, "", picture, "", f"*{result.outcome.caption}*\n"])
+
+
+def _Table(head, rows, alignment):
+    lines = [head, [{"l": "---", "r": "--:"}[letter] for letter in alignment], *rows]
+    return "\n".join("| " + " | ".join(str(c).replace("|", "\\|") for c in r) + " |" for r in lines)

@@ -1,0 +1,196 @@
+"""Type check of the code that users read, the tutorials and the README, against our stubs.
+
+What is checked is the use of ngslac: each of its names, methods and keywords exists. NGSolve has no
+``py.typed``, so that mypy leaves its stubs alone. Here it is stubbed as a whole: all of its names
+are known and are `Any`, but for the classes that ours derive from, which have the attributes that
+they have at run time. Without these, mypy would accept any attribute of a `LACSpace`. Our stubs are
+read, too.
+
+Of what mypy says, messages are kept that name a class, method, function or module of ngslac, and
+names that are not defined; the rest is about other people's types. ngslac is written without
+annotations: what its Python functions return is `Any`, so that a misspelled attribute of a result
+passes.
+"""
+
+import ast
+import importlib
+import inspect
+import pkgutil
+import re
+import textwrap
+from keyword import iskeyword
+from pathlib import Path
+
+import nbformat
+import pytest
+from docstrings import STUBS
+from test_snippets import FILES, README, ROOT, Fences
+
+import ngslac
+
+api = pytest.importorskip("mypy.api")
+
+TUTORIALS = ROOT / "tutorials"
+FOREIGN = re.compile(r"^\s*(?:from|import) ((?:ngsolve|netgen)[\w.]*)", re.MULTILINE)
+# Their stubs are large, and mypy takes their names for Any without them.
+CONFIG = """[mypy]
+check_untyped_defs = true
+follow_imports = silent
+[mypy-ngslac.*]
+check_untyped_defs = false
+[mypy-numpy.*,scipy.*,matplotlib.*,mpl_toolkits.*,IPython.*,PIL.*]
+follow_imports = skip
+follow_imports_for_stubs = true
+"""
+ALWAYS = ("name-defined", "syntax")
+MESSAGE = re.compile(r"^(.*?):(\d+): error: (.*?)  \[([\w-]+)\]$")
+
+
+def Code(notebook):
+    """The code cells of a notebook as one text, without magics."""
+    cells = nbformat.read(notebook, as_version=4).cells
+    text = "\n\n".join(cell.source for cell in cells if cell.cell_type == "code")
+    return re.sub(r"^[%!].*$", "", text, flags=re.MULTILINE)
+
+
+def Sources():
+    """Name -> code of all notebooks, scripts, and pages with Python blocks."""
+    found = {path.stem: Code(path) for path in sorted(TUTORIALS.glob("*.ipynb"))}
+    found |= {path.stem: path.read_text() for path in sorted(TUTORIALS.glob("*.py"))}
+    for page in FILES:
+        pages = [page] if page == README else [README, page]
+        blocks = [code for one in pages for code, _ in Fences(one, {"python"})]
+        if page == README or len(blocks) > len(list(Fences(README, {"python"}))):
+            found[page.stem] = "\n".join(map(textwrap.dedent, blocks))
+    return {"code_" + re.sub(r"\W", "_", name): code for name, code in found.items()}
+
+
+def Bases():
+    """Classes of NGSolve, as ``module.name``, that the compiled classes derive from."""
+    classes = (node for node in ast.parse(STUBS.read_text()).body if isinstance(node, ast.ClassDef))
+    return sorted({ast.unparse(base) for node in classes for base in node.bases})
+
+
+def WriteStubs(modules, folder):
+    """Stubs of these modules and of those of `Bases`: names are Any, bases have attributes."""
+    bases = Bases()
+    modules = {*modules, *(base.rpartition(".")[0] for base in bases)}
+    packages = {name[:k] for name in modules for k in range(len(name)) if name[k] == "."}
+    for name in sorted(modules | packages):
+        module = importlib.import_module(name)
+        names = (n for n, v in vars(module).items() if not inspect.ismodule(v))
+        things = {n for n in names if n[0] != "_" and n.isidentifier() and not iskeyword(n)}
+        own = {base.rpartition(".")[2] for base in bases if base.rpartition(".")[0] == name}
+        lines = ["from typing import Any"]
+        lines += [f"{thing}: Any" for thing in sorted(things - own)]
+        for cls in sorted(own):
+            lines.append(
+                f"class {cls}:\n    def __init__(self, *args: Any, **flags: Any) -> None: ..."
+            )
+            members = [n for n in dir(getattr(module, cls)) if n[0] != "_"]
+            lines += [f"    {member}: Any" for member in members]
+            lines += [
+                f"    def {op}(self, other: Any) -> Any: ..." for op in ("__mul__", "__rmul__")
+            ]
+        path = folder / Path(*name.split("."))
+        path.mkdir(parents=True, exist_ok=True)
+        (path / "__init__.pyi").write_text("\n".join(lines) + "\n")
+
+
+def OurNames():
+    """Names of all modules, classes, methods and functions of ngslac."""
+    names = {"ngslac"}
+    for found in pkgutil.walk_packages(ngslac.__path__, "ngslac."):
+        names.add(found.name)
+        for name, thing in vars(importlib.import_module(found.name)).items():
+            if not getattr(thing, "__module__", "").startswith("ngslac"):
+                continue
+            if inspect.isclass(thing):
+                names |= {name, *(n for n in vars(thing) if n[0].isupper())}
+            elif inspect.isfunction(thing):
+                names.add(name)
+    return names
+
+
+def Check(sources, folder):
+    """Errors in the use of ngslac, as texts ``name: message: line of code``."""
+    code, stubs = folder / "code", folder / "stubs"
+    code.mkdir()
+    for name, text in sources.items():
+        (code / f"{name}.py").write_text(text)
+    package = Path(ngslac.__file__).parent
+    texts = [*sources.values(), *(path.read_text() for path in package.rglob("*.py"))]
+    WriteStubs({name for text in texts for name in FOREIGN.findall(text)}, stubs)
+    (folder / "mypy.ini").write_text(CONFIG)
+    flags = ["--config-file=mypy.ini", "--no-color-output", "--no-incremental"]
+    flags += ["--hide-error-context", "--allow-redefinition"]
+    files = [str(STUBS), *(str(code / f"{name}.py") for name in sources)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MYPYPATH", f"{stubs}:{package.parent}")
+        patch.chdir(folder)
+        output, trouble, _ = api.run([*flags, *files])
+    assert not trouble, trouble
+    sources = sources | {STUBS.stem: STUBS.read_text()}
+    return [text for text in map(Kept(sources, OurNames()), output.splitlines()) if text]
+
+
+def Kept(sources, ours):
+    def Text(line):
+        match = MESSAGE.match(line)
+        if match is None:
+            return None
+        name, number = Path(match[1]).stem, int(match[2])
+        names = set(re.findall(r'"([\w.]+)"', match[3]))
+        if match[4] == "no-redef" or (match[4] not in ALWAYS and not names & ours):
+            return None
+        return f"{name}: {match[3]}: {sources[name].splitlines()[number - 1].strip()}"
+
+    return Text
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Errors of everything, in one run."""
+    sources = Sources()
+    assert len(sources) > 4
+    wrong = {"wrong": WRONG + "\n".join(MISTAKES)}
+    return Check(sources | wrong, tmp_path_factory.mktemp("types"))
+
+
+def test_tutorials_and_snippets(found):
+    assert [text for text in found if not text.startswith("wrong: ")] == []
+
+
+WRONG = """
+from ngsolve import *
+from ngsolve.meshes import MakeStructured2DMesh
+from ngslac import *
+from ngslac.reference import HertzLine
+
+mesh = MakeStructured2DMesh()
+V = VectorH1(mesh, order=2)
+Q = LACSpace(V, slave="bottom")
+(u, lam), (v, mu) = (V * Q).TnT()
+Q.ndof, Q.FreeDofs()  # are NGSolve's
+"""
+MISTAKES = {
+    'contact = LACContact(u, lam, mastr="top")': "mastr",
+    'LACContact(u, lam, master="top").presure': "presure",
+    'LACContact(u, lam, master="top").Forse()': "Forse",
+    'LACContact(u, lam, master="top").Moment()': "point",
+    'LACSpace(V, slaves="bottom")': "slaves",
+    "Q.nmacro": "nmacro",
+    "ContactSolver(BilinearForm(V * Q)).Solve()": "contacts",
+    "LoadStepper(None, None).Integrate(step=3)": "step",
+    "HertzLine(force=1, radius=2)": "radius",
+    "LACSpaces(V)": "LACSpaces",
+    "from ngslac import LACContct": "LACContct",
+    "def Later():\n    return TimeStepper(None, 1, dt=1).Tabel()": "Tabel",
+}
+
+
+def test_mistakes_are_seen(found):
+    seen = [text for text in found if text.startswith("wrong: ")]
+    assert len(seen) == len(MISTAKES), seen
+    for text, name in zip(seen, MISTAKES.values(), strict=True):
+        assert f'"{name}"' in text
