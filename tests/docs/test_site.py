@@ -103,7 +103,6 @@ def Colours(box):
 def test_scenes_in_a_browser(site, page, name):
     page, errors = page
     page.goto((site / "tutorials" / f"{name}.html").as_uri())
-    page.wait_for_function("window.MathJax && MathJax.startup && MathJax.startup.promise")
     boxes = page.locator(".webgui")
     assert boxes.count() == len(list((site / "_static" / "scenes").glob(f"{name}-*.js")))
     for k in range(boxes.count()):
@@ -120,11 +119,10 @@ def test_scenes_in_a_browser(site, page, name):
 def test_pages_in_a_browser(site, page, name):
     page, errors = page
     page.goto((site / f"{name}.html").as_uri())
-    page.wait_for_function("window.MathJax && MathJax.startup && MathJax.startup.promise")
-    page.wait_for_timeout(300)
     if name == "theory":
-        assert page.locator("mjx-container").count() > 20
+        page.locator("mjx-container").nth(20).wait_for()
         assert page.locator("mjx-merror").count() == 0
+    page.wait_for_timeout(500)
     pictures = page.locator("article img")
     for k in range(pictures.count()):
         assert pictures.nth(k).evaluate("picture => picture.naturalWidth") > 100

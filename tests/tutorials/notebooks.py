@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import nbformat
@@ -36,12 +37,12 @@ def Execute(name, values, replace=None, folder=None):
         (cell,) = (cell for cell in notebook.cells if old in cell.source)
         cell.source = cell.source.replace(old, new)
     notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as own:
         # The kernel takes the package from where the tests have it, and shows its pictures.
         paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
         patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
         patch.delenv("MPLBACKEND", raising=False)
-        resources = {"metadata": {"path": str(folder)}} if folder else {}
+        resources = {"metadata": {"path": str(folder or own)}}
         client = NotebookClient(notebook, kernel_name="python3", timeout=500, resources=resources)
         client.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
