@@ -7,6 +7,14 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("NGS_NUM_THREADS", "1")
 
 
+def pytest_configure(config):
+    config.option.loadscopereorder = False  # of pytest-xdist: keep the order below
+
+
 def pytest_collection_modifyitems(items):
-    """The site last: it shows the notebooks that other tests have run by then."""
-    items.sort(key=lambda item: item.path.name == "test_site.py")
+    """The notebooks first, then the site, which shows them as they ran there."""
+
+    def Rank(item):
+        return 0 if item.path.parent.name == "tutorials" else 1 + (item.path.name != "test_site.py")
+
+    items.sort(key=Rank)
