@@ -17,6 +17,18 @@ from problems_punch import CoupledPunch, StickRatio
 from ngslac.reference import GRECO_SLAB
 
 
+def _OfShearedState(text, profile, state, shear, exact_shear):
+    end, halfwidth = np.array(profile.Zone(STICK)), cattaneo.HERTZ.halfwidth
+    ratio = abs(end[np.abs(np.abs(end) - state.stick).argmax()]) / halfwidth
+    error = cattaneo.Errors(profile, state)[1]
+    where = f"{text}: resultant along the contact over P"
+    return [
+        Row(f"{text}: end of the stick zone over a", ratio, state.stick / halfwidth, 0.02),
+        Row(f"{text}: error of the traction over F p0, in L2", error, 0, 0.008, "absolute"),
+        Row(where, shear, exact_shear, 1e-10, "absolute"),
+    ]
+
+
 def Mindlin(quick):
     problem, exact = cattaneo.PROBLEM, [cattaneo.LOADED, *cattaneo.REVERSALS]
     if quick:
@@ -29,32 +41,8 @@ def Mindlin(quick):
         profile = model.Shear(state.shear)
         profiles.append(profile)
         text = f"Q = {state.shear / (friction * force):+.1f} F P"
-        found = np.array(model.contact.Force())
-        end = np.array(profile.Zone(STICK))
-        farthest = np.abs(np.abs(end) - state.stick).argmax()
-        mean = cattaneo.Errors(profile, state)[1]
-        rows += [
-            Row(
-                f"{text}: end of the stick zone over a",
-                abs(end[farthest]) / cattaneo.HERTZ.halfwidth,
-                state.stick / cattaneo.HERTZ.halfwidth,
-                0.02,
-            ),
-            Row(
-                f"{text}: error of the traction over F p0, in L2",
-                mean,
-                0,
-                0.008,
-                "absolute",
-            ),
-            Row(
-                f"{text}: resultant along the contact over P",
-                found[0] / force,
-                state.shear / force,
-                1e-10,
-                "absolute",
-            ),
-        ]
+        shear = model.contact.Force()[0] / force
+        rows += _OfShearedState(text, profile, state, shear, state.shear / force)
 
     def Draw(*axes):
         a, scale = cattaneo.HERTZ.halfwidth, friction * cattaneo.HERTZ.peak
@@ -85,30 +73,15 @@ def Spence(quick):
         ratio = StickRatio(punch.beta, friction, guess)
         x, computed = run.Ratio()
         exact[friction] = x, computed, punch.HertzFriction(x, guess)
-        error = computed - exact[friction][2]
-        text = f"friction {friction:g}"
+        error = float(np.sqrt(np.mean((computed - exact[friction][2]) ** 2)))
+        text, closed = f"friction {friction:g}", run.spence.ratio
+        coupled = f"{text}: stick ratio c/a, coupled equations"
         rows += [
+            Row(coupled, run.stick, ratio, run.macro, "absolute"),
             Row(
-                f"{text}: stick ratio c/a, coupled equations",
-                run.stick,
-                ratio,
-                run.macro,
-                "absolute",
+                f"{text}: the same, Spence's closed form", run.stick, closed, run.macro, "absolute"
             ),
-            Row(
-                f"{text}: the same, Spence's closed form",
-                run.stick,
-                run.spence.ratio,
-                run.macro,
-                "absolute",
-            ),
-            Row(
-                f"{text}: error of |tau|/(F p) in L2",
-                float(np.sqrt(np.mean(error**2))),
-                0,
-                0.006,
-                "absolute",
-            ),
+            Row(f"{text}: error of |tau|/(F p) in L2", error, 0, 0.006, "absolute"),
         ]
 
     def Draw(ax):

@@ -55,7 +55,7 @@ def Pin(quick):
     )
 
 
-def HalfRing(quick):
+def _OnThePublishedMesh(quick):
     rows = []
     for friction in [None] if quick else halfring.LOGARITHMIC:
         model, motion = RingModel(QuadMesh(), order=1, friction=friction)
@@ -82,6 +82,11 @@ def HalfRing(quick):
                         unit="mm",
                     )
                 )
+    return rows
+
+
+def HalfRing(quick):
+    rows = _OnThePublishedMesh(quick)
     model, motion = RingModel(RingMesh(12.0 if quick else 6.3))
     values, _, steps = halfring.Follow(
         model, motion, end=0.6 if quick else 1.0, steps=24 if quick else 40
