@@ -19,12 +19,22 @@ class Prescribed:
 
     Raises
     ------
+    TypeError
+        Neither of the two.
     ValueError
-        A region where no dof of the displacement is constrained.
+        A region where no dof of the displacement is constrained, or a value that is no
+        displacement.
     """
 
     def __init__(self, solver, values):
         self.values, self.gf = values, solver.gf
+        if isinstance(values, CoefficientFunction) or not (
+            callable(values) or hasattr(values, "keys")
+        ):
+            raise TypeError(
+                "prescribe: give a displacement for each region, {'top': CF((0, -load))}, or a "
+                "function of the solution"
+            )
         if callable(values):
             return
         form = solver.contacts[0].form
@@ -40,6 +50,11 @@ class Prescribed:
                 raise ValueError(
                     f"prescribe: no displacement is constrained on {key!r}; give the space "
                     "dirichlet=..., dirichletx=... for it"
+                )
+            if (dim := CoefficientFunction(values[key]).dim) != space.mesh.dim:
+                raise ValueError(
+                    f"prescribe: the value of {key!r} has {dim} components, a displacement has "
+                    f"{space.mesh.dim}"
                 )
             self.dofs[key] = region, np.flatnonzero(dofs)
 

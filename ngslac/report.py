@@ -47,7 +47,8 @@ class ContactReport:
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):
-        return ", ".join(f"{m} at {tuple(self.where[m].round(6).tolist())}" for m in macros[:3])
+        some = ", ".join(f"{m} at {tuple(self.where[m].round(6).tolist())}" for m in macros[:3])
+        return some + (f" and {len(macros) - 3} more" if len(macros) > 3 else "")
 
     def __str__(self):
         lines = [

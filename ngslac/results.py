@@ -41,24 +41,33 @@ class ContactResults:
         """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
         return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
 
-    def Moment(self, point):
+    def Moment(self, point=None):
         """Moment of the contact tractions on the slave.
 
         Parameters
         ----------
-        point : (d,) array-like
-            About which; a position (length).
+        point : (d,) array-like, optional
+            About which; a position (length). Default: the origin.
 
         Returns
         -------
         float in 2D, (3,) array in 3D
             Force times length.
+
+        Raises
+        ------
+        ValueError
+            A point of another dimension.
         """
+        d = self.mesh.dim
+        point = np.zeros(d) if point is None else np.asarray(point, dtype=float)
+        if point.shape != (d,):
+            raise ValueError(f"point = {point.tolist()} must have {d} coordinates")
         total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
         arm, force = np.zeros(3), np.zeros(3)
-        arm[: self.mesh.dim], force[: self.mesh.dim] = point, self.Force()
+        arm[:d], force[:d] = point, self.Force()
         moment = total - np.cross(arm, force)
-        return float(moment[2]) if self.mesh.dim == 2 else moment
+        return float(moment[2]) if d == 2 else moment
 
     def Mortar(self):
         """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from ngsolve import Parameter
 
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.prescribed import Prescribed
@@ -55,6 +56,11 @@ class LoadStepper:
     maxcuts : int
         How often a step may be halved: the smallest step is the equal one over 2**maxcuts.
 
+    Raises
+    ------
+    TypeError
+        If `load` is no Parameter.
+
     Examples
     --------
     >>> load.Set(0)
@@ -64,6 +70,8 @@ class LoadStepper:
     """
 
     def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
+        if not isinstance(load, Parameter):
+            raise TypeError(f"load = {load!r} must be an ngsolve.Parameter, such as Parameter(0)")
         self.solver, self.load = solver, load
         self.prescribe, self.predict, self.maxcuts = prescribe, predict, maxcuts
         self.steps = []

@@ -177,7 +177,7 @@ MISTAKES = {
     'contact = LACContact(u, lam, mastr="top")': "mastr",
     'LACContact(u, lam, master="top").presure': "presure",
     'LACContact(u, lam, master="top").Forse()': "Forse",
-    'LACContact(u, lam, master="top").Moment()': "point",
+    'LACContact(u, lam, master="top").Moment(pnt=(0, 0))': "pnt",
     'LACSpace(V, slaves="bottom")': "slaves",
     "Q.nmacro": "nmacro",
     "ContactSolver(BilinearForm(V * Q)).Solve()": "contacts",

@@ -226,3 +226,11 @@ def test_file_for_paraview(problem, tmp_path):
 def test_bad_names(flat, call, message):
     with pytest.raises(ValueError, match=message):
         call(flat.contact)
+
+
+def test_moment_about_the_origin(problem):
+    d = problem.contact.mesh.dim
+    moment = problem.contact.Moment()
+    np.testing.assert_array_equal(moment, problem.contact.Moment((0,) * d))
+    with pytest.raises(ValueError, match=f"must have {d} coordinates"):
+        problem.contact.Moment((0,) * (5 - d))
