@@ -55,9 +55,9 @@ def Pin(quick):
     )
 
 
-def _OnThePublishedMesh(quick):
+def _OnThePublishedMesh(frictions):
     rows = []
-    for friction in [None] if quick else halfring.LOGARITHMIC:
+    for friction in frictions:
         model, motion = RingModel(QuadMesh(), order=1, friction=friction)
         values, _, _ = halfring.Follow(model, motion, end=0.6, steps=12)
         text = "published mesh, " + (f"friction {friction:g}" if friction else "frictionless")
@@ -86,7 +86,7 @@ def _OnThePublishedMesh(quick):
 
 
 def HalfRing(quick):
-    rows = _OnThePublishedMesh(quick)
+    rows = _OnThePublishedMesh([None] if quick else halfring.LOGARITHMIC)
     model, motion = RingModel(RingMesh(12.0 if quick else 6.3))
     values, _, steps = halfring.Follow(
         model, motion, end=0.6 if quick else 1.0, steps=24 if quick else 40
