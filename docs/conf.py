@@ -25,7 +25,7 @@ exclude_patterns = ["_ext", "_generated"]
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
-nb_execution_mode = "off"  # the extension `tutorials` runs them
+nb_execution_mode = "off"  # the extension `sources` runs them
 
 autodoc_member_order = "bysource"
 napoleon_use_rtype = False

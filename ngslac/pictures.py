@@ -1,12 +1,12 @@
 """Pictures of a contact: scenes of the webgui, profiles by matplotlib, files for ParaView."""
 
-from pathlib import Path
-
 import numpy as np
-from ngsolve import BND, CF, BitArray, GridFunction, VTKOutput
+from ngsolve import BND, CF, GridFunction, VTKOutput
 
+from ngslac.arrays import AsBits
 from ngslac.facepoints import FacePoints
 from ngslac.glyphs import Arrows, Bars, Dots, Ticks
+from ngslac.segments import VTUPath
 
 __all__ = ["ContactPictures"]
 
@@ -98,19 +98,18 @@ class ContactPictures:
             return self.status, {"min": 0, "max": 2, "settings": {"colormap_ncolors": 3}}
         if field == "macros":
             # Neighbours have nearly the same number: in order they would have the same colour.
-            number = self._Number()
             order = np.random.default_rng(1).permutation(self.space.nmacros)
-            number.vec.FV().NumPy()[:] = order
-            return number, {"settings": {"colormap_ncolors": 32}}
+            return self._Numbers(order), {"settings": {"colormap_ncolors": 32}}
         if field == "segments":
             return self.gap, {}
         values = getattr(self, field)
         return (sum(value * value for value in values) ** 0.5 if field in VECTORS else values), {}
 
-    def _Number(self):
-        number = GridFunction(self.space.WithComponents(1))
-        number.vec.FV().NumPy()[:] = np.arange(self.space.nmacros)
-        return number
+    def _Numbers(self, values):
+        """A field with one number for each macro-element."""
+        field = GridFunction(self.space.WithComponents(1))
+        field.vec.FV().NumPy()[:] = values
+        return field
 
     def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
         """Plot a field of the last evaluation over a coordinate, by matplotlib.
@@ -193,16 +192,14 @@ class ContactPictures:
         >>> path.name
         'slave.vtu'
         """
-        path = Path(filename)
-        path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
+        path = VTUPath(filename)
         fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
-        fields["macro"] = self._Number()
+        fields["macro"] = self._Numbers(np.arange(self.space.nmacros))
         if displacement is not None:
             fields["displacement"] = displacement
         if self.mesh.dim == 2:  # ParaView's vectors have three components
             fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
-        slave = self.space.slave
-        chosen = BitArray([slave.Mask()[e.index] for e in self.mesh.Elements(BND)])
+        chosen = AsBits(np.array(self.space.macros) >= 0)
         output = VTKOutput(
             self.mesh, list(fields.values()), list(fields), str(path.with_suffix("")), order=2
         )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["Segments"]
+__all__ = ["Segments", "VTUPath"]
 
 VTK_POLYGON, VTK_QUAD = 7, 9
 
@@ -54,9 +54,7 @@ class Segments:
         -------
         pathlib.Path
         """
-        path = Path(filename)
-        if path.suffix != ".vtu":
-            path = path.with_name(path.name + ".vtu")
+        path = VTUPath(filename)
         arrays = {"slave": self.slave, "master": self.master, "area": self.area, "gap": self.gap}
         if self.slave_points.ndim == 3:
             quads = np.concatenate([self.slave_points, self.master_points[:, ::-1]], axis=1)
@@ -94,6 +92,12 @@ class Segments:
             for points in (self.slave_points, self.master_points)
         ]
         return np.concatenate([sides, np.stack(middle, axis=1)])
+
+
+def VTUPath(filename):
+    """The path of a file, with the ending .vtu where it is missing."""
+    path = Path(filename)
+    return path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
 
 
 def VTUText(points, ends, celltype, cell_data):

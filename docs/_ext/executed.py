@@ -4,6 +4,7 @@ import hashlib
 import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from pathlib import Path
 
 import nbformat
@@ -14,13 +15,18 @@ import ngslac
 __all__ = ["Executed", "Keep"]
 
 
-def _Stamp(path):
-    """A number that changes with the notebook and with every file of the package."""
-    total = hashlib.sha256(path.read_bytes())
-    package = Path(ngslac.__file__).parent
+@lru_cache
+def _Package():
+    """A hash that changes with every file of the package."""
+    total, package = hashlib.sha256(), Path(ngslac.__file__).parent
     for source in sorted(file for file in package.rglob("*") if file.suffix in (".py", ".so")):
         total.update(source.read_bytes())
     return total.hexdigest()
+
+
+def _Stamp(path):
+    """A text that changes with the notebook and with the package."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() + _Package()
 
 
 def Keep(notebook, path, cache):
