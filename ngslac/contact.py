@@ -181,8 +181,7 @@ class LACContact(ContactResults, ContactPictures):
         bulk : BaseMatrix
             On the product space.
         """
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         if not self._scaled:
             self.form.SetStiffness(bulk, self.stiffness)
             self._scaled = True

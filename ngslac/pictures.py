@@ -64,8 +64,7 @@ class ContactPictures:
 
         if field not in KINDS:
             raise ValueError(f"field {field!r} is none of {', '.join(KINDS)}")
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         flat = self.mesh.dim == 2
         displacement = deformation
         if deformation is not None:
@@ -149,8 +148,7 @@ class ContactPictures:
         fields = (*SCALARS, *VECTORS[:2])
         if field not in fields:
             raise ValueError(f"field {field!r} is none of {', '.join(fields)}")
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         coordinate = _Coordinate(along, self.mesh.dim)
         axes = plt.gca() if axes is None else axes
         values = self._Tangential(field) if field in VECTORS else self.Table()[field]

@@ -12,6 +12,10 @@ __all__ = ["ContactResults"]
 class ContactResults:
     """Results of a contact, from its compiled `form` on its `mesh`: the base of `LACContact`."""
 
+    def _PairOnce(self):
+        if not self.form.paired:
+            self.Update()
+
     def Table(self):
         """The last evaluation as numpy arrays over the macro-elements.
 
@@ -76,20 +80,17 @@ class ContactResults:
         macro-element, d rows per macro-element, columns the dofs of the displacement space. For
         scipy copy the arrays of ``D.CSR()``: they are views that die with the matrix.
         """
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
 
     def Segments(self):
         """The segments of the pairing, see `Segments`."""
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         return Segments(self.form, self.mesh.dim)
 
     def Check(self):
         """A readable report of the pairing, see `ContactReport`."""
-        if not self.form.paired:
-            self.Update()
+        self._PairOnce()
         return ContactReport(self)
 
     def _GetWebguiData(self):
