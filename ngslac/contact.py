@@ -1,7 +1,10 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
 import math
+from contextlib import suppress
 
+import numpy as np
+from netgen.meshing import NgException
 from ngsolve import CoefficientFunction, GridFunction
 from ngsolve.comp import ProxyFunction
 
@@ -9,8 +12,13 @@ from ngslac._ngslac import ContactForm
 from ngslac.arguments import BoundaryRegion, CheckDistinct, Coefficient
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
+from ngslac.snapshot import Snapshot
 
 __all__ = ["LACContact"]
+
+FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
+# In place of the solution in which the surfaces were paired: there was none, and while they are.
+REFERENCE, IN_DOUBT = np.empty(0), object()
 
 
 class LACContact(ContactResults, ContactPictures):
@@ -114,18 +122,19 @@ class LACContact(ContactResults, ContactPictures):
         mesh = u.space.mesh
         region = None if master is None else BoundaryRegion(mesh, master, "master")
         self.mesh, self.master = mesh, region
-        self.form = ContactForm(
-            u=u,
-            lam=lam,
-            master=region,
-            obstacle=None if obstacle is None else CoefficientFunction(obstacle),
-            friction=Coefficient(friction, "friction"),
-            tresca=Coefficient(tresca, "tresca"),
-            tied=tied,
-            finite=finite,
-            maxdist=maxdist or 0.0,
-            penetration=penetration or 0.0,
-        )
+        self._setup = {
+            "u": u,
+            "lam": lam,
+            "master": region,
+            "obstacle": None if obstacle is None else CoefficientFunction(obstacle),
+            "friction": Coefficient(friction, "friction"),
+            "tresca": Coefficient(tresca, "tresca"),
+            "tied": tied,
+            "finite": finite,
+            "maxdist": maxdist or 0.0,
+            "penetration": penetration or 0.0,
+        }
+        self.form = ContactForm(**self._setup)
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self.space = self.form.space
         self.stiffness = stiffness
@@ -166,12 +175,20 @@ class LACContact(ContactResults, ContactPictures):
         ----------
         gf : GridFunction, optional
         """
-        if self.pressure.space.ndof != self.space.nmacros:
+        if self.pressure.space.ndof != self.space.nmacros:  # refined: no way back
             self._MakeFields()
+            self._Pair(gf)
+            return
+        with Snapshot(self):
+            self._Pair(gf)
+
+    def _Pair(self, gf):
+        paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
+        self._paired = IN_DOUBT
         self.form.Update(gf)
         self._scaled = False
-        self._paired = None if gf is None else gf.vec.FV().NumPy().copy()
         self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
+        self._paired = paired
 
     def Prepare(self, bulk):
         """Pair if that was not done, and take the scale of the form from the bulk's matrix.
@@ -236,9 +253,12 @@ class LACContact(ContactResults, ContactPictures):
         gf : GridFunction
             On the product space.
         """
-        self.form.Commit(gf.vec)
-        if self.finite:
-            self._paired = gf.vec.FV().NumPy().copy()
+        paired = gf.vec.FV().NumPy().copy() if self.finite else self._paired
+        with Snapshot(self):
+            if self.finite:
+                self._paired = IN_DOUBT
+            self.form.Commit(gf.vec)
+            self._paired = paired
 
     def State(self):
         """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
@@ -252,25 +272,45 @@ class LACContact(ContactResults, ContactPictures):
         history = self.form.History() if self.form.paired else {}
         return {"paired": self._paired, "scaled": self._scaled} | history
 
-    def SetState(self, state):
+    def SetState(self, state, gf=None):
         """Pair in the saved configuration and take over the saved history.
 
         Parameters
         ----------
         state : dict
             Of `State`.
+        gf : GridFunction, optional
+            The solution then, on the product space. Without it the fields of ``finite=True`` are
+            those of the last `Commit`.
         """
         history = {name: state[name] for name in state if name not in ("paired", "scaled")}
         if not history:
+            self._Unpair()
             return
-        gf = None
-        if state["paired"] is not None:
-            gf = GridFunction(self.form.fes)
-            gf.vec.FV().NumPy()[:] = state["paired"]
-        self.Update(gf)
+        if not self.form.paired or self._paired is not state["paired"]:
+            self._Pair(self._Function(state["paired"]))
+            self._paired = state["paired"]
+        if self.finite and gf is not None:
+            with suppress(NgException):  # where the surfaces do not meet, they did not then
+                self.form.Follow(gf.vec)
+                self.form.Evaluate(gf.vec)
         self.form.SetHistory(history)
         self._scaled = state["scaled"]
         self._Fill()
+
+    def _Unpair(self):
+        if self._paired is not None:
+            self.form = ContactForm(**self._setup)
+        self._scaled, self._paired = False, None
+        for name in FIELDS:
+            getattr(self, name).vec[:] = 0
+
+    def _Function(self, values):
+        if values is None or not len(values):
+            return None
+        gf = GridFunction(self.form.fes)
+        gf.vec.FV().NumPy()[:] = values
+        return gf
 
     def Evaluate(self, gf):
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
@@ -292,5 +332,5 @@ class LACContact(ContactResults, ContactPictures):
 
     def _Fill(self):
         table = self.Table()
-        for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
+        for name in FIELDS:
             getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()

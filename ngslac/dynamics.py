@@ -12,6 +12,7 @@ from ngslac.inertia import DynamicForm, Inert, Mass, Scheme
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
 from ngslac.residual import LoadVector, Residual
+from ngslac.snapshot import Snapshot
 
 __all__ = ["TimeStepper"]
 
@@ -100,6 +101,7 @@ class TimeStepper:
         self.balance, self.steps = None, []
         self._momentum = None  # M times the acceleration due to the bulk's forces
         self._rate = None  # mean velocity of the last step, and its length
+        self._balanced = None  # force of the bulk with loads, and loads alone, at its end
 
     @property
     def gf(self):
@@ -136,25 +138,67 @@ class TimeStepper:
         begin = self.time.Get()
         if not end > begin:
             raise ValueError(f"end = {end} is not after the time {begin}")
-        self._Begin()
         count = max(1, int(np.ceil((end - begin) / self.dt - 1e-9)))
-        done = []
-        with Progress("contact: time steps", begin, end) as self._progress:
-            for k in range(1, count + 1):
-                target = end if k == count else begin + (end - begin) * k / count
-                done += self._Reach(target, callback, printing, maxit, tol)
+        done, self._saved = [], Snapshot(self)
+        try:
+            self._Begin()
+            self._saved = Snapshot(self)
+            with Progress("contact: time steps", begin, end) as self._progress:
+                for k in range(1, count + 1):
+                    target = end if k == count else begin + (end - begin) * k / count
+                    done += self._Reach(target, callback, printing, maxit, tol)
+        except BaseException:
+            self._saved.Restore()
+            raise
         return done
+
+    def State(self):
+        """What the next step depends on: that of the solver, velocity, time, energies and steps.
+
+        Returns
+        -------
+        dict
+        """
+        return {
+            "solver": self.solver.State(),
+            "time": self.time.Get(),
+            "velocity": self.velocity.vec.FV().NumPy().copy(),
+            "steps": list(self.steps),
+            "balance": self.balance,
+            "momentum": self._momentum,
+            "rate": self._rate,
+            "forces": self._balanced,
+            "dt": self.form.dt,
+        }
+
+    def SetState(self, state):
+        """Go back to a state.
+
+        Parameters
+        ----------
+        state : dict
+            Of `State`.
+        """
+        self.time.Set(state["time"])
+        self.solver.SetState(state["solver"])
+        self.velocity.vec.FV().NumPy()[:] = state["velocity"]
+        self.steps[:] = state["steps"]
+        self.balance, self._momentum = state["balance"], state["momentum"]
+        self._rate, self._balanced = state["rate"], state["forces"]
+        if state["dt"]:
+            self.form.SetStep(state["dt"])
+        self.solver._islinear = None
 
     def _Begin(self):
         """Forces and energies of the present state, which the user may have changed."""
         for contact in self.solver.contacts:
             if not contact.form.paired:
                 contact.Update(self.gf if contact.finite else None)
-        self._force, self._loads = self._Forces()
+        self._balanced = self._Forces()
         if self._momentum is None:
             if not self.prescribe:
                 self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
-            self._momentum = -self._force
+            self._momentum = -self._balanced[0]
             self._rate = self._Velocity(), self.dt
         kinetic = self.mass.Energy(self._Velocity())
         if self.balance is None:
@@ -183,11 +227,14 @@ class TimeStepper:
                 continue
             if printing:
                 print(self.balance)
-            self.steps.append(TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance))
-            done.append(self.steps[-1])
+            step = TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance)
+            self.steps.append(step)
+            done.append(step)
+            self._saved = Snapshot(self)  # there is no way back behind it
             self._progress.At(goal)
             if callback:
-                callback(self.steps[-1])
+                callback(step)
+                self._saved = Snapshot(self)  # which may have changed something
             size, cuts = 2 * size, 0
         return done
 
@@ -208,17 +255,13 @@ class TimeStepper:
             if not np.isfinite(self._Energy()):
                 raise ContactConvergenceError("elements turned inside out")
         except BaseException:
-            vec.FV().NumPy()[:] = start
-            self.time.Set(now)
-            self.solver.residual.Follow()
-            for contact in self.solver.contacts:
-                contact.Restore()
+            self._saved.Restore()
             raise
         self._Accept(start, dt)
         return last
 
     def _Accept(self, start, dt):
-        scheme, mass, old = self.scheme, self.mass, self._force
+        scheme, mass, (old, oldloads) = self.scheme, self.mass, self._balanced
         motion = (self.gf.vec.FV().NumPy() - start) * mass.rows
         force, loads = self._Forces()
         mean = (1 - scheme.force) * force + scheme.force * old
@@ -233,9 +276,9 @@ class TimeStepper:
             contact.Commit(self.gf)
         admissible = mass.Arrest(self.solver.contacts, velocity)
         works["impact"] += mass.Energy(velocity) - mass.Energy(admissible)
-        works["internal"] = 0.5 * float((old + force + self._loads + loads) @ motion)
+        works["internal"] = 0.5 * float((old + force + oldloads + loads) @ motion)
         self.velocity.vec.FV().NumPy()[:] = admissible
-        self._force, self._loads, self._momentum = force, loads, momentum
+        self._balanced, self._momentum = (force, loads), momentum
         if self.energy is not None:
             works["internal"] = self._Energy() - self.balance.internal
         self.balance = self.balance.After(self.time.Get(), mass.Energy(admissible), **works)
@@ -277,7 +320,7 @@ class TimeStepper:
         """Right hand side of the step: loads and what the step before leaves behind."""
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
-        memory -= scheme.weight * scheme.force * self._force
+        memory -= scheme.weight * scheme.force * self._balanced[0]
         load = LoadVector(self.static.residual.rhs, vec)
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec
@@ -289,7 +332,7 @@ class TimeStepper:
         self.form.Apply(self.gf.vec, balance)
         reaction = balance.FV().NumPy() + forces - self._Load().FV().NumPy()
         supports = float((reaction * ~self.mass.free) @ motion)
-        external = supports + 0.5 * float((self._loads + loads) @ motion)
+        external = supports + 0.5 * float((self._balanced[1] + loads) @ motion)
         return {"external": external, "friction": friction, "impact": -work - friction}
 
     def Table(self):

@@ -102,6 +102,16 @@ class LinearSolver:
         """Krylov iterations so far."""
         return sum(m.krylov for _, m in self._used)
 
+    def State(self):
+        """What has been learnt about the methods, as a dict."""
+        names = [name for name, _ in self._methods]
+        return {"inverse": self.inverse, "methods": names, "failures": self._failures}
+
+    def SetState(self, state):
+        """Go on with the methods of a `State`."""
+        self.inverse, self._failures = state["inverse"], state["failures"]
+        self._methods = [method for method in self._used if method[0] in state["methods"]]
+
     def Forget(self):
         """Keep nothing for the next system."""
         for _, method in self._methods:

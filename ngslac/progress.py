@@ -24,10 +24,10 @@ class Progress:
     def __enter__(self):
         self._outermost = not Progress._running
         if self._outermost:
-            Progress._running = True
             self._before = _GetStatus()
             _PushStatus(self.name)
             _SetThreadPercentage(0)
+            Progress._running = True  # last: an interrupt before leaves it to the next one
         return self
 
     def __exit__(self, *error):

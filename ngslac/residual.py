@@ -10,6 +10,8 @@ __all__ = ["Residual", "State"]
 
 # Deviation from the straight line, relative to the way along it, that is not rounding.
 LINEAR = 1e-10
+# What a residual keeps from one solve to the next.
+REMEMBERED = ("converged", "forces", "reference", "rows", "tol")
 
 
 @dataclass
@@ -103,6 +105,15 @@ class Residual:
     def linear(self, mat):
         self._linear = mat if mat is self._proposed else None
         self._proposed = mat
+
+    def State(self):
+        """What the next solve depends on, as a dict."""
+        return {name: value for name, value in vars(self).items() if name in REMEMBERED}
+
+    def SetState(self, state):
+        """Go on from a `State`."""
+        vars(self).update(state)
+        self._linear = self._proposed = self._last = None
 
     def Begin(self, scale, tol):
         """Start a solve with these factors and tolerance; returns the first State."""

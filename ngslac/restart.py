@@ -57,7 +57,15 @@ def SaveState(file, tool, *, also=None):
     >>> last = stepper.Integrate(1.0, steps=1, printing=False)
     >>> folder.cleanup()
     """
-    state = {"tool": _ToolState(tool), "solver": _SolverState(_Solver(tool))}
+    solver = _Solver(tool)
+    solver.StartAfresh()
+    state = {
+        "kind": type(tool).__name__,
+        "space": _Fingerprint(solver.gf.space),
+        "ncontacts": len(solver.contacts),
+        "state": tool.State(),
+        "linear": solver.linear.State(),
+    }
     state["also"] = {name: _Values(thing) for name, thing in (also or {}).items()}
     file = Path(file)
     part = file.with_name(file.name + ".part")
@@ -135,16 +143,17 @@ def LoadState(file, tool, *, also=None):
         pickle.load(stream)  # the mesh
         state = pickle.load(stream)
     also, solver = also or {}, _Solver(tool)
-    _Compare("tool", state["tool"]["kind"], type(tool).__name__)
-    _Compare("displacement and mesh", state["solver"]["space"], _Fingerprint(solver.gf.space))
-    _Compare("number of contacts", len(state["solver"]["contacts"]), len(solver.contacts))
+    _Compare("tool", state["kind"], type(tool).__name__)
+    _Compare("displacement and mesh", state["space"], _Fingerprint(solver.gf.space))
+    _Compare("number of contacts", state["ncontacts"], len(solver.contacts))
     _Compare("names in also", sorted(state["also"]), sorted(also))
     for name, thing in also.items():
         _Compare(f"size of {name}", np.size(state["also"][name]), np.size(_Values(thing)))
     for name, thing in also.items():
         _SetValues(thing, state["also"][name])
-    _SetSolverState(solver, state["solver"])
-    _SetToolState(tool, state["tool"])
+    tool.SetState(state["state"])
+    solver.linear.SetState(state["linear"])
+    solver.StartAfresh()
 
 
 def _CheckFormat(stream, file):
@@ -198,64 +207,3 @@ def _Solver(tool):
     if isinstance(tool, (LoadStepper, TimeStepper)):
         return tool.solver
     raise TypeError(f"tool is a {type(tool).__name__}: give a LoadStepper, TimeStepper or solver")
-
-
-def _SolverState(solver):
-    # Matrices and factorisations are not saved: both runs go on with new ones.
-    solver._islinear = None
-    solver.linear.Forget()
-    return {
-        "space": _Fingerprint(solver.gf.space),
-        "gf": _Values(solver.gf),
-        "contacts": [contact.State() for contact in solver.contacts],
-        "inverse": solver.linear.inverse,
-        "own": {name: getattr(solver, name) for name in OWN if hasattr(solver, name)},
-        "residual": {k: v for k, v in vars(solver.residual).items() if k in MEASURES},
-    }
-
-
-def _SetSolverState(solver, state):
-    _SetValues(solver.gf, state["gf"])
-    for contact, part in zip(solver.contacts, state["contacts"], strict=True):
-        contact.SetState(part)
-    solver.linear.inverse = state["inverse"]
-    vars(solver).update(state["own"])
-    vars(solver.residual).update(state["residual"])
-    solver._islinear = None
-
-
-def _ToolState(tool):
-    state = {"kind": type(tool).__name__}
-    if isinstance(tool, LoadStepper):
-        last = None if tool._last is None else (_Values(tool._last[0]), tool._last[1])
-        state |= {"load": tool.load.Get(), "steps": tool.steps, "last": last}
-    elif isinstance(tool, TimeStepper):
-        state |= {
-            "time": tool.time.Get(),
-            "steps": tool.steps,
-            "velocity": _Values(tool.velocity),
-            "balance": tool.balance,
-            "momentum": tool._momentum,
-            "rate": tool._rate,
-            "dt": tool.form.dt,
-        }
-    return state
-
-
-def _SetToolState(tool, state):
-    if isinstance(tool, LoadStepper):
-        tool.load.Set(state["load"])
-        tool.steps[:] = state["steps"]
-        tool._last = None
-        if state["last"] is not None:
-            increment = tool.solver.gf.vec.CreateVector()
-            _SetValues(increment, state["last"][0])
-            tool._last = increment, state["last"][1]
-    elif isinstance(tool, TimeStepper):
-        tool.time.Set(state["time"])
-        tool.steps[:] = state["steps"]
-        _SetValues(tool.velocity, state["velocity"])
-        tool.balance, tool._momentum = state["balance"], state["momentum"]
-        tool._rate = state["rate"]
-        if state["dt"]:
-            tool.form.SetStep(state["dt"])

@@ -1,7 +1,6 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
 import numpy as np
-from netgen.meshing import NgException
 from ngsolve import BitArray
 
 from ngslac.arrays import AsNumPy, ScalarDofs
@@ -13,6 +12,7 @@ from ngslac.linear import LinearSolveError
 from ngslac.newton import ChooseSolver, NewtonStep
 from ngslac.progress import Progress
 from ngslac.residual import Residual
+from ngslac.snapshot import Snapshot
 
 __all__ = ["ContactSolver"]
 
@@ -113,6 +113,7 @@ class ContactSolver(NewtonStep):
         self.residual = Residual(a, gf, self.contacts, rhs, free)
         self.globalization = Globalization()
         self.history, self._closings, self._motion = [], 0, None
+        self.scale = None  # of the rows, once there is a matrix
         self._bodies, self._silent = None, True
         self._islinear = None  # the bulk, as far as seen: then its matrix is kept
 
@@ -153,8 +154,7 @@ class ContactSolver(NewtonStep):
             raise ValueError(f"maxit = {maxit} must be at least 1 and tol = {tol} positive")
         if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
             raise ValueError("the space was refined: make a new ContactSolver")
-        start = self.gf.vec.CreateVector()
-        start.data = self.gf.vec
+        before = Snapshot(self)
         self.history, self._closings, self._status = [], 0, None
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         if motion is not None and np.any(motion[self.constrained]):
@@ -166,9 +166,12 @@ class ContactSolver(NewtonStep):
             with Progress("contact: Newton's method") as self._progress:
                 return self._Iterate(maxit, tol, printing, callback)
         except BaseException as error:
-            self.residual.linear = None
-            floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
-            self._ReturnTo(start)
+            history = self.history
+            try:
+                floating = self._WhatFloats() if isinstance(error, LinearSolveError) else []
+            finally:
+                before.Restore()
+                self.history = history
             if isinstance(error, ContactConvergenceError):
                 error.history = self.history
             if floating:
@@ -194,15 +197,39 @@ class ContactSolver(NewtonStep):
             return None
         return self.residual.Measure(self.scale, honest=not same_load).merit
 
-    def _ReturnTo(self, start):
-        self.gf.vec.data = start
-        try:
-            self.residual.Follow()
-        except NgException:  # it was so before
-            return
-        for contact in self.contacts:
-            if contact.form.paired:
-                contact.Evaluate(self.gf)
+    def State(self):
+        """What the next solve depends on: solution, contacts, forces at work.
+
+        Returns
+        -------
+        dict
+        """
+        return {
+            "gf": self.gf.vec.FV().NumPy().copy(),
+            "contacts": [contact.State() for contact in self.contacts],
+            "history": self.history,
+            "scale": self.scale,
+            "residual": self.residual.State(),
+        }
+
+    def SetState(self, state):
+        """Go back to a state.
+
+        Parameters
+        ----------
+        state : dict
+            Of `State`.
+        """
+        self.gf.vec.FV().NumPy()[:] = state["gf"]
+        for contact, part in zip(self.contacts, state["contacts"], strict=True):
+            contact.SetState(part, self.gf)
+        self.residual.SetState(state["residual"])
+        self.history, self.scale = state["history"], state["scale"]
+
+    def StartAfresh(self):
+        """Keep no matrix and no factorisation: the next solve makes its own."""
+        self._islinear = None
+        self.linear.Forget()
 
     def _Iterate(self, maxit, tol, printing, callback):
         self._Assemble()

@@ -8,6 +8,7 @@ from ngsolve import Parameter
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
+from ngslac.snapshot import Snapshot
 
 __all__ = ["LoadStepper", "Step"]
 
@@ -111,11 +112,55 @@ class LoadStepper:
         self.printing = printing
         begin = self.load.Get()
         done = []
-        with Progress("contact: load steps", begin, end) as self._progress:
-            for k in range(1, steps + 1):
-                target = begin + (end - begin) * k / steps
-                done += self._Reach(target, callback, maxit, tol)
+        self._saved = Snapshot(self)
+        try:
+            with Progress("contact: load steps", begin, end) as self._progress:
+                for k in range(1, steps + 1):
+                    target = begin + (end - begin) * k / steps
+                    done += self._Reach(target, callback, maxit, tol)
+        except BaseException:
+            self._saved.Restore()
+            raise
         return done
+
+    def State(self):
+        """What the next step depends on: that of the solver, load, steps and their size.
+
+        Returns
+        -------
+        dict
+        """
+        return {
+            "solver": self.solver.State(),
+            "load": self.load.Get(),
+            "steps": list(self.steps),
+            "last": self._last,
+            "size": self._size,
+        }
+
+    def SetState(self, state):
+        """Go back to a state.
+
+        Parameters
+        ----------
+        state : dict
+            Of `State`.
+        """
+        self.load.Set(state["load"])
+        self.solver.SetState(state["solver"])
+        self.steps[:] = state["steps"]
+        self._last, self._size = state["last"], state["size"]
+
+    def _Accept(self, goal, iterations, cuts, callback):
+        """A step has converged: there is no way back behind it."""
+        step = Step(len(self.steps) + 1, goal, iterations, cuts)
+        self.steps.append(step)
+        self._saved = Snapshot(self)
+        self._progress.At(goal)
+        if callback:
+            callback(step)
+            self._saved = Snapshot(self)  # which may have changed something
+        return step
 
     def _Reach(self, target, callback, maxit, tol):
         done, cuts = [], 0
@@ -135,14 +180,10 @@ class LoadStepper:
                     size = (goal - begin) / 2
                     continue
                 goal, last = self._Jump(target, error, maxit, tol)
-            self.steps.append(Step(len(self.steps) + 1, goal, last.number, cuts))
-            done.append(self.steps[-1])
-            self._progress.At(goal)
-            if callback:
-                callback(self.steps[-1])
             # What was hard before mostly is so for another while.
             size = size if cuts else 2 * size
             self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
+            done.append(self._Accept(goal, last.number, cuts, callback))
             cuts = 0
         return done
 
@@ -171,19 +212,13 @@ class LoadStepper:
             flags = self._Start(last, goal - begin, start)
             result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing, **flags)
         except BaseException as error:
-            vec.data = last
-            self.load.Set(begin)
-            for contact in solver.contacts:
-                if contact.form.paired:
-                    contact.Restore()
+            self._saved.Restore()
             if self.printing:
                 print(f"  {error}")
             raise
         for contact in solver.contacts:
             contact.Commit(solver.gf)
-        increment = vec.CreateVector()
-        increment.data = vec - last
-        self._last = increment, goal - begin
+        self._last = vec.FV().NumPy() - last.FV().NumPy(), goal - begin
         return result
 
     def _Start(self, last, step, start):
@@ -198,7 +233,7 @@ class LoadStepper:
         if self._last is not None and self.predict and start == "predicted":
             increment, size = self._last
             merit = self.solver.Merit()
-            vec.data = last + (step / size) * increment
+            values[:] = last.FV().NumPy() + (step / size) * increment
             if fixed is not None:
                 values[fixed] = wanted[fixed]
             # A larger residual is no harm as long as the status is a better guess.
