@@ -1,10 +1,151 @@
-"""Arguments as users write them, checked."""
+"""Arguments as users write them, checked: a message holds the name, the value and the remedy."""
 
 import math
+import re
+from numbers import Integral, Real
 
-from ngsolve import BND, CoefficientFunction, Region
+import numpy as np
+from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, Region
 
-__all__ = ["BoundaryRegion", "CheckDistinct", "Coefficient"]
+__all__ = [
+    "BoundaryRegion",
+    "CheckChoice",
+    "CheckCount",
+    "CheckDistinct",
+    "CheckFlag",
+    "CheckFunction",
+    "CheckInstance",
+    "CheckNumber",
+    "CheckOnSpace",
+    "CheckPoint",
+    "CheckPositive",
+    "CheckVector",
+    "Coefficient",
+    "Shown",
+    "Wrong",
+]
+
+LARGEST_COUNT = 2**31 - 1  # what the compiled part takes
+
+
+def Shown(value, longest=60):
+    """A value on one line of an error message, cut where it is long."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # of an object whose repr fails
+        text = f"<{type(value).__name__}>"
+    text = re.sub(r"<[\w.]*?(\w+) object at 0x\w+>", r"<\1>", text)
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def Wrong(kind, name, value, wanted):
+    """The error of this kind, in the words of all of them."""
+    return kind(f"{name} = {Shown(value)} must be {wanted}")
+
+
+# --- numbers and words ---------------------------------------------------------------------------
+
+
+def CheckNumber(name, value, wanted="a finite number", accepts=math.isfinite):
+    """The real number as float; TypeError if it is none, ValueError if it is not accepted."""
+    if not isinstance(value, Real) or isinstance(value, (bool, np.bool_)):
+        raise Wrong(TypeError, name, value, wanted)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not accepts(number):
+        raise Wrong(ValueError, name, value, wanted)
+    return number
+
+
+def CheckPositive(name, value, wanted="a finite number > 0"):
+    """The positive number as float."""
+    return CheckNumber(name, value, wanted, lambda x: math.isfinite(x) and x > 0)
+
+
+def CheckCount(name, value, least=1):
+    """The whole number as int."""
+    wanted = f"a whole number, at least {least} and at most {LARGEST_COUNT}"
+    if not isinstance(value, Integral) or isinstance(value, (bool, np.bool_)):
+        raise Wrong(TypeError, name, value, wanted)
+    if not least <= value <= LARGEST_COUNT:
+        raise Wrong(ValueError, name, value, wanted)
+    return int(value)
+
+
+def CheckFlag(name, value):
+    """True, False, 1 or 0 as bool: other objects are true by accident."""
+    if not (isinstance(value, (Integral, np.bool_)) and value in (0, 1)):
+        raise Wrong(TypeError, name, value, "True or False")
+    return bool(value)
+
+
+def CheckChoice(name, value, options):
+    """One of the words in `options`."""
+    wanted = "one of " + ", ".join(map(repr, options))
+    if not isinstance(value, str):
+        raise Wrong(TypeError, name, value, wanted)
+    if value not in options:
+        raise Wrong(ValueError, name, value, wanted)
+    return value
+
+
+def CheckPoint(name, value, dim):
+    """A sequence of `dim` finite coordinates as array."""
+    wanted = f"a point with {dim} coordinates, finite numbers"
+    try:
+        point = np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise Wrong(TypeError, name, value, wanted) from error
+    if point.dtype.kind not in "fiu":
+        raise Wrong(TypeError, name, value, wanted)
+    if point.shape != (dim,) or not np.isfinite(point).all():
+        raise Wrong(ValueError, name, value, wanted)
+    return point.astype(float)
+
+
+# --- objects -------------------------------------------------------------------------------------
+
+
+def CheckInstance(name, value, kind, wanted):
+    """An object of a class, or of one of several; `wanted` says how users get it."""
+    if not isinstance(value, kind):
+        raise Wrong(TypeError, name, value, wanted)
+    return value
+
+
+def CheckFunction(name, value, wanted="a function, or None"):
+    """A Python function or None; a CoefficientFunction, which is callable as well, is neither."""
+    if value is not None and (not callable(value) or isinstance(value, CoefficientFunction)):
+        raise Wrong(TypeError, name, value, wanted)
+    return value
+
+
+def CheckOnSpace(name, gf, space):
+    """A GridFunction on this product space."""
+    CheckInstance(name, gf, GridFunction, "a GridFunction on the product space")
+    if gf.space != space:
+        raise ValueError(
+            f"{name} lives on another space than u and lam, with {gf.space.ndof} dofs in place of "
+            f"{space.ndof}: take GridFunction(X) of their product space X"
+        )
+    return gf
+
+
+def CheckVector(name, vector, size):
+    """A real vector with `size` scalar entries."""
+    CheckInstance(name, vector, BaseVector, "a vector on the product space, such as gf.vec")
+    if vector.is_complex:
+        raise ValueError(f"{name} is a complex vector: contact needs real ones")
+    if (found := vector.FV().NumPy().size) != size:
+        raise ValueError(
+            f"{name} has {found} entries, the product space {size}: take a vector of that space"
+        )
+    return vector
+
+
+# --- regions and coefficients --------------------------------------------------------------------
 
 
 def BoundaryRegion(mesh, region, name):
@@ -14,7 +155,9 @@ def BoundaryRegion(mesh, region, name):
     elif isinstance(region, Region) and region.VB() == BND:
         found = region
     else:
-        raise TypeError(f"{name} must be a pattern of boundary names or a boundary region")
+        raise Wrong(TypeError, name, region, "a pattern of boundary names or a boundary region")
+    if found.mesh != mesh:
+        raise ValueError(f"{name} is a region of another mesh than that of the displacement")
     mask = found.Mask()
     if not any(mask[e.index] for e in mesh.Elements(BND)):
         names = ", ".join(dict.fromkeys(mesh.GetBoundaries()))

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 from netgen.meshing import NgException
 
+from ngslac.arguments import CheckPositive
 from ngslac.arrays import AsBits, Multiply
 from ngslac.linear import LinearSolver
 from ngslac.preconditioner import LU, Cholesky, Factor, IsSymmetric
+from ngslac.problem import CheckInverse, CheckTolerance
 from ngslac.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
@@ -62,7 +64,7 @@ class AugmentedLagrangianSolver(ContactSolver):
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         An augmentation that is no positive number, and what `ContactSolver` raises.
 
     Examples
@@ -84,8 +86,9 @@ class AugmentedLagrangianSolver(ContactSolver):
         initial="gap",
         augmentation=None,
     ):
-        if augmentation is not None and not (np.isfinite(augmentation) and augmentation > 0):
-            raise ValueError(f"augmentation = {augmentation} must be a positive factor")
+        if augmentation is not None:
+            CheckPositive("augmentation", augmentation, "a positive factor, or None")
+        CheckInverse(inverse)
         super().__init__(a, gf, contacts, rhs=rhs, freedofs=freedofs, initial=initial)
         self.linear = PrimalSolver(self.linear, inverse)
         self.augmentation = augmentation
@@ -96,7 +99,7 @@ class AugmentedLagrangianSolver(ContactSolver):
         """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations."""
         self.factor, self.outer = self.augmentation or START, 0
         self._fixed = self._pull = None
-        self._tol = tol
+        self._tol = CheckTolerance(tol)
         self.linear.Forget()
         return super().Solve(
             maxit=maxit, tol=tol, printing=printing, callback=callback, motion=motion

@@ -1,15 +1,25 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-import math
 from contextlib import suppress
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import CoefficientFunction, GridFunction
+from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm
-from ngslac.arguments import BoundaryRegion, CheckDistinct, Coefficient
+from ngslac.arguments import (
+    BoundaryRegion,
+    CheckDistinct,
+    CheckFlag,
+    CheckInstance,
+    CheckNumber,
+    CheckOnSpace,
+    CheckPositive,
+    CheckVector,
+    Coefficient,
+    Wrong,
+)
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
 from ngslac.snapshot import Snapshot
@@ -19,6 +29,9 @@ __all__ = ["LACContact"]
 FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
 # In place of the solution in which the surfaces were paired: there was none, and while they are.
 REFERENCE, IN_DOUBT = np.empty(0), object()
+
+# Beyond this, and below its inverse, a factor of the scale loses digits of the linear systems.
+STIFFEST = 1e6
 
 
 class LACContact(ContactResults, ContactPictures):
@@ -59,8 +72,8 @@ class LACContact(ContactResults, ContactPictures):
     penetration : float
         Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
     stiffness : float
-        Factor of the automatic scale c (stress per length) of the complementarity functions. The
-        solution does not depend on it.
+        Factor of the automatic scale c (stress per length) of the complementarity functions, from
+        1e-6 to 1e6. The solution does not depend on it.
 
     Attributes
     ----------
@@ -109,16 +122,17 @@ class LACContact(ContactResults, ContactPictures):
     ):
         for name, proxy in {"u": u, "lam": lam}.items():
             if not isinstance(proxy, ProxyFunction):
-                raise TypeError(f"{name} must be a trial function of a product space")
+                raise Wrong(TypeError, name, proxy, "a trial function of a product space")
         if (master is None) == (obstacle is None):
             raise ValueError("give either master= or obstacle=, not both and not none")
+        tied, finite = CheckFlag("tied", tied), CheckFlag("finite", finite)
         if tied and (friction is not None or tresca is not None):
             raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
         for name, value in {"maxdist": maxdist, "penetration": penetration}.items():
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value} must be a positive length")
-        if not (math.isfinite(stiffness) and stiffness > 0):
-            raise ValueError(f"stiffness = {stiffness} must be a positive factor")
+            if value is not None:
+                CheckPositive(name, value, "a positive length")
+        wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
+        CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
         mesh = u.space.mesh
         region = None if master is None else BoundaryRegion(mesh, master, "master")
         self.mesh, self.master = mesh, region
@@ -175,6 +189,8 @@ class LACContact(ContactResults, ContactPictures):
         ----------
         gf : GridFunction, optional
         """
+        if gf is not None:
+            CheckOnSpace("gf", gf, self.form.fes)
         if self.pressure.space.ndof != self.space.nmacros:  # refined: no way back
             self._MakeFields()
             self._Pair(gf)
@@ -198,6 +214,7 @@ class LACContact(ContactResults, ContactPictures):
         bulk : BaseMatrix
             On the product space.
         """
+        CheckInstance("bulk", bulk, BaseMatrix, "a matrix on the product space, such as a.mat")
         self._PairOnce()
         if not self._scaled:
             self.form.SetStiffness(bulk, self.stiffness)
@@ -214,6 +231,7 @@ class LACContact(ContactResults, ContactPictures):
         gf : GridFunction
             On the product space.
         """
+        CheckOnSpace("gf", gf, self.form.fes)
         if self.form.paired:
             self.form.Follow(gf.vec)
 
@@ -225,12 +243,14 @@ class LACContact(ContactResults, ContactPictures):
         x, y : BaseVector
             State and residual (forces, and lengths times areas) on the product space.
         """
+        for name, vec in {"x": x, "y": y}.items():
+            CheckVector(name, vec, self.nscalars)
         self.form.AddApply(x, y)
 
     def Apply(self, x, y):
         """y = residual at x, see `LACContact.AddApply`."""
-        y[:] = 0
-        self.form.AddApply(x, y)
+        CheckVector("y", y, self.nscalars)[:] = 0
+        self.AddApply(x, y)
 
     def AssembleLinearization(self, x):
         """Assemble the generalised derivative of the residual into `mat`.
@@ -240,7 +260,7 @@ class LACContact(ContactResults, ContactPictures):
         x : BaseVector
             State on the product space.
         """
-        self.form.AssembleLinearization(x)
+        self.form.AssembleLinearization(CheckVector("x", x, self.nscalars))
 
     def Commit(self, gf):
         """Accept `gf` as the end of a step: the next slip increment counts from there.
@@ -253,6 +273,7 @@ class LACContact(ContactResults, ContactPictures):
         gf : GridFunction
             On the product space.
         """
+        CheckOnSpace("gf", gf, self.form.fes)
         paired = gf.vec.FV().NumPy().copy() if self.finite else self._paired
         with Snapshot(self):
             if self.finite:
@@ -322,7 +343,7 @@ class LACContact(ContactResults, ContactPictures):
         gf : GridFunction
             On the product space.
         """
-        self.form.Evaluate(gf.vec)
+        self.form.Evaluate(CheckOnSpace("gf", gf, self.form.fes).vec)
         self._Fill()
 
     def Restore(self):

@@ -9,9 +9,10 @@ from ngsolve import GridFunction, Integrate, Parameter
 from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
 from ngslac.inertia import DynamicForm, Inert, Mass, Scheme
+from ngslac.loads import LoadVector
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
-from ngslac.residual import LoadVector, Residual
+from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
 
 __all__ = ["TimeStepper"]

@@ -3,6 +3,8 @@
 import numpy as np
 
 from ngslac._ngslac import MergeMatrices
+from ngslac.arguments import CheckVector
+from ngslac.problem import CheckBulk, CheckContacts
 
 __all__ = ["FormSum"]
 
@@ -17,8 +19,8 @@ class FormSum:
     ----------
     a : ngsolve.BilinearForm
         Bulk form on the product space X, without static condensation or with it.
-    contacts : LACContact
-        Contact forms on the same X.
+    *contacts : LACContact
+        Contact forms on the same X, one at least.
 
     Attributes
     ----------
@@ -27,8 +29,8 @@ class FormSum:
 
     Raises
     ------
-    ValueError
-        If two contacts share one `lam`.
+    ValueError, TypeError
+        If there is no contact, spaces differ, or two contacts share one `lam`.
 
     Examples
     --------
@@ -39,10 +41,8 @@ class FormSum:
     """
 
     def __init__(self, a, *contacts):
-        if len({id(c.space) for c in contacts}) < len(contacts):
-            raise ValueError("two contacts share one lam: give each a LACSpace of its own")
-        self.a = a
-        self.contacts = contacts
+        self.a = CheckBulk(a)
+        self.contacts = tuple(CheckContacts(contacts, a.space))
         self.mat = None
 
     @property
@@ -73,6 +73,7 @@ class FormSum:
         x : BaseVector
             On the product space.
         """
+        CheckVector("x", x, self.contacts[0].nscalars)
         self.a.AssembleLinearization(x)
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
@@ -89,6 +90,8 @@ class FormSum:
         x, y : BaseVector
             State and residual (forces) on the product space.
         """
+        for name, vec in {"x": x, "y": y}.items():
+            CheckVector(name, vec, self.contacts[0].nscalars)
         self.a.Apply(x, y)
         for contact in self.contacts:
             contact.AddApply(x, y)

@@ -3,9 +3,11 @@
 import numpy as np
 
 from ngslac._ngslac import EquilibrationScale, VertexDofs
+from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear import LinearSolver
+from ngslac.problem import CheckNoMultipliers, MultiplierRows
 from ngslac.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]
@@ -32,6 +34,9 @@ class NewtonStep:
             self.residual.linear = None
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
+        if not self._apart:
+            CheckNoMultipliers(self.a.mat, MultiplierRows(self.contacts))
+            self._apart = True
         forms = [contact.form for contact in self.contacts]
         self.scale = EquilibrationScale(self.a.mat, forms)
         if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
@@ -131,11 +136,12 @@ class NewtonStep:
 def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
     """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest."""
     if preconditioner is not None:
-        if wanted not in (None, "iterative") or not callable(preconditioner):
-            raise ValueError("preconditioner= must be callable, and goes with solver='iterative'")
+        CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")
+        if wanted not in (None, "iterative"):
+            raise ValueError(f"preconditioner= goes with solver='iterative', not {wanted!r}")
         wanted = "iterative"
-    if wanted not in (None, "direct", "iterative", "saddle"):
-        raise ValueError(f"solver={wanted!r} must be 'direct', 'iterative' or 'saddle'")
+    if wanted is not None:
+        CheckChoice("solver", wanted, ("direct", "iterative", "saddle"))
     space = a.space
     coarse = ScalarDofs(VertexDofs(space), space) & freedofs
     free, vertices = freedofs.NumSet(), coarse.NumSet()

@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BaseVector, LinearForm
+from ngsolve import BaseVector
+
+from ngslac.loads import CheckNoMultiplierLoad, LoadVector
 
 __all__ = ["Residual", "State"]
 
@@ -184,6 +186,8 @@ class Residual:
         scaled = scale * (bulk + contact_forces) * self.free
         if not np.all(np.isfinite(scaled)):
             return State.Nothing("the residual holds NaN or infinite values")
+        CheckNoMultiplierLoad("rhs", load, self.rows)
+        CheckNoMultiplierLoad("a, the bulk form,", bulk, self.rows)
         self.forces = forces
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
@@ -227,17 +231,3 @@ class Residual:
 def Norm(values):
     """Euclidean norm without BLAS, whose threads fight for the cores with those of NGSolve."""
     return float(np.sqrt(np.sum(np.square(values))))
-
-
-def LoadVector(rhs, vec):
-    """The load as numpy array: from nothing, a vector, a LinearForm or a callable."""
-    if rhs is None:
-        return np.zeros(vec.FV().NumPy().size)
-    isform = isinstance(rhs, LinearForm)  # which is callable, too
-    load = rhs() if callable(rhs) and not isform else rhs
-    if hasattr(load, "Evaluate"):  # an expression such as 2 * vector
-        load = load.Evaluate()
-    load = getattr(load, "vec", load)
-    if load.size != vec.size:
-        raise ValueError(f"rhs has {load.size} entries, the product space {vec.size}")
-    return load.FV().NumPy().copy()

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ngslac._ngslac import Side
+from ngslac.arguments import CheckPoint
 from ngslac.report import ContactReport
 from ngslac.segments import Segments
 
@@ -64,9 +65,7 @@ class ContactResults:
             A point of another dimension.
         """
         d = self.mesh.dim
-        point = np.zeros(d) if point is None else np.asarray(point, dtype=float)
-        if point.shape != (d,):
-            raise ValueError(f"point = {point.tolist()} must have {d} coordinates")
+        point = np.zeros(d) if point is None else CheckPoint("point", point, d)
         total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
         arm, force = np.zeros(3), np.zeros(3)
         arm[:d], force[:d] = point, self.Force()

@@ -3,13 +3,24 @@
 import numpy as np
 from ngsolve import BitArray
 
+from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
+from ngslac.loads import CheckRhs
 from ngslac.newton import ChooseSolver, NewtonStep
+from ngslac.problem import (
+    CheckBulk,
+    CheckContacts,
+    CheckFreeDofs,
+    CheckInverse,
+    CheckMotion,
+    CheckStart,
+    CheckTolerance,
+)
 from ngslac.progress import Progress
 from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
@@ -66,8 +77,9 @@ class ContactSolver(NewtonStep):
 
     Raises
     ------
-    ValueError
-        If there is no contact, spaces differ, the start holds NaN, or an option is unknown.
+    ValueError, TypeError
+        If there is no contact, spaces differ, the start holds NaN, an option is unknown, or the
+        bulk form was made with a flag that leaves no matrix to solve with.
 
     Examples
     --------
@@ -89,19 +101,12 @@ class ContactSolver(NewtonStep):
         preconditioner=None,
         initial="gap",
     ):
-        self.contacts = [*contacts] if isinstance(contacts, (list, tuple)) else [contacts]
-        if not self.contacts:
-            raise ValueError("ContactSolver needs at least one LACContact")
-        if initial not in ("gap", "none"):
-            raise ValueError(f"initial={initial!r} must be 'gap' or 'none'")
-        for contact in self.contacts:
-            if contact.form.fes != a.space or gf.space != a.space:
-                raise ValueError("a, gf and the contacts must live on the same product space")
-        if np.isnan(gf.vec.FV().NumPy()).any():
-            raise ValueError("the start value gf holds NaN")
-        self.a, self.gf, self.initial = a, gf, initial
-        space = a.space
-        scalars = ScalarDofs(freedofs or space.FreeDofs(a.condense), space)
+        space = CheckBulk(a).space
+        self.a, self.gf, self.contacts = a, CheckStart(gf, space), CheckContacts(contacts, space)
+        self.initial = CheckChoice("initial", initial, ("gap", "none"))
+        CheckFreeDofs(freedofs, space)
+        CheckInverse(inverse)
+        scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver, preconditioner)
         self._inner = np.zeros_like(self.linear.free)
         if a.condense:  # these are free, but not in the matrix
@@ -110,11 +115,12 @@ class ContactSolver(NewtonStep):
             self._inner = AsNumPy(ScalarDofs(inner, space))
         free = self.linear.free | self._inner
         self.constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
-        self.residual = Residual(a, gf, self.contacts, rhs, free)
+        self.residual = Residual(a, gf, self.contacts, CheckRhs(rhs, space), free)
         self.globalization = Globalization()
         self.history, self._closings, self._motion = [], 0, None
         self.scale = None  # of the rows, once there is a matrix
         self._bodies, self._silent = None, True
+        self._apart = False  # is the bulk known to leave the multipliers alone?
         self._islinear = None  # the bulk, as far as seen: then its matrix is kept
 
     # --- the loop ------------------------------------------------------------------------------
@@ -144,14 +150,18 @@ class ContactSolver(NewtonStep):
 
         Raises
         ------
-        ValueError
-            If `maxit` or `tol` is not positive, or the space was refined.
+        ValueError, TypeError
+            If `maxit` is no count, `tol` not between 0 and 1, the space was refined, or `a` or
+            `rhs` holds terms with the multiplier.
         ContactConvergenceError
             Not converged. FloatingBodyError: a body is held by nothing. After any error `gf` is as
             before the call.
         """
-        if maxit < 1 or not tol > 0:
-            raise ValueError(f"maxit = {maxit} must be at least 1 and tol = {tol} positive")
+        CheckCount("maxit", maxit)
+        CheckTolerance(tol)
+        CheckFlag("printing", printing)
+        CheckFunction("callback", callback)
+        CheckMotion(motion, self.constrained)
         if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
             raise ValueError("the space was refined: make a new ContactSolver")
         before = Snapshot(self)

@@ -64,7 +64,7 @@ def test_master_without_faces(X, mesh):
     with raises("matches no boundary face", ValueError):
         contact(X, master=mesh.Boundaries("nowhere"))
     for wrong in (mesh.Materials("lower"), 3):
-        with raises("master must be a pattern of boundary names or a boundary region", TypeError):
+        with raises("master = .* must be a pattern of boundary names", TypeError):
             contact(X, master=wrong)
 
 
@@ -204,9 +204,9 @@ def test_multiplier_with_one_component(mesh):
 
 def test_functions_that_are_no_trial_functions(X):
     (u, lam), (v, mu) = X.TnT()
-    with raises("u must be a trial function"):
+    with raises("u .*must be a trial function"):
         LACContact(v, lam, master="master")
-    with raises("lam must be a trial function"):
+    with raises("lam .*must be a trial function"):
         LACContact(u, mu, master="master")
     with raises("trial function"):
         LACContact(2 * u, lam, master="master")
@@ -260,5 +260,5 @@ def test_update_with_a_function_of_another_space(X, mesh):
         contact(X).Update(GridFunction(VectorH1(mesh, order=2)))
     c = contact(X)
     c.Update()
-    with raises(f"got .* entries, but .* product space with {X.ndof}; .* make a new solver"):
+    with raises(f"gf lives on another space than u and lam.* in place of {X.ndof}"):
         c.Evaluate(GridFunction(VectorH1(mesh, order=2)))

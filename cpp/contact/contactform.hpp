@@ -89,6 +89,7 @@ public:
   FlatArray<int> MultiplierDofs() const { return lamdof; }
   shared_ptr<LACSpace> Space() const { return space; }
   const ProxyInfo & U() const { return u; }
+  const ProxyInfo & Lambda() const { return lam; }
   bool IsPaired() const { return mat != nullptr; }
 
 protected:

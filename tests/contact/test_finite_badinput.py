@@ -101,7 +101,7 @@ def test_step_that_tears_the_bodies_apart():
 def test_a_grid_function_of_another_space(apart):
     other = LACSpace(apart.X.components[0], slave="slave")
     gf = GridFunction(apart.X.components[0] * other * other)
-    with raises("gf lives on another space|entries"):
+    with raises("gf lives on another space"):
         apart.contact.Update(gf)
-    with raises("entries"):
+    with raises("gf lives on another space"):
         apart.contact.Follow(gf)

@@ -1,0 +1,147 @@
+"""The parts of a problem as users hand them to a solver, checked."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from ngsolve import BilinearForm, BitArray
+from ngsolve.la import SparseMatrixd
+
+from ngslac.arguments import CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
+from ngslac.arrays import Multiply
+from ngslac.contact import LACContact
+
+__all__ = [
+    "CheckBulk",
+    "CheckContacts",
+    "CheckFreeDofs",
+    "CheckInverse",
+    "CheckMotion",
+    "CheckNoMultipliers",
+    "CheckStart",
+    "CheckTolerance",
+    "MultiplierRows",
+]
+
+# Flags of a BilinearForm that leave no matrix, or not enough of it, with what to do instead.
+REFUSED = {
+    "nonassemble": "it has no matrix then",
+    "diagonal": "it keeps the diagonal of the matrix alone",
+    "geom_free": "it has no assembled matrix then",
+    "symmetric_storage": "it keeps one triangle only, which several solvers read as a full matrix",
+}
+
+
+def CheckBulk(a):
+    """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
+    CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
+    if a.space.is_complex:
+        raise ValueError("a lives on a complex space: contact needs a real one")
+    flags = a.flags.ToDict()
+    for flag, why in REFUSED.items():
+        if flags.get(flag):
+            raise ValueError(f"a has the flag {flag}=True: {why}; make the BilinearForm without")
+    if flags.get("keep_internal", True) is False:
+        raise ValueError(
+            "a has the flag keep_internal=False: inner displacements cannot be recovered then; "
+            "make it without, condense=True is enough"
+        )
+    return a
+
+
+def CheckContacts(contacts, space, name="contacts"):
+    """One contact or several as a list of contacts on one space, each with a lam of its own."""
+    several = isinstance(contacts, Iterable) and not isinstance(contacts, (str, bytes))
+    found = list(contacts) if several else [contacts]
+    if not found:
+        raise ValueError(f"{name} = {Shown(contacts)} is empty: give at least one LACContact")
+    for contact in found:
+        CheckInstance(name, contact, LACContact, "a LACContact, or a list of them")
+        if contact.form.fes != space:
+            raise ValueError(
+                f"{name}: a, gf and the contacts must live on the same product space X: take u and "
+                "lam of LACContact, BilinearForm(X) and GridFunction(X) from one X"
+            )
+    if len({contact.form.lamoffset for contact in found}) < len(found):
+        raise ValueError(f"{name}: two contacts share one lam: give each a LACSpace of its own")
+    return found
+
+
+def CheckStart(gf, space):
+    """A solution on the product space with finite values."""
+    CheckOnSpace("gf", gf, space)
+    if not np.isfinite(gf.vec.FV().NumPy()).all():
+        raise ValueError("the start value gf holds NaN or infinite values: set all of it")
+    return gf
+
+
+def CheckFreeDofs(freedofs, space):
+    """A BitArray with one bit for each dof of the space; those free by default for None."""
+    if freedofs is None:
+        return freedofs
+    CheckInstance("freedofs", freedofs, BitArray, "a BitArray such as X.FreeDofs(), or None")
+    if len(freedofs) != space.ndof:
+        raise ValueError(
+            f"freedofs has {len(freedofs)} bits, the product space {space.ndof} dofs: take a copy "
+            "of X.FreeDofs()"
+        )
+    return freedofs
+
+
+def CheckInverse(inverse):
+    """The name of a sparse direct solver that is there: it has to solve one equation."""
+    if inverse is None:
+        return None
+    CheckInstance("inverse", inverse, str, "the name of a sparse direct solver, such as 'umfpack'")
+    one = SparseMatrixd.CreateFromCOO([0], [0], [1.0], 1, 1)
+    try:
+        if not inverse:
+            raise ValueError("the name is empty")
+        one.Inverse(inverse=inverse)
+    except Exception as error:
+        raise ValueError(
+            f"inverse={inverse!r} is not available ({error}): 'umfpack' and 'sparsecholesky' "
+            "always are, 'pardiso' with MKL; None takes the fastest"
+        ) from error
+    return inverse
+
+
+# --- a solve -------------------------------------------------------------------------------------
+
+
+def CheckTolerance(tol):
+    """A relative tolerance: below 1, where the start would do."""
+    return CheckNumber("tol", tol, "a number > 0 and < 1, such as 1e-10", lambda x: 0 < x < 1)
+
+
+def CheckMotion(motion, constrained):
+    """How far constrained dofs move, as array of finite numbers; None where they do not."""
+    if motion is None:
+        return None
+    wanted = f"an array of {len(constrained)} finite numbers, one for each scalar dof, or None"
+    if not isinstance(motion, np.ndarray) or motion.dtype.kind not in "fiu":
+        raise Wrong(TypeError, "motion", motion, wanted)
+    if motion.shape != constrained.shape or not np.isfinite(motion).all():
+        raise Wrong(ValueError, "motion", motion, wanted)
+    return motion
+
+
+# --- multipliers ---------------------------------------------------------------------------------
+
+
+def MultiplierRows(contacts):
+    """The scalar dofs of the multipliers of all contacts as (n,) bool."""
+    rows = np.zeros(contacts[0].nscalars, dtype=bool)
+    for form in (contact.form for contact in contacts):
+        first = form.lamoffset * form.fes.dim
+        rows[first : first + form.space.ndof * form.fes.dim] = True
+    return rows
+
+
+def CheckNoMultipliers(mat, rows):
+    """Refuse a bulk form that couples the multipliers: its terms would change the contact law."""
+    values = np.random.default_rng(0).uniform(1, 2, len(rows))
+    if np.any(Multiply([mat], values * rows)) or np.any(Multiply([mat], values)[rows]):
+        raise ValueError(
+            "a, the bulk form, holds terms with lam or its test function: LACContact adds all of "
+            "contact, leave these terms out"
+        )
