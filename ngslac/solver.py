@@ -164,6 +164,7 @@ class ContactSolver(NewtonStep):
         CheckMotion(motion, self.constrained)
         if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
             raise ValueError("the space was refined: make a new ContactSolver")
+        self.PairOnce()
         before = Snapshot(self)
         self.history, self._closings, self._status = [], 0, None
         self.tol, self._motion, self.linear.shifts = tol, None, 0
@@ -235,6 +236,12 @@ class ContactSolver(NewtonStep):
             contact.SetState(part, self.gf)
         self.residual.SetState(state["residual"])
         self.history, self.scale = state["history"], state["scale"]
+
+    def PairOnce(self):
+        """Pair what is not paired yet, in the reference configuration."""
+        for contact in self.contacts:
+            if not contact.form.paired:
+                contact.Update()
 
     def StartAfresh(self):
         """Keep no matrix and no factorisation: the next solve makes its own."""

@@ -112,6 +112,7 @@ class LoadStepper:
         self.printing = printing
         begin = self.load.Get()
         done = []
+        self.solver.PairOnce()
         self._saved = Snapshot(self)
         try:
             with Progress("contact: load steps", begin, end) as self._progress:
