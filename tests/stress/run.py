@@ -1,35 +1,51 @@
-"""Run the stress set: share that converges without help, step cuts, iterations, wrong answers.
+"""Run the stress set: what converges without help, step cuts, iterations, wrong answers, messages.
 
 python tests/stress/run.py --json stress.json [--only PATTERN] [--verbose]
+
+The file holds the numbers of problems: solvable, those of them that converged and that are wrong;
+unsolvable, and those of them of which the error named the cause; sums of iterations and cuts.
 """
 
 import argparse
 import fnmatch
 import json
+import re
 import time
 from pathlib import Path
 
-import stress_blocks2d  # noqa: F401  (the problems register themselves)
-import stress_blocks3d  # noqa: F401
-import stress_finite2d  # noqa: F401
-import stress_finite3d  # noqa: F401
-import stress_floating2d  # noqa: F401
+import stress_blocks2d
+import stress_blocks3d
+import stress_finite2d
+import stress_finite3d
+import stress_floating2d
 from stress_check import Check, CheckEnd, WrongAnswerError
 from stress_problem import PROBLEMS
+from verify import Verifier
 
 from ngslac import ContactConvergenceError
 
-__all__ = ["Main", "RunProblem"]
+__all__ = ["FIRST", "Main", "RunProblem", "Summary"]
+
+# Iterations and cuts of these are compared from one version to the next.
+FIRST = (stress_blocks2d, stress_blocks3d, stress_finite2d, stress_finite3d, stress_floating2d)
+MOST_SOLVES = 150  # linear systems until a problem without solution is named
 
 
 def RunProblem(name, printing=False):
     """Solve one problem and check every converged step; returns a dict of results."""
     problem = PROBLEMS[name]()
-    result = {"name": name, "converged": False, "right": None, "error": ""}
+    result = {"name": name, "unsolvable": bool(problem.says), "converged": False, "right": None}
+    result |= {"error": "", "named": False}
     begin = time.perf_counter()
     counts = Counts()
+    verify = Verifier(problem)
+
+    def Checks(_):
+        Check(problem)
+        verify()
+
     try:
-        problem.Run(callback=lambda _: Check(problem), printing=printing, watch=counts)
+        problem.Run(callback=Checks, printing=printing, watch=counts)
         result["converged"] = True
         CheckEnd(problem)
         result["right"] = True
@@ -37,8 +53,11 @@ def RunProblem(name, printing=False):
         result |= {"converged": True, "right": False, "error": str(error)}
     except Exception as error:  # whatever it is, the problem was not solved
         result["error"] = f"{type(error).__name__}: {error}"
+        if problem.says and re.search(problem.says, str(error), re.IGNORECASE | re.DOTALL):
+            result["named"] = counts.iterations <= MOST_SOLVES
     return result | {
-        "steps": len(problem.stepper.steps),
+        "first": PROBLEMS[name].module in [module.__name__ for module in FIRST],
+        "steps": len(problem.stepper.steps) if problem.stepper else 0,
         "cuts": counts.failed,
         "iterations": counts.iterations,
         "reached": problem.load.Get(),
@@ -68,17 +87,32 @@ class Counts:
 
 
 def Summary(results):
-    solved = [r for r in results if r["converged"]]
+    solvable = [r for r in results if not r["unsolvable"]]
+    first = [r for r in solvable if r["first"]]
+
+    def Sum(key, some):
+        return sum(r[key] for r in some)
+
     return {
         "problems": len(results),
-        "converged": len(solved),
-        "wrong": sum(r["right"] is False for r in results),
-        "share": round(sum(bool(r["right"]) for r in results) / max(len(results), 1), 4),
-        "steps": sum(r["steps"] for r in results),
-        "cuts": sum(r["cuts"] for r in results),
-        "iterations": sum(r["iterations"] for r in results),
-        "seconds": round(sum(r["seconds"] for r in results), 1),
+        "solvable": len(solvable),
+        "converged": Sum("converged", solvable),
+        "wrong": sum(r["right"] is False for r in solvable),
+        "unsolvable": len(results) - len(solvable),
+        "named": Sum("named", results),
+        "iterations": Sum("iterations", solvable),
+        "cuts": Sum("cuts", solvable),
+        "iterations_old": Sum("iterations", first),
+        "cuts_old": Sum("cuts", first),
+        "steps": Sum("steps", solvable),
+        "seconds": round(Sum("seconds", results), 1),
     }
+
+
+def Verdict(result):
+    if result["unsolvable"]:
+        return "named" if result["named"] else "NOT NAMED"
+    return {True: "ok", False: "WRONG", None: "FAILED"}[result["right"]]
 
 
 def Main():
@@ -91,16 +125,15 @@ def Main():
     for name in fnmatch.filter(PROBLEMS, arguments.only):
         r = RunProblem(name, arguments.verbose)
         results.append(r)
-        verdict = {True: "ok", False: "WRONG", None: "FAILED"}[r["right"]]
         print(
-            f"{name:28s} {verdict:6s} steps {r['steps']:3d}  cuts {r['cuts']:3d}  "
+            f"{name:28s} {Verdict(r):9s} steps {r['steps']:3d}  cuts {r['cuts']:3d}  "
             f"iterations {r['iterations']:4d}  {r['seconds']:6.2f} s  {r['error'][:150]}",
             flush=True,
         )
     summary = Summary(results)
     print("  ".join(f"{key} {value}" for key, value in summary.items()))
     if arguments.json:
-        arguments.json.write_text(json.dumps({"summary": summary, "problems": results}, indent=1))
+        arguments.json.write_text(json.dumps(summary | {"results": results}, indent=1))
 
 
 if __name__ == "__main__":

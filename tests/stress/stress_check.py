@@ -21,8 +21,9 @@ def Require(value, bound, what):
 
 def Check(problem):
     """Conditions of contact, friction and equilibrium of the state committed last."""
-    for contact in problem.contacts:
-        CheckContact(problem, contact)
+    for contact, law in zip(problem.contacts, problem.laws, strict=True):
+        if not law.get("tied"):
+            CheckContact(problem, contact)
     CheckEquilibrium(problem)
     CheckBodies(problem)
 
@@ -68,8 +69,10 @@ def CheckEquilibrium(problem):
     total = bulk[:count].copy()
     # Bodies that move without contact feel rounding only.
     work = max(problem.work, np.abs(bulk[:count]).max(), 1e-8 * max(problem.young.values()))
-    for contact, (_, other) in zip(problem.contacts, problem.pairs, strict=True):
-        force = Forces(problem, contact)[:count]
+    for number, (contact, (_, other)) in enumerate(
+        zip(problem.contacts, problem.pairs, strict=True)
+    ):
+        force = Forces(problem, contact, problem.laws[number])[:count]
         total += force
         work = max(work, np.abs(force).max())
         resultant = [motion @ force for motion in Translations(problem)]
@@ -80,9 +83,9 @@ def CheckEquilibrium(problem):
     Require(np.abs(total[free]).max() / work, TOLERANCE, "equilibrium")
 
 
-def Forces(problem, contact):
+def Forces(problem, contact, law):
     """What contact does to the dofs: the tractions times the operators D and M."""
-    if problem.law.get("finite"):  # the direction of the pressure varies within a macro-element
+    if law.get("finite"):  # the direction of the pressure varies within a macro-element
         force = problem.gf.vec.CreateVector()
         contact.Apply(problem.gf.vec, force)
         return force.FV().NumPy()
@@ -119,7 +122,7 @@ def CheckBodies(problem):
             problem.mesh.Materials(".*"),
         )
         Require(-np.min(Det(F)(points)), 0, "an element is turned inside out")
-    if problem.mesh.dim == 2:
+    if problem.mesh.dim == 2 and problem.outlines:
         CheckOutlines(problem)
 
 

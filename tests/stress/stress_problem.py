@@ -28,6 +28,22 @@ __all__ = ["PROBLEMS", "Problem", "problem"]
 PROBLEMS = {}
 
 
+@dataclass(frozen=True)
+class Made:
+    """Builds a problem when called; knows the module that describes it."""
+
+    function: object
+    arguments: tuple
+    flags: dict
+
+    @property
+    def module(self):
+        return self.function.__module__
+
+    def __call__(self):
+        return self.function(*self.arguments, **self.flags)
+
+
 def problem(*arguments, **flags):
     """Register a function of one argument as problems NAME-ARGUMENT; without arguments as NAME."""
 
@@ -35,9 +51,9 @@ def problem(*arguments, **flags):
         name = function.__name__.lower()
         for argument in arguments:
             key = name + "-" + "-".join(map(str, np.atleast_1d(np.array(argument, dtype=object))))
-            PROBLEMS[key] = lambda argument=argument: function(argument, **flags)
+            PROBLEMS[key] = Made(function, (argument,), flags)
         if not arguments:
-            PROBLEMS[name] = lambda: function(**flags)
+            PROBLEMS[name] = Made(function, (), flags)
         return function
 
     return register
@@ -62,6 +78,8 @@ class Problem:
         Neo-Hooke in place of linear elasticity.
     law : dict
         For every LACContact.
+    own : dict
+        Number of a pair -> what differs for its LACContact.
     path : list of (end, steps)
         For `LoadStepper.Integrate`.
     """
@@ -75,14 +93,19 @@ class Problem:
     space: object = VectorH1
     flags: dict = field(default_factory=dict)  # of the displacement space
     law: dict = field(default_factory=dict)
+    own: dict = field(default_factory=dict)
     path: list = field(default_factory=lambda: [(1.0, 1)])
     condense: bool = False
     prescribe: object = None
     exact: object = None  # exact(problem) raises AssertionError if the end is wrong
+    outlines: bool = True  # the boundary of each body is one chain of edges, as Grids makes it
+    says: str = ""  # what the error of a problem without solution has to say, as a pattern
 
     def __post_init__(self):
+        self.stepper = None
         self.largest = self.work = 0.0  # traction and force so far, for the checks
         slaves = [pair[0] for pair in self.pairs]
+        self.laws = [self.law | self.own.get(k, {}) for k in range(len(self.pairs))]
         V = (
             self.space(self.mesh, order=self.order, slave="|".join(slaves), **self.flags)
             if (self.space is not VectorH1)
@@ -98,9 +121,9 @@ class Problem:
         for body, E in self.young.items():
             self._AddBody(body, *Lame(E, self.nu))
         self.contacts = []
-        for (_, other), lam in zip(self.pairs, lams, strict=True):
+        for (_, other), lam, law in zip(self.pairs, lams, self.laws, strict=True):
             side = "obstacle" if isinstance(other, CoefficientFunction) else "master"
-            self.contacts.append(LACContact(self.u, lam, **{side: other}, **self.law))
+            self.contacts.append(LACContact(self.u, lam, **{side: other}, **law))
 
     def _AddBody(self, body, mu, lame):
         d, u, v = self.mesh.dim, self.u, self.v
@@ -124,6 +147,12 @@ class Problem:
 
     def Weight(self, body, force):
         self.a += -InnerProduct(force, self.v) * dx(body)
+
+    def Growth(self, body, strain):
+        """Thermal strain of a body, the same in all directions; linear bulk only."""
+        mu, lame = Lame(self.young[body], self.nu)
+        stress = (2 * mu + self.mesh.dim * lame) * strain
+        self.a += -stress * Trace(Grad(self.v)) * dx(body)
 
     # --- the script ------------------------------------------------------------------------------
 

@@ -100,15 +100,20 @@ def test_a_load_that_was_not_reached_is_found(solved):
 
 
 def test_the_summary_counts_wrong_answers():
-    result = {
+    good = {
+        "unsolvable": False,
+        "first": True,
         "converged": True,
         "right": True,
+        "named": False,
         "steps": 1,
         "cuts": 0,
         "iterations": 3,
         "seconds": 1,
     }
-    failed = result | {"converged": False, "right": None}
-    summary = Summary([result, result | {"right": False}, failed])
-    assert (summary["converged"], summary["wrong"]) == (2, 1)
-    assert summary["share"] == pytest.approx(1 / 3, abs=1e-4)
+    failed = good | {"converged": False, "right": None, "first": False}
+    named = failed | {"unsolvable": True, "named": True}
+    summary = Summary([good, good | {"right": False}, failed, named])
+    assert (summary["solvable"], summary["converged"], summary["wrong"]) == (3, 2, 1)
+    assert (summary["unsolvable"], summary["named"]) == (1, 1)
+    assert (summary["iterations"], summary["iterations_old"]) == (9, 6)

@@ -1,0 +1,128 @@
+"""Boundary faces as polynomials through nodes: what independent checks know of the geometry."""
+
+import numpy as np
+from ngsolve import (
+    CF,
+    Grad,
+    GridFunction,
+    IntegrationRule,
+    LinearForm,
+    Trace,
+    VectorH1,
+    dx,
+    x,
+    y,
+    z,
+)
+from ngsolve.fem import QUAD, SEGM, TRIG
+
+__all__ = ["Faces", "Rule"]
+
+POSITION = {2: (x, y), 3: (x, y, z)}
+
+
+def Powers(kind, degree):
+    """Exponents of the monomials that span the polynomials of a face."""
+    if kind == SEGM:
+        return np.arange(degree + 1)[:, None]
+    pairs = np.stack(np.meshgrid(*[np.arange(degree + 1)] * 2, indexing="ij"), axis=-1)
+    pairs = pairs.reshape(-1, 2)
+    return pairs[pairs.sum(axis=1) <= degree] if kind == TRIG else pairs
+
+
+def Cells(kind, n):
+    """Corners (cells, corners, dim) of n, or n * n, cells of the reference face."""
+    k = np.arange(n) / n
+    if kind == SEGM:
+        return np.stack([k, k + 1 / n], axis=1)[..., None]
+    a = np.stack(np.meshgrid(k, k, indexing="ij"), axis=-1).reshape(-1, 1, 2)
+    if kind == QUAD:
+        return a + np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) / n
+    lower = a[a.sum(axis=(1, 2)) < 1 - 0.5 / n] + np.array([(0, 0), (1, 0), (0, 1)]) / n
+    upper = a[a.sum(axis=(1, 2)) < 1 - 1.5 / n] + np.array([(1, 0), (1, 1), (0, 1)]) / n
+    return np.concatenate([lower, upper])
+
+
+def Rule(kind, n):
+    """Points and weights of a composite rule, exact for linear functions on each cell."""
+    cells = Cells(kind, n)
+    if kind == TRIG:
+        return cells.mean(axis=1), np.full(len(cells), 0.5 / len(cells))
+    low, size = cells.min(axis=1), 1 / n
+    gauss = np.array([0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3)])
+    dim = low.shape[1]
+    inner = np.stack(np.meshgrid(*[gauss] * dim), axis=-1).reshape(-1, dim)
+    points = (low[:, None] + size * inner).reshape(-1, dim)
+    return points, np.full(len(points), 1 / len(points))
+
+
+class Faces:
+    """The faces of a boundary region, all of one kind; fields are arrays of values at nodes.
+
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+    region : str
+    degree : int
+        Polynomial degree that geometry and displacement have on a face.
+    """
+
+    def __init__(self, mesh, region, degree):
+        boundary = mesh.Boundaries(region)
+        (self.kind,) = {element.type for element in boundary.Elements()}
+        self.dim, self.degree = mesh.dim, degree
+        self.powers = Powers(self.kind, degree)
+        nodes = self.powers / degree
+        rule = IntegrationRule([tuple(node) for node in nodes], [1.0] * len(nodes))
+        self.points = mesh.MapToAllElements({self.kind: rule}, boundary)
+        self.inverse = np.linalg.inv(self._Monomials(nodes))
+        self.position = self.Values(CF(POSITION[self.dim]))
+        self.sign = self._Outwards(mesh)
+
+    def Values(self, function):
+        """Nodal values (faces, nodes, components) of a CoefficientFunction."""
+        values = np.asarray(function(self.points), dtype=float)
+        return values.reshape(-1, len(self.powers), max(1, function.dim))
+
+    def Shapes(self, points):
+        """Matrix (points, nodes) that interpolates."""
+        return self._Monomials(points) @ self.inverse
+
+    def Slopes(self, points):
+        """The same for the derivatives: (points, reference directions, nodes)."""
+        columns = []
+        for direction in range(self.powers.shape[1]):
+            lowered = self.powers.copy()
+            lowered[:, direction] = np.maximum(lowered[:, direction] - 1, 0)
+            columns.append(Monomials(points, lowered) * self.powers[:, direction])
+        return np.stack(columns, axis=1) @ self.inverse
+
+    def Normals(self, tangents):
+        """Outward normals, as long as the area stretch, of tangents (..., directions, dim)."""
+        sign = self.sign.reshape(-1, *[1] * (tangents.ndim - 2))
+        if self.dim == 2:
+            along = tangents[..., 0, :]
+            return sign * np.stack([along[..., 1], -along[..., 0]], axis=-1)
+        return sign * np.cross(tangents[..., 0, :], tangents[..., 1, :])
+
+    def _Monomials(self, points):
+        return Monomials(points, self.powers)
+
+    def _Outwards(self, mesh):
+        """Which sign turns the normals of the faces out of their body.
+
+        Integrals of the gradients of hat functions are means of the outward normals.
+        """
+        space = VectorH1(mesh, order=1)
+        outwards = GridFunction(space)
+        outwards.vec.data = LinearForm(Trace(Grad(space.TestFunction())) * dx).Assemble().vec
+        self.sign = np.ones(len(self.position))
+        middle = np.full((1, self.powers.shape[1]), 1 / 3)
+        normal = self.Normals(np.einsum("qrn,fnd->fqrd", self.Slopes(middle), self.position))
+        mean = np.einsum("qn,fnd->fqd", self.Shapes(middle), self.Values(outwards))
+        return np.where(np.sum(normal * mean, axis=(1, 2)) > 0, 1.0, -1.0)
+
+
+def Monomials(points, powers):
+    points = np.asarray(points, dtype=float)
+    return np.prod(points[..., None, :] ** powers, axis=-1)

@@ -1,0 +1,187 @@
+"""The two sides of one contact as sums over many points, by brute force."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import CF, GridFunction
+from verify_faces import Faces, Rule
+from verify_rays import MeetFaces
+
+__all__ = ["Side", "State"]
+
+CELLS = {2: 24, 3: 6}  # of the sums, along a slave face
+BENT = {2: 6, 3: 3}  # along a master face that is curved or deformed
+
+
+@dataclass
+class State:
+    """Arrays over the macro-elements, and what the points of the slave faces meet."""
+
+    traction: np.ndarray
+    normal: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray  # since the state before
+    covered: np.ndarray  # part of the area that has a partner
+    jump: np.ndarray
+    normals: np.ndarray  # at the points
+    hits: object
+
+    @property
+    def pressure(self):
+        return -np.sum(self.traction * self.normal, axis=1)
+
+    @property
+    def shear(self):
+        return self.traction + self.pressure[:, None] * self.normal
+
+
+class Side:
+    """Slave faces, cut into points, and what they meet.
+
+    Parameters
+    ----------
+    problem : Problem
+    number : int
+        Of the contact.
+    """
+
+    def __init__(self, problem, number):
+        slave, other = problem.pairs[number]
+        self.law, mesh, space = problem.laws[number], problem.mesh, problem.X.components[0]
+        self.dim = mesh.dim
+        self.name = f"{slave} on {other if isinstance(other, str) else 'an obstacle'}"
+        self.finite = bool(self.law.get("finite"))
+        degree = max(space.globalorder, mesh.GetCurveOrder(), 3)
+        self.faces = Faces(mesh, slave, degree)
+        self.master = Faces(mesh, other, degree) if isinstance(other, str) else None
+        self.u, self.lam = problem.gf.components[0], problem.gf.components[1 + number]
+        points, weights = Rule(self.faces.kind, CELLS[self.dim])
+        self.shapes, self.slopes = self.faces.Shapes(points), self.faces.Slopes(points)
+        self.macro = Macros(self.faces, problem.X.components[1 + number])
+        self.unbent = self.dim == 2 and not self.finite and mesh.GetCurveOrder() < 2
+        normals = self._Normals(self.faces.position)
+        self.weights = weights * np.linalg.norm(normals, axis=-1)
+        self.area = self._Sum(np.ones(self.weights.shape))
+        self.size = self.area ** (1 / (self.dim - 1))
+        obstacle = None if self.master else self.faces.Values(CF(other))
+        self.opening = None if self.master else self._At(obstacle)
+        friction = self.faces.Values(CF(self.law.get("friction") or 0))[..., 0]
+        self.friction = self._Sum(self.shapes @ friction[..., None], scalar=True) / self.area
+        self.small = None if self.finite else self._Look(0 * self.faces.position)
+        self.last = None
+
+    # --- sums over the points ------------------------------------------------------------------
+
+    def _At(self, values):
+        return np.einsum("qn,fnd->fqd", self.shapes, values)
+
+    def _Normals(self, position):
+        return self.faces.Normals(np.einsum("qrn,fnd->fqrd", self.slopes, position))
+
+    def _Sum(self, values, scalar=False):
+        """Integrals over the macro-elements of values at the points, (f, q) or (f, q, d)."""
+        if values.ndim == 2 or scalar:
+            sums = np.sum(self.weights * values.reshape(self.weights.shape), axis=1)
+            return np.bincount(self.macro, sums)
+        return np.stack([self._Sum(v) for v in np.moveaxis(values, -1, 0)], axis=-1)
+
+    def _Look(self, displacement):
+        """Unit normals at the points and what they meet, where the slave is displaced."""
+        position = self.faces.position + displacement
+        x, normals = self._At(position), self._Normals(position)
+        normals = normals / np.linalg.norm(normals, axis=-1)[..., None]
+        hits = None
+        if self.master:
+            target = self.master.position + (self.master.Values(self.u) if self.finite else 0)
+            corners = np.concatenate([position.reshape(-1, self.dim), target.reshape(-1, self.dim)])
+            ahead = np.linalg.norm(np.ptp(corners, axis=0))
+            behind = 0.1 * np.linalg.norm(np.ptp(position.reshape(-1, self.dim), axis=0))
+            hits = MeetFaces(
+                x.reshape(-1, self.dim),
+                normals.reshape(-1, self.dim),
+                self.master,
+                target,
+                ahead=self.law.get("maxdist", ahead),
+                behind=self.law.get("penetration", behind),
+                cells=1 if self.unbent else BENT[self.dim],
+            )
+        return normals, hits
+
+    def _Partner(self, values, hits):
+        """Nodal values of the master at what the points meet, 0 without partner, and a mask."""
+        met = hits.face >= 0
+        result = np.zeros((len(met), self.dim))
+        shapes = self.master.Shapes(hits.place[met])
+        result[met] = np.einsum("pn,pnd->pd", shapes, values[hits.face[met]])
+        return result.reshape(*self.weights.shape, self.dim), met.reshape(self.weights.shape)
+
+    def _Jump(self, slave, master, hits):
+        """Slave minus master at the points with a partner, and a mask of those."""
+        if self.master is None:
+            return self._At(slave), np.ones(self.weights.shape, dtype=bool)
+        partner, met = self._Partner(master, hits)
+        return (self._At(slave) - partner) * met[..., None], met
+
+    # --- states --------------------------------------------------------------------------------
+
+    def Now(self):
+        """The present state."""
+        u1 = self.faces.Values(self.u)
+        u2 = self.master.Values(self.u) if self.master else None
+        normals, hits = self._Look(u1) if self.finite else self.small
+        start = self.faces.position
+        if self.master is None:
+            distance = -self.opening * normals
+        else:
+            other = self.master.position
+            distance, _ = self._Jump(start, other, hits)
+        moved, met = self._Jump(u1, u2, hits)
+        area = self._Sum(met.astype(float))
+        mean = 1 / np.maximum(area, 1e-300)
+        normal = self._Sum(normals * met[..., None])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        apart = mean[:, None] * self._Sum(distance + moved)
+        gap = -np.sum(apart * normal, axis=1)
+        if self.finite:
+            gap = mean * self._Sum(hits.gap.reshape(met.shape) * met)
+        jump = mean[:, None] * self._Sum(moved)
+        slip = self._Slip(jump, u1, u2)
+        slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
+        return State(self._Traction(), normal, gap, slip, area / self.area, jump, normals, hits)
+
+    def _Slip(self, jump, u1, u2):
+        """How far apart the points have moved that faced each other in the last state."""
+        if not self.finite:
+            return jump - (0 if self.last is None else self.last.jump)
+        if self.last is None:
+            return 0 * jump
+        apart, met = self._Jump(self.faces.position + u1, self.master.position + u2, self.last.hits)
+        return self._Sum(apart) / np.maximum(self._Sum(met.astype(float)), 1e-300)[:, None]
+
+    def _Traction(self):
+        traction = np.zeros((len(self.area), self.dim))
+        traction[self.macro] = self.faces.Values(self.lam)[:, 0]
+        return traction
+
+    def Work(self, state, test):
+        """Work of the tractions for a displacement."""
+        slave = self.faces.Values(test)
+        jump, _ = self._Jump(slave, self.master.Values(test) if self.master else None, state.hits)
+        traction = state.traction[self.macro][:, None]
+        if self.finite:  # pressure acts along the normals of the points
+            pressure, shear = state.pressure[self.macro], state.shear[self.macro]
+            traction = shear[:, None] - pressure[:, None, None] * state.normals
+        return np.sum(self.weights * np.sum(traction * jump, axis=-1))
+
+    def CutOff(self, state):
+        """Force on the last cell of macro-elements that the other surface covers in part."""
+        force = np.linalg.norm(state.traction, axis=1) * self.area
+        return force[state.covered < 1 - 1e-9].sum() / CELLS[self.dim]
+
+
+def Macros(faces, space):
+    """The number of the macro-element of each face, as far as tractions tell."""
+    marks = GridFunction(space)
+    values = marks.vec.FV().NumPy()
+    values[:] = np.arange(len(values))
+    return np.unique(faces.Values(marks)[:, 0, 0], return_inverse=True)[1]
