@@ -6,14 +6,23 @@ from dataclasses import replace
 import numpy as np
 from ngsolve import GridFunction, Integrate, Parameter
 
+from ngslac.arguments import (
+    CheckCount,
+    CheckFlag,
+    CheckFunction,
+    CheckInstance,
+    CheckNumber,
+    CheckPositive,
+)
 from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
-from ngslac.inertia import DynamicForm, Inert, Mass, Scheme
+from ngslac.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.loads import LoadVector
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
 from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
+from ngslac.solver import ContactSolver
 
 __all__ = ["TimeStepper"]
 
@@ -64,8 +73,8 @@ class TimeStepper:
 
     Raises
     ------
-    ValueError
-        A step or density that is not positive, or `rho_inf` out of range.
+    TypeError, ValueError
+        A step or density that is not positive, `rho_inf` out of range, or another kind of object.
 
     Notes
     -----
@@ -84,17 +93,17 @@ class TimeStepper:
     def __init__(
         self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
     ):
-        if not (np.isfinite(dt) and dt > 0):
-            raise ValueError(f"dt = {dt} must be positive")
-        if isinstance(density, (int, float)) and not density > 0:
-            raise ValueError(f"density = {density} must be positive")
-        self.dt, self.scheme, self.maxcuts = dt, Scheme(rho_inf), maxcuts
+        CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
+        self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
+        self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.time = Parameter(0.0) if time is None else time
-        self.prescribe, self.energy = prescribe, energy
+        CheckInstance("time", self.time, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
+        self.energy = CheckEnergy(energy)
         free = solver.residual.free
         self.mass = Mass(solver.contacts[0], density, free)
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
+        self.prescribe = prescribe
         self.solver = copy.copy(solver)
         self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), None
         self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
@@ -108,6 +117,15 @@ class TimeStepper:
     def gf(self):
         """The solution."""
         return self.solver.gf
+
+    @property
+    def prescribe(self):
+        """Dirichlet values that depend on the time, see above."""
+        return self._prescribed.values
+
+    @prescribe.setter
+    def prescribe(self, values):
+        self._prescribed = Prescribed(self.static, values)
 
     # --- steps ---------------------------------------------------------------------------------
 
@@ -130,15 +148,18 @@ class TimeStepper:
 
         Raises
         ------
-        ValueError
-            If `end` is not after the present time.
+        TypeError, ValueError
+            If `end` is not after the present time, an argument is no number, the state holds NaN,
+            or the density has changed.
         ContactConvergenceError
             When the smallest step fails. After any error, solution, velocity, time and history are
             those of the last converged step.
         """
-        begin = self.time.Get()
+        begin, end = CheckNumber("time.Get()", self.time.Get()), CheckNumber("end", end)
         if not end > begin:
             raise ValueError(f"end = {end} is not after the time {begin}")
+        CheckFunction("callback", callback)
+        CheckFlag("printing", printing)
         count = max(1, int(np.ceil((end - begin) / self.dt - 1e-9)))
         done, self._saved = [], Snapshot(self)
         try:
@@ -192,12 +213,15 @@ class TimeStepper:
 
     def _Begin(self):
         """Forces and energies of the present state, which the user may have changed."""
+        for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
+            if not np.all(np.isfinite(field.vec.FV().NumPy())):
+                raise ValueError(f"{name} holds NaN or infinite values")
         for contact in self.solver.contacts:
             if not contact.form.paired:
                 contact.Update(self.gf if contact.finite else None)
         self._balanced = self._Forces()
         if self._momentum is None:
-            if not self.prescribe:
+            if not self._prescribed:
                 self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
             self._momentum = -self._balanced[0]
             self._rate = self._Velocity(), self.dt
@@ -249,8 +273,9 @@ class TimeStepper:
         self.form.start.vec.FV().NumPy()[:] = inertial
         self.time.Set(goal)
         try:
-            if self.prescribe:
-                Prescribed(self.solver, self.prescribe).Set()
+            self.mass.CheckConstant()
+            if self._prescribed:
+                self._prescribed.Set()
             vec.FV().NumPy()[self.mass.free] = inertial[self.mass.free]
             last = self.solver.Solve(maxit=maxit, tol=tol, printing=printing)
             if not np.isfinite(self._Energy()):

@@ -3,13 +3,26 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction, InnerProduct, Parameter, dx
+from ngsolve import (
+    VOL,
+    BilinearForm,
+    BitArray,
+    CoefficientFunction,
+    GridFunction,
+    IfPos,
+    InnerProduct,
+    Integrate,
+    Parameter,
+    Region,
+    dx,
+)
 from scipy.sparse import vstack
 
+from ngslac.arguments import CheckNumber, Shown, Wrong
 from ngslac.arrays import AsBits
 from ngslac.bodies import ActiveRows
 
-__all__ = ["DynamicForm", "Inert", "Mass", "Scheme"]
+__all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
 
 
 @dataclass(frozen=True)
@@ -25,8 +38,7 @@ class Scheme:
     rho_inf: float
 
     def __post_init__(self):
-        if not 0 <= self.rho_inf <= 1:
-            raise ValueError(f"rho_inf = {self.rho_inf} must be between 0 and 1")
+        CheckNumber("rho_inf", self.rho_inf, "a number between 0 and 1", lambda r: 0 <= r <= 1)
 
     @property
     def mass(self):
@@ -77,16 +89,39 @@ class Mass:
         form = contact.form
         space = form.fes
         self.u, self.v = Displacement(space, form)
-        self.density = density
+        self.density = CheckScalar("density", density, "mass per reference volume, > 0")
+        self._bodies = DefinedOn(form.component)
+        self._masses = self._CheckPositive(2 * form.component.globalorder)
         self.rows = np.zeros(contact.nscalars, dtype=bool)
         first = form.offset * space.dim
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
         self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
-        diagonal = self.Times(self.free.astype(float))[self.free]
-        if not np.all(np.isfinite(diagonal)):
-            raise ValueError("the density must be finite")
         self._inverse = None
+
+    def _CheckPositive(self, order):
+        """The masses of the materials, all finite and > 0."""
+        wrong = Integrate(IfPos(self.density, 0, 1), self._bodies, order=order, region_wise=True)
+        masses = self._Masses()
+        names = self._bodies.mesh.GetMaterials()
+        for name, size, mass in zip(names, wrong, masses, strict=True):
+            if size > 0 or not np.isfinite(mass):
+                raise ValueError(
+                    f"density = {Shown(self.density)} must be a finite number > 0 everywhere: it "
+                    f"is not in the material {name!r}"
+                )
+        return masses
+
+    def _Masses(self):
+        return np.array(Integrate(self.density, self._bodies, region_wise=True))
+
+    def CheckConstant(self):
+        """The mass matrix is made once: the density must be the same in each step."""
+        if not np.allclose(self._Masses(), self._masses, rtol=1e-10, atol=0):
+            raise ValueError(
+                "the density has changed, by a Parameter in it: make a new TimeStepper, and set "
+                "its velocity"
+            )
 
     def Times(self, values):
         """M times a numpy vector."""
@@ -186,6 +221,35 @@ class DynamicForm:
     def Apply(self, x, y):
         self._form.Apply(x, y)
         y.data *= self.share
+
+
+def CheckScalar(name, value, wanted):
+    """A number or a real function with one component as CoefficientFunction."""
+    wanted = f"a number or a CoefficientFunction, {wanted}"
+    if not isinstance(value, CoefficientFunction):
+        return CoefficientFunction(CheckNumber(name, value, wanted))
+    if value.dim != 1 or value.is_complex:
+        raise Wrong(ValueError, name, value, f"{wanted}, real with one component")
+    return value
+
+
+def CheckEnergy(energy):
+    """The strain energy as a function, or None."""
+    if energy is None:
+        return None
+    return CheckScalar("energy", energy, "the strain energy per reference volume")
+
+
+def DefinedOn(space):
+    """The materials on which a space has dofs, as a region."""
+    mesh, found = space.mesh, BitArray(len(space.mesh.GetMaterials()))
+    found.Clear()
+    for k in range(len(found)):
+        one = BitArray(len(found))
+        one.Clear()
+        one[k] = True
+        found[k] = space.GetDofs(Region(mesh, VOL, one)).NumSet() > 0
+    return Region(mesh, VOL, found)
 
 
 class Inert:

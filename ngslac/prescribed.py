@@ -1,11 +1,20 @@
 """Dirichlet values that change with the load."""
 
+from collections.abc import Mapping
+from numbers import Real
+
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, Region
 
+from ngslac.arguments import BoundaryRegion, CheckFunction, Shown, Wrong
 from ngslac.arrays import AsNumPy, ScalarDofs
 
 __all__ = ["Prescribed"]
+
+WANTED = (
+    "a displacement for each region, {'top': CF((0, -load))}, or a function of the solution, or "
+    "None"
+)
 
 
 class Prescribed:
@@ -14,49 +23,41 @@ class Prescribed:
     Parameters
     ----------
     solver : ContactSolver
-    values : callable or dict
+    values : callable, dict or None
         ``values(gf)`` sets them, or a displacement for each region: {region: CoefficientFunction}.
 
     Raises
     ------
     TypeError
-        Neither of the two.
+        Neither of them, or a value that is no function.
     ValueError
-        A region where no dof of the displacement is constrained, or a value that is no
-        displacement.
+        A region without faces, of another mesh, or where no dof of the displacement is constrained;
+        a value that is no displacement.
     """
 
     def __init__(self, solver, values):
-        self.values, self.gf = values, solver.gf
-        if isinstance(values, CoefficientFunction) or not (
-            callable(values) or hasattr(values, "keys")
-        ):
-            raise TypeError(
-                "prescribe: give a displacement for each region, {'top': CF((0, -load))}, or a "
-                "function of the solution"
-            )
-        if callable(values):
+        self.values, self.gf, self.dofs = values, solver.gf, {}
+        if not isinstance(values, Mapping):
+            CheckFunction("prescribe", values, WANTED)
             return
         form = solver.contacts[0].form
         space, block = form.component, form.fes.dim
         self.first = form.offset * block
         self.field = GridFunction(space)
         fixed = ~AsNumPy(ScalarDofs(space.FreeDofs(), space))
-        self.dofs = {}
+        self.values = {key: Displacement(key, values[key], space.mesh.dim) for key in values}
         for key in values:
-            region = key if isinstance(key, Region) else space.mesh.Boundaries(key)
+            region = RegionOf(space.mesh, key)
             dofs = fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
             if not np.any(dofs):
                 raise ValueError(
                     f"prescribe: no displacement is constrained on {key!r}; give the space "
                     "dirichlet=..., dirichletx=... for it"
                 )
-            if (dim := CoefficientFunction(values[key]).dim) != space.mesh.dim:
-                raise ValueError(
-                    f"prescribe: the value of {key!r} has {dim} components, a displacement has "
-                    f"{space.mesh.dim}"
-                )
             self.dofs[key] = region, np.flatnonzero(dofs)
+
+    def __bool__(self):
+        return bool(self.values)
 
     def Set(self):
         """Put the values for the current load into the solution."""
@@ -65,5 +66,35 @@ class Prescribed:
             return
         vec, field = self.gf.vec.FV().NumPy(), self.field.vec.FV().NumPy()
         for key, (region, dofs) in self.dofs.items():
-            self.field.Set(CoefficientFunction(self.values[key]), definedon=region)
+            self.field.Set(self.values[key], definedon=region)
+            if not np.all(np.isfinite(field[dofs])):
+                raise ValueError(
+                    f"prescribe: the value of {key!r} is NaN or infinite somewhere there"
+                )
             vec[self.first + dofs] = field[dofs]
+
+
+def RegionOf(mesh, key):
+    """The region that a key of `prescribe` stands for."""
+    if not isinstance(key, Region):
+        return BoundaryRegion(mesh, key, "prescribe: region")
+    if key.mesh != mesh:
+        raise ValueError("prescribe: a region is one of another mesh than that of the displacement")
+    return key
+
+
+def Displacement(key, value, dim):
+    """The value of a region as a real function with `dim` components."""
+    wanted = f"a displacement with {dim} components, CF({(0,) * dim})"
+    parts = value if isinstance(value, (tuple, list)) else (value,)
+    if not parts or not all(isinstance(part, (Real, CoefficientFunction)) for part in parts):
+        raise Wrong(TypeError, f"prescribe: the value of {key!r}", value, wanted)
+    function = CoefficientFunction(value)
+    if function.dim != dim:
+        raise ValueError(
+            f"prescribe: the value of {key!r} has {function.dim} components, a displacement has "
+            f"{dim}"
+        )
+    if function.is_complex:
+        raise ValueError(f"prescribe: the value of {key!r}, {Shown(value)}, is complex")
+    return function

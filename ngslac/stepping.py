@@ -5,12 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import Parameter
 
+from ngslac.arguments import CheckCount, CheckFlag, CheckFunction, CheckInstance, CheckNumber
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
 from ngslac.snapshot import Snapshot
+from ngslac.solver import ContactSolver
 
 __all__ = ["LoadStepper", "Step"]
+
+SAME = 1e-12  # relative difference of loads that are the same
 
 
 @dataclass(frozen=True)
@@ -59,8 +63,9 @@ class LoadStepper:
 
     Raises
     ------
-    TypeError
-        If `load` is no Parameter.
+    TypeError, ValueError
+        If `solver` is no ContactSolver, `load` no Parameter, or `prescribe` names a region that is
+        not there or not constrained.
 
     Examples
     --------
@@ -71,13 +76,24 @@ class LoadStepper:
     """
 
     def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
-        if not isinstance(load, Parameter):
-            raise TypeError(f"load = {load!r} must be an ngsolve.Parameter, such as Parameter(0)")
+        CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
+        CheckInstance("load", load, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
         self.solver, self.load = solver, load
-        self.prescribe, self.predict, self.maxcuts = prescribe, predict, maxcuts
+        self.prescribe = prescribe
+        self.predict = CheckFlag("predict", predict)
+        self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.steps = []
         self._last = None  # increment of the solution and of the load in the last step
         self._size = np.inf  # of the next step, where the last ones had to be cut
+
+    @property
+    def prescribe(self):
+        """Dirichlet values that depend on the load, see above."""
+        return self._prescribed.values
+
+    @prescribe.setter
+    def prescribe(self, values):
+        self._prescribed = Prescribed(self.solver, values)
 
     def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=30, tol=1e-10):
         """Go from the current load to `end` in `steps` equal steps.
@@ -101,17 +117,16 @@ class LoadStepper:
 
         Raises
         ------
-        ValueError
-            If there is no step.
+        TypeError, ValueError
+            If there is no step, the load is at `end` already, or an argument is no number.
         ContactConvergenceError
             When the smallest step fails; the message says what the contact looks like there. After
             any error, solution, load, history and fields are those of the last converged step.
         """
-        if steps < 1:
-            raise ValueError(f"steps = {steps} must be at least 1")
-        self.printing = printing
-        begin = self.load.Get()
-        done = []
+        end, steps = CheckNumber("end", end), CheckCount("steps", steps)
+        CheckFunction("callback", callback)
+        self.printing = CheckFlag("printing", printing)
+        begin, done = self._CheckBegin(end), []
         self.solver.PairOnce()
         self._saved = Snapshot(self)
         try:
@@ -123,6 +138,15 @@ class LoadStepper:
             self._saved.Restore()
             raise
         return done
+
+    def _CheckBegin(self, end):
+        begin = CheckNumber("load.Get()", self.load.Get())
+        if abs(end - begin) <= SAME * max(abs(end), abs(begin)):
+            raise ValueError(
+                f"end = {end:g} is the present value of the load, there is no step to it: set the "
+                "load to its start before, load.Set(0), or give another end"
+            )
+        return begin
 
     def State(self):
         """What the next step depends on: that of the solver, load, steps and their size.
@@ -168,7 +192,7 @@ class LoadStepper:
         full = target - self.load.Get()
         size = full if abs(full) <= self._size else np.copysign(self._size, full)
         least = 0.99 * abs(full) * 0.5**self.maxcuts
-        while abs(target - self.load.Get()) > 1e-12 * max(abs(target), abs(full)):
+        while abs(target - self.load.Get()) > SAME * max(abs(target), abs(full)):
             begin = self.load.Get()
             goal = target if abs(size) >= (1 - 1e-9) * abs(target - begin) else begin + size
             try:
@@ -226,8 +250,8 @@ class LoadStepper:
         """Put the start of a step into the solution; returns what Solve has to know of it."""
         vec, values = self.solver.gf.vec, self.solver.gf.vec.FV().NumPy()
         fixed = None
-        if self.prescribe:
-            Prescribed(self.solver, self.prescribe).Set()
+        if self._prescribed:
+            self._prescribed.Set()
             fixed = self.solver.constrained
             wanted = np.where(fixed, values, last.FV().NumPy())
             values[:] = wanted

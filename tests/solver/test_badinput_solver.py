@@ -1,11 +1,11 @@
-"""Wrong input to ContactSolver, FormSum and LoadStepper."""
+"""Wrong input to ContactSolver and FormSum."""
 
 import numpy as np
 import pytest
 from ngsolve import BilinearForm, GridFunction, InnerProduct, ds, dx
 from press import linear, numpy, press
 
-from ngslac import ContactConvergenceError, ContactSolver, FormSum, LoadStepper
+from ngslac import ContactConvergenceError, ContactSolver, FormSum
 
 
 def raises(text, kind=ValueError):
@@ -70,14 +70,6 @@ def test_symmetric_storage():
         ContactSolver(a, problem.gf, problem.contact).Solve(printing=False)
     with raises("symmetric_storage=True"):
         FormSum(a, problem.contact)
-
-
-@pytest.mark.parametrize("steps", [0, -3])
-def test_number_of_steps(steps):
-    problem = press()
-    problem.load.Set(0.0)
-    with raises(f"steps = {steps} must be at least 1"):
-        LoadStepper(problem.solver(), problem.load).Integrate(steps=steps)
 
 
 def test_a_load_of_the_wrong_size():

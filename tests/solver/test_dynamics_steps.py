@@ -65,23 +65,6 @@ def test_a_static_solution_stays():
     assert values(motion.gf) == pytest.approx(before, abs=1e-10 * np.abs(before).max())
 
 
-# --- arguments ---------------------------------------------------------------------------------
-
-
-def test_bad_arguments():
-    solver = on_ground(dt=0.1).stepper.static
-    for flags, message in [
-        ({"dt": 0.0}, "dt = 0.0 must be positive"),
-        ({"dt": 0.1, "rho_inf": 1.5}, "rho_inf = 1.5"),
-        ({"dt": 0.1, "density": 0.0}, "density = 0.0"),
-    ]:
-        density = flags.pop("density", 1.0)
-        with pytest.raises(ValueError, match=message):
-            TimeStepper(solver, density, **flags)
-    with pytest.raises(ValueError, match="not after"):
-        TimeStepper(solver, 1.0, dt=0.1).Integrate(0.0)
-
-
 def test_displacement_anywhere_in_the_product_space():
     """A displacement that is not the first component."""
     mesh = MakeStructured2DMesh(quads=True, nx=1, ny=1)

@@ -33,16 +33,12 @@ def test_loads_on_condensed_dofs_are_seen():
     assert solutions[1] == pytest.approx(solutions[0], abs=1e-9 * np.abs(solutions[0]).max())
 
 
-class Limit:
+class Limit(ContactSolver):
     """A solver that cannot get beyond a limit load."""
 
     def __init__(self, problem, limit):
+        super().__init__(problem.a, problem.gf, problem.contact)
         self.problem, self.limit, self.attempts = problem, limit, 0
-        self.gf, self.contacts = problem.gf, [problem.contact]
-        problem.contact.Update()
-
-    def Merit(self):
-        return None
 
     def Solve(self, **_):
         self.attempts += 1
