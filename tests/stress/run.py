@@ -15,6 +15,8 @@ from pathlib import Path
 
 import stress_blocks2d
 import stress_blocks3d
+import stress_chains  # noqa: F401  (the problems register themselves)
+import stress_clamped  # noqa: F401
 import stress_finite2d
 import stress_finite3d
 import stress_floating2d

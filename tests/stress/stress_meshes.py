@@ -6,11 +6,12 @@ from itertools import pairwise
 import numpy as np
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
+from netgen.occ import Compound, Face, OCCGeometry, Rectangle, Segment, Wire
 from ngsolve import Mesh
 
 from ngslac.demos._boxes import AddBody, Cells, StructuredBox
 
-__all__ = ["Block", "Block3D", "Grids", "Grids3D", "Rotated"]
+__all__ = ["Block", "Block3D", "Grids", "Grids3D", "Outline", "Part", "Plate", "Rotated", "Sketch"]
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ def _Add(ngmesh, block):
 class Block3D:
     """A box (x0, y0, z0, x1, y1, z1) in n = (nx, ny, nz) cells of a kind of `StructuredBox`.
 
-    `shape` maps points (n, 3) of the box.
+    `shape` maps points (n, 3) of the box; if `closed`, its left and right sides on each other.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Block3D:
     n: tuple
     kind: str = "hex"
     shape: object = None
+    closed: bool = False
 
 
 def Grids3D(*blocks):
@@ -97,6 +99,61 @@ def Grids3D(*blocks):
             *grid, block.kind, names=lambda side, _, name=block.name: f"{name}_{side}"
         )
         points = cells.points if block.shape is None else block.shape(cells.points)
-        AddBody(ngmesh, block.name, Cells(points, cells.cells, cells.faces))
+        cells = Cells(points, cells.cells, cells.faces)
+        AddBody(ngmesh, block.name, Closed(cells, block) if block.closed else cells)
     ngmesh.Compress()
     return Mesh(ngmesh)
+
+
+def Closed(cells, block):
+    """The left and right sides of a block become one, inside of the body."""
+    size = np.ptp(cells.points, axis=0).max()
+    _, first, number = np.unique(
+        np.round(cells.points / size, 9) + 0.0, axis=0, return_index=True, return_inverse=True
+    )
+    number = number.ravel()
+
+    def Renumbered(corners):
+        return tuple(int(number[i]) for i in corners)
+
+    seam = (f"{block.name}_left", f"{block.name}_right")
+    faces = [(name, Renumbered(face)) for name, face in cells.faces if name not in seam]
+    return Cells(cells.points[first], [Renumbered(cell) for cell in cells.cells], faces)
+
+
+@dataclass(frozen=True)
+class Part:
+    """An OCC face as a body; `edges` are points beside the edges that get a name of their own.
+
+    Edges are called NAME_free, or NAME_SIDE for ``edges={"SIDE": [(x, y), ...]}``.
+    """
+
+    name: str
+    face: object
+    maxh: float
+    edges: dict
+
+
+def Plate(x0, y0, x1, y1):
+    """A rectangle as OCC face."""
+    return Rectangle(x1 - x0, y1 - y0).Face().Move((x0, y0, 0))
+
+
+def Outline(*points):
+    """A polygon as OCC face."""
+    ends = [(*point, 0) for point in points]
+    return Face(Wire([Segment(a, b) for a, b in pairwise([*ends, ends[0]])]))
+
+
+def Sketch(*parts, curve=1):
+    """An unstructured NGSolve mesh of `Part`s that share no nodes."""
+    for part in parts:
+        part.face.faces.name = part.name
+        part.face.faces.maxh = part.maxh
+        part.face.edges.name = f"{part.name}_free"
+        for side, points in part.edges.items():
+            for point in points:
+                part.face.edges.Nearest((*point, 0)).name = f"{part.name}_{side}"
+    shape = Compound([part.face for part in parts])
+    mesh = Mesh(OCCGeometry(shape, dim=2).GenerateMesh())
+    return mesh if curve == 1 else mesh.Curve(curve)

@@ -26,7 +26,7 @@ class Verifier:
     def __init__(self, problem):
         self.problem = problem
         self.sides = [Side(problem, k) for k in range(len(problem.pairs))]
-        self.largest = 0.0
+        self.largest = ROUNDING**1.25 * max(problem.young.values())  # ALGEBRA of it is no traction
         area = sum(side.area.sum() for side in self.sides)
         self.forces = ROUNDING * max(problem.young.values()) * area
 
@@ -34,8 +34,7 @@ class Verifier:
         states = [side.Now() for side in self.sides]
         self.largest = max(self.largest, *(np.abs(s.traction).max() for s in states))
         for side, state in zip(self.sides, states, strict=True):
-            if self.largest > 0:
-                self._Conditions(side, state)
+            self._Conditions(side, state)
         self._Equilibrium(states)
         if self.problem.nonlinear:
             self._Orientation()

@@ -63,8 +63,7 @@ class Side:
         self.weights = weights * np.linalg.norm(normals, axis=-1)
         self.area = self._Sum(np.ones(self.weights.shape))
         self.size = self.area ** (1 / (self.dim - 1))
-        obstacle = None if self.master else self.faces.Values(CF(other))
-        self.opening = None if self.master else self._At(obstacle)
+        self.obstacle = None if self.master else CF(other)
         friction = self.faces.Values(CF(self.law.get("friction") or 0))[..., 0]
         self.friction = self._Sum(self.shapes @ friction[..., None], scalar=True) / self.area
         self.small = None if self.finite else self._Look(0 * self.faces.position)
@@ -131,7 +130,7 @@ class Side:
         normals, hits = self._Look(u1) if self.finite else self.small
         start = self.faces.position
         if self.master is None:
-            distance = -self.opening * normals
+            distance = -self._At(self.faces.Values(self.obstacle)) * normals
         else:
             other = self.master.position
             distance, _ = self._Jump(start, other, hits)
