@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -377,6 +377,10 @@ class TwoLevelProduct(ngsolve.la.BaseMatrix):
     """
     def __init__(self, preconditioner: TwoLevel) -> None:
         ...
+def DofFingerprint(fes: ngsolve.comp.FESpace) -> int:
+    """
+    A number that differs for spaces that number the dofs of their elements in different ways.
+    """
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...
 def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm | ngsolve.la.BaseMatrix], scale: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], former: ngsolve.la.BaseMatrix = None) -> ngsolve.la.BaseMatrix:

@@ -1,23 +1,25 @@
 """Save the state of a computation, and continue it in another process."""
 
 import hashlib
-import os
-import pickle
-from pathlib import Path
 
 import numpy as np
 from ngsolve import BaseVector, GridFunction, Parameter
 
+from ngslac._ngslac import DofFingerprint
+from ngslac.arguments import CheckInstance, Shown
+from ngslac.balance import EnergyBalance, TimeStep
 from ngslac.dynamics import TimeStepper
+from ngslac.files import PathOf
+from ngslac.iteration import Iteration
+from ngslac.meshstate import MeshOf, MeshState
+from ngslac.snapshot import Snapshot
 from ngslac.solver import ContactSolver
-from ngslac.stepping import LoadStepper
+from ngslac.statefile import ReadTree, WriteTree
+from ngslac.stepping import LoadStepper, Step
 
 __all__ = ["LoadMesh", "LoadState", "SaveState"]
 
-FORMAT = "ngslac state 1"
-# What a solver and its residual remember from one solve to the next.
-OWN = ("history", "scale")
-MEASURES = ("converged", "forces", "reference", "rows", "tol")
+RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
 def SaveState(file, tool, *, also=None):
@@ -42,6 +44,8 @@ def SaveState(file, tool, *, also=None):
     ------
     TypeError
         If `tool` or an entry of `also` is of another kind.
+    OSError
+        If the file cannot be written: nothing is left of it, and an older one stays.
 
     Examples
     --------
@@ -57,32 +61,30 @@ def SaveState(file, tool, *, also=None):
     >>> last = stepper.Integrate(1.0, steps=1, printing=False)
     >>> folder.cleanup()
     """
-    solver = _Solver(tool)
+    path, solver, also = PathOf("file", file), _Solver(tool), _Also(also)
+    # Matrices and factorisations are not saved: both runs go on with new ones.
     solver.StartAfresh()
-    state = {
-        "kind": type(tool).__name__,
+    tree = {
+        "tool": type(tool).__name__,
         "space": _Fingerprint(solver.gf.space),
-        "ncontacts": len(solver.contacts),
+        "contacts": [_Kind(contact) for contact in solver.contacts],
         "state": tool.State(),
         "linear": solver.linear.State(),
+        "also": {name: thing.State() for name, thing in also.items()},
+        "mesh": MeshState(solver.gf.space.mesh),
     }
-    state["also"] = {name: _Values(thing) for name, thing in (also or {}).items()}
-    file = Path(file)
-    part = file.with_name(file.name + ".part")
-    with open(part, "wb") as stream:
-        pickle.dump(FORMAT, stream)
-        pickle.dump(_Solver(tool).gf.space.mesh, stream)
-        pickle.dump(state, stream)
-    os.replace(part, file)
+    WriteTree(path, tree, RECORDS)
 
 
 def LoadMesh(file):
     """The mesh of a file of `SaveState`, with the numbering that its values refer to.
 
+    It comes back exactly; where it is curved and was refined, up to rounding. What `SetDeformation`
+    was told is to be told again.
+
     Parameters
     ----------
     file : str or Path
-        From a source you trust: reading a pickle can run any code.
 
     Returns
     -------
@@ -91,7 +93,7 @@ def LoadMesh(file):
     Raises
     ------
     ValueError
-        If the file is no saved state.
+        If the file is no saved state, or damaged. No code in a file is ever run.
 
     Examples
     --------
@@ -102,9 +104,7 @@ def LoadMesh(file):
     >>> found.nv == mesh.nv and found.GetBoundaries() == mesh.GetBoundaries()
     True
     """
-    with open(file, "rb") as stream:
-        _CheckFormat(stream, file)
-        return pickle.load(stream)
+    return MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"])
 
 
 def LoadState(file, tool, *, also=None):
@@ -113,7 +113,6 @@ def LoadState(file, tool, *, also=None):
     Parameters
     ----------
     file : str or Path
-        From a source you trust: reading a pickle can run any code.
     tool : LoadStepper, TimeStepper or ContactSolver
         Of the kind that was saved, for the same problem on the mesh of `LoadMesh` (or on one made
         in the same way).
@@ -123,8 +122,8 @@ def LoadState(file, tool, *, also=None):
     Raises
     ------
     ValueError
-        If the file is no saved state, or belongs to another kind of tool, mesh, space, number of
-        contacts or dict `also`. Nothing is changed then.
+        If the file is no saved state, or damaged, or belongs to another kind of tool, mesh, space,
+        contacts or dict `also`. Nothing is changed then, nor by any other error.
 
     Examples
     --------
@@ -138,31 +137,23 @@ def LoadState(file, tool, *, also=None):
     >>> load.Get()
     1.0
     """
-    with open(file, "rb") as stream:
-        _CheckFormat(stream, file)
-        pickle.load(stream)  # the mesh
-        state = pickle.load(stream)
-    also, solver = also or {}, _Solver(tool)
-    _Compare("tool", state["kind"], type(tool).__name__)
-    _Compare("displacement and mesh", state["space"], _Fingerprint(solver.gf.space))
-    _Compare("number of contacts", state["ncontacts"], len(solver.contacts))
-    _Compare("names in also", sorted(state["also"]), sorted(also))
+    solver, also = _Solver(tool), _Also(also)
+    found = ReadTree(PathOf("file", file), RECORDS)
+    _Compare("tool", found["tool"], type(tool).__name__)
+    _Compare("displacement and mesh", found["space"], _Fingerprint(solver.gf.space))
+    kinds = [_Kind(contact) for contact in solver.contacts]
+    _Compare("number of contacts", len(found["contacts"]), len(kinds))
+    for kind, saved in zip(kinds, found["contacts"], strict=True):
+        _Compare("kind of contact", saved, kind)
+    _Compare("names in also", sorted(found["also"]), sorted(also))
     for name, thing in also.items():
-        _Compare(f"size of {name}", np.size(state["also"][name]), np.size(_Values(thing)))
-    for name, thing in also.items():
-        _SetValues(thing, state["also"][name])
-    tool.SetState(state["state"])
-    solver.linear.SetState(state["linear"])
+        _Compare(f"kind or size of {name}", _Shape(found["also"][name]), _Shape(thing.State()))
     solver.StartAfresh()
-
-
-def _CheckFormat(stream, file):
-    try:
-        found = pickle.load(stream)
-    except (pickle.UnpicklingError, EOFError):
-        found = None
-    if found != FORMAT:
-        raise ValueError(f"{file} was not written by SaveState of this version of ngslac")
+    with Snapshot(tool, *also.values()):
+        for name, thing in also.items():
+            thing.SetState(found["also"][name])
+        tool.SetState(found["state"])
+        solver.linear.SetState(found["linear"])
 
 
 def _Compare(what, saved, here):
@@ -172,33 +163,17 @@ def _Compare(what, saved, here):
 
 def _Fingerprint(space):
     """What two spaces with the same meaning of their dofs have in common."""
-    points = np.array([v.point for v in space.mesh.vertices])
-    dofs = [d for element in space.Elements() for d in element.dofs]
-    digest = hashlib.sha256(points.tobytes() + np.array(dofs).tobytes())
-    return f"{space.ndof} dofs, {space.mesh.ne} elements, {digest.hexdigest()[:12]}"
+    mesh = space.mesh
+    digest = hashlib.sha256(np.ascontiguousarray(mesh.ngmesh.Coordinates()))
+    digest.update(f"{DofFingerprint(space)} {mesh.GetCurveOrder()}".encode())
+    if mesh.deformation is not None:
+        digest.update(mesh.deformation.vec.FV().NumPy())
+    return f"{space.ndof} dofs, {mesh.ne} elements, {digest.hexdigest()[:12]}"
 
 
-# --- values --------------------------------------------------------------------------------------
-
-
-def _Values(thing):
-    if isinstance(thing, Parameter):
-        return thing.Get()
-    if isinstance(thing, GridFunction):
-        thing = thing.vec
-    if isinstance(thing, BaseVector):
-        return thing.FV().NumPy().copy()
-    raise TypeError(f"{thing!r} is neither a GridFunction, a BaseVector nor a Parameter")
-
-
-def _SetValues(thing, values):
-    if isinstance(thing, Parameter):
-        thing.Set(values)
-    else:
-        getattr(thing, "vec", thing).FV().NumPy()[:] = values
-
-
-# --- solver and steppers -------------------------------------------------------------------------
+def _Kind(contact):
+    sliding = "finite" if contact.finite else "small"
+    return f"{sliding} sliding of {contact.space.nmacros} macro-elements"
 
 
 def _Solver(tool):
@@ -206,4 +181,46 @@ def _Solver(tool):
         return tool
     if isinstance(tool, (LoadStepper, TimeStepper)):
         return tool.solver
-    raise TypeError(f"tool is a {type(tool).__name__}: give a LoadStepper, TimeStepper or solver")
+    raise TypeError(
+        f"tool = {Shown(tool)} is a {type(tool).__name__}: give a LoadStepper, TimeStepper or "
+        "ContactSolver"
+    )
+
+
+# --- what else belongs to a state ----------------------------------------------------------------
+
+
+class _Stored:
+    """A GridFunction, vector or Parameter whose values can be put back."""
+
+    def __init__(self, name, thing):
+        self.thing = getattr(thing, "vec", thing) if isinstance(thing, GridFunction) else thing
+        if not isinstance(self.thing, (Parameter, BaseVector)):
+            raise TypeError(
+                f"also[{name!r}] = {Shown(thing)} is neither a GridFunction, a BaseVector nor a "
+                "Parameter"
+            )
+
+    def State(self):
+        if isinstance(self.thing, Parameter):
+            return self.thing.Get()
+        return self.thing.FV().NumPy().copy()
+
+    def SetState(self, values):
+        if isinstance(self.thing, Parameter):
+            self.thing.Set(values)
+        else:
+            self.thing.FV().NumPy()[:] = values
+
+
+def _Also(things):
+    CheckInstance("also", things or {}, dict, "a dict of names and GridFunctions")
+    for name in things or {}:
+        CheckInstance("also: name", name, str, "a string")
+    return {name: _Stored(name, thing) for name, thing in (things or {}).items()}
+
+
+def _Shape(values):
+    if isinstance(values, float):
+        return "a number"
+    return f"{values.size} numbers of the kind {values.dtype}"

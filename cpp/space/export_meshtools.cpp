@@ -1,4 +1,5 @@
 #include "bubble.hpp"
+#include "fingerprint.hpp"
 #include "split.hpp"
 
 #include <python_comp.hpp>
@@ -32,6 +33,10 @@ void ExportMeshTools(py::module & m) {
       },
       py::arg("mesh"), py::arg("slave"), py::arg("hexes") = "pyramids",
       "New mesh with the slave faces split; see ngslac.SplitSlaveFaces");
+
+  m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
+        "A number that differs for spaces that number the dofs of their elements in different "
+        "ways.");
 
   auto space = ExportFESpace<BubbleVectorH1FESpace, VectorH1FESpace>(m, "BubbleVectorH1");
   space.def_static("__special_treated_flags__", [] {
