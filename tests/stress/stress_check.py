@@ -67,7 +67,7 @@ def CheckEquilibrium(problem):
     count = problem.X.components[0].ndof
     total = bulk[:count].copy()
     # Bodies that move without contact feel rounding only.
-    work = max(problem.work, np.abs(bulk[:count]).max(), 1e-8 * max(problem.young.values()))
+    work = max(problem.work, np.abs(bulk[:count]).max(), Noise(problem))
     for number, (contact, (_, other)) in enumerate(
         zip(problem.contacts, problem.pairs, strict=True)
     ):
@@ -80,6 +80,11 @@ def CheckEquilibrium(problem):
     problem.work = work
     free = np.array([bool(b) for b in problem.X.components[0].FreeDofs()])
     Require(np.abs(total[free]).max() / work, TOLERANCE, "equilibrium")
+
+
+def Noise(problem):
+    """Forces far below it are rounding."""
+    return 1e-8 * max(problem.young.values()) * problem.extent ** (problem.mesh.dim - 1)
 
 
 def Forces(problem, contact, law):

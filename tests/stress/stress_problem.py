@@ -111,6 +111,8 @@ class Problem:
             if (self.space is not VectorH1)
             else VectorH1(self.mesh, order=self.order, **self.flags)
         )
+        points = np.array([v.point for v in self.mesh.vertices])
+        self.extent = np.ptp(points, axis=0).max()
         self.X = V
         for slave in slaves:
             self.X = self.X * LACSpace(V, slave=slave)
