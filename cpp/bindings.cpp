@@ -221,6 +221,16 @@ void ExportContact(py::module & m) {
               -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual, factor); },
           py::arg("x"), py::arg("residual"), py::arg("factor") = 1.0,
           py::call_guard<py::gil_scoped_release>())
+      .def(
+          "AssembleSprings",
+          [](ContactForm & self, const BaseVector & x,
+             py::array_t<double, py::array::c_style | py::array::forcecast> stiffness)
+              -> shared_ptr<BaseMatrix> {
+            FlatArray<double> values(stiffness.size(), stiffness.mutable_data());
+            py::gil_scoped_release release;
+            return self.AssembleSprings(x, values);
+          },
+          py::arg("x"), py::arg("stiffness"))
       .def("UpdateMultipliers", &ContactForm::UpdateMultipliers, py::arg("x"),
            py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
@@ -249,8 +259,7 @@ void ExportContact(py::module & m) {
       .def_property_readonly("space", &ContactForm::Space)
       .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })
       .def_property_readonly("offset", [](ContactForm & self) { return self.U().offset; })
-      .def_property_readonly("lamoffset",
-                             [](ContactForm & self) { return self.Lambda().offset; })
+      .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
       .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
       .def_property_readonly("paired", &ContactForm::IsPaired)
       .def_property_readonly(

@@ -6,9 +6,7 @@ import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
-from ngslac.arrays import AsBits, Multiply
-from ngslac.linear import LinearSolver
-from ngslac.preconditioner import LU, Cholesky, Factor, IsSymmetric
+from ngslac.primal import PrimalSolver
 from ngslac.problem import CheckInverse, CheckTolerance
 from ngslac.solver import ContactSolver
 
@@ -163,8 +161,11 @@ class AugmentedLagrangianSolver(ContactSolver):
         state = self.residual.Measure(self.scale, honest=self._motion is not None)
         return replace(state, merit=state.unbalance)
 
-    def _Applied(self, forms, values):
-        return Multiply([self.a.mat, *self.linear.contacts], values)
+    def _FollowPath(self, _, error):
+        raise error
+
+    def _ContactMatrices(self):
+        return self.linear.contacts
 
     def _CloseWhatFloats(self, start=False):
         values = self.gf.vec.FV().NumPy()
@@ -174,67 +175,3 @@ class AugmentedLagrangianSolver(ContactSolver):
             self._pull = values - before
             values[:] = before
         return closed
-
-
-class PrimalSolver(LinearSolver):
-    """Direct solver of the displacements alone, which keeps its factorisation of the same matrix.
-
-    Parameters
-    ----------
-    linear : LinearSolver
-        Knows the free dofs, also those of the multipliers.
-    inverse : str or None
-        For symmetric matrices, see AugmentedLagrangianSolver.
-
-    Attributes
-    ----------
-    contacts : list[BaseMatrix]
-        What the contacts add to the bulk's matrix.
-    symmetric : bool
-        Is the sum so?
-    factorizations : int
-        Number of them since `Forget`.
-    """
-
-    def __init__(self, linear, inverse):
-        self.wanted = inverse or Cholesky()
-        super().__init__(linear.bits, self.wanted)
-        self.contacts, self.symmetric = [], True
-        self.Forget()
-
-    def __str__(self):
-        return f"linear systems: displacements alone, with {self.wanted}"
-
-    def Forget(self):
-        """Factor the next matrix anew."""
-        self._kept, self.factorizations = None, 0
-
-    def Leave(self, rows):
-        """Leave out the multipliers, a (n,) array of bool."""
-        self.bits &= AsBits(~rows)
-
-    def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
-        """As LinearSolver, with the matrices `contacts` in place of the forms."""
-        self.symmetric = all(map(IsSymmetric, (bulk, *self.contacts)))
-        self.inverse = self.wanted if self.symmetric else LU()
-        self.NewBulk()  # a matrix that is kept must not be changed
-        return super().Solve(bulk, self.contacts, scale, rhs, shift)
-
-    def _Factor(self, mat, inverse):
-        if self._kept and self._kept[1] == inverse and SameMatrix(self._kept[0], mat):
-            return self._kept[2]
-        inv = Factor(mat, self.bits, inverse, symmetric=self.symmetric)
-        self._kept = mat, inverse, inv  # the factorisation dies with the matrix
-        self.factorizations += 1
-        return inv
-
-
-def SameMatrix(one, other):
-    """Do they differ by rounding only?"""
-    (values, columns, starts), (others, *graph) = one.CSR(), other.CSR()
-    return (
-        len(values) == len(others)
-        and np.array_equal(columns, graph[0])
-        and np.array_equal(starts, graph[1])
-        and np.allclose(values, others, rtol=0, atol=1e-14 * np.abs(values).max())
-    )

@@ -87,11 +87,11 @@ class Bodies:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
-    def Floating(self, contacts):
-        """Descriptions of the free rigid motions that the active contacts do not prevent."""
+    def Floating(self, contacts, holds="now"):
+        """Descriptions of the free rigid motions that contact does not prevent, see `ActiveRows`."""
         if not self.floating:
             return []
-        rows = vstack([ActiveRows(contact) for contact in contacts]).tocsr()
+        rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
         prevented = [self._Jump(rows, part) @ motions for part, _, motions in self.floating]
         left = NullSpace(np.concatenate(prevented, axis=1))
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
@@ -240,15 +240,24 @@ def ToCSR(mat):
     return bsr_matrix((values.reshape(-1, block, block), columns, starts)).tocsr()
 
 
-def ActiveRows(contact):
-    """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas."""
+def ActiveRows(contact, holds="now"):
+    """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas.
+
+    Parameters
+    ----------
+    contact : LACContact
+    holds : {"now", "rubbing", "closed"}
+        What contact prevents: nothing but approach where it slips; all motion where it rubs; or as
+        if all of it were closed.
+    """
     table, form = contact.Table(), contact.form
     d = contact.mesh.dim
-    if not np.any(table["status"]):
+    closed = table["area"] > 0 if holds == "closed" else table["status"] > 0
+    stick = closed & ((table["status"] == 1) | ((holds != "now") & contact.holds_tangentially))
+    if not np.any(closed):
         return csr_matrix((0, contact.nscalars))
     jump = ToCSR(form.JumpMatrix(Side.both))
-    stick = jump[np.repeat(table["status"] == 1, d)]  # holds every direction
-    slip = np.flatnonzero(table["status"] == 2)
+    slip = np.flatnonzero(closed & ~stick)
     normals = csr_matrix(
         (
             table["normal"][slip].ravel(),
@@ -256,7 +265,7 @@ def ActiveRows(contact):
         ),
         shape=(len(slip), jump.shape[0]),
     )
-    rows = vstack([stick, normals @ jump]).tocsr()
+    rows = vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
     columns = rows.indices + form.offset * form.fes.dim
     shape = rows.shape[0], contact.nscalars
     return csr_matrix((rows.data / table["fullarea"].mean(), columns, rows.indptr), shape=shape)

@@ -152,7 +152,7 @@ class LACContact(ContactResults, ContactPictures):
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self.space = self.form.space
         self.stiffness = stiffness
-        self.finite = finite
+        self.finite, self.tied = finite, tied
         self._scaled, self._paired = False, None
         if region is not None and not finite:
             CheckDistinct(self.space.slave, region)

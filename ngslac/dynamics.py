@@ -129,7 +129,7 @@ class TimeStepper:
 
     # --- steps ---------------------------------------------------------------------------------
 
-    def Integrate(self, end, *, callback=None, printing=True, maxit=30, tol=1e-10):
+    def Integrate(self, end, *, callback=None, printing=True, maxit=100, tol=1e-10):
         """Go on to the time `end`, in equal steps of at most `dt`.
 
         Parameters

@@ -255,7 +255,7 @@ def DefinedOn(space):
 class Inert:
     """In place of `Bodies`: what has mass does not float, however small the mass is."""
 
-    def Floating(self, contacts):
+    def Floating(self, contacts, holds="now"):
         return []
 
 

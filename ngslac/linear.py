@@ -75,7 +75,7 @@ class LinearSolver:
             self._methods.insert(0, ("iterative", iterative))
         self._used = list(self._methods)
         self.NewBulk()
-        self._wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
+        self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
 
     @property
     def method(self):
@@ -83,7 +83,7 @@ class LinearSolver:
         return self._methods[0][0] if self._methods else "saddle"
 
     def __str__(self):
-        factor = f"{Cholesky(self._wanted)}, or {LU(self._wanted)} where unsymmetric"
+        factor = f"{Cholesky(self.wanted)}, or {LU(self.wanted)} where unsymmetric"
         vertices = f"on the vertices with {factor}"
         ways = {
             "iterative": "iterative, " + ("as given" if self._preconditioner else vertices),

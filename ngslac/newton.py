@@ -61,10 +61,7 @@ class NewtonStep:
         def move(damping):
             self.gf.vec.data = start
             self.gf.vec.FV().NumPy()[:] -= damping * correction
-            trial = self._Measure()
-            if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
-                return State.Nothing("surfaces pass through each other")
-            return trial
+            return self.Trial(state, damping)
 
         found = None
         if self._closings and len(self.history) == 1:
@@ -72,14 +69,25 @@ class NewtonStep:
         trial, damping = found or self.globalization.Search(move, self._motion is not None)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
-        if trial.honest:
-            self._islinear = self._MovedLinearly(state, trial, damping * correction)
-            self.residual.linear = self.a.mat if self._islinear else None
-        if self._motion is not None:
-            self._motion = None if damping == 1 else (1 - damping) * self._motion
+        self.Moved(state, trial, -correction, damping)
         if self._CloseWhatFloats():
             return self._Measure(), damping
         return trial, damping
+
+    def Trial(self, state, damping):
+        """The State after a part of a step from another State."""
+        trial = self._Measure()
+        if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
+            return State.Nothing("surfaces pass through each other")
+        return trial
+
+    def Moved(self, before, after, motion, damping):
+        """Learn from a part of a motion between two States, which was taken."""
+        if after.honest:
+            self._islinear = self._MovedLinearly(before, after, -damping * motion)
+            self.residual.linear = self.a.mat if self._islinear else None
+        if self._motion is not None:
+            self._motion = None if damping == 1 else (1 - damping) * self._motion
 
     def _MovedLinearly(self, before, after, correction):
         """Did the bulk's residual change as its matrix says, to rounding? None: too short to tell.
@@ -111,16 +119,33 @@ class NewtonStep:
         return min(most, enough if last else max(enough, 0.1 * size))
 
     def _Correction(self, residual, accuracy=0.0):
+        forms = [contact.form for contact in self.contacts]
+        given = self.a.mat, forms, self.scale
+
+        def solve(residual):
+            rows = ~self.residual.rows
+            return self.linear.SolveShifted(*given, residual, rows, accuracy)
+
+        return self.Displace(residual, solve, self._ContactMatrices())
+
+    def Displace(self, residual, solve, mats):
+        """The correction (n,) that belongs to a residual, which is changed.
+
+        Parameters
+        ----------
+        residual : BaseVector
+        solve : callable
+            Gives the solution (n,) for a right hand side (n,), without what is condensed.
+        mats : list[BaseMatrix]
+            What the contacts add to the bulk's matrix.
+        """
         a = self.a
         if a.condense:
             residual.data += a.harmonic_extension_trans * residual
-        forms = [contact.form for contact in self.contacts]
         if self._motion is not None:
-            residual.FV().NumPy()[:] -= self._Applied(forms, -self._motion)
+            residual.FV().NumPy()[:] -= Multiply((a.mat, *mats), -self._motion)
         correction = self.gf.vec.CreateVector()
-        correction.FV().NumPy()[:] = self.linear.SolveShifted(
-            a.mat, forms, self.scale, residual.FV().NumPy(), ~self.residual.rows, accuracy
-        )
+        correction.FV().NumPy()[:] = solve(residual.FV().NumPy())
         if self._motion is not None:
             correction.FV().NumPy()[:] -= self._motion
         if a.condense:
@@ -128,9 +153,8 @@ class NewtonStep:
             correction.data += a.inner_solve * residual
         return correction.FV().NumPy().copy()
 
-    def _Applied(self, forms, values):
-        """The Newton matrix times a vector."""
-        return Multiply((self.a.mat, *(form.mat for form in forms)), values)
+    def _ContactMatrices(self):
+        return [contact.form.mat for contact in self.contacts]
 
 
 def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):

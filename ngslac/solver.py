@@ -8,6 +8,7 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
+from ngslac.interior import InteriorPoint
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
 from ngslac.loads import CheckRhs
@@ -26,6 +27,13 @@ from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
 
 __all__ = ["ContactSolver"]
+
+FAILURES = (ContactConvergenceError, LinearSolveError)
+# Newton steps before another method is tried, and what that has to have left to be tried.
+NEWTON, LEAST = 30, 10
+# Residual from which Newton's method may end what the other one began, how many steps it gets for
+# that, and how much nearer it has to be the next time.
+NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
 
 
 class ContactSolver(NewtonStep):
@@ -125,7 +133,7 @@ class ContactSolver(NewtonStep):
 
     # --- the loop ------------------------------------------------------------------------------
 
-    def Solve(self, *, maxit=30, tol=1e-10, printing=True, callback=None, motion=None):
+    def Solve(self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None):
         """Iterate until both relative residuals are below `tol`.
 
         Parameters
@@ -168,6 +176,7 @@ class ContactSolver(NewtonStep):
         before = Snapshot(self)
         self.history, self._closings, self._status = [], 0, None
         self.tol, self._motion, self.linear.shifts = tol, None, 0
+        self._printing, self._callback = printing, callback
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
         if printing and self._silent:
@@ -175,7 +184,7 @@ class ContactSolver(NewtonStep):
             self._silent = False
         try:
             with Progress("contact: Newton's method") as self._progress:
-                return self._Iterate(maxit, tol, printing, callback)
+                return self._Iterate(maxit)
         except BaseException as error:
             history = self.history
             try:
@@ -248,42 +257,84 @@ class ContactSolver(NewtonStep):
         self._islinear = None
         self.linear.Forget()
 
-    def _Iterate(self, maxit, tol, printing, callback):
+    def _Iterate(self, maxit):
         self._Assemble()
         self.residual.Follow()
-        state = self.residual.Begin(self.scale, tol)
+        state = self.residual.Begin(self.scale, self.tol)
         if not state.finite:
             raise ContactConvergenceError(f"{state.reason} at the start")
-        if self._CloseWhatFloats(start=True):
-            state = self.residual.Begin(self.scale, tol)
+        start, motion = self.gf.vec.FV().NumPy().copy(), self._motion
+        try:
+            if self._CloseWhatFloats(start=True):
+                state = self.residual.Measure(self.scale, honest=True)
+            self._Record(state)
+            return self._Newton(state, min(maxit, NEWTON))
+        except FAILURES as error:
+            if maxit - len(self.history) < LEAST or not self._MayHold():
+                raise
+            self.gf.vec.FV().NumPy()[:], self._motion = start, motion
+            return self._FollowPath(maxit, error)
+
+    def _Newton(self, state, maxit):
+        """Newton's method from the State recorded last, at most so many steps; the last line."""
         for contact in self.contacts:
             contact.form.BeginSolve()
         self.globalization.Begin()
-        damping = 1.0
         for number in range(maxit + 1):
-            state = self._Confirmed(state)
-            self._Record(number, state, damping, printing, callback)
-            done = state.equilibrium < tol and state.constraint < tol
-            if done and self._motion is None:
+            if self._Converged(state):
                 self.residual.Accept()
                 return self.history[-1]
             if number == maxit or self.globalization.stagnates:
                 break
             self.globalization.Watch(state, self.history[-1].changed)
-            if number:
+            if len(self.history) > 1:
                 self._Assemble()
             state, damping = self._Step(state)
-        raise ContactConvergenceError(
+            state = self._Confirmed(state)
+            self._Record(state, damping)
+        raise self._NotConverged(state)
+
+    def _NotConverged(self, state):
+        return ContactConvergenceError(
             f"no convergence in {len(self.history) - 1} iterations: equilibrium "
             f"{state.equilibrium:.2e}, constraint {state.constraint:.2e}"
             + (", the contact status cycles" if self.globalization.cycles else "")
             + "; take smaller steps"
         )
 
+    def _Converged(self, state):
+        done = state.equilibrium < self.tol and state.constraint < self.tol
+        return done and self._motion is None
+
+    def _FollowPath(self, maxit, error):
+        """By an interior point method near to the solution, and from there by Newton's."""
+        if self._printing:
+            print(f"  {error}: interior point method")
+        self.residual.Follow()
+        state = self._Measure()
+        self._Assemble()
+        path, near = InteriorPoint(self, state), NEAR
+        while len(self.history) <= maxit:
+            state, damping = path.Step(state)
+            state = self._Confirmed(state)
+            self._Record(state, damping)
+            if self._Converged(state):
+                self.residual.Accept()
+                return self.history[-1]
+            if self._motion is None and max(state.equilibrium, state.constraint) < near:
+                values, near = self.gf.vec.FV().NumPy().copy(), near * NEARER
+                try:
+                    return self._Newton(state, POLISH)
+                except FAILURES:
+                    self.gf.vec.FV().NumPy()[:] = values
+                    self.residual.Follow()
+                    state = self._Measure()
+            self._Assemble()
+        raise self._NotConverged(state)
+
     def _Confirmed(self, state):
         """The state, by the bulk's own residual where it looks converged or hopeless."""
-        done = state.equilibrium < self.tol and state.constraint < self.tol
-        if (done and self._motion is None) or self.globalization.stagnates:
+        if self._Converged(state) or self.globalization.stagnates:
             linear = self.residual.linear
             state = self.residual.Confirm(state, self.scale)
             if not state.finite:
@@ -293,19 +344,20 @@ class ContactSolver(NewtonStep):
                 self.globalization.Begin()
         return state
 
-    def _Record(self, number, state, damping, printing, callback):
+    def _Record(self, state, damping=1.0):
         for contact in self.contacts:
             contact.Evaluate(self.gf)
+        number = len(self.history)
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status
         self.history.append(entry)
         sizes = [max(e.equilibrium, e.constraint) for e in (self.history[0], entry)]
         if min(sizes) > self.tol:
             self._progress.At(np.log(sizes[1] / sizes[0]) / np.log(self.tol / sizes[0]))
-        if printing:
+        if self._printing:
             print(entry)
-        if callback:
-            callback(entry)
+        if self._callback:
+            self._callback(entry)
 
     # --- bodies that nothing holds -------------------------------------------------------------
 
@@ -318,7 +370,7 @@ class ContactSolver(NewtonStep):
             contact.Evaluate(self.gf)
         if not start and all(np.any(contact.Table()["status"]) for contact in self.contacts):
             return False
-        if not (floating := self._WhatFloats()):
+        if not (floating := self._WhatFloats("rubbing")):
             return False
         self._closings += 1
         if self._closings > 5:  # each time the iteration opened what was closed
@@ -330,7 +382,11 @@ class ContactSolver(NewtonStep):
             return True
         raise FloatingBodyError(FloatingMessage(self._WhatFloats()))
 
-    def _WhatFloats(self):
+    def _MayHold(self):
+        """Would contact hold all bodies, if all of it were closed?"""
+        return self.initial == "gap" and not self._WhatFloats("closed")
+
+    def _WhatFloats(self, holds="now"):
         if self._bodies is None:
             self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
-        return self._bodies.Floating(self.contacts)
+        return self._bodies.Floating(self.contacts, holds)

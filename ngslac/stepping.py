@@ -95,7 +95,7 @@ class LoadStepper:
     def prescribe(self, values):
         self._prescribed = Prescribed(self.solver, values)
 
-    def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=30, tol=1e-10):
+    def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=100, tol=1e-10):
         """Go from the current load to `end` in `steps` equal steps.
 
         Parameters

@@ -121,6 +121,20 @@ public:
     return this->Penalized();
   }
 
+  shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & bx,
+                                                   FlatArray<double> stiffness) override {
+    this->Prepare(bx);
+    this->CheckSprings(stiffness);
+    auto x = bx.FV<double>();
+    moving_rim = true;
+    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> &) {
+      Vec<D> traction = this->Multiplier(m, x);
+      ngbla::Mat<D, D> turning = InnerProduct(traction, normal) * Id<D>();
+      return Projection<D>{traction, this->Spring(m, stiffness), turning, Status::stick};
+    });
+    return this->Penalized();
+  }
+
   void Commit(const BaseVector & bx) override {
     Follow(bx);
     this->Evaluate(bx);

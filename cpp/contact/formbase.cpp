@@ -285,6 +285,8 @@ Array<double> FormBase<D>::Scalars(const string & name) const {
     return copy(c);
   if (name == "friction")
     return copy(friction);
+  if (name == "threshold")
+    return copy(threshold);
   throw Exception("ContactForm: no scalars named " + name);
 }
 

@@ -117,6 +117,19 @@ protected:
   Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return Project(Data(m, place.normal), Trial(m, place, x));
   }
+  /// The stiffness of a macro-element's spring as derivative of a projection.
+  ngbla::Mat<D, D> Spring(size_t m, FlatArray<double> stiffness) const {
+    ngbla::Mat<D, D> derivative;
+    for (int k : Range(D))
+      for (int l : Range(D))
+        derivative(k, l) = stiffness[(m * D + k) * D + l] / c[m];
+    return derivative;
+  }
+  void CheckSprings(FlatArray<double> stiffness) const {
+    if (stiffness.Size() != D * D * jump->Size())
+      throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
+                      ToString(jump->Size()) + " macro-elements");
+  }
   /// Matrix of the displacements alone, from an assembled `mat`.
   shared_ptr<SparseMatrix<double>> Penalized() const {
     Array<double> penalties(jump->Size());

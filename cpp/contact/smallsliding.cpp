@@ -86,6 +86,14 @@ public:
     return this->Penalized();
   }
 
+  shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & bx,
+                                                   FlatArray<double> stiffness) override {
+    this->Prepare(bx);
+    this->CheckSprings(stiffness);
+    ParallelFor(jump->Size(), [&](size_t m) { SetRows(m, this->Spring(m, stiffness)); });
+    return this->Penalized();
+  }
+
   void Commit(const BaseVector & bx) override {
     this->Evaluate(bx);
     accepted = states;

@@ -1,0 +1,197 @@
+"""The contact conditions of macro-elements, kept in the inside of what they allow."""
+
+import numpy as np
+
+__all__ = ["Barrier", "Tie"]
+
+# Share of the way to the boundary that a step may go.
+INSIDE = 0.995
+# Stiffness of ties, relative to that of what they lie on.
+TIE = 1e3
+# Gaps to start with, relative to what the pressure does to the surface: too large is no harm, and
+# thin bodies bend far more than that.
+WIDE = 1e3
+
+
+class Barrier:
+    """Pressures p and gaps g > 0 with p g = mu, tangential tractions t inside of |t| < s.
+
+    For mu -> 0 they tend to what contact with friction asks for. With the slack
+    w = (s^2 - |t|^2)/2 > 0 of the friction law and its multiplier nu > 0: slip = -nu t and
+    nu w = mu. Newton's method on all of these equations, with steps that stay inside, is a primal
+    dual interior point method (Mehrotra 1992); per macro-element everything but the displacement is
+    eliminated. The bound s is that of the step before (Tresca): what is left is symmetric.
+
+    All arrays count the macro-elements that face a master and are not tied.
+
+    Parameters
+    ----------
+    normal : (n, d)
+    gap : (n,)
+        Where to start.
+    bound : (n,)
+        Of the tangential traction at such pressures, 0 without friction.
+    stiffness : (n,)
+        Stress per length, of what the macro-elements lie on.
+    pressure : float
+        Size of the pressures to start with.
+    """
+
+    def __init__(self, normal, gap, bound, stiffness, pressure):
+        self.rubs, self.stiffness = bound > 0, stiffness
+        self.p = np.full(len(gap), pressure)
+        self.g = np.maximum(gap, WIDE * pressure / stiffness)
+        self.t = np.zeros_like(normal)
+        self.Place(normal, gap, np.zeros_like(normal))
+        self.Bound(bound)
+        self.w = self.s**2 / 2
+        self.nu = np.where(self.rubs, np.mean(self.p * self.g) / self.w if len(gap) else 0, 0.0)
+
+    def Place(self, normal, gap, slip):
+        """Take gaps (n,) and slips (n, d) of another displacement."""
+        self.normal, self.gap, self.slip = normal, gap, slip
+        self.t = self.t - np.sum(self.t * normal, axis=1)[:, None] * normal
+
+    def Bound(self, bound):
+        """Take bounds (n,) of the tangential tractions, from `Pressure`."""
+        self.s = np.where(self.rubs, np.maximum(bound, np.finfo(float).tiny ** 0.25), 1.0)
+
+    @property
+    def traction(self):
+        return self.t - self.p[:, None] * self.normal
+
+    @property
+    def products(self):
+        """Sum and number of the products that have to vanish (stress times length)."""
+        return self._Products(self.p * self.g, self.nu * self.w)
+
+    def _Products(self, normal, tangential):
+        total = normal.sum() + tangential[self.rubs].sum()
+        return np.array([total, len(normal) + np.count_nonzero(self.rubs)])
+
+    def Stiffness(self):
+        """How tractions follow the jump: (n, d, d), symmetric and positive definite."""
+        normals = self.normal[:, :, None] * self.normal[:, None, :]
+        self._turn = self._Tangential(normals)
+        return (self.p / self.g)[:, None, None] * normals + self._turn
+
+    def _Tangential(self, normals):
+        """The inverse of nu I + nu/w t t^T on the tangential plane, where there is friction."""
+        plane = np.eye(self.normal.shape[1]) - normals
+        nu = np.where(self.rubs, self.nu, 1.0)
+        along = self.t[:, :, None] * self.t[:, None, :]
+        along /= (self.w + np.sum(self.t**2, axis=1))[:, None, None]
+        return np.where(self.rubs, 1 / nu, 0.0)[:, None, None] * (plane - along)
+
+    def Change(self, mu, correction=None):
+        """What tractions (n, d) change by if no displacement changes.
+
+        `correction` is the step whose products are taken into account (second order).
+        """
+        over, rubbing = (0, 0) if correction is None else correction.products
+        self._aim = mu - over, mu - rubbing
+        self._press = (self._aim[0] - self.p * self.gap) / self.g
+        excess = (self.s**2 - np.sum(self.t**2, axis=1)) / 2
+        rate = (self._aim[1] - self.nu * excess) / self.w
+        self._behind = -self.slip - (self.nu + rate)[:, None] * self.t
+        along = np.einsum("kij,kj->ki", self._turn, self._behind)
+        return along - self._press[:, None] * self.normal
+
+    def Step(self, change):
+        """The step of everything that belongs to changes (n, d) of the tractions."""
+        press = -np.sum(change * self.normal, axis=1)
+        along = change + press[:, None] * self.normal
+        closer = self.g / self.p * (self._press - press)  # what the gap changes by
+        slack = (self.s**2 - np.sum(self.t**2, axis=1)) / 2 - np.sum(self.t * along, axis=1)
+        slack = np.where(self.rubs, slack - self.w, 0.0)
+        rate = (self._aim[1] - self.nu * (self.w + slack)) / self.w
+        rate = np.where(self.rubs, rate, 0.0)
+        return BarrierStep(press, self.gap - self.g + closer, along, slack, rate)
+
+    def Shown(self, step, part):
+        """Tractions (n, d) after a part of a step, without those that tend to zero."""
+        p, g = self.p + part * step.p, self.g + part * step.g
+        traction = self.t + part * step.t - p[:, None] * self.normal
+        return traction * (p > self.stiffness * g)[:, None]
+
+    def Longest(self, step):
+        """The part of a step, at most 1, that stays inside."""
+        longest = 1.0
+        for name, change in step.Parts():
+            now = getattr(self, name)
+            down = change < 0
+            if np.any(down):
+                longest = min(longest, INSIDE * np.min(-now[down] / change[down]))
+        return longest
+
+    def Predicted(self, step, part):
+        """`products` after a part of a step, which remembers its own for the correction."""
+        step.products = part**2 * step.p * step.g, part**2 * step.w * step.nu
+        normal = (self.p + part * step.p) * (self.g + part * step.g)
+        tangential = (self.nu + part * step.nu) * (self.w + part * step.w)
+        return self._Products(normal, tangential)
+
+    def Take(self, step, part):
+        """Move on by a part of a step."""
+        for name, change in (*step.Parts(), ("t", step.t)):
+            setattr(self, name, getattr(self, name) + part * change)
+
+
+class BarrierStep:
+    """Changes of pressures, gaps, tangential tractions, slacks and their multipliers."""
+
+    def __init__(self, p, g, t, w, nu):
+        self.p, self.g, self.t, self.w, self.nu = p, g, t, w, nu
+
+    def Parts(self):
+        """Names and changes of what has to stay positive."""
+        return [(name, getattr(self, name)) for name in ("p", "g", "w", "nu")]
+
+
+class Tie:
+    """Tractions that hold tied surfaces together, by the method of multipliers: as `Barrier`.
+
+    Parameters
+    ----------
+    traction : (n, d)
+        To start with.
+    stiffness : (n,)
+        Stress per length, of what the macro-elements lie on.
+    """
+
+    products = np.zeros(2)
+
+    def __init__(self, traction, stiffness):
+        self.traction, self.stiffness = traction.copy(), TIE * stiffness
+
+    def Place(self, jump):
+        """Take the jumps (n, d) of another displacement."""
+        self.jump = jump
+
+    def Stiffness(self):
+        """How tractions follow the jump: (n, d, d)."""
+        return self.stiffness[:, None, None] * np.eye(self.traction.shape[1])
+
+    def Change(self, *_):
+        """What tractions (n, d) change by if no displacement changes."""
+        return -self.stiffness[:, None] * self.jump
+
+    def Step(self, change):
+        """The step is the change of the tractions."""
+        return change
+
+    def Shown(self, step, part):
+        """Tractions (n, d) after a part of a step."""
+        return self.traction + part * step
+
+    def Longest(self, _):
+        """Nothing limits the step."""
+        return 1.0
+
+    def Predicted(self, *_):
+        """There are no products."""
+        return self.products
+
+    def Take(self, step, part):
+        """Move on by a part of a step."""
+        self.traction = self.traction + part * step

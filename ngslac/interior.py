@@ -1,0 +1,198 @@
+"""The contact status by an interior point method, where Newton's method with active set fails."""
+
+import numpy as np
+
+from ngslac.barrier import Barrier, Tie
+from ngslac.errors import ContactConvergenceError
+from ngslac.preconditioner import CHOLESKY
+from ngslac.primal import PrimalSolver
+
+__all__ = ["InteriorPoint"]
+
+# How often a step is halved until there is a residual.
+HALVINGS = 12
+
+
+class InteriorPoint:
+    """Follows the central path of bulk and contact, see `Barrier`.
+
+    Each macro-element pushes from afar, less and less: nothing floats on the way, no status has to
+    be guessed, and thin bodies, whose status Newton's method finds one macro-element at a time,
+    take as many steps as others. A step costs one factorisation of a matrix that is symmetric and
+    positive definite where that of the bulk is.
+
+    Parameters
+    ----------
+    newton : ContactSolver
+        Its solution is where to start, and moves along.
+    state : State
+        Of the start.
+    """
+
+    def __init__(self, newton, state):
+        self.newton, self.vec = newton, newton.gf.vec
+        self.values = self.vec.FV().NumPy()
+        self.rows = newton.residual.rows
+        wanted = newton.linear.wanted
+        self.linear = PrimalSolver(newton.linear, wanted if wanted in CHOLESKY else None)
+        self.linear.Leave(self.rows)
+        self.springs = [Springs(contact, newton.gf) for contact in newton.contacts]
+        softness = sum(np.sum(spring.area / spring.stiffness) for spring in self.springs)
+        pressure = state.unbalance / np.sqrt(softness) if softness else 0.0
+        pressure = max([pressure, *(spring.Pressure() for spring in self.springs)])
+        if not 0 < pressure < np.inf:
+            raise ContactConvergenceError("nothing presses where the surfaces face each other")
+        for spring in self.springs:
+            spring.Start(pressure)
+
+    def Step(self, state):
+        """Move on by one step.
+
+        Parameters
+        ----------
+        state : State
+            Of this iterate.
+
+        Returns
+        -------
+        State, float
+            Of the next iterate, and the part of the step that was taken.
+        """
+        mats = [spring.Assemble(self.vec) for spring in self.springs]
+        before = self._Mean(spring.law.products for spring in self.springs)
+        steps, _ = self._Direction(state, mats, 0.0)
+        part = self._Longest(steps)
+        predicted = self._Mean(s.law.Predicted(step, part) for s, step in self._Each(steps))
+        center = before * min(1.0, max((predicted / before) ** 3, 1e-6)) if before else 0.0
+        steps, motion = self._Direction(state, mats, center, steps)
+        return self._Take(state, steps, motion)
+
+    def _Each(self, steps):
+        return zip(self.springs, steps, strict=True)
+
+    @staticmethod
+    def _Mean(products):
+        total, count = sum(products)
+        return total / count if count else 0.0
+
+    def _Longest(self, steps):
+        return min(spring.law.Longest(step) for spring, step in self._Each(steps))
+
+    def _Solve(self, residual):
+        newton = self.newton
+        return self.linear.Solve(newton.a.mat, [], newton.scale, residual)
+
+    def _Direction(self, state, mats, mu, corrections=None):
+        """Steps of the springs, and the motion of the displacements, towards a `mu`."""
+        now = self.values.copy()
+        residual = self.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        corrections = corrections or [None] * len(self.springs)
+        changes = [spring.law.Change(mu, own) for spring, own in self._Each(corrections)]
+        for spring, change in self._Each(changes):
+            spring.Show(self.values, spring.law.traction + change)
+            spring.contact.AddApply(self.vec, residual)
+        self.values[:] = now
+        self.linear.contacts = mats
+        residual.FV().NumPy()[self.rows] = 0
+        motion = -self.newton.Displace(residual, self._Solve, mats)
+        steps = [spring.Step(change, motion) for spring, change in self._Each(changes)]
+        return steps, motion
+
+    def _Take(self, state, steps, motion):
+        """As much of the steps as stays inside and has a residual."""
+        start, part = self.values.copy(), self._Longest(steps)
+        for _ in range(HALVINGS):
+            self.values[:] = start + part * motion
+            for spring, step in self._Each(steps):
+                spring.Show(self.values, spring.law.Shown(step, part))
+            trial = self.newton.Trial(state, part)
+            if trial.finite:
+                break
+            part /= 2
+        else:
+            raise ContactConvergenceError(trial.reason + " however short the step")
+        for spring, step in self._Each(steps):
+            spring.law.Take(step, part)
+        self.newton.Moved(state, trial, motion, part)
+        return trial, part
+
+
+class Springs:
+    """What takes the place of the law of one contact.
+
+    Parameters
+    ----------
+    contact : LACContact
+    gf : GridFunction
+        Where to start.
+    """
+
+    def __init__(self, contact, gf):
+        self.contact, self.form, self.gf = contact, contact.form, gf
+        contact.Evaluate(gf)
+        table = contact.Table()
+        self.own = table["area"] > 0
+        self.area, self.stiffness = table["area"][self.own], self.form.Scalars("c")[self.own]
+        self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
+
+    def Pressure(self):
+        """The size of pressures that the start and its penetrations tell of."""
+        if self.contact.tied:
+            return 0.0
+        table = self.contact.Table()
+        overlap = np.max(-self.stiffness * table["gap"][self.own], initial=0.0)
+        return max(overlap, np.max(np.abs(table["pressure"][self.own]), initial=0.0))
+
+    def Start(self, pressure):
+        """Start with pressures of this size."""
+        table = self.contact.Table()
+        if self.contact.tied:
+            self.law = Tie(table["traction"][self.own], self.stiffness)
+            return
+        bound = self._Bound(pressure, table)
+        normal, gap = table["normal"][self.own], table["gap"][self.own]
+        self.law = Barrier(normal, gap, bound, self.stiffness, pressure)
+
+    def _Bound(self, pressure, table):
+        """Of the tangential traction."""
+        friction = table["friction"][self.own]
+        threshold = self.form.Scalars("threshold")[self.own]
+        coulomb = np.where(friction >= 0, friction * pressure, np.inf)
+        bound = np.minimum(coulomb, np.where(threshold >= 0, threshold, np.inf))
+        return np.where(np.isfinite(bound), bound, 0.0)
+
+    def Assemble(self, vec):
+        """Their matrix, of the displacements alone, where the solution is now."""
+        self._Place(vec)
+        d = self.dofs.shape[1]
+        stiffness = np.zeros((len(self.own), d, d))
+        stiffness[self.own] = self.law.Stiffness()
+        self.Show(vec.FV().NumPy(), self.law.traction)
+        return self.form.AssembleSprings(vec, stiffness.ravel())
+
+    def _Place(self, vec):
+        if self.contact.tied:
+            rows = vec.CreateVector()
+            self.contact.Apply(vec, rows)
+            jump = -rows.FV().NumPy()[self.dofs[self.own]] / self.area[:, None]
+            self.law.Place(jump)
+            return
+        self.contact.Evaluate(self.gf)
+        table = self.contact.Table()
+        self.law.Place(*(table[name][self.own] for name in ("normal", "gap", "slip")))
+        self.law.Bound(self._Bound(self.law.p, table))
+
+    def Show(self, values, traction):
+        """Put tractions (n, d) into the solution."""
+        values[self.dofs] = 0
+        values[self.dofs[self.own]] = traction
+
+    def Step(self, change, motion):
+        """The step of the law to a motion of the displacements."""
+        product = self.form.mat.CreateColVector()
+        factor = self.form.mat.CreateRowVector()
+        factor.FV().NumPy()[:] = motion
+        product.data = self.form.mat * factor
+        follow = product.FV().NumPy()[self.dofs[self.own]]
+        return self.law.Step(change + (self.stiffness / self.area)[:, None] * follow)
