@@ -1,49 +1,108 @@
 """Input checks shared by the reference solutions: say what is wrong, and what to do."""
 
 from math import inf, isfinite, isnan
+from numbers import Real
 
 import numpy as np
 
-__all__ = ["finite", "interval", "nonnegative", "points", "poisson", "positive"]
+__all__ = [
+    "choice",
+    "coordinates",
+    "finite",
+    "instance",
+    "interval",
+    "nonnegative",
+    "points",
+    "poisson",
+    "positive",
+]
 
 
-def _require(ok, name, value, remedy):
+def _require(ok, name, value, remedy, kind=ValueError):
     if not ok:
-        raise ValueError(f"{name} = {value!r} is not valid: {remedy}")
+        text = " ".join(repr(value).split())
+        text = text if len(text) <= 80 else text[:77] + "..."
+        raise kind(f"{name} = {text} is not valid: {remedy}")
+
+
+def _number(name, value, remedy):
+    """The number as float: texts, truth values, and what else compares with numbers, are none."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    real = isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
+    _require(real, name, value, remedy, TypeError)
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise ValueError(f"{name} is too large for a float: {remedy}") from error
 
 
 def finite(name, value):
     """Accept any finite number."""
-    _require(isfinite(value), name, value, "give a finite number")
+    remedy = "give a finite number"
+    _require(isfinite(_number(name, value, remedy)), name, value, remedy)
 
 
 def positive(name, value, *, infinite=False):
     """Accept numbers above zero, and `inf` only where `infinite` is set."""
-    kind = "a number > 0, or inf" if infinite else "a finite number > 0"
-    ok = value > 0 and (infinite or value < inf)
-    _require(ok and not isnan(value), name, value, f"give {kind}")
+    remedy = "give a number > 0, or inf" if infinite else "give a finite number > 0"
+    number = _number(name, value, remedy)
+    ok = number > 0 and (infinite or number < inf)
+    _require(ok and not isnan(number), name, value, remedy)
 
 
 def nonnegative(name, value):
     """Accept finite numbers from zero on."""
-    _require(0 <= value < inf, name, value, "give a finite number >= 0")
+    remedy = "give a finite number >= 0"
+    _require(0 <= _number(name, value, remedy) < inf, name, value, remedy)
 
 
 def poisson(name, value):
     """Accept Poisson ratios of a compressible, stable solid."""
     remedy = "give a ratio in the open interval (-1, 0.5), say 0.499 if nearly incompressible"
-    _require(-1 < value < 0.5, name, value, remedy)
+    _require(-1 < _number(name, value, remedy) < 0.5, name, value, remedy)
+
+
+def choice(name, value, options, remedy):
+    """Accept one of a few numbers or words."""
+    ok = type(value) is not bool and np.ndim(value) == 0 and any(value == o for o in options)
+    _require(ok, name, value, remedy)
+
+
+def instance(name, value, kind):
+    """Accept an object of a class."""
+    _require(isinstance(value, kind), name, value, f"give a {kind.__name__}", TypeError)
 
 
 def points(name, values):
     """Return `values` as a float array without NaN or infinite entries."""
-    array = np.asarray(values, dtype=float)
-    _require(np.isfinite(array).all(), name, values, "give finite coordinates")
-    return array
+    remedy = "give finite coordinates"
+    try:
+        array = np.asarray(values)
+        numbers = array.dtype.kind in "fiuO" and array.astype(float)
+    except (TypeError, ValueError, OverflowError):  # what cannot be an array of numbers
+        numbers = False
+    _require(numbers is not False, name, values, remedy, TypeError)
+    _require(np.isfinite(numbers).all(), name, values, remedy)
+    return numbers
+
+
+def coordinates(given, usual, **values):
+    """Positions as float arrays, or as they are for functions other than the usual ones.
+
+    Such functions, as those of NGSolve, take what numpy does not know.
+    """
+    if given is usual:
+        return tuple(points(name, value) for name, value in values.items())
+    return tuple(values.values())
 
 
 def interval(x0, x1):
     """Return the two ends as float arrays of one shape, refusing empty intervals."""
-    start, end = np.broadcast_arrays(points("x0", x0), points("x1", x1))
+    start, end = points("x0", x0), points("x1", x1)
+    try:
+        start, end = np.broadcast_arrays(start, end)
+    except ValueError:
+        _require(False, "x1", x1, f"give ends of one shape, x0 has {start.shape}")
     _require((start != end).all(), "x1", x1, "give intervals of nonzero length, x1 != x0")
     return start, end

@@ -1,15 +1,20 @@
 """Partial slip: what the contacts of lines and of points under a tangential load have in common."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ._checks import finite, nonnegative
+from ._checks import finite, instance, nonnegative
 from ._pair import HertzPair
 
 __all__ = ["PartialSlip", "Reversal"]
+
+
+def FieldType(state, name):
+    """The class that the annotation of a field asks for."""
+    return {field.name: field.type for field in fields(state)}[name]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +26,7 @@ class PartialSlip:
     friction: float
 
     def __post_init__(self):
+        instance("hertz", self.hertz, FieldType(self, "hertz"))
         finite("shear", self.shear)
         nonnegative("friction", self.friction)
         limit = self.friction * self.hertz.force
@@ -48,6 +54,7 @@ class Reversal:
     _load: ClassVar[str] = "shear"  # the field that holds the load, of `start` too
 
     def __post_init__(self):
+        instance("start", self.start, FieldType(self, "start"))
         name, now, before = self._load, *self._Loads()
         finite(name, now)
         if abs(now) > abs(before):

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from ._checks import finite, points
+from ._checks import finite, instance, nonnegative, points
 from ._means import semi_ellipse
 from ._partial import PartialSlip, Reversal
 from ._polygons import semi_ellipsoid_mean
@@ -84,7 +84,9 @@ class CattaneoMindlinPoint(PartialSlip):
         >>> print(f"{state.shear:.4f}")
         3.5819
         """
+        instance("hertz", hertz, HertzPoint)
         finite("shift", shift)
+        nonnegative("friction", friction)
         limit = cls(hertz=hertz, shear=friction * hertz.force, friction=friction)
         if abs(shift) > limit.shift * (1.0 + 1e-12):
             raise ValueError(

@@ -5,7 +5,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from ._checks import nonnegative, points, positive
+from ._checks import choice, nonnegative, points, positive
 from ._means import semi_ellipse
 from ._pair import HertzPair
 from ._polygons import semi_ellipsoid_mean
@@ -77,7 +77,9 @@ class HertzPoint(HertzPair):
         positive("approach", approach)
         elastic = dict(young1=young1, nu1=nu1, young2=young2, nu2=nu2)
         unit = cls(force=1.0, radius1=radius1, radius2=radius2, **elastic)  # checks the input
-        force = 4.0 / 3.0 * ContactModulus(**elastic) * sqrt(unit.radius) * approach**1.5
+        force = (
+            4.0 / 3.0 * ContactModulus(**elastic) * sqrt(unit.radius) * approach * sqrt(approach)
+        )
         return cls(force=force, radius1=radius1, radius2=radius2, **elastic)
 
     @property
@@ -174,8 +176,7 @@ class HertzPoint(HertzPair):
         ValueError
             If `body` is another number, or a depth negative.
         """
-        if body not in (1, 2):
-            raise ValueError(f"body = {body!r} is not valid: give 1 (slave) or 2 (master)")
+        choice("body", body, (1, 2), "give 1 (slave) or 2 (master)")
         depth = points("depth", depth)
         nonnegative("depth", float(depth.min(initial=0.0)))
         z = depth / self.contact_radius

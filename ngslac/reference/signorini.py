@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import finite, interval, points
+from ._checks import choice, coordinates, finite, interval, points
 
 __all__ = ["ScalarSignorini"]
 
@@ -72,11 +72,13 @@ class ScalarSignorini:
         -------
         float, array or CoefficientFunction
         """
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
         real, imag = self._Root(x, y, sqrt)
         return _sign(body) * real * (real * real - 3.0 * imag * imag)
 
     def Gradient(self, x, y, *, body=1, sqrt=np.sqrt):
         """Both derivatives of the solution, as a tuple; arguments as in `ScalarSignorini.Value`."""
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
         real, imag = self._Root(x, y, sqrt)
         return _sign(body) * 1.5 * real, -1.5 * imag
 
@@ -127,6 +129,5 @@ class ScalarSignorini:
 
 
 def _sign(body):
-    if body not in (1, 2):
-        raise ValueError(f"body = {body!r} is not valid: give 1 (slave, y >= 0) or 2 (y <= 0)")
+    choice("body", body, (1, 2), "give 1 (slave, y >= 0) or 2 (y <= 0)")
     return 1.0 if body == 1 else -1.0

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from ._checks import points, poisson, positive
+from ._checks import coordinates, points, poisson, positive
 from ._means import semi_ellipse
 from ._polygons import semi_ellipsoid_mean
 from .signorini import _sign
@@ -126,6 +126,7 @@ class ElasticSignoriniDisc:
         """
         sign, k = _sign(body), self.strength
         shear2, nu = self._Material(body)
+        x, y, z = coordinates(functions, np, x=x, y=y, z=z)
         height = sign * z
         f_x, f_z, f_xz, f_zz = self._Potential(x * x + y * y, height, functions)
         along = k / shear2 * ((1.0 - 2.0 * nu) * f_x + height * f_xz)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import finite, poisson, positive
+from ._checks import coordinates, finite, poisson, positive
 from .signorini import ScalarSignorini, _sign
 
 __all__ = ["ElasticSignorini"]
@@ -97,6 +97,7 @@ class ElasticSignorini:
         """
         sign, k = _sign(body), self.strength
         shear2, nu = self._Material(body)
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
         real, imag, _ = self._Root(x, y, sqrt)
         integral_real = 2.0 / 3.0 * k * real * (real * real - 3.0 * imag * imag)
         integral_imag = 2.0 / 3.0 * k * imag * (imag * imag - 3.0 * real * real)
@@ -111,6 +112,7 @@ class ElasticSignorini:
         The arguments are as in `ElasticSignorini.Displacement`.
         """
         sign, k = _sign(body), self.strength
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
         real, imag, r = self._Root(x, y, sqrt)
         slope = 0.5 * k * (sign * y) / (r + 1e-300)  # the offset gives zero at the tip
         mean = -k * real

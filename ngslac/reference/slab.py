@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import finite, nonnegative, points, poisson, positive
+from ._checks import choice, finite, nonnegative, points, poisson, positive
 
 __all__ = ["GRECO_SLAB", "FrictionSlab"]
 
@@ -67,12 +67,17 @@ class FrictionSlab:
         for name in ("top_pressure", "side_pressure", "open_end", "slip_end"):
             finite(name, getattr(self, name))
         for name in ("published", "converged"):
-            values = points(name, getattr(self, name))
-            if values.shape != points("abscissae", self.abscissae).shape:
-                raise ValueError(
-                    f"{name} = {getattr(self, name)!r} is not valid: "
-                    f"give one value for each of the {len(self.abscissae)} abscissae"
-                )
+            self._OneEach(name, getattr(self, name))
+
+    def _OneEach(self, name, values):
+        """Values, one for each abscissa, as array."""
+        wanted, found = points("abscissae", self.abscissae), points(name, values)
+        if found.shape != wanted.shape:
+            raise ValueError(
+                f"{name} = {values!r} is not valid: give one value for each of the {wanted.size} "
+                "abscissae"
+            )
+        return found
 
     def FrictionlessDisplacement(self, x):
         """Displacement along x if the plane had no friction: the exact, uniform stress state.
@@ -110,11 +115,10 @@ class FrictionSlab:
         ValueError
             If `reference` is another name.
         """
-        if reference not in ("converged", "published"):
-            raise ValueError(
-                f"reference = {reference!r} is not valid: give 'converged' or 'published'"
-            )
-        return points("displacement", displacement) / np.array(getattr(self, reference)) - 1.0
+        names = ("converged", "published")
+        choice("reference", reference, names, "give 'converged' or 'published'")
+        displacement = self._OneEach("displacement", displacement)
+        return displacement / np.array(getattr(self, reference)) - 1.0
 
 
 GRECO_SLAB = FrictionSlab(

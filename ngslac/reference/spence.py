@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ._checks import nonnegative, points
+from ._checks import instance, nonnegative, points
 from ._means import integral_mean
 from .hertz import HertzLine
 from .stickzone import StickZone
@@ -43,6 +43,7 @@ class SpenceLine:
     friction: float
 
     def __post_init__(self):
+        instance("hertz", self.hertz, HertzLine)
         nonnegative("friction", self.friction)
 
     @property

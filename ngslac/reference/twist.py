@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipkinc, ellipkm1
 
-from ._checks import finite, nonnegative, points
+from ._checks import finite, instance, nonnegative, points
 from ._means import _tanh_sinh, integral_mean, semi_ellipse
 from ._partial import Reversal
 from ._polygons import PolygonEdges
@@ -75,6 +75,7 @@ class TwistPoint:
     friction: float
 
     def __post_init__(self):
+        instance("hertz", self.hertz, HertzPoint)
         finite("moment", self.moment)
         nonnegative("friction", self.friction)
         if abs(self.moment) > self.limit * (1.0 + 1e-12):
@@ -105,6 +106,7 @@ class TwistPoint:
         >>> print(f"{TwistPoint.FromAngle(hertz=hertz, angle=-1e-3, friction=0.2).moment:.4f}")
         -3.8172
         """
+        instance("hertz", hertz, HertzPoint)
         finite("angle", angle)
         nonnegative("friction", friction)
         unit = 0.5 * friction * hertz.peak * hertz._ShearSum()

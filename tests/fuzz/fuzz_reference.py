@@ -56,7 +56,8 @@ VALID = {
     "x0": 0.0,
     "x1": 0.1,
 } | dict.fromkeys("rtxyz", 0.1)
-LENGTHS = ("radius1", "radius2", "young2")
+UNBOUNDED = ("radius1", "radius2", "young1", "young2")
+SIGNED = ("angle", "moment", "shear", "shift", "side_pressure", "tip")
 KIND = {
     "abscissae": "values",
     "beta": "number",
@@ -71,12 +72,11 @@ KIND = {
     "nu2": "ratio",
     "published": "values",
     "reference": "word",
-    "side_pressure": "number",
     "sqrt": "functions",
     "start": "state",
     "vertices": "values",
-} | dict.fromkeys(("angle", "moment", "shear", "shift", "tip", "open_end", "slip_end"), "number")
-ALSO = {name: {"inf"} for name in LENGTHS} | {
+} | dict.fromkeys((*SIGNED, "open_end", "slip_end", "top_pressure"), "number")
+ALSO = {name: {"inf"} for name in UNBOUNDED} | {
     "body": {"True"},
     "end": {"0"},
     "functions": {"function", "a class"},
