@@ -30,6 +30,9 @@ public:
   FlatArray<int> MacroOfFace() const { return partition.macro_of_face; }
   /// displacement dofs whose trace lives in the macro-element alone
   FlatArray<int> CoreDofs(size_t macro) const { return partition.cores[macro]; }
+  /// Projection on the directions in which free displacements inside of the macro-element move the
+  /// mean; 0 where they do not reach the normal.
+  const Mat<3, 3> & ReachOf(size_t macro) const { return partition.reach[macro]; }
   Region SlaveRegion() const { return Region(ma, BND, slave); }
 
 private:

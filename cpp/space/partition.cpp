@@ -1,189 +1,31 @@
 #include "partition.hpp"
+#include "traces.hpp"
 #include <queue>
 
 namespace ngslac {
 namespace {
-constexpr double mean_tolerance = 1e-2; // smallest mean of a basis function, relative to its size
-constexpr double bend_cosine = 0.5;     // faces of a macro-element bend by less than 60 degrees
+constexpr double bend_cosine = 0.5; // faces of a macro-element bend by less than 60 degrees
 
-/// What the partition needs to know of the slave surface and of the traces on it.
-struct Traces {
-  Array<int> faces;         // boundary element numbers
-  Array<int> slave_of_face; // inverse of it
-  Array<Vec<3>> normals;    // of each slave face, up to a common sign per body
-  Table<int> neighbours;    // slave faces that share a vertex
-  Table<int> dof_faces;     // slave faces on which the trace of a dof lives
-  Array<Vec<3>> dof_mean;   // integral of the trace over (area times its maximum)
-  BitArray inner_dofs;      // free, and without a trace on other boundaries
-  int dim;
-};
-
-/// The trace of one basis function on one face.
-struct Trace {
-  int dof;
-  Vec<3> integral;
-  double area, maximum;
-};
-
-/// All that is not zero on a face.
-Array<Trace> TracesOnFace(const FESpace & fes, ElementId ei, Vec<3> & normal, LocalHeap & lh) {
-  HeapReset hr(lh);
-  auto ma = fes.GetMeshAccess();
-  int dim = ma->GetDimension(), block = fes.GetDimension();
-  auto & fel = fes.GetFE(ei, lh);
-  auto & trafo = ma->GetTrafo(ei, lh);
-  auto & evaluator = *fes.GetEvaluator(BND);
-  Array<DofId> dofs;
-  fes.GetDofNrs(ei, dofs);
-  int n = block * dofs.Size();
-  FlatMatrix<double, ColMajor> shape(dim, n, lh);
-  FlatMatrix<> integral(n, dim, lh);
-  FlatVector<> maximum(n, lh);
-  integral = 0, maximum = 0, normal = 0;
-  double area = 0;
-  IntegrationRule rule(trafo.GetElementType(), max(2, 2 * fel.Order()));
-  for (auto & ip : rule) {
-    auto & mip = trafo(ip, lh);
-    shape = 0;
-    evaluator.CalcMatrix(fel, mip, shape, lh);
-    area += mip.GetWeight();
-    for (int j : Range(n)) {
-      integral.Row(j) += mip.GetWeight() * shape.Col(j);
-      maximum(j) = max(maximum(j), L2Norm(shape.Col(j)));
-    }
-    auto nv = dim == 2
-                  ? Vec<3>(static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(0),
-                           static_cast<const DimMappedIntegrationPoint<2> &>(mip).GetNV()(1), 0)
-                  : static_cast<const DimMappedIntegrationPoint<3> &>(mip).GetNV();
-    normal += mip.GetWeight() * nv;
-  }
-  if (!(area > 0))
-    throw Exception("LACSpace: boundary element " + ToString(ei.Nr()) + " of boundary '" +
-                    string(ma->GetMaterial(ei)) + "' has area " + ToString(area) +
-                    "; repair the mesh, or use a finer one");
-  normal /= area;
-  Array<Trace> traces;
-  for (int j : Range(n)) {
-    if (!IsRegularDof(dofs[j / block]) || maximum(j) < 1e-12)
-      continue;
-    Trace trace{block * dofs[j / block] + j % block, Vec<3>(0.0), area, maximum(j)};
-    for (int k : Range(dim))
-      trace.integral(k) = integral(j, k);
-    traces.Append(trace);
-  }
-  return traces;
+/// How many faces a macro-element may have that was made from a support of this many.
+size_t Limit(size_t support) {
+  return 3 * support + 1;
 }
 
-Table<int> VertexNeighbours(const MeshAccess & ma, FlatArray<int> faces) {
-  TableCreator<int> vertex_creator(ma.GetNV());
-  for (; !vertex_creator.Done(); vertex_creator++)
-    for (int s : Range(faces))
-      for (auto v : ma.GetElement(ElementId(BND, faces[s])).Vertices())
-        vertex_creator.Add(v, s);
-  auto at_vertex = vertex_creator.MoveTable();
-  TableCreator<int> creator(faces.Size());
-  for (; !creator.Done(); creator++)
-    for (int s : Range(faces))
-      for (auto v : ma.GetElement(ElementId(BND, faces[s])).Vertices())
-        for (int t : at_vertex[v])
-          if (t != s)
-            creator.Add(s, t);
-  return creator.MoveTable();
-}
-
-/// Free dofs, less those of the rim: their support reaches beyond the slave surface.
-BitArray InnerDofs(const FESpace & fes, FlatArray<int> faces, FlatArray<int> slave_of_face) {
-  auto ma = fes.GetMeshAccess();
-  int block = fes.GetDimension();
-  BitArray inner(fes.GetNDof() * block), slave_vertex(ma->GetNV());
-  inner.Set();
-  slave_vertex.Clear();
-  if (auto free = fes.GetFreeDofs())
-    for (size_t i : Range(fes.GetNDof()))
-      if (!free->Test(i))
-        for (int k : Range(block))
-          inner.Clear(block * i + k);
-  for (int f : faces)
-    for (auto v : ma->GetElement(ElementId(BND, f)).Vertices())
-      slave_vertex.SetBit(v);
-  Array<DofId> dofs;
-  for (int f : Range(ma->GetNE(BND))) {
-    if (slave_of_face[f] >= 0)
-      continue;
-    bool touches = false;
-    for (auto v : ma->GetElement(ElementId(BND, f)).Vertices())
-      touches = touches || slave_vertex.Test(v);
-    if (!touches)
-      continue;
-    fes.GetDofNrs(ElementId(BND, f), dofs);
-    for (auto d : dofs)
-      if (IsRegularDof(d))
-        for (int k : Range(block))
-          inner.Clear(block * d + k);
-  }
-  return inner;
-}
-
-Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
-  auto ma = fes.GetMeshAccess();
-  Traces tr;
-  tr.dim = ma->GetDimension();
-  tr.slave_of_face.SetSize(ma->GetNE(BND));
-  tr.slave_of_face = -1;
-  for (int i : Range(ma->GetNE(BND)))
-    if (boundaries.Test(ma->GetElIndex(ElementId(BND, i)))) {
-      tr.slave_of_face[i] = tr.faces.Size();
-      tr.faces.Append(i);
-    }
-  tr.neighbours = VertexNeighbours(*ma, tr.faces);
-  tr.inner_dofs = InnerDofs(fes, tr.faces, tr.slave_of_face);
-
-  size_t ndof = fes.GetNDof() * fes.GetDimension();
-  tr.normals.SetSize(tr.faces.Size());
-  Array<Array<Trace>> traces(tr.faces.Size());
-  LocalHeap heap(10 * 1000 * 1000, "ngslac-partition", true);
-  ParallelForRange(tr.faces.Size(), [&](IntRange range) {
-    LocalHeap lh = heap.Split();
-    for (auto s : range)
-      traces[s] = TracesOnFace(fes, ElementId(BND, tr.faces[s]), tr.normals[s], lh);
-  });
-
-  TableCreator<int> creator(ndof);
-  for (; !creator.Done(); creator++)
-    for (int s : Range(traces))
-      for (auto & trace : traces[s])
-        creator.Add(trace.dof, s);
-  tr.dof_faces = creator.MoveTable();
-  Array<double> area(ndof), maximum(ndof);
-  tr.dof_mean.SetSize(ndof);
-  tr.dof_mean = Vec<3>(0.0), area = 0.0, maximum = 0.0;
-  for (auto & face : traces)
-    for (auto & trace : face) {
-      tr.dof_mean[trace.dof] += trace.integral;
-      area[trace.dof] += trace.area;
-      maximum[trace.dof] = max(maximum[trace.dof], trace.maximum);
-    }
-  for (size_t i : Range(ndof))
-    if (area[i] > 0)
-      tr.dof_mean[i] *= 1 / (area[i] * maximum[i]);
-  return tr;
-}
-
-/// Does a set of mean values span all directions?
-bool Spans(const Traces & tr, FlatArray<int> dofs) {
-  Matrix<> gram(tr.dim, tr.dim);
-  gram = 0;
+Reach ReachOf(const Traces & tr, FlatArray<int> dofs) {
+  Reach reach;
   for (int dof : dofs)
-    for (int k : Range(tr.dim))
-      for (int l : Range(tr.dim))
-        gram(k, l) += tr.dof_mean[dof](k) * tr.dof_mean[dof](l);
-  Vector<> eigenvalues(tr.dim);
-  Matrix<> eigenvectors(tr.dim, tr.dim);
-  CalcEigenSystem(gram, eigenvalues, eigenvectors);
-  double smallest = eigenvalues(0);
-  for (double e : eigenvalues)
-    smallest = min(smallest, e);
-  return smallest > sqr(mean_tolerance);
+    reach.Add(tr.dof_mean[dof]);
+  return reach;
+}
+
+/// Do these dofs reach all directions in which anything inside can move the faces, and the normals
+/// among them?
+bool Controls(const Traces & tr, FlatArray<int> dofs, FlatArray<int> faces) {
+  Reach own = ReachOf(tr, dofs), all = own;
+  for (int s : faces)
+    all.Add(tr.reach[s]);
+  return own.Rank() == all.Rank() &&
+         std::all_of(faces.begin(), faces.end(), [&](int s) { return own.Reaches(tr.normals[s]); });
 }
 
 bool Bends(const Traces & tr, FlatArray<int> faces) {
@@ -201,13 +43,13 @@ FlatArray<int> Support(const Traces & tr, const Candidate & candidate) {
   return tr.dof_faces[candidate[0]];
 }
 
-/// All supports on which the free dofs reach every direction.
+/// All supports on which the free dofs reach every direction that is not prescribed.
 Array<Candidate> FindCandidates(const Traces & tr) {
   std::map<std::vector<int>, int> index;
   Array<Candidate> all;
   for (size_t dof : Range(tr.dof_faces)) {
     auto faces = tr.dof_faces[dof];
-    if (faces.Size() == 0 || !tr.inner_dofs.Test(dof) || L2Norm(tr.dof_mean[dof]) < mean_tolerance)
+    if (faces.Size() == 0 || !tr.inner_dofs.Test(dof))
       continue;
     auto [it, isnew] =
         index.try_emplace(std::vector<int>(faces.begin(), faces.end()), int(all.Size()));
@@ -217,7 +59,7 @@ Array<Candidate> FindCandidates(const Traces & tr) {
   }
   Array<Candidate> usable;
   for (auto & c : all)
-    if (Spans(tr, c) && !Bends(tr, Support(tr, c)))
+    if (Controls(tr, c, Support(tr, c)) && !Bends(tr, Support(tr, c)))
       usable.Append(std::move(c));
   return usable;
 }
@@ -280,43 +122,97 @@ Vec<3> FaceCenter(const MeshAccess & ma, int face) {
 
 [[noreturn]] void ThrowUnstable(const FESpace & fes, const Traces & tr, FlatArray<int> faces) {
   auto ma = fes.GetMeshAccess();
+  bool moves = std::any_of(faces.begin(), faces.end(), [&](int s) { return tr.movable[s]; });
   stringstream text;
   text << "LACSpace: no macro-element can be made of " << faces.Size() << " face(s) of boundary '"
        << ma->GetMaterial(ElementId(BND, tr.faces[faces[0]])) << "', the first at "
-       << FaceCenter(*ma, tr.faces[faces[0]])
-       << ": no free displacement dof has its whole trace on them, so that the multiplier would be "
-          "unstable. Remedy: SplitSlaveFaces(mesh, slave), BubbleVectorH1(mesh, slave=...), a "
-          "higher "
-          "order, or no Dirichlet condition on the slave faces";
+       << FaceCenter(*ma, tr.faces[faces[0]]);
+  if (moves)
+    text << ": no free displacement dof has its whole trace on them, so that the multiplier would "
+            "be unstable. ";
+  else
+    text << ": no displacement is free there along the normal, so that contact cannot push them. ";
+  text << "Remedy: SplitSlaveFaces(mesh, slave), BubbleVectorH1(mesh, slave=...), a higher order, "
+          "or "
+          "no Dirichlet condition on the slave faces";
+  if (!moves)
+    text << " for the component along their normal (or make the other surface the slave)";
   throw Exception(text.str());
 }
 
-/// Faces without a macro-element join the neighbour that is the smallest and does not bend away.
-void JoinLeftovers(const FESpace & fes, const Traces & tr, Array<int> & macro,
-                   FlatArray<int> sizes) {
+/// Slave faces on the way into groups.
+struct Groups {
+  Array<int> of_face; // -1: none yet
+  Array<size_t> size, limit;
+  Array<int> first; // face that decides on the order
+
+  void Add(FlatArray<int> faces, size_t alimit) {
+    for (int s : faces)
+      of_face[s] = size.Size();
+    size.Append(faces.Size()), limit.Append(alimit), first.Append(faces[0]);
+  }
+  void AddFaces(const BitArray & faces) {
+    for (int s : Range(of_face))
+      if (faces.Test(s) && of_face[s] < 0)
+        Add(FlatArray<int>(1, &s), 0);
+  }
+  /// Numbered in the order of the mesh: neighbours get close numbers.
+  Array<int> Numbers() const {
+    Array<int> order(first.Size()), number(first.Size()), result(of_face.Size());
+    for (int g : Range(order))
+      order[g] = g;
+    QuickSort(order, [&](int a, int b) { return first[a] < first[b]; });
+    for (int i : Range(order))
+      number[order[i]] = i;
+    for (int s : Range(result))
+      result[s] = number[of_face[s]];
+    return result;
+  }
+};
+
+bool Joins(const Traces & tr, int face, int neighbour) {
+  return InnerProduct(tr.normals[face], tr.normals[neighbour]) > bend_cosine;
+}
+
+/// Faces without a group join the neighbour that is the smallest and does not bend away.
+void JoinLeftovers(const Traces & tr, Groups & groups) {
   for (bool changed = true; changed;) {
     changed = false;
-    for (int s : Range(macro)) {
-      if (macro[s] >= 0)
+    for (int s : Range(groups.of_face)) {
+      if (groups.of_face[s] >= 0)
         continue;
       int best = -1;
       for (int t : tr.neighbours[s])
-        if (macro[t] >= 0 && InnerProduct(tr.normals[s], tr.normals[t]) > bend_cosine &&
-            (best < 0 || sizes[macro[t]] < sizes[best]))
-          best = macro[t];
+        if (int g = groups.of_face[t]; g >= 0 && Joins(tr, s, t) &&
+                                       groups.size[g] < groups.limit[g] &&
+                                       (best < 0 || groups.size[g] < groups.size[best]))
+          best = g;
       if (best >= 0) {
-        macro[s] = best;
-        sizes[best]++;
+        groups.of_face[s] = best;
+        groups.size[best]++;
         changed = true;
       }
     }
   }
-  Array<int> lost;
-  for (int s : Range(macro))
-    if (macro[s] < 0)
-      lost.Append(s);
-  if (lost.Size())
-    ThrowUnstable(fes, tr, lost);
+}
+
+/// Faces from which a way leads to a group along faces that do not bend away.
+BitArray Connected(const Traces & tr, const Groups & groups) {
+  BitArray connected(tr.faces.Size());
+  connected.Clear();
+  Array<int> found;
+  auto add = [&](int s) {
+    connected.SetBit(s);
+    found.Append(s);
+  };
+  for (int s : Range(tr.faces))
+    if (groups.of_face[s] >= 0)
+      add(s);
+  for (size_t i = 0; i < found.Size(); i++)
+    for (int t : tr.neighbours[found[i]])
+      if (!connected.Test(t) && Joins(tr, found[i], t))
+        add(t);
+  return connected;
 }
 
 /// All free dofs whose trace lives in one macro-element alone.
@@ -340,10 +236,65 @@ MacroPartition Finish(const Traces & tr, FlatArray<int> macro, size_t nmacros) {
   partition.nmacros = nmacros;
   partition.macro_of_face.SetSize(tr.slave_of_face.Size());
   partition.macro_of_face = -1;
-  for (int s : Range(macro))
+  Array<Vec<3>> normals(nmacros);
+  normals = Vec<3>(0.0);
+  for (int s : Range(macro)) {
     partition.macro_of_face[tr.faces[s]] = macro[s];
+    normals[macro[s]] += tr.normals[s];
+  }
   partition.cores = CoreDofs(tr, macro, nmacros);
+  partition.reach.SetSize(nmacros);
+  for (size_t m : Range(nmacros)) {
+    Reach reach = ReachOf(tr, partition.cores[m]);
+    partition.reach[m] = 0.0;
+    if (reach.Reaches((1 / L2Norm(normals[m])) * normals[m]))
+      partition.reach[m] = reach.Projector();
+  }
   return partition;
+}
+
+/// Throws unless the faces of a macro-element hang together and look the same way.
+void CheckShape(const Traces & tr, FlatArray<int> macros, int macro, FlatArray<int> faces) {
+  string which = "LACSpace: macros makes macro-element " + ToString(macro) + " of " +
+                 ToString(faces.Size()) + " faces that ";
+  Array<int> found{faces[0]};
+  for (size_t i = 0; i < found.Size(); i++)
+    for (int t : tr.neighbours[found[i]])
+      if (macros[t] == macro && !found.Contains(t))
+        found.Append(t);
+  if (found.Size() < faces.Size())
+    throw std::invalid_argument(which + "do not hang together; give each part its own number");
+  if (Bends(tr, faces))
+    throw std::invalid_argument(which + "bend by more than 60 degrees, so that no normal stands "
+                                        "for all of them; make smaller macro-elements");
+}
+
+/// The faces of each macro-element that the caller gives.
+Array<Array<int>> GivenFaces(FlatArray<int> macros, size_t nfaces) {
+  if (macros.Size() != nfaces)
+    throw std::invalid_argument("LACSpace: macros has " + ToString(macros.Size()) +
+                                " entries, but there are " + ToString(nfaces) +
+                                " slave faces; give one number per face");
+  int highest = -1;
+  for (int m : macros) {
+    if (m < 0)
+      throw std::invalid_argument("LACSpace: macros holds the negative number " + ToString(m) +
+                                  "; number the macro-elements from 0");
+    highest = max(highest, m);
+  }
+  if (highest >= int(nfaces)) // before anything is allocated
+    throw std::invalid_argument("LACSpace: macros holds the number " + ToString(highest) +
+                                ", but " + ToString(nfaces) + " slave faces make no more than " +
+                                ToString(nfaces) + " macro-elements; number them densely from 0");
+  Array<Array<int>> faces(highest + 1);
+  for (int s : Range(macros))
+    faces[macros[s]].Append(s);
+  for (int m : Range(faces))
+    if (faces[m].Size() == 0)
+      throw std::invalid_argument("LACSpace: macros uses numbers up to " + ToString(highest) +
+                                  ", but macro-element " + ToString(m) +
+                                  " has no face; number them densely");
+  return faces;
 }
 } // namespace
 
@@ -351,45 +302,42 @@ MacroPartition PartitionBySupports(const FESpace & displacement, const BitArray 
   static Timer timer("ngslac::PartitionBySupports");
   RegionTimer reg(timer);
   auto tr = CollectTraces(displacement, boundaries);
+  size_t n = tr.faces.Size();
+  Groups groups;
+  groups.of_face.SetSize(n);
+  groups.of_face = -1;
   auto candidates = FindCandidates(tr);
-  auto chosen = ChooseDisjoint(tr, candidates);
-  // Number the macro-elements in the order of the mesh: neighbours get close numbers.
-  QuickSort(chosen, [&](int a, int b) {
-    return Support(tr, candidates[a])[0] < Support(tr, candidates[b])[0];
-  });
-  Array<int> macro(tr.faces.Size()), sizes(chosen.Size());
-  macro = -1;
-  for (int m : Range(chosen)) {
-    auto faces = Support(tr, candidates[chosen[m]]);
-    sizes[m] = faces.Size();
-    for (int s : faces)
-      macro[s] = m;
+  for (int c : ChooseDisjoint(tr, candidates)) {
+    auto support = Support(tr, candidates[c]);
+    groups.Add(support, Limit(support.Size()));
   }
-  JoinLeftovers(displacement, tr, macro, sizes);
-  return Finish(tr, macro, chosen.Size());
+  JoinLeftovers(tr, groups);
+  auto alone = Connected(tr, groups); // faces that are too far from any support
+  for (size_t s : Range(n))
+    if (!tr.movable[s] && groups.size.Size())
+      alone.SetBit(s);
+  Array<int> lost;
+  for (size_t s : Range(n))
+    if (groups.of_face[s] < 0 && !alone.Test(s))
+      lost.Append(s);
+  if (lost.Size())
+    ThrowUnstable(displacement, tr, lost);
+  groups.AddFaces(alone);
+  return Finish(tr, groups.Numbers(), groups.size.Size());
 }
 
 MacroPartition CheckedPartition(const FESpace & displacement, const BitArray & boundaries,
                                 FlatArray<int> macros) {
   auto tr = CollectTraces(displacement, boundaries);
-  if (macros.Size() != tr.faces.Size())
-    throw Exception("LACSpace: macros has " + ToString(macros.Size()) + " entries, but there are " +
-                    ToString(tr.faces.Size()) + " slave faces; give one number per face");
-  size_t nmacros = 0;
-  for (int m : macros)
-    nmacros = max(nmacros, size_t(max(m + 1, 0)));
-  Array<Array<int>> faces(nmacros);
-  for (int s : Range(macros))
-    if (macros[s] >= 0)
-      faces[macros[s]].Append(s);
-    else
-      throw Exception("LACSpace: macros holds the negative number " + ToString(macros[s]));
-  auto partition = Finish(tr, macros, nmacros);
-  for (size_t m : Range(nmacros)) {
-    if (faces[m].Size() == 0)
-      throw Exception("LACSpace: macros uses numbers up to " + ToString(nmacros - 1) +
-                      ", but macro-element " + ToString(m) + " has no face; number them densely");
-    if (!Spans(tr, partition.cores[m]))
+  auto faces = GivenFaces(macros, tr.faces.Size());
+  for (size_t m : Range(faces))
+    CheckShape(tr, macros, m, faces[m]);
+  auto partition = Finish(tr, macros, faces.Size());
+  bool any = std::any_of(tr.movable.begin(), tr.movable.end(), [](bool moves) { return moves; });
+  for (size_t m : Range(faces)) {
+    bool moves =
+        std::any_of(faces[m].begin(), faces[m].end(), [&](int s) { return tr.movable[s]; });
+    if ((moves || !any) && !Controls(tr, partition.cores[m], faces[m]))
       ThrowUnstable(displacement, tr, faces[m]);
   }
   return partition;

@@ -3,17 +3,10 @@
 
 namespace ngslac {
 namespace {
-/// A point inside of the only volume element of a boundary face.
+/// A point inside of a volume element.
 template <int D>
-Vec<D> InnerPoint(MeshAccess & ma, ElementId face, LocalHeap & lh) {
-  Array<int> volumes;
-  ma.GetFacetElements(ma.GetElement(face).Facets()[0], volumes);
-  if (volumes.Size() != 1)
-    throw Exception("boundary '" + string(ma.GetMaterial(face)) + "' has material on " +
-                    (volumes.Size() ? "both sides" : "no side") +
-                    ": contact needs two surfaces that share no nodes (mesh the bodies "
-                    "separately, do not glue them)");
-  auto & trafo = ma.GetTrafo(ElementId(VOL, volumes[0]), lh);
+Vec<D> InnerPoint(const MeshAccess & ma, int volume, LocalHeap & lh) {
+  auto & trafo = ma.GetTrafo(ElementId(VOL, volume), lh);
   auto type = trafo.GetElementType();
   Vec<3> center = 0.0;
   auto vertices = ElementTopology::GetVertices(type);
@@ -26,12 +19,10 @@ Vec<D> InnerPoint(MeshAccess & ma, ElementId face, LocalHeap & lh) {
   return x;
 }
 
-Vec<2> AreaVector(const Mat<2, 1> & dx) {
-  return Vec<2>(dx(1, 0), -dx(0, 0));
-}
-
-Vec<3> AreaVector(const Mat<3, 2> & dx) {
-  return Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1)));
+Array<int> VolumesAt(const MeshAccess & ma, ElementId face) {
+  Array<int> volumes;
+  ma.GetFacetElements(ma.GetElement(face).Facets()[0], volumes);
+  return volumes;
 }
 
 template <int R>
@@ -56,6 +47,22 @@ FlatArray<Vec<2>> Corners(ELEMENT_TYPE type) {
   static Array<Vec<2>> quad{Vec<2>(0, 0), Vec<2>(1, 0), Vec<2>(1, 1), Vec<2>(0, 1)};
   return type == ET_TRIG ? trig : quad;
 }
+
+template <int D>
+int Orientation(const MeshAccess & ma, ElementId face, LocalHeap & lh) {
+  HeapReset hr(lh);
+  auto volumes = VolumesAt(ma, face);
+  if (volumes.Size() != 1)
+    return 0;
+  auto & trafo = ma.GetTrafo(face, lh);
+  auto center = Center<D - 1>(trafo.GetElementType());
+  MappedIntegrationPoint<D - 1, D> middle(ToIntegrationPoint(center), trafo);
+  Vec<D> inwards = InnerPoint<D>(ma, volumes[0], lh) - middle.GetPoint();
+  return InnerProduct(AreaVector(middle.GetJacobian()), inwards) < 0 ? 1 : -1;
+}
+
+template int Orientation<2>(const MeshAccess &, ElementId, LocalHeap &);
+template int Orientation<3>(const MeshAccess &, ElementId, LocalHeap &);
 
 template <int D>
 Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement,
@@ -114,9 +121,12 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
 
   ElementId ei(BND, elements[face]);
   auto & trafo = ma.GetTrafo(ei, lh);
-  MappedIntegrationPoint<R, D> middle(ToIntegrationPoint(Center<R>(types[face])), trafo);
-  Vec<D> inwards = InnerPoint<D>(ma, ei, lh) - middle.GetPoint();
-  orientation[face] = InnerProduct(AreaVector(middle.GetJacobian()), inwards) < 0 ? 1 : -1;
+  orientation[face] = Orientation<D>(ma, ei, lh);
+  if (orientation[face] == 0)
+    throw Exception("boundary '" + string(ma.GetMaterial(ei)) + "' has material on " +
+                    (VolumesAt(ma, ei).Size() ? "both sides" : "no side") +
+                    ": contact needs two surfaces that share no nodes (mesh the bodies "
+                    "separately, do not glue them)");
 
   FlatMatrixFixWidth<D> values(points.Size(), lh);
   for (int i : Range(points)) {

@@ -81,11 +81,25 @@ Vec<R> ReferencePoint(const IntegrationPoint & ip) {
   return xi;
 }
 
+/// Perpendicular to the face, as long as the area element is large.
+inline Vec<2> AreaVector(const Mat<2, 1> & dx) {
+  return Vec<2>(dx(1, 0), -dx(0, 0));
+}
+inline Vec<3> AreaVector(const Mat<3, 2> & dx) {
+  return Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1)));
+}
+
+/// +1 where the area vector of a boundary element points out of the body, -1 where it points into
+/// it: meshes may have the corners of their boundary elements in any order. 0 where there is not
+/// exactly one volume element behind the face.
+template <int D>
+int Orientation(const MeshAccess & ma, ElementId face, LocalHeap & lh);
+
 /// Factor of the area element.
 inline double Measure(const Mat<2, 1> & dx) {
   return L2Norm(dx.Col(0));
 }
 inline double Measure(const Mat<3, 2> & dx) {
-  return L2Norm(Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1))));
+  return L2Norm(AreaVector(dx));
 }
 } // namespace ngslac
