@@ -146,6 +146,7 @@ public:
         slip(k) = states[m].slip(k);
       double motion = sqrt(sqr(approach) + L2Norm2(slip));
       reference[m] = this->TimeToTouch(states[m], approach, motion) * slip;
+      reference[m] += this->ElasticSlip(m, jump->normal[m], bx.FV<double>());
       last_gap[m] = states[m].gap;
     }
     start = points;
@@ -310,7 +311,7 @@ private:
                      const Coupling & coupling, LocalHeap & lh) {
     if (points->area[m] == 0) {
       auto p = project(m, jump->normal[m], jump->normal[m]);
-      SetMultiplierBlock(m, p.derivative);
+      SetMultiplierBlock(m, jump->normal[m], p.derivative);
       return;
     }
     MacroRows<D> rows(coupling.dofs, coupling.turning);
@@ -329,9 +330,11 @@ private:
     }
     auto place = PlaceOf(mean.gap, normal, slip);
     auto p = project(m, normal, this->Trial(m, place, x));
-    SetMultiplierBlock(m, p.derivative);
+    SetMultiplierBlock(m, normal, p.derivative);
 
     ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
+    auto compliance = this->ComplianceOf(m);
+    Vec<D> multiplier = this->Multiplier(m, x);
     double area = points->area[m];
     Matrix<> entries(D, rows.dofs.Size());
     for (int j : Range(rows.dofs)) {
@@ -339,6 +342,7 @@ private:
       Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
       moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
       moved -= rows.gap(j) * normal + mean.gap * turn;
+      moved += 1 / c[m] * compliance.Turned(normal, turn, multiplier);
       entries.Col(j) = area / c[m] * (p.by_normal * turn) - area * (p.derivative * moved);
       Vec<D> force = across * Vec<D>(rows.force.Col(j)) + rows.squeeze(j) * normal;
       for (int k : Range(D))
@@ -380,8 +384,8 @@ private:
       AddToRow(*mat, rows.dofs[i], rows.turning, &rows.stiffness(i, 0));
   }
 
-  void SetMultiplierBlock(size_t m, const ngbla::Mat<D, D> & derivative) {
-    ngbla::Mat<D, D> by_lam = (this->RowArea(m) / c[m]) * (derivative - Id<D>());
+  void SetMultiplierBlock(size_t m, const Vec<D> & normal, const ngbla::Mat<D, D> & derivative) {
+    auto by_lam = this->MultiplierBlock(m, normal, derivative);
     for (int k : Range(D))
       for (int l : Range(D))
         (*mat)(lamdof[D * m + k], lamdof[D * m + l]) = by_lam(k, l);

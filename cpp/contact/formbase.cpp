@@ -205,6 +205,8 @@ void FormBase<D>::Close(const BitArray & macros, BaseVector & bx) {
       // just enough for a positive trial pressure
       auto place = Place(m, x);
       double pressure = c[m] * (fabs(place.gap) + 1e-6 * pow(jump->fullarea[m], 1.0 / (D - 1)));
+      Vec<D> given = ComplianceOf(m).At(place.normal) * place.normal;
+      pressure /= 1 - InnerProduct(given, place.normal);
       for (int k : Range(D))
         x(lamdof[D * m + k]) = -pressure * place.normal(k);
     }

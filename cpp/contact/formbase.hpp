@@ -1,4 +1,5 @@
 #pragma once
+#include "compliance.hpp"
 #include "contactform.hpp"
 #include "eliminate.hpp"
 
@@ -93,7 +94,24 @@ protected:
   Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     if (jump->area[m] == 0)
       return place.normal;
-    return Multiplier(m, x) - c[m] * place.jump;
+    Vec<D> traction = Multiplier(m, x);
+    return traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+  }
+  Compliance<D> ComplianceOf(size_t m) const {
+    return Compliance<D>(space->ReachOf(m), setup.tied);
+  }
+  /// Derivative of a multiplier's rows by the multiplier, from that of the projection.
+  ngbla::Mat<D, D> MultiplierBlock(size_t m, const Vec<D> & normal,
+                                   const ngbla::Mat<D, D> & projection) const {
+    ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(normal);
+    return (RowArea(m) / c[m]) * (by_trial - Id<D>());
+  }
+  /// Slip that comes back when the tangential traction is taken away: it counts on.
+  Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {
+    if (ComplianceOf(m).IsRigid() || !(c[m] > 0))
+      return Vec<D>(0.0);
+    Vec<D> slip = (1 / c[m]) * (ComplianceOf(m).At(normal) * Multiplier(m, x));
+    return slip - InnerProduct(slip, normal) * normal;
   }
   /// Runs f(macro, heap) in threads.
   template <typename F>

@@ -103,6 +103,7 @@ public:
       committed[m] = mean;
       double approach = InnerProduct(velocity, jump->normal[m]);
       reference[m] = mean + this->TimeToTouch(states[m], approach, L2Norm(velocity)) * velocity;
+      reference[m] += this->ElasticSlip(m, jump->normal[m], x);
     }
   }
 
@@ -167,7 +168,7 @@ private:
   }
 
   void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
-    ngbla::Mat<D, D> by_lam = (this->RowArea(m) / c[m]) * (derivative - Id<D>());
+    auto by_lam = this->MultiplierBlock(m, jump->normal[m], derivative);
     for (int k : Range(D)) {
       int row = lamdof[D * m + k];
       for (int l : Range(D))
