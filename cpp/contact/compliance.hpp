@@ -51,8 +51,7 @@ public:
     Mat<D, D> across = Across(normal);
     Mat<D, D> change = -1 * (turn * Trans(normal) + normal * Trans(turn));
     Vec<D> tangential = across * lambda, changed = change * lambda;
-    return share * Vec<D>(change * Vec<D>(fixed * tangential) +
-                          across * Vec<D>(fixed * changed));
+    return share * Vec<D>(change * Vec<D>(fixed * tangential) + across * Vec<D>(fixed * changed));
   }
 
 private:

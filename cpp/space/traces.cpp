@@ -115,7 +115,10 @@ Table<int> VertexNeighbours(const MeshAccess & ma, FlatArray<int> faces) {
         for (int t : at_vertex[v])
           if (t != s)
             creator.Add(s, t);
-  return creator.MoveTable();
+  auto neighbours = creator.MoveTable();
+  for (int s : Range(faces)) // in an order that does not depend on that of the vertices
+    QuickSort(neighbours[s]);
+  return neighbours;
 }
 
 /// The free dofs, scalar by scalar.
