@@ -20,6 +20,7 @@ import stress_clamped  # noqa: F401
 import stress_finite2d
 import stress_finite3d
 import stress_floating2d
+import stress_holes  # noqa: F401
 import stress_random  # noqa: F401
 from stress_check import Check, CheckEnd, WrongAnswerError
 from stress_problem import PROBLEMS

@@ -1,6 +1,6 @@
 """Meshes of the stress set: mapped grids, the contact sides of which never match."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -125,13 +125,15 @@ def Closed(cells, block):
 class Part:
     """An OCC face as a body; `edges` are points beside the edges that get a name of their own.
 
-    Edges are called NAME_free, or NAME_SIDE for ``edges={"SIDE": [(x, y), ...]}``.
+    Edges are called NAME_free, or NAME_SIDE for ``edges={"SIDE": [(x, y), ...]}``; `sizes` are
+    mesh sizes along some of them.
     """
 
     name: str
     face: object
     maxh: float
     edges: dict
+    sizes: dict = field(default_factory=dict)
 
 
 def Plate(x0, y0, x1, y1):
@@ -153,7 +155,9 @@ def Sketch(*parts, curve=1):
         part.face.edges.name = f"{part.name}_free"
         for side, points in part.edges.items():
             for point in points:
-                part.face.edges.Nearest((*point, 0)).name = f"{part.name}_{side}"
+                edge = part.face.edges.Nearest((*point, 0))
+                edge.name = f"{part.name}_{side}"
+                edge.maxh = part.sizes.get(side, part.maxh)
     shape = Compound([part.face for part in parts])
     mesh = Mesh(OCCGeometry(shape, dim=2).GenerateMesh())
     return mesh if curve == 1 else mesh.Curve(curve)

@@ -152,7 +152,8 @@ def Make(draw, mesh, pairs, bodies, held):
     own = {k: {"friction": f} for k, f in enumerate(draw.friction[: len(pairs)]) if draw.rubs}
     bubble = {"space": BubbleVectorH1} if draw.order == 1 and draw.bubble else {}
     p = Problem(mesh, pairs, young, nonlinear=draw.finite, order=draw.order, law=law, own=own,
-                flags={"dirichlet": "|".join(held)}, path=[(1.0, draw.steps)], **bubble)  # fmt: skip
+                flags={"dirichlet": "|".join(held)}, path=[(1.0, draw.steps)],
+                **bubble)  # fmt: skip
     if not draw.rubs:
         for body in bodies:
             if f"{body}_bottom" not in held:
@@ -160,7 +161,7 @@ def Make(draw, mesh, pairs, bodies, held):
     return p
 
 
-def Load(draw, p, loose, heights, width, play):
+def Load(draw, p, loose, heights, width, play, part=1.0):
     """Press the stack `loose` together, and aside."""
     top, frame, rng = f"{loose[-1]}_top", draw.frame, draw.rng
     weakest = min(p.young.values())
@@ -173,7 +174,7 @@ def Load(draw, p, loose, heights, width, play):
         else:
             p.prescribe = {top: motion}
     else:
-        force = rng.uniform(0.005, 0.03) * weakest
+        force = part * rng.uniform(0.005, 0.03) * weakest
         vector = frame.Vector(force * draw.Ratio(heights, width), -force)
         if draw.drive == "force":
             p.Traction(top, p.load * vector)
@@ -229,7 +230,7 @@ def Bridge(draw):
     held = Held(draw, loose, "base_bottom", "other_bottom")
     mesh = Grids(*pillars, beam, *blocks)
     p = Make(draw, mesh, pairs, ["base", "other", *loose], held)
-    return Load(draw, p, loose, [thick, *heights], width, play + short)
+    return Load(draw, p, loose, [thick, *heights], width, play + short, 0.1)  # it bends
 
 
 # --- three dimensions ----------------------------------------------------------------------------

@@ -57,7 +57,7 @@ class Verifier:
         Require(both.max(initial=0), tolerance, f"{side.name}: pressure across a gap")
         bound = side.friction * np.maximum(pressure, 0)
         # The mean normal errs where points are cut off at the end of the other surface.
-        allowed = np.where(state.covered > 1 - 1e-9, ALGEBRA, WORK[side.dim])
+        allowed = np.where(state.whole, ALGEBRA, WORK[side.dim])
         beyond = ((shear - bound) / allowed)[known]
         Require(beyond.max(initial=0), 1, f"{side.name}: too much friction")
         if side.last is not None:

@@ -84,6 +84,10 @@ class Faces:
         values = np.asarray(function(self.points), dtype=float)
         return values.reshape(-1, len(self.powers), max(1, function.dim))
 
+    def Corners(self):
+        """Reference points of the corners."""
+        return np.unique(Cells(self.kind, 1).reshape(-1, self.powers.shape[1]), axis=0)
+
     def Shapes(self, points):
         """Matrix (points, nodes) that interpolates."""
         return self._Monomials(points) @ self.inverse

@@ -22,6 +22,7 @@ class State:
     gap: np.ndarray
     slip: np.ndarray  # since the state before
     covered: np.ndarray  # part of the area that has a partner
+    whole: np.ndarray  # do the corners of all faces have one, too?
     jump: np.ndarray
     normals: np.ndarray  # at the points
     hits: object
@@ -85,26 +86,36 @@ class Side:
         return np.stack([self._Sum(v) for v in np.moveaxis(values, -1, 0)], axis=-1)
 
     def _Look(self, displacement):
-        """Unit normals at the points and what they meet, where the slave is displaced."""
+        """Normals at the points, what they meet, and which macro-elements have partners all over.
+
+        The slave is displaced.
+        """
         position = self.faces.position + displacement
-        x, normals = self._At(position), self._Normals(position)
-        normals = normals / np.linalg.norm(normals, axis=-1)[..., None]
-        hits = None
-        if self.master:
-            target = self.master.position + (self.master.Values(self.u) if self.finite else 0)
-            corners = np.concatenate([position.reshape(-1, self.dim), target.reshape(-1, self.dim)])
-            ahead = np.linalg.norm(np.ptp(corners, axis=0))
-            behind = 0.1 * np.linalg.norm(np.ptp(position.reshape(-1, self.dim), axis=0))
-            hits = MeetFaces(
-                x.reshape(-1, self.dim),
-                normals.reshape(-1, self.dim),
-                self.master,
-                target,
-                ahead=self.law.get("maxdist", ahead),
-                behind=self.law.get("penetration", behind),
-                cells=1 if self.unbent else BENT[self.dim],
-            )
-        return normals, hits
+        normals = Unit(self._Normals(position))
+        if self.master is None:
+            return normals, None, np.ones(len(self.area), dtype=bool)
+        hits = self._Meet(position, self._At(position), normals)
+        ends = self.faces.Corners()
+        slopes = np.einsum("qrn,fnd->fqrd", self.faces.Slopes(ends), position)
+        corners = np.einsum("qn,fnd->fqd", self.faces.Shapes(ends), position)
+        met = self._Meet(position, corners, Unit(self.faces.Normals(slopes))).face >= 0
+        misses = np.sum(~met.reshape(corners.shape[:2]), axis=1)
+        return normals, hits, np.bincount(self.macro, misses) == 0
+
+    def _Meet(self, position, points, normals):
+        target = self.master.position + (self.master.Values(self.u) if self.finite else 0)
+        slave, master = position.reshape(-1, self.dim), target.reshape(-1, self.dim)
+        ahead = np.linalg.norm(np.ptp(np.concatenate([slave, master]), axis=0))
+        behind = 0.1 * np.linalg.norm(np.ptp(slave, axis=0))
+        return MeetFaces(
+            points.reshape(-1, self.dim),
+            normals.reshape(-1, self.dim),
+            self.master,
+            target,
+            ahead=self.law.get("maxdist", ahead),
+            behind=self.law.get("penetration", behind),
+            cells=1 if self.unbent else BENT[self.dim],
+        )
 
     def _Partner(self, values, hits):
         """Nodal values of the master at what the points meet, 0 without partner, and a mask."""
@@ -127,7 +138,7 @@ class Side:
         """The present state."""
         u1 = self.faces.Values(self.u)
         u2 = self.master.Values(self.u) if self.master else None
-        normals, hits = self._Look(u1) if self.finite else self.small
+        normals, hits, whole = self._Look(u1) if self.finite else self.small
         start = self.faces.position
         if self.master is None:
             distance = -self._At(self.faces.Values(self.obstacle)) * normals
@@ -146,7 +157,9 @@ class Side:
         jump = mean[:, None] * self._Sum(moved)
         slip = self._Slip(jump, u1, u2)
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
-        return State(self._Traction(), normal, gap, slip, area / self.area, jump, normals, hits)
+        return State(
+            self._Traction(), normal, gap, slip, area / self.area, whole, jump, normals, hits
+        )
 
     def _Slip(self, jump, u1, u2):
         """How far apart the points have moved that faced each other in the last state."""
@@ -175,7 +188,11 @@ class Side:
     def CutOff(self, state):
         """Force on the last cell of macro-elements that the other surface covers in part."""
         force = np.linalg.norm(state.traction, axis=1) * self.area
-        return force[state.covered < 1 - 1e-9].sum() / CELLS[self.dim]
+        return force[~state.whole].sum() / CELLS[self.dim]
+
+
+def Unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=-1)[..., None]
 
 
 def Macros(faces, space):
