@@ -9,9 +9,11 @@ from ngslac._ngslac import Side
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.rigidmotions import DofsOfMaterials, RigidMotions
 
-__all__ = ["Bodies", "CloseNearest", "FloatingMessage"]
+__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "LostMessage"]
 
 TOLERANCE = 1e-8
+# How far a body goes, relative to the size of the mesh, when nothing holds it.
+FAR = 1.0
 
 
 class Bodies:
@@ -31,7 +33,7 @@ class Bodies:
         form = contact.form
         space, block = form.component, form.fes.dim
         self.first, self.count = form.offset * block, space.ndof * block
-        self.motions, self.names = RigidMotions(space)
+        self.motions, self.names, self.size = RigidMotions(space)
         forces = Forces(mat, self.first, self.count)
         values = np.random.default_rng(0).standard_normal(self.count)
         pushed = forces(values)
@@ -108,6 +110,24 @@ class Bodies:
             f"body '{bodies[k // len(self.names)]}' floats ({self.names[k % len(self.names)]})"
             for k in sorted(pivots[: left.shape[1]])
         ]
+
+    def Lost(self, values):
+        """Descriptions of the bodies that displacements (n,) carry off like rigid ones.
+
+        Farther than the size of the mesh, and far more than they deform.
+        """
+        lost = []
+        for part, name, combinations in self.floating:
+            own = np.flatnonzero(self.part == part)
+            motions = self.motions[own] @ combinations
+            moved = values[self.first + own]
+            weights = np.linalg.lstsq(motions, moved)[0]
+            rigid = motions @ weights
+            far = np.max(np.abs(rigid)) > FAR * self.size
+            if far and np.max(np.abs(moved - rigid)) < 0.2 * np.max(np.abs(rigid)):
+                most = np.argmax(np.abs(combinations @ weights))
+                lost.append(f"body '{name}' moves off ({self.names[most]})")
+        return lost
 
     def _Jump(self, rows, part):
         """What the constraints see of the rigid motions of one part."""
@@ -227,6 +247,14 @@ def FloatingMessage(floating):
         "; ".join(floating)
         + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
         "contact, or prescribe a displacement in place of a force"
+    )
+
+
+def LostMessage(lost):
+    return (
+        "; ".join(lost)
+        + ": the loads exceed what contact and friction can carry. Constrain it, or prescribe a "
+        "displacement in place of a force"
     )
 
 

@@ -258,6 +258,9 @@ class Inert:
     def Floating(self, contacts, holds="now"):
         return []
 
+    def Lost(self, values):
+        return []
+
 
 def Displacement(space, form):
     """Trial and test function of the displacement of a compiled contact form."""

@@ -33,6 +33,8 @@ def RigidMotions(space):
     motions : (n, m) array
         Scalar coefficients, one column for each of the m motions.
     names : list[str]
+    size : float
+        Of the mesh.
     """
     mesh, d = space.mesh, space.mesh.dim
     points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
@@ -46,7 +48,7 @@ def RigidMotions(space):
             gf.Set(Field(table, arms), VOL)
             columns.append(gf.vec.FV().NumPy().copy())
         motions = np.stack(columns, axis=1)
-    return motions, names
+    return motions, names, size
 
 
 def Tables(d):

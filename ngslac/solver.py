@@ -5,7 +5,7 @@ from ngsolve import BitArray
 
 from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
+from ngslac.bodies import Bodies, CloseNearest, FloatingMessage, LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.interior import InteriorPoint
@@ -34,6 +34,8 @@ NEWTON, LEAST = 30, 10
 # Residual from which Newton's method may end what the other one began, how many steps it gets for
 # that, and how much nearer it has to be the next time.
 NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
+# Part of a step so short that there is no way on.
+TINY = 1e-3
 
 
 class ContactSolver(NewtonStep):
@@ -310,12 +312,22 @@ class ContactSolver(NewtonStep):
         """By an interior point method near to the solution, and from there by Newton's."""
         if self._printing:
             print(f"  {error}: interior point method")
+        self._Assemble()
         self.residual.Follow()
         state = self._Measure()
-        self._Assemble()
-        path, near = InteriorPoint(self, state), NEAR
-        while len(self.history) <= maxit:
+        try:
+            last = self._AlongPath(InteriorPoint(self, state), state, maxit)
+            self._CheckLost(error)
+            return last
+        except FAILURES as another:
+            self._CheckLost(error)
+            raise another from error
+
+    def _AlongPath(self, path, state, maxit):
+        near, tiny = NEAR, 0
+        while len(self.history) <= maxit and tiny < 3:
             state, damping = path.Step(state)
+            tiny = tiny + 1 if damping < TINY else 0
             state = self._Confirmed(state)
             self._Record(state, damping)
             if self._Converged(state):
@@ -331,6 +343,14 @@ class ContactSolver(NewtonStep):
                     state = self._Measure()
             self._Assemble()
         raise self._NotConverged(state)
+
+    def _CheckLost(self, error):
+        """Raise an error if a body is carried off: that before, if it knows of it."""
+        if not (lost := self._Bodies().Lost(self.gf.vec.FV().NumPy())):
+            return
+        if isinstance(error, FloatingBodyError):
+            raise error
+        raise FloatingBodyError(LostMessage(lost)) from error
 
     def _Confirmed(self, state):
         """The state, by the bulk's own residual where it looks converged or hopeless."""
@@ -387,6 +407,9 @@ class ContactSolver(NewtonStep):
         return self.initial == "gap" and not self._WhatFloats("closed")
 
     def _WhatFloats(self, holds="now"):
+        return self._Bodies().Floating(self.contacts, holds)
+
+    def _Bodies(self):
         if self._bodies is None:
             self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
-        return self._bodies.Floating(self.contacts, holds)
+        return self._bodies

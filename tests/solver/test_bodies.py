@@ -85,7 +85,7 @@ def test_motions_are_rigid(kind, monkeypatch):
     d, gf = space.mesh.dim, GridFunction(space)
     watched = {"Set": lambda gf, *args, **where: (sets.append(where), Set(gf, *args, **where))}
     monkeypatch.setattr(GridFunction, "Set", watched["Set"])
-    motions, names = RigidMotions(space)
+    motions, names, _ = RigidMotions(space)
     monkeypatch.undo()
     assert sum(not where for where in sets) == (0 if kind in SPACES else len(names))
     assert motions.shape[1] == len(names) == len(set(names)) == d * (d + 1) // 2
