@@ -1,6 +1,6 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 
 import numpy as np
 from netgen.meshing import NgException
@@ -22,7 +22,6 @@ from ngslac.arguments import (
 )
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
-from ngslac.snapshot import Snapshot
 
 __all__ = ["LACContact"]
 
@@ -195,8 +194,18 @@ class LACContact(ContactResults, ContactPictures):
             self._MakeFields()
             self._Pair(gf)
             return
-        with Snapshot(self):
+        with self._WholeOrNot(gf):
             self._Pair(gf)
+
+    @contextmanager
+    def _WholeOrNot(self, gf):
+        """What fails in the block, or is interrupted, changes nothing: `gf` is the solution."""
+        before = self.State()
+        try:
+            yield
+        except BaseException:
+            self.SetState(before, gf)
+            raise
 
     def _Pair(self, gf):
         paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
@@ -275,7 +284,7 @@ class LACContact(ContactResults, ContactPictures):
         """
         CheckOnSpace("gf", gf, self.form.fes)
         paired = gf.vec.FV().NumPy().copy() if self.finite else self._paired
-        with Snapshot(self):
+        with self._WholeOrNot(gf):
             if self.finite:
                 self._paired = IN_DOUBT
             self.form.Commit(gf.vec)

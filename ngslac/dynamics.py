@@ -18,7 +18,7 @@ from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
 from ngslac.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.loads import LoadVector
-from ngslac.prescribed import Prescribed
+from ngslac.prescribed import CheckKept, Prescribed
 from ngslac.progress import Progress
 from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
@@ -259,6 +259,7 @@ class TimeStepper:
             self._progress.At(goal)
             if callback:
                 callback(step)
+                CheckKept("time", self.time, goal)
                 self._saved = Snapshot(self)  # which may have changed something
             size, cuts = 2 * size, 0
         return done

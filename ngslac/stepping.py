@@ -7,7 +7,7 @@ from ngsolve import Parameter
 
 from ngslac.arguments import CheckCount, CheckFlag, CheckFunction, CheckInstance, CheckNumber
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.prescribed import Prescribed
+from ngslac.prescribed import CheckKept, Prescribed
 from ngslac.progress import Progress
 from ngslac.snapshot import Snapshot
 from ngslac.solver import ContactSolver
@@ -184,6 +184,7 @@ class LoadStepper:
         self._progress.At(goal)
         if callback:
             callback(step)
+            CheckKept("load", self.load, goal)
             self._saved = Snapshot(self)  # which may have changed something
         return step
 

@@ -1,0 +1,71 @@
+"""Interrupts at any line of the package, as Ctrl-C brings them, and what is left after them."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import ngslac
+
+HOME = str(Path(ngslac.__file__).parent)
+
+
+class Interrupter:
+    """A context that raises KeyboardInterrupt at the line number `at` that the package executes.
+
+    Attributes
+    ----------
+    lines : int
+        How many were executed.
+    """
+
+    def __init__(self, at=None):
+        self.at, self.lines = at, 0
+
+    def __enter__(self):
+        self._before = sys.gettrace()
+        sys.settrace(self._Trace)
+        return self
+
+    def __exit__(self, *error):
+        sys.settrace(self._before)
+
+    def _Trace(self, frame, event, _):
+        if not frame.f_code.co_filename.startswith(HOME):
+            return None
+        if event == "line":
+            self.lines += 1
+            if self.lines == self.at:
+                raise KeyboardInterrupt
+        return self._Trace
+
+
+def seen(tool):
+    """All that a user can see of a computation, by name."""
+    solver = getattr(tool, "solver", tool)
+    found = {"gf": solver.gf.vec.FV().NumPy().copy()}
+    for name in ("load", "time"):
+        if hasattr(tool, name):
+            found[name] = getattr(tool, name).Get()
+    if hasattr(tool, "steps"):
+        found["steps"] = len(tool.steps)
+    if hasattr(tool, "velocity"):
+        found["velocity"] = tool.velocity.vec.FV().NumPy().copy()
+        found["balance"] = -1.0 if tool.balance is None else tool.balance.time
+    for k, contact in enumerate(solver.contacts):
+        parts = contact.Table() | contact.State()
+        parts["force"], parts["moment"] = contact.Force(), np.asarray(contact.Moment())
+        for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
+            parts["field " + name] = getattr(contact, name).vec.FV().NumPy().copy()
+        found |= {f"{name} {k}": np.array(values) for name, values in parts.items()}
+    return found
+
+
+def same(one, other, rounding=0.0):
+    """Names of what is the same in both."""
+
+    def equal(a, b):
+        size = max(np.abs(a).max(initial=0), np.abs(b).max(initial=0))
+        return np.shape(a) == np.shape(b) and np.all(np.abs(a - b) <= rounding * size)
+
+    return {name for name in one if equal(np.asarray(one[name], float), other[name])}
