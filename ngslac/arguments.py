@@ -11,11 +11,13 @@ __all__ = [
     "BoundaryRegion",
     "CheckChoice",
     "CheckCount",
+    "CheckDisplacement",
     "CheckDistinct",
     "CheckFlag",
     "CheckFunction",
     "CheckInstance",
     "CheckNumber",
+    "CheckOnMesh",
     "CheckOnSpace",
     "CheckPoint",
     "CheckPositive",
@@ -116,8 +118,8 @@ def CheckInstance(name, value, kind, wanted):
 
 
 def CheckFunction(name, value, wanted="a function, or None"):
-    """A Python function or None; a CoefficientFunction, which is callable as well, is neither."""
-    if value is not None and (not callable(value) or isinstance(value, CoefficientFunction)):
+    """A Python function or None; callable things of NGSolve, such as a mesh, are neither."""
+    if value is not None and (not callable(value) or type(value).__module__.startswith("ngsolve")):
         raise Wrong(TypeError, name, value, wanted)
     return value
 
@@ -143,6 +145,25 @@ def CheckVector(name, vector, size):
             f"{name} has {found} entries, the product space {size}: take a vector of that space"
         )
     return vector
+
+
+def CheckDisplacement(name, value, mesh):
+    """A real function with one component for each dimension of the mesh, or None."""
+    wanted = f"a displacement with {mesh.dim} components, such as gf.components[0], or None"
+    if value is None:
+        return value
+    CheckInstance(name, value, CoefficientFunction, wanted)
+    if value.dim != mesh.dim or value.is_complex:
+        kind = "complex" if value.is_complex else f"of dimension {value.dim}"
+        raise ValueError(f"{name} = {Shown(value)} is {kind}: it must be {wanted}")
+    return CheckOnMesh(name, value, mesh)
+
+
+def CheckOnMesh(name, function, mesh):
+    """A function that is no GridFunction of another mesh."""
+    if isinstance(function, GridFunction) and function.space.mesh != mesh:
+        raise ValueError(f"{name} lives on another mesh than the contact: take one on the same")
+    return function
 
 
 # --- regions and coefficients --------------------------------------------------------------------

@@ -12,7 +12,7 @@ __all__ = ["PathOf", "Replacing"]
 def PathOf(name, file):
     """An argument as pathlib.Path."""
     path = Path(CheckInstance(name, file, (str, os.PathLike), "the name of a file"))
-    if not path.name:
+    if not path.name or "\0" in path.name:
         raise ValueError(f"{name} = {str(file)!r} must be the name of a file")
     return path
 

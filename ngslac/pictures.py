@@ -1,8 +1,18 @@
 """Pictures of a contact: scenes of the webgui, profiles by matplotlib, files for ParaView."""
 
 import numpy as np
-from ngsolve import BND, CF, GridFunction, VTKOutput
+from ngsolve import BND, CF, CoefficientFunction, GridFunction, VTKOutput
 
+from ngslac.arguments import (
+    CheckChoice,
+    CheckDisplacement,
+    CheckFunction,
+    CheckInstance,
+    CheckNumber,
+    CheckOnMesh,
+    CheckPositive,
+    Wrong,
+)
 from ngslac.arrays import AsBits
 from ngslac.facepoints import FacePoints
 from ngslac.glyphs import Arrows, Bars, Dots, Ticks
@@ -51,8 +61,8 @@ class ContactPictures:
 
         Raises
         ------
-        ValueError
-            An unknown field.
+        ValueError, TypeError
+            An unknown field, or an argument of another kind.
 
         Examples
         --------
@@ -62,8 +72,15 @@ class ContactPictures:
         # Importing the webgui switches NumPy's warnings off: not before somebody draws.
         from ngsolve.webgui import Draw
 
-        if field not in KINDS:
-            raise ValueError(f"field {field!r} is none of {', '.join(KINDS)}")
+        CheckChoice("field", field, KINDS)
+        CheckDisplacement("deformation", deformation, self.mesh)
+        CheckNumber("scale", scale)
+        if size is not None:
+            CheckPositive("size", size, "a positive length, or None")
+        if background is not None:
+            wanted = "a CoefficientFunction such as a stress, or None"
+            CheckInstance("background", background, CoefficientFunction, wanted)
+            CheckOnMesh("background", background, self.mesh)
         self._PairOnce()
         flat = self.mesh.dim == 2
         displacement = deformation
@@ -136,8 +153,8 @@ class ContactPictures:
 
         Raises
         ------
-        ValueError
-            An unknown field or coordinate.
+        ValueError, TypeError
+            An unknown field or coordinate, or an argument of another kind.
 
         Examples
         --------
@@ -146,8 +163,10 @@ class ContactPictures:
         from matplotlib import pyplot as plt
 
         fields = (*SCALARS, *VECTORS[:2])
-        if field not in fields:
-            raise ValueError(f"field {field!r} is none of {', '.join(fields)}")
+        CheckChoice("field", field, fields)
+        CheckDisplacement("deformation", deformation, self.mesh)
+        if axes is not None and not callable(getattr(axes, "plot", None)):
+            raise Wrong(TypeError, "axes", axes, "axes of matplotlib, or None")
         self._PairOnce()
         coordinate = _Coordinate(along, self.mesh.dim)
         axes = plt.gca() if axes is None else axes
@@ -191,6 +210,7 @@ class ContactPictures:
         'slave.vtu'
         """
         path = VTUPath(filename)
+        CheckDisplacement("displacement", displacement, self.mesh)
         fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
         fields["macro"] = self._Numbers(np.arange(self.space.nmacros))
         if displacement is not None:
@@ -206,12 +226,11 @@ class ContactPictures:
 
 
 def _Coordinate(along, dim):
-    if callable(along):
-        return along
     names = "xyz"[:dim]
-    if along not in tuple(names):
-        raise ValueError(f"along = {along!r} must be one of {', '.join(names)}, or a function")
-    return lambda points: points[:, names.index(along)]
+    if not callable(along):
+        CheckChoice("along", along, tuple(names))
+        return lambda points: points[:, names.index(along)]
+    return CheckFunction("along", along, f"one of {', '.join(names)}, or a function of points")
 
 
 def _Steps(faces, coordinate, values):

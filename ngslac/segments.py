@@ -1,8 +1,8 @@
 """The segments of a pairing as numpy arrays, for pictures and for ParaView."""
 
-from pathlib import Path
-
 import numpy as np
+
+from ngslac.files import PathOf
 
 __all__ = ["Segments", "VTUPath"]
 
@@ -96,7 +96,7 @@ class Segments:
 
 def VTUPath(filename):
     """The path of a file, with the ending .vtu where it is missing."""
-    path = Path(filename)
+    path = PathOf("filename", filename)
     return path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
 
 

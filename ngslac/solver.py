@@ -215,6 +215,7 @@ class ContactSolver(NewtonStep):
         float or None
             Relative to the forces at work, without unit.
         """
+        CheckFlag("same_load", same_load)
         if not self.history:
             return None
         return self.residual.Measure(self.scale, honest=not same_load).merit

@@ -106,6 +106,7 @@ POSITIVE = {"2.5", "1e300", *SMALL, "2**31"}
 NUMBERS = POSITIVE | {"-1", "0"}
 SCALARS = {"0", "2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"}
 DISPLACEMENTS = {"vector CF", "gf of a component"}
+GIVEN_FIELDS = ("gf", "gf of a component")
 ARRAYS = NUMBERS | {"array(3)", "[]"}
 
 # What may be given, besides what the targets give themselves; "?" behind a kind adds None.
@@ -142,7 +143,7 @@ KINDS = {
     "gap": SCALARS | {"-1"},
     "energy": {"scalar CF", "Parameter"},
     "displacement": DISPLACEMENTS,
-    "background": {"scalar CF", "Parameter", "vector CF", "CF of 3", "gf of a component", "gf"},
+    "background": {label for label in VALUES if "CF" in label} | {"Parameter", *GIVEN_FIELDS},
     "trial": set(),
     "state": set(),
     "point": set(),

@@ -218,9 +218,9 @@ def test_file_for_paraview(problem, tmp_path):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda c: c.Draw("presure", show=False), "'presure' is none of pressure"),
-        (lambda c: c.Plot("normal"), "'normal' is none of pressure"),
-        (lambda c: c.Plot(along="z"), "along = 'z' must be one of x, y"),
+        (lambda c: c.Draw("presure", show=False), "field = 'presure' must be one of 'pressure'"),
+        (lambda c: c.Plot("normal"), "field = 'normal' must be one of 'pressure'"),
+        (lambda c: c.Plot(along="z"), "along = 'z' must be one of 'x', 'y'"),
     ],
 )
 def test_bad_names(flat, call, message):
@@ -232,5 +232,5 @@ def test_moment_about_the_origin(problem):
     d = problem.contact.mesh.dim
     moment = problem.contact.Moment()
     np.testing.assert_array_equal(moment, problem.contact.Moment((0,) * d))
-    with pytest.raises(ValueError, match=f"must have {d} coordinates"):
+    with pytest.raises(ValueError, match=f"must be a point with {d} coordinates"):
         problem.contact.Moment((0,) * (5 - d))
