@@ -1,7 +1,7 @@
 """Pictures of a contact: scenes of the webgui, profiles by matplotlib, files for ParaView."""
 
 import numpy as np
-from ngsolve import BND, CF, CoefficientFunction, GridFunction, VTKOutput
+from ngsolve import BND, CF, CoefficientFunction, GridFunction
 
 from ngslac.arguments import (
     CheckChoice,
@@ -16,7 +16,7 @@ from ngslac.arguments import (
 from ngslac.arrays import AsBits
 from ngslac.facepoints import FacePoints
 from ngslac.glyphs import Arrows, Bars, Dots, Ticks
-from ngslac.segments import VTUPath
+from ngslac.vtkfile import WriteVTK
 
 __all__ = ["ContactPictures"]
 
@@ -203,14 +203,21 @@ class ContactPictures:
         -------
         pathlib.Path
 
+        Raises
+        ------
+        OSError
+            The file cannot be written; nothing is left of it.
+        TypeError, ValueError
+            `filename` is none, or `displacement` no displacement.
+
         Examples
         --------
         >>> path = contact.WriteVTU("slave", displacement=gf.components[0])
         >>> path.name
         'slave.vtu'
         """
-        path = VTUPath(filename)
         CheckDisplacement("displacement", displacement, self.mesh)
+        self._PairOnce()
         fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
         fields["macro"] = self._Numbers(np.arange(self.space.nmacros))
         if displacement is not None:
@@ -218,11 +225,7 @@ class ContactPictures:
         if self.mesh.dim == 2:  # ParaView's vectors have three components
             fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
         chosen = AsBits(np.array(self.space.macros) >= 0)
-        output = VTKOutput(
-            self.mesh, list(fields.values()), list(fields), str(path.with_suffix("")), order=2
-        )
-        output.Do(vb=BND, drawelems=chosen)
-        return path
+        return WriteVTK(filename, self.mesh, fields, vb=BND, drawelems=chosen, order=2)
 
 
 def _Coordinate(along, dim):
@@ -230,7 +233,17 @@ def _Coordinate(along, dim):
     if not callable(along):
         CheckChoice("along", along, tuple(names))
         return lambda points: points[:, names.index(along)]
-    return CheckFunction("along", along, f"one of {', '.join(names)}, or a function of points")
+    CheckFunction("along", along, f"one of {', '.join(names)}, or a function of points")
+    return lambda points: _Checked(np.asarray(along(points)), len(points))
+
+
+def _Checked(values, size):
+    if values.shape != (size,):
+        raise ValueError(
+            f"along returns an array of the shape {values.shape}: one number for each of the "
+            f"{size} points is wanted"
+        )
+    return values
 
 
 def _Steps(faces, coordinate, values):

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from ngslac.files import PathOf
+from ngslac.files import Replacing
+from ngslac.vtkfile import VTUPath
 
-__all__ = ["Segments", "VTUPath"]
+__all__ = ["Segments"]
 
 VTK_POLYGON, VTK_QUAD = 7, 9
 
@@ -53,20 +54,23 @@ class Segments:
         Returns
         -------
         pathlib.Path
+
+        Raises
+        ------
+        OSError
+            The file cannot be written; nothing is left of it.
         """
         path = VTUPath(filename)
         arrays = {"slave": self.slave, "master": self.master, "area": self.area, "gap": self.gap}
         if self.slave_points.ndim == 3:
             quads = np.concatenate([self.slave_points, self.master_points[:, ::-1]], axis=1)
             points = np.pad(quads.reshape(-1, 2), ((0, 0), (0, 1)))
-            path.write_text(VTUText(points, 4 * np.arange(1, len(self) + 1), VTK_QUAD, arrays))
-            return path
+            return Write(path, VTUText(points, 4 * np.arange(1, len(self) + 1), VTK_QUAD, arrays))
         points = np.concatenate([self.slave_points, self.master_points])
         ends = np.concatenate([self.first[1:], self.first[-1] + self.first[1:]])
         arrays = {name: np.tile(values, 2) for name, values in arrays.items()}
         arrays["side"] = np.repeat([1, 2], len(self))
-        path.write_text(VTUText(points, ends, VTK_POLYGON, arrays))
-        return path
+        return Write(path, VTUText(points, ends, VTK_POLYGON, arrays))
 
     def _GetWebguiData(self):
         if self.slave_points.ndim == 3:
@@ -94,10 +98,10 @@ class Segments:
         return np.concatenate([sides, np.stack(middle, axis=1)])
 
 
-def VTUPath(filename):
-    """The path of a file, with the ending .vtu where it is missing."""
-    path = PathOf("filename", filename)
-    return path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
+def Write(path, text):
+    with Replacing(path) as part:
+        part.write_text(text)
+    return path
 
 
 def VTUText(points, ends, celltype, cell_data):

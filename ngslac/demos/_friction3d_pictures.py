@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import BND, BitArray, VTKOutput
+from ngsolve import BND, BitArray
 from ngsolve.webgui import Draw
 
+from ..vtkfile import WriteVTK
 from ._pictures import INK, STYLE, Matplotlib, Save
 
 __all__ = ["CurvePicture", "TractionPicture", "Write"]
@@ -117,17 +118,18 @@ def _Scenes(model, directory, name):
 
 def _VTU(model, directory, name):
     displacement, contact = model.displacement, model.contact
-    VTKOutput(
+    stress = model.problem.Stress(displacement)
+    WriteVTK(
+        directory / name,
         model.mesh,
-        coefs=[displacement, model.problem.Stress(displacement)],
-        names=["displacement", "stress"],
-        filename=str(directory / name),
+        {"displacement": displacement, "stress": stress},
         subdivision=max(0, model.problem.order - 1),
-    ).Do()
+    )
     names = ("pressure", "gap", "status", "traction", "slip", "normal")
-    VTKOutput(
+    WriteVTK(
+        directory / f"{name}_contact",
         model.mesh,
-        coefs=[displacement, *(getattr(contact, field) for field in names)],
-        names=["displacement", *names],
-        filename=str(directory / f"{name}_contact"),
-    ).Do(vb=BND, drawelems=BitArray([m >= 0 for m in contact.space.macros]))
+        {"displacement": displacement} | {field: getattr(contact, field) for field in names},
+        vb=BND,
+        drawelems=BitArray([m >= 0 for m in contact.space.macros]),
+    )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import BND, BitArray, BoundaryFromVolumeCF, InnerProduct, VTKOutput, sqrt
+from ngsolve import BND, BitArray, BoundaryFromVolumeCF, InnerProduct, sqrt
 from ngsolve.webgui import Draw
 
+from ..vtkfile import WriteVTK
 from ._hertz3d_figures import Radius
 from ._pictures import INK, STYLE, Matplotlib, Save
 
@@ -208,20 +209,20 @@ def _Scenes(results, directory):
 
 def _VTU(results, directory):
     mesh, contact, stress = results.mesh, results.contact, results.stress
-    VTKOutput(
+    WriteVTK(
+        directory / "hertz3d",
         mesh,
-        coefs=[results.displacement, stress, _Mises(stress)],
-        names=["displacement", "stress", "mises"],
-        filename=str(directory / "hertz3d"),
+        {"displacement": results.displacement, "stress": stress, "mises": _Mises(stress)},
         subdivision=max(0, results.problem.order - 1),
-    ).Do()
+    )
     names = ("pressure", "gap", "status", "traction", "slip", "normal")
     macros = results.contact.space.macros
     slave = BitArray([m >= 0 for m in macros])
-    VTKOutput(
+    WriteVTK(
+        directory / "hertz3d_contact",
         mesh,
-        coefs=[results.displacement, *(getattr(contact, name) for name in names)],
-        names=["displacement", *names],
-        filename=str(directory / "hertz3d_contact"),
-    ).Do(vb=BND, drawelems=slave)
+        {"displacement": results.displacement} | {name: getattr(contact, name) for name in names},
+        vb=BND,
+        drawelems=slave,
+    )
     contact.Segments().WriteVTU(directory / "hertz3d_segments.vtu")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from ngsolve import BND, VTKOutput
+from ngsolve import BND
 
+from ..vtkfile import WriteVTK
 from ._multiplier_picture import MultiplierPicture
 from ._stress_picture import StressPicture
 
@@ -190,10 +191,11 @@ def Write(results, directory):
         window=(0, 9, -6.2, 2.8),
         limit=9,
     )
-    VTKOutput(
+    names = ("displacement", "stress_xy", "stress_yy", "stress_xx")
+    shown = (results.displacement, *components.values(), results.stress[0, 0])
+    WriteVTK(
+        directory / "hertz",
         results.mesh,
-        coefs=[results.displacement, *components.values(), results.stress[0, 0]],
-        names=["displacement", "stress_xy", "stress_yy", "stress_xx"],
-        filename=str(directory / "hertz"),
+        dict(zip(names, shown, strict=True)),
         subdivision=max(0, results.problem.order - 1),
-    ).Do()
+    )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import Det, Id, VTKOutput
+from ngsolve import Det, Id
 from ngsolve import Grad as Gradient
 
+from ..vtkfile import WriteVTK
 from ._pictures import INK, STYLE, Matplotlib, SampleMesh, Save, Window
 
 __all__ = ["OverviewPicture", "Write"]
@@ -17,13 +18,8 @@ def Write(results, directory):
     if results.states:
         OverviewPicture(results, directory / "hertz_large.png")
     model = results.model
-    VTKOutput(
-        model.mesh,
-        coefs=[model.displacement, Stress(results)],
-        names=["displacement", "stress_yy"],
-        filename=str(directory / "hertz_large"),
-        subdivision=1,
-    ).Do()
+    shown = {"displacement": model.displacement, "stress_yy": Stress(results)}
+    WriteVTK(directory / "hertz_large", model.mesh, shown, subdivision=1)
 
 
 def Stress(results):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import Det, Id, InnerProduct, VTKOutput, sqrt
+from ngsolve import Det, Id, InnerProduct, sqrt
 from ngsolve import Grad as Gradient
 
+from ..vtkfile import WriteVTK
 from ._ironing_reference import PUBLISHED, TIMES
 from ._pictures import INK, STYLE, Matplotlib, SampleMesh, Save, Window
 
@@ -20,13 +21,8 @@ def Write(results, directory):
     directory.mkdir(parents=True, exist_ok=True)
     if results.states:
         OverviewPicture(results, directory / "ironing.png")
-    VTKOutput(
-        results.mesh,
-        coefs=[results.displacement, Mises(results)],
-        names=["displacement", "mises"],
-        filename=str(directory / "ironing"),
-        subdivision=1,
-    ).Do()
+    shown = {"displacement": results.displacement, "mises": Mises(results)}
+    WriteVTK(directory / "ironing", results.mesh, shown, subdivision=1)
 
 
 def Mises(results):

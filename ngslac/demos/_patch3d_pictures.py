@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import VTKOutput
 from ngsolve.webgui import Draw
 
+from ..vtkfile import WriteVTK
 from ._patch3d_case import BELOW
 from ._pictures import INK, STYLE, Matplotlib, Save
 
@@ -38,12 +38,8 @@ def Write(solutions, rows, directory):
     options = {"objects": [last.contact], "show": False, "clipping": False}
     scene = Draw(last.stress[2, 2], last.mesh, "stress_zz", **options)
     scene.GenerateHTML(str(directory / "patch3d.html"))
-    VTKOutput(
-        last.mesh,
-        coefs=[last.displacement, *(last.stress[i, j] for i, j in ((0, 0), (1, 1), (2, 2)))],
-        names=["displacement", "stress_xx", "stress_yy", "stress_zz"],
-        filename=str(directory / "patch3d"),
-    ).Do()
+    shown = {f"stress_{c}{c}": last.stress[k, k] for k, c in enumerate("xyz")}
+    WriteVTK(directory / "patch3d", last.mesh, {"displacement": last.displacement} | shown)
 
 
 def _Interfaces(mpl, solutions, file):

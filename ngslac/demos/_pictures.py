@@ -6,9 +6,12 @@ The input is an NGSolve mesh with CoefficientFunctions; nothing here knows about
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from ngsolve import BND, CF, ET, VOL, IntegrationRule, x, y
+
+from ..files import Replacing
 
 __all__ = ["INK", "STYLE", "Matplotlib", "Sample", "SampleMesh", "Save", "Window"]
 
@@ -41,7 +44,8 @@ def Matplotlib():
 
 def Save(figure, file):
     # A bare Figure draws with the Agg canvas: no display, no global state.
-    figure.savefig(file, bbox_inches="tight", facecolor="white")
+    with Replacing(Path(file)) as part:
+        figure.savefig(part, bbox_inches="tight", facecolor="white")
 
 
 def Window(mpl, ax, window, length):

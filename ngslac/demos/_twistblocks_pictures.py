@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import BND, CF, ET, BitArray, IntegrationRule, VTKOutput, x, y, z
+from ngsolve import BND, CF, ET, BitArray, IntegrationRule, x, y, z
 from ngsolve.webgui import Draw
 
+from ..vtkfile import WriteVTK
 from ._pictures import INK, STYLE, Matplotlib, Save
 from ._twistblocks_figures import MEAN_DISTANCE
 from ._twistblocks_model import WIDTH
@@ -33,16 +34,17 @@ def Write(results, directory):
         settings=side,
         show=False,
     ).GenerateHTML(filename=str(directory / "twistblocks.html"))
-    file = str(directory / "twistblocks")
-    VTKOutput(model.mesh, [model.displacement], ["displacement"], file, subdivision=1).Do()
+    moved = {"displacement": model.displacement}
+    WriteVTK(directory / "twistblocks", model.mesh, moved, subdivision=1)
     slave = BitArray([m >= 0 for m in model.contact.space.macros])
     names = ("pressure", "traction", "slip", "status")
-    VTKOutput(
+    WriteVTK(
+        directory / "twistblocks_contact",
         model.mesh,
-        coefs=[model.displacement, *(getattr(model.contact, name) for name in names)],
-        names=["displacement", *names],
-        filename=file + "_contact",
-    ).Do(vb=BND, drawelems=slave)
+        moved | {name: getattr(model.contact, name) for name in names},
+        vb=BND,
+        drawelems=slave,
+    )
 
 
 def OverviewPicture(results, file):

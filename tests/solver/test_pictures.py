@@ -1,6 +1,8 @@
 """Scenes of the webgui, profiles and files for ParaView show what the table of a contact says."""
 
 import base64
+import resource
+import signal
 
 import matplotlib
 import meshio
@@ -234,3 +236,74 @@ def test_moment_about_the_origin(problem):
     np.testing.assert_array_equal(moment, problem.contact.Moment((0,) * d))
     with pytest.raises(ValueError, match=f"must be a point with {d} coordinates"):
         problem.contact.Moment((0,) * (5 - d))
+
+
+# --- files that cannot be written, and wrong arguments --------------------------------------------
+
+
+@pytest.fixture(params=["fields", "segments"])
+def write(request, problem):
+    contact = problem.contact
+    return contact.WriteVTU if request.param == "fields" else contact.Segments().WriteVTU
+
+
+def test_a_missing_folder(write, tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"the folder .*missing is missing; make it first"):
+        write(tmp_path / "missing" / "slave")
+
+
+def test_a_full_disk(write, tmp_path):
+    """The older file stays, and nothing is left of the new one."""
+    (tmp_path / "slave.vtu").write_text("older")
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        with pytest.raises(OSError, match=r"slave.*could not be written|too large"):
+            write(tmp_path / "slave")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+    assert [file.name for file in tmp_path.iterdir()] == ["slave.vtu"]
+    assert (tmp_path / "slave.vtu").read_text() == "older"
+
+
+def test_names_of_files(write, tmp_path):
+    with pytest.raises(TypeError, match="filename = 3 must be the name of a file"):
+        write(3)
+    (tmp_path / "folder.vtu").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"folder\.vtu is a folder"):
+        write(tmp_path / "folder")
+    assert write(str(tmp_path / "a.b")).name == "a.b.vtu"
+    assert [file.name for file in tmp_path.iterdir() if file.is_file()] == ["a.b.vtu"]
+
+
+@pytest.mark.parametrize(
+    ("verb", "flags", "error"),
+    [
+        ("Draw", {"field": "presure"}, ValueError),
+        ("Draw", {"field": None}, TypeError),
+        ("Draw", {"background": 3}, TypeError),
+        ("Draw", {"deformation": CF(1)}, ValueError),
+        ("Draw", {"deformation": (0, 1)}, TypeError),
+        ("Draw", {"scale": "2"}, TypeError),
+        ("Draw", {"size": -1}, ValueError),
+        ("Draw", {"size": float("nan")}, ValueError),
+        ("Plot", {"field": "normal"}, ValueError),
+        ("Plot", {"field": 3}, TypeError),
+        ("Plot", {"along": "w"}, ValueError),
+        ("Plot", {"along": 0}, TypeError),
+        ("Plot", {"deformation": CF((0, 0, 0, 0))}, ValueError),
+        ("WriteVTU", {"filename": "never", "displacement": CF(1)}, ValueError),
+        ("WriteVTU", {"filename": "never", "displacement": 1.0}, TypeError),
+    ],
+)
+def test_wrong_arguments(flat, verb, flags, error):
+    name = list(flags)[-1]
+    with pytest.raises(error, match=f"{name} = .* must be "):
+        getattr(flat.contact, verb)(**flags)
+
+
+def test_a_function_of_another_shape(flat):
+    with pytest.raises(ValueError, match=r"along returns an array of the shape \(\)"):
+        flat.contact.Plot(along=lambda points: 3.0)
