@@ -5,9 +5,11 @@ import re
 from numbers import Integral, Real
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, Region
 
 __all__ = [
+    "LARGEST_COUNT",
     "BoundaryRegion",
     "CheckChoice",
     "CheckCount",
@@ -21,8 +23,11 @@ __all__ = [
     "CheckOnSpace",
     "CheckPoint",
     "CheckPositive",
+    "CheckState",
     "CheckVector",
     "Coefficient",
+    "Components",
+    "IsFunction",
     "Shown",
     "Wrong",
 ]
@@ -117,9 +122,14 @@ def CheckInstance(name, value, kind, wanted):
     return value
 
 
+def IsFunction(value):
+    """Can it be called, without being one of NGSolve's objects that can, such as a mesh?"""
+    return callable(value) and not type(value).__module__.startswith("ngsolve")
+
+
 def CheckFunction(name, value, wanted="a function, or None"):
-    """A Python function or None; callable things of NGSolve, such as a mesh, are neither."""
-    if value is not None and (not callable(value) or type(value).__module__.startswith("ngsolve")):
+    """A Python function or None."""
+    if value is not None and not IsFunction(value):
         raise Wrong(TypeError, name, value, wanted)
     return value
 
@@ -147,16 +157,32 @@ def CheckVector(name, vector, size):
     return vector
 
 
+def Components(function):
+    """The number of components of a function; 0 for one of a product space, which has parts."""
+    try:
+        return function.dim
+    except NgException:
+        return 0
+
+
 def CheckDisplacement(name, value, mesh):
     """A real function with one component for each dimension of the mesh, or None."""
     wanted = f"a displacement with {mesh.dim} components, such as gf.components[0], or None"
     if value is None:
         return value
     CheckInstance(name, value, CoefficientFunction, wanted)
-    if value.dim != mesh.dim or value.is_complex:
-        kind = "complex" if value.is_complex else f"of dimension {value.dim}"
-        raise ValueError(f"{name} = {Shown(value)} is {kind}: it must be {wanted}")
+    if Components(value) != mesh.dim or value.is_complex:
+        raise Wrong(ValueError, name, value, wanted + ", real")
     return CheckOnMesh(name, value, mesh)
+
+
+def CheckState(state, *keys):
+    """What `State` returned: a dict with these keys."""
+    wanted = "the dict that State() of a thing made in the same way returned"
+    CheckInstance("state", state, dict, wanted)
+    if missing := [key for key in keys if key not in state]:
+        raise ValueError(f"state lacks {', '.join(map(repr, missing))}: it must be {wanted}")
+    return state
 
 
 def CheckOnMesh(name, function, mesh):

@@ -16,6 +16,7 @@ from ngslac.arguments import (
     CheckNumber,
     CheckOnSpace,
     CheckPositive,
+    CheckState,
     CheckVector,
     Coefficient,
     Wrong,
@@ -313,6 +314,7 @@ class LACContact(ContactResults, ContactPictures):
             The solution then, on the product space. Without it the fields of ``finite=True`` are
             those of the last `Commit`.
         """
+        CheckState(state, "paired", "scaled")
         history = {name: state[name] for name in state if name not in ("paired", "scaled")}
         if not history:
             self._Unpair()

@@ -7,12 +7,14 @@ import numpy as np
 from ngsolve import GridFunction, Integrate, Parameter
 
 from ngslac.arguments import (
+    LARGEST_COUNT,
     CheckCount,
     CheckFlag,
     CheckFunction,
     CheckInstance,
     CheckNumber,
     CheckPositive,
+    CheckState,
 )
 from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
@@ -160,7 +162,10 @@ class TimeStepper:
             raise ValueError(f"end = {end} is not after the time {begin}")
         CheckFunction("callback", callback)
         CheckFlag("printing", printing)
-        count = max(1, int(np.ceil((end - begin) / self.dt - 1e-9)))
+        count = max(1, np.ceil((end - begin) / self.dt - 1e-9))
+        if count > LARGEST_COUNT:
+            raise ValueError(f"end = {end} is {count:g} steps of dt = {self.dt} away: take fewer")
+        count = int(count)
         done, self._saved = [], Snapshot(self)
         try:
             self._Begin()
@@ -201,6 +206,7 @@ class TimeStepper:
         state : dict
             Of `State`.
         """
+        CheckState(state, "time", "solver", "velocity", "steps", "balance", "momentum")
         self.time.Set(state["time"])
         self.solver.SetState(state["solver"])
         self.velocity.vec.FV().NumPy()[:] = state["velocity"]
@@ -216,6 +222,8 @@ class TimeStepper:
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
             if not np.all(np.isfinite(field.vec.FV().NumPy())):
                 raise ValueError(f"{name} holds NaN or infinite values")
+        if not np.isfinite(self._Energy()):
+            raise ValueError("energy is NaN or infinite where the motion begins")
         for contact in self.solver.contacts:
             if not contact.form.paired:
                 contact.Update(self.gf if contact.finite else None)

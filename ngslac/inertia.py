@@ -18,7 +18,7 @@ from ngsolve import (
 )
 from scipy.sparse import vstack
 
-from ngslac.arguments import CheckNumber, Shown, Wrong
+from ngslac.arguments import CheckNumber, Components, Shown, Wrong
 from ngslac.arrays import AsBits
 from ngslac.bodies import ActiveRows
 
@@ -228,7 +228,7 @@ def CheckScalar(name, value, wanted):
     wanted = f"a number or a CoefficientFunction, {wanted}"
     if not isinstance(value, CoefficientFunction):
         return CoefficientFunction(CheckNumber(name, value, wanted))
-    if value.dim != 1 or value.is_complex:
+    if Components(value) != 1 or value.is_complex:
         raise Wrong(ValueError, name, value, f"{wanted}, real with one component")
     return value
 

@@ -4,7 +4,7 @@ import numpy as np
 from ngsolve import BaseVector, GridFunction, LinearForm
 from ngsolve.la import DynamicVectorExpression
 
-from ngslac.arguments import CheckVector, Shown
+from ngslac.arguments import CheckVector, IsFunction, Shown
 
 __all__ = ["CheckNoMultiplierLoad", "CheckRhs", "LoadVector"]
 
@@ -13,7 +13,7 @@ def CheckRhs(rhs, space):
     """Loads that are a LinearForm or a vector on the space, or a function that returns one."""
     if isinstance(rhs, GridFunction):
         raise TypeError("rhs is a GridFunction: give its gf.vec if that holds forces")
-    if callable(rhs) and not isinstance(rhs, LinearForm):
+    if IsFunction(rhs):
         return rhs
     if isinstance(rhs, LinearForm) and rhs.space != space:
         raise ValueError(
@@ -34,8 +34,7 @@ def Values(rhs, size):
     """The same, for vectors of this size."""
     if rhs is None:
         return np.zeros(size)
-    isform = isinstance(rhs, LinearForm)  # which is callable, too
-    name, load = ("rhs", rhs) if isform or not callable(rhs) else ("rhs()", rhs())
+    name, load = ("rhs()", rhs()) if IsFunction(rhs) else ("rhs", rhs)
     if isinstance(load, DynamicVectorExpression):  # such as 2 * vector
         load = load.Evaluate()
     if not isinstance(load, (LinearForm, BaseVector)):

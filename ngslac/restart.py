@@ -214,10 +214,11 @@ class _Stored:
 
 
 def _Also(things):
-    CheckInstance("also", things or {}, dict, "a dict of names and GridFunctions")
-    for name in things or {}:
+    things = {} if things is None else things
+    CheckInstance("also", things, dict, "a dict of names and GridFunctions")
+    for name in things:
         CheckInstance("also: name", name, str, "a string")
-    return {name: _Stored(name, thing) for name, thing in (things or {}).items()}
+    return {name: _Stored(name, thing) for name, thing in things.items()}
 
 
 def _Shape(values):

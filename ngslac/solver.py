@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import BitArray
 
-from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction
+from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction, CheckState
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage, LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
@@ -243,6 +243,7 @@ class ContactSolver(NewtonStep):
         state : dict
             Of `State`.
         """
+        CheckState(state, "gf", "contacts", "residual", "history", "scale")
         self.gf.vec.FV().NumPy()[:] = state["gf"]
         for contact, part in zip(self.contacts, state["contacts"], strict=True):
             contact.SetState(part, self.gf)

@@ -5,7 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import Parameter
 
-from ngslac.arguments import CheckCount, CheckFlag, CheckFunction, CheckInstance, CheckNumber
+from ngslac.arguments import (
+    CheckCount,
+    CheckFlag,
+    CheckFunction,
+    CheckInstance,
+    CheckNumber,
+    CheckState,
+)
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.prescribed import CheckKept, Prescribed
 from ngslac.progress import Progress
@@ -171,6 +178,7 @@ class LoadStepper:
         state : dict
             Of `State`.
         """
+        CheckState(state, "load", "solver", "steps", "last", "size")
         self.load.Set(state["load"])
         self.solver.SetState(state["solver"])
         self.steps[:] = state["steps"]

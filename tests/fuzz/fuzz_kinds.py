@@ -141,7 +141,7 @@ KINDS = {
     "scalar": SCALARS,
     "density": {"2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"},
     "gap": SCALARS | {"-1"},
-    "energy": {"scalar CF", "Parameter"},
+    "energy": SCALARS | {"-1"},
     "displacement": DISPLACEMENTS,
     "background": {label for label in VALUES if "CF" in label} | {"Parameter", *GIVEN_FIELDS},
     "trial": set(),

@@ -226,7 +226,7 @@ ODD = {
     ),
     "stiffness out of range": (lambda w: w.Contact(stiffness=1e-300), ("stiffness",)),
     # --- files
-    "SaveState into a device": (lambda w: SaveState("/dev/null", w.solver), ("/dev/null",)),
+    "SaveState into a device": (lambda w: SaveState("/dev/null", w.solver), ("dev/null",)),
     "LoadState of another tool": (lambda w: LoadState(w.file, w.times), ("tool",)),
     "LoadState of another mesh": (lambda w: LoadState(w.file, w.other.solver), ("mesh",)),
     **{

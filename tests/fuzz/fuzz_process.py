@@ -56,6 +56,7 @@ class Processes:
             nowhere = os.open(os.devnull, os.O_RDWR)
             for stream in (0, 1, 2):
                 os.dup2(nowhere, stream)
+            os.chdir(self.world.folder.name)  # where files of odd names may lie
             try:
                 case.run(self.world)
                 error = None

@@ -234,9 +234,14 @@ TARGETS = [
         lambda w, **k: w.contact.WriteVTU(**k),
         lambda w: {"filename": w.folder.name + "/contact"},
         "filename displacement",
+        {"filename": {"folder"}},
     ),
     Target(
-        "Segments.WriteVTU", lambda w, **k: w.contact.Segments().WriteVTU(**k), Nothing, "filename"
+        "Segments.WriteVTU",
+        lambda w, **k: w.contact.Segments().WriteVTU(**k),
+        Nothing,
+        "filename",
+        {"filename": {"folder"}},
     ),
     # --- solvers
     Target(
