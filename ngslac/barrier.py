@@ -8,6 +8,7 @@ __all__ = ["Barrier", "Tie"]
 INSIDE = 0.995
 # Stiffness of ties, relative to that of what they lie on.
 TIE = 1e3
+SMALLEST = np.finfo(float).tiny ** 0.25  # whose square is no zero
 # Gaps to start with, relative to what the pressure does to the surface: too large is no harm, and
 # thin bodies bend far more than that.
 WIDE = 1e3
@@ -43,7 +44,7 @@ class Barrier:
         self.g = np.maximum(gap, WIDE * pressure / stiffness)
         self.t = np.zeros_like(normal)
         self.Place(normal, gap, np.zeros_like(normal))
-        self.Bound(bound)
+        self.s = np.where(self.rubs, bound, 1.0)
         self.w = self.s**2 / 2
         self.nu = np.where(self.rubs, np.mean(self.p * self.g) / self.w if len(gap) else 0, 0.0)
 
@@ -53,8 +54,11 @@ class Barrier:
         self.t = self.t - np.sum(self.t * normal, axis=1)[:, None] * normal
 
     def Bound(self, bound):
-        """Take bounds (n,) of the tangential tractions, from `Pressure`."""
-        self.s = np.where(self.rubs, np.maximum(bound, np.finfo(float).tiny ** 0.25), 1.0)
+        """Take bounds (n,) of the tangential tractions, which grow or shrink with them."""
+        bound = np.where(self.rubs, np.maximum(bound, SMALLEST), 1.0)
+        ratio = bound / self.s
+        self.s, self.t = bound, self.t * ratio[:, None]
+        self.w, self.nu = self.w * ratio**2, self.nu / ratio
 
     @property
     def traction(self):

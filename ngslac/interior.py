@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ngslac.barrier import Barrier, Tie
+from ngslac.arrays import Multiply
+from ngslac.barrier import WIDE, Barrier, Tie
 from ngslac.errors import ContactConvergenceError
 from ngslac.preconditioner import CHOLESKY
 from ngslac.primal import PrimalSolver
@@ -37,13 +38,30 @@ class InteriorPoint:
         self.linear = PrimalSolver(newton.linear, wanted if wanted in CHOLESKY else None)
         self.linear.Leave(self.rows)
         self.springs = [Springs(contact, newton.gf) for contact in newton.contacts]
-        softness = sum(np.sum(spring.area / spring.stiffness) for spring in self.springs)
-        pressure = state.unbalance / np.sqrt(softness) if softness else 0.0
-        pressure = max([pressure, *(spring.Pressure() for spring in self.springs)])
+        pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
             raise ContactConvergenceError("nothing presses where the surfaces face each other")
         for spring in self.springs:
             spring.Start(pressure)
+
+    def _Settle(self, state):
+        """Let weak springs hold what loads and prescribed motions move: the size of pressures.
+
+        Where the bulk is linear that is a better start, too, and its State the next one.
+        """
+        self.state = state
+        self.linear.contacts = [spring.Weaken(self.vec) for spring in self.springs]
+        residual = self.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        for spring in self.springs:
+            spring.contact.AddApply(self.vec, residual)
+        residual.FV().NumPy()[self.rows] = 0
+        motion = -self.newton.Displace(residual, self._Solve, self.linear.contacts)
+        pressure = max(spring.Pressure(motion) for spring in self.springs)
+        if self.newton.Settles():
+            self.values[:] += motion
+            self.state = self.newton.Trial(state, 0)
+        return pressure
 
     def Step(self, state):
         """Move on by one step.
@@ -80,7 +98,8 @@ class InteriorPoint:
 
     def _Solve(self, residual):
         newton = self.newton
-        return self.linear.Solve(newton.a.mat, [], newton.scale, residual)
+        # What nothing pushes in the end stays where it is.
+        return self.linear.SolveShifted(newton.a.mat, [], newton.scale, residual, ~self.rows)
 
     def _Direction(self, state, mats, mu, corrections=None):
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
@@ -136,16 +155,25 @@ class Springs:
         self.area, self.stiffness = table["area"][self.own], self.form.Scalars("c")[self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
-    def Pressure(self):
-        """The size of pressures that the start and its penetrations tell of."""
+    def Weaken(self, vec):
+        """Matrix of springs that hold the surfaces loosely where they are."""
+        d = self.dofs.shape[1]
+        weak = np.multiply.outer(self.form.Scalars("c") / WIDE * self.own, np.eye(d))
+        return self.form.AssembleSprings(vec, weak.ravel())
+
+    def Pressure(self, motion):
+        """The size of the pressures of those springs after a motion, and of those at the start."""
         if self.contact.tied:
             return 0.0
         table = self.contact.Table()
-        overlap = np.max(-self.stiffness * table["gap"][self.own], initial=0.0)
-        return max(overlap, np.max(np.abs(table["pressure"][self.own]), initial=0.0))
+        change = -np.sum(self._Follow(motion) * table["normal"][self.own], axis=1)
+        overlap = change - self.stiffness / WIDE * table["gap"][self.own]
+        start = np.abs(table["pressure"][self.own])
+        return max(np.max(sizes, initial=0.0) for sizes in (np.abs(change), overlap, start))
 
     def Start(self, pressure):
         """Start with pressures of this size."""
+        self.contact.Evaluate(self.gf)
         table = self.contact.Table()
         if self.contact.tied:
             self.law = Tie(table["traction"][self.own], self.stiffness)
@@ -190,9 +218,9 @@ class Springs:
 
     def Step(self, change, motion):
         """The step of the law to a motion of the displacements."""
-        product = self.form.mat.CreateColVector()
-        factor = self.form.mat.CreateRowVector()
-        factor.FV().NumPy()[:] = motion
-        product.data = self.form.mat * factor
-        follow = product.FV().NumPy()[self.dofs[self.own]]
-        return self.law.Step(change + (self.stiffness / self.area)[:, None] * follow)
+        return self.law.Step(change + self._Follow(motion))
+
+    def _Follow(self, motion):
+        """What a motion of the displacements changes the tractions (n, d) by."""
+        follow = Multiply([self.form.mat], motion)[self.dofs[self.own]]
+        return (self.stiffness / self.area)[:, None] * follow

@@ -318,15 +318,22 @@ class ContactSolver(NewtonStep):
         self.residual.Follow()
         state = self._Measure()
         try:
-            last = self._AlongPath(InteriorPoint(self, state), state, maxit)
+            last = self._AlongPath(InteriorPoint(self, state), maxit)
             self._CheckLost(error)
             return last
         except FAILURES as another:
             self._CheckLost(error)
             raise another from error
 
-    def _AlongPath(self, path, state, maxit):
-        near, tiny = NEAR, 0
+    def Settles(self):
+        """Does a whole step lead to equilibrium, since all but the contact law is linear?"""
+        linear = self._islinear and not any(contact.finite for contact in self.contacts)
+        if linear:
+            self._motion = None
+        return bool(linear)
+
+    def _AlongPath(self, path, maxit):
+        state, near, tiny = path.state, NEAR, 0
         while len(self.history) <= maxit and tiny < 3:
             state, damping = path.Step(state)
             tiny = tiny + 1 if damping < TINY else 0
