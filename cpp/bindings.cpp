@@ -164,6 +164,15 @@ py::array_t<T> ToNumPy(const Array<T> & values) {
   return py::array_t<T>(values.Size(), values.Data());
 }
 
+using History = std::map<string, py::array_t<double, py::array::c_style | py::array::forcecast>>;
+
+FormHistory FromNumPy(const History & history) {
+  FormHistory copy;
+  for (auto & [name, values] : history)
+    copy[name] = FlatArray<double>(values.size(), const_cast<double *>(values.data()));
+  return copy;
+}
+
 void ExportContact(py::module & m) {
   py::enum_<Side>(m, "Side")
       .value("slave", Side::slave)
@@ -182,8 +191,15 @@ void ExportContact(py::module & m) {
            py::arg("obstacle") = nullptr, py::arg("friction") = nullptr,
            py::arg("tresca") = nullptr, py::arg("tied") = false, py::arg("finite") = false,
            py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
-      .def("Update", &ContactForm::Update, py::arg("gf") = nullptr,
-           py::call_guard<py::gil_scoped_release>())
+      .def(
+          "Update",
+          [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
+            auto copy = history ? FromNumPy(*history) : FormHistory();
+            py::gil_scoped_release release;
+            self.Update(gf, history ? &copy : nullptr);
+          },
+          py::arg("gf") = nullptr, py::arg("history") = nullopt)
+      .def("CheckPaired", &ContactForm::CheckPaired)
       .def(
           "SetStiffness",
           [](ContactForm & self, const BaseMatrix & bulk, double factor) {
@@ -209,12 +225,7 @@ void ExportContact(py::module & m) {
              return history;
            })
       .def("SetHistory",
-           [](ContactForm & self, const std::map<string, py::array_t<double>> & history) {
-             std::map<string, Array<double>> copy;
-             for (auto & [name, values] : history)
-               copy[name] = FlatArray<double>(values.size(), const_cast<double *>(values.data()));
-             self.SetHistory(copy);
-           })
+           [](ContactForm & self, const History & history) { self.SetHistory(FromNumPy(history)); })
       .def(
           "AssembleAugmented",
           [](ContactForm & self, const BaseVector & x, BaseVector & residual, double factor)
@@ -262,6 +273,7 @@ void ExportContact(py::module & m) {
       .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
       .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
       .def_property_readonly("paired", &ContactForm::IsPaired)
+      .def_property_readonly("current", &ContactForm::IsCurrent)
       .def_property_readonly(
           "mat", [](ContactForm & self) -> shared_ptr<BaseMatrix> { return self.Mat(); });
 }

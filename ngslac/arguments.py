@@ -212,13 +212,22 @@ def BoundaryRegion(mesh, region, name):
     return found
 
 
-def Coefficient(value, name):
-    """A number, CoefficientFunction or Parameter as CoefficientFunction; None stays None."""
-    if value is None or isinstance(value, CoefficientFunction):
-        return value
-    if not math.isfinite(value) or value < 0:
-        raise ValueError(f"{name} = {value} must be a finite number >= 0")
-    return CoefficientFunction(float(value))
+def Coefficient(name, value, least=-math.inf):
+    """A number, CoefficientFunction or Parameter as a real scalar function; None stays None."""
+    if value is None:
+        return None
+    if not isinstance(value, CoefficientFunction):
+        wanted = "a finite number" + (f" >= {least:g}" if math.isfinite(least) else "")
+        accepts = lambda number: math.isfinite(number) and number >= least  # noqa: E731
+        return CoefficientFunction(CheckNumber(name, value, wanted, accepts))
+    if value.dim != 1:
+        raise ValueError(
+            f"{name} has {value.dim} components: it must be one number at each point, such as a "
+            "component value[0] or Norm(value)"
+        )
+    if value.is_complex:
+        raise ValueError(f"{name} is complex: it must be one real number at each point")
+    return value
 
 
 def CheckDistinct(slave, master):

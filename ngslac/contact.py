@@ -4,7 +4,7 @@ from contextlib import contextmanager, suppress
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
+from ngsolve import BaseMatrix, GridFunction
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm
@@ -51,9 +51,10 @@ class LACContact(ContactResults, ContactPictures):
         the outward slave normal n.
     master : str or Region
         The other side. (NGSolve's ContactBoundary calls our slave its *master*.)
-    obstacle : CoefficientFunction
-        Instead of a master: the gap to a rigid, fixed obstacle along the outward slave normal
-        (> 0 open), as a function on the slave surface in the reference configuration.
+    obstacle : float, CoefficientFunction or Parameter
+        Instead of a master: the gap to a rigid obstacle along the outward slave normal (> 0 open),
+        as a function on the slave surface in the reference configuration. The obstacle moves where
+        the function holds a Parameter, such as the load or the time.
     friction : float, CoefficientFunction or Parameter
         Coulomb's coefficient, >= 0. None: frictionless.
     tresca : float, CoefficientFunction or Parameter
@@ -140,9 +141,9 @@ class LACContact(ContactResults, ContactPictures):
             "u": u,
             "lam": lam,
             "master": region,
-            "obstacle": None if obstacle is None else CoefficientFunction(obstacle),
-            "friction": Coefficient(friction, "friction"),
-            "tresca": Coefficient(tresca, "tresca"),
+            "obstacle": Coefficient("obstacle", obstacle),
+            "friction": Coefficient("friction", friction, least=0),
+            "tresca": Coefficient("tresca", tresca, least=0),
             "tied": tied,
             "finite": finite,
             "maxdist": maxdist or 0.0,
@@ -191,12 +192,16 @@ class LACContact(ContactResults, ContactPictures):
         """
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
-        if self.pressure.space.ndof != self.space.nmacros:  # refined: no way back
-            self._MakeFields()
+        if self._IsRefined():  # no way back
             self._Pair(gf)
             return
-        with self._WholeOrNot(gf):
+        before = self.State()
+        try:
             self._Pair(gf)
+        except BaseException:
+            if self._paired is IN_DOUBT:  # interrupted, while what fails changes nothing
+                self.SetState(before)
+            raise
 
     @contextmanager
     def _WholeOrNot(self, gf):
@@ -208,10 +213,22 @@ class LACContact(ContactResults, ContactPictures):
             self.SetState(before, gf)
             raise
 
-    def _Pair(self, gf):
+    def _IsRefined(self):
+        """Are pairing and fields those of another mesh?"""
+        fits = len(self.pressure.vec) == self.space.nmacros
+        return not fits or (self.form.paired and not self.form.current)
+
+    def _Pair(self, gf, history=None):
         paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
-        self._paired = IN_DOUBT
-        self.form.Update(gf)
+        refined = self._IsRefined()
+        before, self._paired = self._paired, IN_DOUBT
+        try:
+            self.form.Update(gf, history)
+        except NgException:  # the form is as it was
+            self._paired = before
+            raise
+        if refined:
+            self._MakeFields()
         self._scaled = False
         self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
         self._paired = paired
@@ -320,8 +337,10 @@ class LACContact(ContactResults, ContactPictures):
             self._Unpair()
             return
         if not self.form.paired or self._paired is not state["paired"]:
-            self._Pair(self._Function(state["paired"]))
+            self._Pair(self._Function(state["paired"]), history)
             self._paired = state["paired"]
+        else:
+            self.form.Restore()
         if self.finite and gf is not None:
             with suppress(NgException):  # where the surfaces do not meet, they did not then
                 self.form.Follow(gf.vec)
@@ -358,7 +377,7 @@ class LACContact(ContactResults, ContactPictures):
         self._Fill()
 
     def Restore(self):
-        """Fields and table as at the last `Commit`."""
+        """Fields, table, pairing and resultants as at the last `Commit`."""
         self.form.Restore()
         self._Fill()
 

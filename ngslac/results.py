@@ -14,7 +14,9 @@ class ContactResults:
     """Results of a contact, from its compiled `form` on its `mesh`: the base of `LACContact`."""
 
     def _PairOnce(self):
-        if not self.form.paired:
+        if self.form.paired:
+            self.form.CheckPaired()
+        else:
             self.Update()
 
     def Table(self):

@@ -8,36 +8,78 @@ string PointText(FlatVector<> x) {
     text += (k ? ", " : "") + ToString(x(k));
   return text + ")";
 }
+
+bool IsCoordinate(const CoefficientFunction & function) {
+  return function.GetDescription().rfind("coordinate ", 0) == 0;
+}
+} // namespace
+
+Watch::Watch(shared_ptr<CoefficientFunction> afunction) : function(afunction) {
+  if (!function)
+    return;
+  function->TraverseTree([&](CoefficientFunction & node) {
+    if (node.InputCoefficientFunctions().Size())
+      return;
+    if (dynamic_cast<ParameterCoefficientFunction<double> *>(&node))
+      parameters.Append(node.shared_from_this());
+    else if (!dynamic_cast<ConstantCoefficientFunction *>(&node) && !IsCoordinate(node))
+      fixed = false;
+  });
+}
+
+Array<double> Watch::Values() const {
+  Array<double> now;
+  for (auto & parameter : parameters)
+    now.Append(static_cast<ParameterCoefficientFunction<double> &>(*parameter).GetValue());
+  return now;
+}
+
+namespace {
+/// Integrals over the slave faces of a function and of 1.
+struct FaceIntegral {
+  double value = 0, area = 0;
+};
+
+FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & ma, ElementId ei,
+                       const string & name, LocalHeap & lh) {
+  FaceIntegral sum;
+  auto & trafo = ma.GetTrafo(ei, lh);
+  IntegrationRule rule(trafo.GetElementType(), 2);
+  for (auto & ip : rule) {
+    auto & mip = trafo(ip, lh);
+    double value = function.Evaluate(mip);
+    if (!isfinite(value) || value < 0)
+      throw Exception("LACContact: " + name + " is " + ToString(value) + " at " +
+                      PointText(mip.GetPoint()) + " on boundary '" + string(ma.GetMaterial(ei)) +
+                      "'; it must be a number >= 0");
+    sum.value += mip.GetWeight() * value;
+    sum.area += mip.GetWeight();
+  }
+  return sum;
+}
 } // namespace
 
 Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & space,
                          const string & name) {
   auto ma = space.GetMeshAccess();
+  auto macros = space.MacroOfFace();
+  Array<FaceIntegral> integrals(macros.Size());
+  LocalHeap heap(1000 * 1000, "ngslac-means", true);
+  ParallelForRange(macros.Size(), [&](IntRange range) {
+    LocalHeap lh = heap.Split();
+    for (int i : range)
+      if (macros[i] >= 0) {
+        HeapReset hr(lh);
+        integrals[i] = Integrate(function, *ma, ElementId(BND, i), name, lh);
+      }
+  });
   Array<double> means(space.NMacros()), area(space.NMacros());
   means = 0.0, area = 0.0;
-  LocalHeap heap(1000 * 1000, "ngslac-means", true);
-  ParallelForRange(ma->GetNE(BND), [&](IntRange range) {
-    LocalHeap lh = heap.Split();
-    for (int i : range) {
-      int macro = space.MacroOfFace()[i];
-      if (macro < 0)
-        continue;
-      HeapReset hr(lh);
-      ElementId ei(BND, i);
-      auto & trafo = ma->GetTrafo(ei, lh);
-      IntegrationRule rule(trafo.GetElementType(), 2);
-      for (auto & ip : rule) {
-        auto & mip = trafo(ip, lh);
-        double value = function.Evaluate(mip);
-        if (!isfinite(value) || value < 0)
-          throw Exception("LACContact: " + name + " is " + ToString(value) + " at " +
-                          PointText(mip.GetPoint()) + " on boundary '" +
-                          string(ma->GetMaterial(ei)) + "'; it must be a number >= 0");
-        AtomicAdd(means[macro], mip.GetWeight() * value);
-        AtomicAdd(area[macro], mip.GetWeight());
-      }
+  for (size_t i : Range(macros)) // in their order, whatever the threads did
+    if (macros[i] >= 0) {
+      means[macros[i]] += integrals[i].value;
+      area[macros[i]] += integrals[i].area;
     }
-  });
   for (size_t m : Range(means))
     means[m] /= area[m];
   return means;

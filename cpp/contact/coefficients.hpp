@@ -3,6 +3,39 @@
 #include "space/lacspace.hpp"
 
 namespace ngslac {
+/// Tells when a function may have other values than before.
+///
+/// It does where one of its Parameters has another value, and always if it depends on what does not
+/// tell: a GridFunction, or a function of the user's own.
+class Watch {
+  shared_ptr<CoefficientFunction> function;
+  Array<shared_ptr<CoefficientFunction>> parameters;
+  Array<double> values;
+  bool known = false; // has it been evaluated?
+  bool fixed = true;  // does it depend on nothing but Parameters and coordinates?
+
+public:
+  explicit Watch(shared_ptr<CoefficientFunction> function); // may be null
+  explicit operator bool() const { return function != nullptr; }
+  const CoefficientFunction & operator*() const { return *function; }
+
+  /// The next WhereChanged runs.
+  void Forget() { known = false; }
+  /// Runs f() if the values may be others than when it last ran without an exception.
+  template <typename F>
+  void WhereChanged(F f) {
+    Array<double> now = Values();
+    if (known && fixed && std::equal(now.begin(), now.end(), values.begin()))
+      return;
+    f();
+    values = std::move(now);
+    known = true;
+  }
+
+private:
+  Array<double> Values() const;
+};
+
 /// Means of a function over the macro-elements; throws where it is negative or not finite.
 Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & space,
                          const string & name);

@@ -22,6 +22,14 @@ ContactForm::ContactForm(const ContactSetup & asetup)
                     " components each (LACSpace without components=...)");
 }
 
+void ContactForm::CheckPaired() const {
+  if (!IsPaired())
+    throw Exception("LACContact: no pairing yet; call Update() first");
+  if (!IsCurrent())
+    throw Exception("LACContact: the pairing is that of another mesh or space; after a refinement "
+                    "call Update() of the space and of the contact, and make a new solver");
+}
+
 void AppendState(Array<double> & flat, const MacroState & state) {
   flat += Array<double>{state.pressure, state.gap, double(state.status)};
   for (auto * v : {&state.traction, &state.slip})

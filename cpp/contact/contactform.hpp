@@ -17,6 +17,9 @@ struct ContactSetup {
   double penetration = 0; // 0: chosen from the size of the surfaces
 };
 
+/// Numbers of a form by name.
+using FormHistory = std::map<string, Array<double>>;
+
 /// Values of one macro-element after an evaluation.
 struct MacroState {
   double pressure, gap;
@@ -41,8 +44,11 @@ public:
   virtual ~ContactForm() = default;
   static shared_ptr<ContactForm> Create(const ContactSetup & setup);
 
-  /// Pairs in the configuration of `gf` (null: reference); slip counts from there.
-  virtual void Update(shared_ptr<GridFunction> gf) = 0;
+  /// Pairs in the configuration of `gf` (null: reference); slip counts from there, or is that of a
+  /// saved history. A failure leaves everything as it was.
+  virtual void Update(shared_ptr<GridFunction> gf, const FormHistory * history) = 0;
+  /// Throws unless the surfaces are paired, on the present mesh and space.
+  void CheckPaired() const;
   /// Finite sliding: pairs anew at x. The points on the slave faces and the partners stay until the
   /// next call. Nothing to do with small sliding.
   virtual void Follow(const BaseVector & /* x */) {}
@@ -59,11 +65,11 @@ public:
   virtual void Evaluate(const BaseVector & x) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
-  /// States as at the last Commit.
+  /// Pairing, motion and states as at the last Commit, or Update if none came after it.
   virtual void Restore() = 0;
   /// What a later solve depends on, besides the configuration of the pairing.
-  virtual std::map<string, Array<double>> History() const = 0;
-  virtual void SetHistory(const std::map<string, Array<double>> & history) = 0;
+  virtual FormHistory History() const = 0;
+  virtual void SetHistory(const FormHistory & history) = 0;
   /// Augmented Lagrangian, with c times a factor: matrix and residual of the displacements alone,
   /// whose contact traction is the projection of  lambda - c j  with the multipliers of x kept.
   virtual shared_ptr<SparseMatrix<double>>
@@ -96,9 +102,13 @@ public:
   const ProxyInfo & U() const { return u; }
   const ProxyInfo & Lambda() const { return lam; }
   bool IsPaired() const { return mat != nullptr; }
+  /// Are mesh and space still those that were paired?
+  virtual bool IsCurrent() const = 0;
 
 protected:
   explicit ContactForm(const ContactSetup & asetup);
+  ContactForm(ContactForm &&) = default;
+  ContactForm & operator=(ContactForm &&) = default;
 
   ContactSetup setup;
   ProxyInfo u, lam;

@@ -28,8 +28,8 @@ Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
   Array<int> slaves, masters;
   auto add = [&](const MacroPoints<D> & from) {
     for (int s : from.segments[macro]) {
-      slaves.Append(from.pairing.segments[s].slave);
-      masters.Append(from.pairing.segments[s].master);
+      slaves.Append(from.pairing->segments[s].slave);
+      masters.Append(from.pairing->segments[s].master);
     }
   };
   add(points);
@@ -46,7 +46,7 @@ Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
   if (moving_rim && points.rim[macro].Size()) {
     masters.SetSize0();
     for (int r : points.rim[macro])
-      masters.Append(points.pairing.segments[points.pairing.rim[r].segment].master);
+      masters.Append(points.pairing->segments[points.pairing->rim[r].segment].master);
     result.turning += DofsOf(master, masters);
   }
   SortUnique(result.turning);

@@ -23,7 +23,7 @@ struct Motion {
 template <int D>
 class FiniteSliding : public FormBase<D> {
   using Base = FormBase<D>;
-  using Base::accepted, Base::c, Base::jump, Base::lamdof, Base::mat, Base::nscalars;
+  using Base::c, Base::jump, Base::lamdof, Base::mat, Base::normal, Base::nscalars;
   using Base::pairing, Base::reference, Base::space, Base::states, Base::u;
 
   unique_ptr<Surface<D>> slave_reference, master_reference;
@@ -33,44 +33,22 @@ class FiniteSliding : public FormBase<D> {
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
   Array<double> last_gap;                  // at the last Commit
-  Array<Vec<D>> paired_normal;             // before any Evaluate
-  unique_ptr<Motion<D>> now;               // of the last Configure
+  shared_ptr<Motion<D>> now;               // of the last Configure
+  shared_ptr<Motion<D>> accepted_motion;   // of the last Commit
   bool moving_rim = false;                 // does the matrix see that the overlap changes?
 
 public:
   using Base::Base;
 
-  void Update(shared_ptr<GridFunction> gf) override {
+  void Update(shared_ptr<GridFunction> gf, const FormHistory * history) override {
     static Timer timer("ngslac::FiniteSliding::Update");
     RegionTimer reg(timer);
-    this->CheckSpace(gf);
-    slave_reference = this->SurfaceOf(space->SlaveRegion(), nullptr);
-    master_reference = this->SurfaceOf(*this->setup.master, nullptr);
-    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
-    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
-    Pairing<D> none;
-    none.segments.Append(Segment{-1, -1, 0, 0});
-    fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
-
-    if (this->selfcontact)
-      along = AlongSurface(*space);
-    Vector<> x(u.fes->GetNDof() * u.fes->GetDimension());
-    x = 0.0;
-    if (gf)
-      x = gf->GetVector().FV<double>();
-    lamdof.SetSize0(); // of another mesh
-    PairAnew(x, true);
-    this->Reset();
-    start = points;
-    reference = Vec<D>(0.0);
-    last_gap.SetSize(jump->Size());
-    Configure(x);
-    for (size_t m : Range(jump->Size())) {
-      last_gap[m] = Place(m, x).gap;
-      states[m] = MacroState{0, last_gap[m], Vec<3>(0.0), Vec<3>(0.0), Status::open};
-    }
-    accepted = states;
-    mat = make_shared<SparseMatrix<double>>(0, 0);
+    this->CheckUpdated(gf);
+    FiniteSliding fresh(this->setup); // a failure leaves everything as it was
+    fresh.Start(gf);
+    if (history)
+      fresh.SetHistory(*history);
+    *this = std::move(fresh);
   }
 
   void Follow(const BaseVector & bx) override {
@@ -88,6 +66,7 @@ public:
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    this->CheckPaired();
     moving_rim = true;
     Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> normals(jump->Size());
@@ -96,25 +75,25 @@ public:
       return projections[m] = this->ProjectWithMemory(m, normal, trial);
     });
     auto x = bx.FV<double>(), y = residual.FV<double>();
-    this->ForMacros([&](size_t m, LocalHeap & lh) {
-      AddForces(m, normals[m], this->AddMultiplierResidual(m, x, projections[m], y), y, lh);
+    ScatterInOrder(jump->Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
+      AddForces(m, normals[m], this->AddMultiplierResidual(m, x, projections[m], y), forces, lh);
     });
   }
 
   shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx, BaseVector & residual,
                                                      double factor) override {
-    typename Base::Augmentation augmentation(c, factor);
     this->Prepare(bx);
+    typename Base::Augmentation augmentation(c, factor);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     Configure(x);
     moving_rim = true;
     Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> tractions(jump->Size());
-    this->ForMacros([&](size_t m, LocalHeap & lh) {
+    ScatterInOrder(jump->Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
       auto place = Place(m, x);
       projections[m] = this->ProjectWithMemory(m, place.normal, this->Trial(m, place, x));
       tractions[m] = projections[m].traction;
-      AddForces(m, place.normal, tractions[m], y, lh);
+      AddForces(m, place.normal, tractions[m], forces, lh);
     });
     Assemble(
         bx, [&](size_t m, const Vec<D> &, const Vec<D> &) { return projections[m]; }, &tractions);
@@ -138,7 +117,6 @@ public:
   void Commit(const BaseVector & bx) override {
     Follow(bx);
     this->Evaluate(bx);
-    accepted = states;
     for (size_t m : Range(jump->Size())) {
       double approach = last_gap[m] - states[m].gap;
       Vec<D> slip;
@@ -149,7 +127,13 @@ public:
       reference[m] += this->ElasticSlip(m, jump->normal[m], bx.FV<double>());
       last_gap[m] = states[m].gap;
     }
-    start = points;
+    Accept();
+  }
+
+  void Restore() override {
+    Base::Restore();
+    points = start;
+    now = accepted_motion;
   }
 
 protected:
@@ -162,9 +146,10 @@ protected:
     if (same && now->start == start)
       return;
     if (!same) {
-      auto hits = now ? std::move(now->hits) : Array<RayHit<D>>();
-      hits.SetSize(points->pairing.points.Size());
-      now = make_unique<Motion<D>>(
+      bool reuse = now && now != accepted_motion; // the memory
+      auto hits = reuse ? std::move(now->hits) : Array<RayHit<D>>();
+      hits.SetSize(points->pairing->points.Size());
+      now = make_shared<Motion<D>>(
           Motion<D>{{*slave_shapes, *master_shapes, std::move(slave), std::move(master)},
                     points,
                     start,
@@ -185,7 +170,7 @@ protected:
 
   FlatArray<double> Memory() const override { return last_gap; }
 
-  void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, FlatVector<> y,
+  void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, Scatter & y,
                  LocalHeap & lh) const override {
     if (points->area[m] > 0 && L2Norm2(traction) > 0)
       AddTraction<D>(now->surfaces, *points, m, now->hits, MacroTraction<D>(traction, normal), y,
@@ -195,7 +180,7 @@ protected:
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     if (points->area[m] == 0 || L2Norm2(traction) == 0)
       return {Vec<D>(0.0), Vec<3>(0.0)};
-    return Resultant<D>(now->surfaces, *points, m, MacroTraction<D>(traction, jump->normal[m]));
+    return Resultant<D>(now->surfaces, *points, m, MacroTraction<D>(traction, normal[m]));
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
@@ -216,6 +201,42 @@ protected:
   }
 
 private:
+  void Start(shared_ptr<GridFunction> gf) {
+    slave_reference = this->SurfaceOf(space->SlaveRegion(), nullptr);
+    master_reference = this->SurfaceOf(*this->setup.master, nullptr);
+    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
+    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
+    Pairing<D> none;
+    none.segments.Append(Segment{-1, -1, 0, 0});
+    fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
+    if (this->selfcontact)
+      along = AlongSurface(*space);
+
+    Vector<> x(u.fes->GetNDof() * u.fes->GetDimension());
+    x = 0.0;
+    if (gf)
+      x = gf->GetVector().FV<double>();
+    this->CollectMultiplierDofs(*slave_reference); // which tell what is closed
+    PairAnew(x);
+    this->Reset();
+    start = points;
+    reference = Vec<D>(0.0);
+    last_gap.SetSize(jump->Size());
+    Configure(x);
+    for (size_t m : Range(jump->Size())) {
+      last_gap[m] = Place(m, x).gap;
+      states[m] = MacroState{0, last_gap[m], Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    Accept();
+    mat = make_shared<SparseMatrix<double>>(0, 0);
+  }
+
+  void Accept() {
+    Base::Accept();
+    start = points;
+    accepted_motion = now;
+  }
+
   bool Slides(size_t m) const {
     return start->area[m] > 0 && max(this->friction[m], this->threshold[m]) >= 0;
   }
@@ -233,26 +254,26 @@ private:
 
   /// The same configuration has the same pairing; of self-contact it depends on more.
   bool IsPairedIn(const Surface<D> & slave, const Surface<D> & master) const {
-    return !this->selfcontact && this->slave->HasShapeOf(slave) && this->master->HasShapeOf(master);
+    return jump && !this->selfcontact && this->slave->HasShapeOf(slave) &&
+           this->master->HasShapeOf(master);
   }
 
-  void PairAnew(FlatVector<> x, bool another_mesh = false) {
+  void PairAnew(FlatVector<> x) {
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
-    if (!another_mesh && IsPairedIn(*slave, *master)) {
-      jump->normal = paired_normal;
+    if (IsPairedIn(*slave, *master)) {
+      normal = jump->normal; // before any Evaluate
       return;
     }
     slave->CheckFinite(*u.fes->GetMeshAccess());
     master->CheckFinite(*u.fes->GetMeshAccess());
     auto paired = this->PairAt(std::move(slave), std::move(master));
     if (this->selfcontact)
-      KeepOneSide<D>(paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
-    CountReferenceAreas(*paired.slave, paired.pairing);
-    this->Take(std::move(paired));
+      KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
+    CountReferenceAreas(*paired.slave, *paired.pairing);
+    this->Take(paired);
     jump->fullarea = fullarea;
-    paired_normal = jump->normal;
-    points = MakePoints(pairing, *this->slave, *space, jump->area);
+    points = MakePoints<D>(pairing, *this->slave, *space, jump->area);
   }
 
   BitArray Closed(FlatVector<> x) const {

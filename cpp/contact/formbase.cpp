@@ -1,11 +1,10 @@
 #include "formbase.hpp"
-#include "coefficients.hpp"
 #include "selfcontact.hpp"
 
 namespace ngslac {
 template <int D>
 FormBase<D>::FormBase(const ContactSetup & asetup)
-    : ContactForm(asetup),
+    : ContactForm(asetup), watch_friction(asetup.friction), watch_threshold(asetup.threshold),
       selfcontact(setup.master && Overlap(space->SlaveRegion(), *setup.master)) {}
 
 template <int D>
@@ -27,27 +26,25 @@ FormBase<D>::PairIn(shared_ptr<CoefficientFunction> displacement) const {
 template <int D>
 typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
                                                  unique_ptr<Surface<D>> master) const {
-  Paired result;
+  auto pairing = make_shared<Pairing<D>>();
   auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
   double maxdist = 0;
   if (setup.obstacle) {
-    result.pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
-    SetObstacleGaps(*setup.obstacle, *u.fes->GetMeshAccess(), *slave, result.pairing);
+    *pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
   } else {
     auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration,
                                  (D == 2 ? 2 : 1) * degree(max(u.Order(*slave), u.Order(*master))));
     if (selfcontact)
       LimitToOthers(*slave, *master, options);
-    result.pairing = Pair<D>(*slave, *master, options);
+    *pairing = Pair<D>(*slave, *master, options);
     maxdist = options.maxdist;
   }
-  if (result.pairing.Size() == 0 && !selfcontact) // which may come later
+  if (pairing->Size() == 0 && !selfcontact) // which may come later
     throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
                     "surface within maxdist = " +
                     ToString(maxdist) +
                     "; check the regions, the placement of the bodies and maxdist");
-  result.slave = std::move(slave), result.master = std::move(master);
-  return result;
+  return {std::move(slave), std::move(master), pairing, nullptr};
 }
 
 template <int D>
@@ -62,23 +59,45 @@ void FormBase<D>::LimitToOthers(const Surface<D> & slave, const Surface<D> & mas
 }
 
 template <int D>
-void FormBase<D>::Take(Paired && paired) {
-  auto new_jump = make_unique<MacroJump<D>>(*space, *paired.slave, paired.pairing);
-  slave = std::move(paired.slave), master = std::move(paired.master), jump = std::move(new_jump);
-  pairing = std::move(paired.pairing);
+void FormBase<D>::Take(Paired paired) {
+  if (!paired.jump)
+    paired.jump = make_shared<MacroJump<D>>(*space, *paired.slave, *paired.pairing);
+  slave = paired.slave, master = paired.master, pairing = paired.pairing, jump = paired.jump;
+  normal = jump->normal;
+}
+
+template <int D>
+void FormBase<D>::Accept() {
+  accepted.surfaces = {slave, master, pairing, jump};
+  accepted.normal = normal;
+  accepted.states = states;
+}
+
+template <int D>
+void FormBase<D>::Restore() {
+  CheckPaired();
+  Take(accepted.surfaces);
+  normal = accepted.normal;
+  states = accepted.states;
 }
 
 template <int D>
 void FormBase<D>::NeedRows() {
   if (!jump->HasRows())
-    jump->SetRows(u, *slave, master.get(), pairing);
+    jump->SetRows(u, *slave, master.get(), *pairing);
+}
+
+template <int D>
+std::array<size_t, 2> FormBase<D>::MeshSize() const {
+  auto & ma = *u.fes->GetMeshAccess();
+  return {ma.GetNE(BND), ma.GetNV()};
 }
 
 template <int D>
 void FormBase<D>::Reset() {
-  nscalars = u.fes->GetNDof() * u.fes->GetDimension();
-  CollectMultiplierDofs();
-  FindFriction();
+  nscalars = NScalars();
+  meshsize = MeshSize();
+  Reevaluate();
   size_t n = jump->Size();
   c.SetSize(n), states.SetSize(n), reference.SetSize(n), direction.SetSize(n);
   c = 0.0;
@@ -109,6 +128,7 @@ void FormBase<D>::SetStiffness(FlatVector<> diagonal, double factor) {
 template <int D>
 void FormBase<D>::Evaluate(const BaseVector & bx) {
   CheckSize(bx.FV<double>().Size());
+  Reevaluate();
   auto x = bx.FV<double>();
   Configure(x);
   ParallelFor(jump->Size(), [&](size_t m) {
@@ -120,7 +140,7 @@ void FormBase<D>::Evaluate(const BaseVector & bx) {
     state.traction = 0.0, state.slip = 0.0;
     for (int k : Range(D))
       state.traction(k) = traction(k), state.slip(k) = place.slip(k);
-    jump->normal[m] = place.normal;
+    normal[m] = place.normal;
     state.status = Project(Data(m, place.normal), Trial(m, place, x)).status;
   });
 }
@@ -133,17 +153,17 @@ void FormBase<D>::AddApply(const BaseVector & bx, BaseVector & by) {
   CheckSize(by.FV<double>().Size());
   auto x = bx.FV<double>(), y = by.FV<double>();
   Configure(x);
-  ForMacros([&](size_t m, LocalHeap & lh) {
+  ScatterInOrder(jump->Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
     auto place = Place(m, x);
     Vec<D> traction = AddMultiplierResidual(m, x, ProjectAt(m, place, x), y);
-    AddForces(m, place.normal, traction, y, lh);
+    AddForces(m, place.normal, traction, forces, lh);
   });
 }
 
 template <int D>
 void FormBase<D>::UpdateMultipliers(BaseVector & bx, double factor) {
-  Augmentation augmentation(c, factor);
   Prepare(bx);
+  Augmentation augmentation(c, factor);
   auto x = bx.FV<double>();
   Configure(x);
   ParallelFor(jump->Size(), [&](size_t m) {
@@ -154,6 +174,15 @@ void FormBase<D>::UpdateMultipliers(BaseVector & bx, double factor) {
 }
 
 namespace {
+template <int D>
+Array<double> Flat(const Array<Vec<D>> & vectors) {
+  Array<double> values;
+  for (auto & v : vectors)
+    for (int k : Range(D))
+      values.Append(v(k));
+  return values;
+}
+
 constexpr int state_size = 9; // numbers in a MacroState
 
 MacroState StateAt(FlatArray<double> flat) {
@@ -163,21 +192,23 @@ MacroState StateAt(FlatArray<double> flat) {
 } // namespace
 
 template <int D>
-std::map<string, Array<double>> FormBase<D>::History() const {
+FormHistory FormBase<D>::History() const {
   CheckPaired();
-  std::map<string, Array<double>> history;
+  FormHistory history;
   history["c"] = c;
   history["memory"] = Memory();
   history["reference"] = Vectors("reference");
+  history["normal"] = Vectors("normal");
+  history["accepted_normal"] = Flat(accepted.normal);
   for (auto & s : states)
     AppendState(history["states"], s);
-  for (auto & s : accepted)
+  for (auto & s : accepted.states)
     AppendState(history["accepted"], s);
   return history;
 }
 
 template <int D>
-void FormBase<D>::SetHistory(const std::map<string, Array<double>> & history) {
+void FormBase<D>::SetHistory(const FormHistory & history) {
   CheckPaired();
   auto expected = History();
   for (auto & [name, values] : expected)
@@ -187,11 +218,14 @@ void FormBase<D>::SetHistory(const std::map<string, Array<double>> & history) {
   c = history.at("c");
   Memory() = history.at("memory");
   for (size_t m : Range(jump->Size())) {
-    for (int k : Range(D))
+    for (int k : Range(D)) {
       reference[m](k) = history.at("reference")[D * m + k];
+      normal[m](k) = history.at("normal")[D * m + k];
+      accepted.normal[m](k) = history.at("accepted_normal")[D * m + k];
+    }
     auto at = IntRange(state_size * m, state_size * (m + 1));
     states[m] = StateAt(history.at("states").Range(at));
-    accepted[m] = StateAt(history.at("accepted").Range(at));
+    accepted.states[m] = StateAt(history.at("accepted").Range(at));
   }
 }
 
@@ -224,9 +258,9 @@ template <int D>
 shared_ptr<SparseMatrix<double>> FormBase<D>::JumpMatrix(Side side) {
   CheckPaired();
   NeedRows();
-  MacroJump<D> one(*space, *slave, pairing);
+  MacroJump<D> one(*space, *slave, *pairing);
   if (side != Side::both) // of both sides there is one already
-    one.SetRows(u, *slave, master.get(), pairing, side);
+    one.SetRows(u, *slave, master.get(), *pairing, side);
   auto & op = side == Side::both ? *jump : one;
   Array<int> rows, cols;
   Array<double> values;
@@ -247,17 +281,10 @@ shared_ptr<SparseMatrix<double>> FormBase<D>::JumpMatrix(Side side) {
 template <int D>
 Array<double> FormBase<D>::Vectors(const string & name) const {
   CheckPaired();
-  auto flat = [](FlatArray<Vec<D>> vectors) {
-    Array<double> values;
-    for (auto & v : vectors)
-      for (int k : Range(D))
-        values.Append(v(k));
-    return values;
-  };
   if (name == "normal")
-    return flat(jump->normal);
+    return Flat(normal);
   if (name == "center")
-    return flat(jump->center);
+    return Flat(jump->center);
   if (name == "force" || name == "moment") {
     Array<double> values;
     for (size_t m : Range(jump->Size())) {
@@ -271,7 +298,7 @@ Array<double> FormBase<D>::Vectors(const string & name) const {
     return values;
   }
   if (name == "reference")
-    return flat(reference);
+    return Flat(reference);
   throw Exception("ContactForm: no vectors named " + name);
 }
 
@@ -295,13 +322,13 @@ Array<double> FormBase<D>::Scalars(const string & name) const {
 template <int D>
 size_t FormBase<D>::NSegments() const {
   CheckPaired();
-  return pairing.Size();
+  return pairing->Size();
 }
 
 template <int D>
 SegmentTable FormBase<D>::Segments() const {
   CheckPaired();
-  return MakeSegmentTable(pairing, *slave, master.get());
+  return MakeSegmentTable(*pairing, *slave, master.get());
 }
 
 template <int D>
@@ -350,19 +377,28 @@ void FormBase<D>::CheckSize(size_t entries) const {
 }
 
 template <int D>
-void FormBase<D>::CheckPaired() const {
-  if (!jump)
-    throw Exception("LACContact: no pairing yet; call Update() first");
+bool FormBase<D>::IsCurrent() const {
+  return jump && meshsize == MeshSize() && nscalars == NScalars() &&
+         space->NMacros() == jump->Size();
+}
+
+template <int D>
+void FormBase<D>::CheckUpdated(const shared_ptr<GridFunction> & gf) const {
+  if (gf && gf->GetFESpace() != u.fes)
+    throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one on "
+                    "the product space");
+  if (space->MacroOfFace().Size() != u.fes->GetMeshAccess()->GetNE(BND))
+    throw Exception("LACContact.Update: the mesh was refined, but not its spaces; call Update() of "
+                    "the product space first");
+  if (gf && gf->GetVector().FV<double>().Size() != NScalars())
+    throw Exception("LACContact.Update: gf has " + ToString(gf->GetVector().FV<double>().Size()) +
+                    " entries, its space " + ToString(NScalars()) + "; call gf.Update() first");
 }
 
 template <int D>
 void FormBase<D>::Prepare(const BaseVector & x) {
   CheckSize(x.FV<double>().Size());
-  for (auto & cf : {setup.friction, setup.threshold})
-    if (cf && !dynamic_pointer_cast<ConstantCoefficientFunction>(cf)) {
-      FindFriction(); // a Parameter may have changed
-      break;
-    }
+  Reevaluate();
   for (double value : c)
     if (!(value > 0))
       throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
@@ -370,14 +406,14 @@ void FormBase<D>::Prepare(const BaseVector & x) {
 }
 
 template <int D>
-void FormBase<D>::CollectMultiplierDofs() {
+void FormBase<D>::CollectMultiplierDofs(const Surface<D> & surface) {
   lamdof.SetSize(D * space->NMacros());
   LocalHeap lh(1000 * 1000, "ngslac-multipliers");
   int block = lam.fes->GetDimension();
   Array<DofId> dofs;
-  for (size_t f : Range(slave->Size())) {
+  for (size_t f : Range(surface.Size())) {
     HeapReset hr(lh);
-    ElementId ei(BND, slave->Element(f));
+    ElementId ei(BND, surface.Element(f));
     lam.fes->GetDofNrs(ei, dofs);
     IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
     for (int k : Range(D))
@@ -387,16 +423,19 @@ void FormBase<D>::CollectMultiplierDofs() {
 }
 
 template <int D>
-void FormBase<D>::FindFriction() {
-  auto means = [&](shared_ptr<CoefficientFunction> function, const char * name) {
-    if (function)
-      return MacroMeans(*function, *space, name);
-    Array<double> none(space->NMacros());
-    none = -1.0;
-    return none;
+void FormBase<D>::Reevaluate() {
+  auto means = [&](Watch & watch, const char * name, Array<double> & values) {
+    watch.WhereChanged([&] {
+      if (watch)
+        values = MacroMeans(*watch, *space, name);
+      else {
+        values.SetSize(space->NMacros());
+        values = -1.0;
+      }
+    });
   };
-  friction = means(setup.friction, "friction");
-  threshold = means(setup.threshold, "tresca");
+  means(watch_friction, "friction", friction);
+  means(watch_threshold, "tresca", threshold);
 }
 
 template class FormBase<2>;

@@ -1,7 +1,9 @@
 #pragma once
+#include "coefficients.hpp"
 #include "compliance.hpp"
 #include "contactform.hpp"
 #include "eliminate.hpp"
+#include "scatter.hpp"
 
 namespace ngslac {
 template <int D>
@@ -28,9 +30,10 @@ public:
   void SetConstant(double value) override { c = value; }
   void BeginSolve() override { direction = Vec<D>(0.0); }
   void Evaluate(const BaseVector & x) override;
-  void Restore() override { states = accepted; }
-  std::map<string, Array<double>> History() const override;
-  void SetHistory(const std::map<string, Array<double>> & history) override;
+  void Restore() override;
+  FormHistory History() const override;
+  void SetHistory(const FormHistory & history) override;
+  bool IsCurrent() const override;
   void UpdateMultipliers(BaseVector & x, double factor) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
@@ -42,32 +45,40 @@ public:
   SegmentTable Segments() const override;
 
 protected:
-  /// Cuts one configuration into segments; null displacement: the reference one.
+  /// Both surfaces in one configuration, cut into segments, and the macro-elements over them.
   struct Paired {
-    unique_ptr<Surface<D>> slave, master; // no master: an obstacle
-    Pairing<D> pairing;
+    shared_ptr<Surface<D>> slave, master; // no master: an obstacle
+    shared_ptr<Pairing<D>> pairing;
+    shared_ptr<MacroJump<D>> jump;
   };
   /// A surface of the order of the displacement, where that matters.
   unique_ptr<Surface<D>> SurfaceOf(const Region & region,
                                    shared_ptr<CoefficientFunction> displacement) const;
+  /// Cuts one configuration into segments, without jump; null displacement: the reference one.
   Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
   Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
   /// One surface is slave and master.
   void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
                      PairingOptions & options) const;
-  /// Takes over a new pairing and its macro-elements.
-  void Take(Paired && paired);
+  /// Takes over a pairing, and makes its macro-elements where there are none.
+  void Take(Paired paired);
+  /// Everything as it is now is that of a committed step.
+  void Accept();
   /// Fills the rows of the jump, which finite sliding seldom needs.
   void NeedRows();
   /// Scales, law and states for new macro-elements.
   void Reset();
-  void CollectMultiplierDofs();
-  void FindFriction();
+  /// of the macro-elements on the slave surface
+  void CollectMultiplierDofs(const Surface<D> & surface);
+  /// Numbers of boundary elements and of vertices.
+  std::array<size_t, 2> MeshSize() const;
+  /// Evaluates what Parameters and other functions may have changed.
+  virtual void Reevaluate();
 
   /// Numbers of the last committed step that a kind of kinematics keeps.
   virtual FlatArray<double> Memory() const = 0;
   /// Subtracts the virtual work of a traction on one macro-element, whose normal is given.
-  virtual void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, FlatVector<> y,
+  virtual void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, Scatter & y,
                          LocalHeap & lh) const = 0;
   /// Resultant of a traction, and its moment about the origin.
   virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
@@ -127,11 +138,10 @@ protected:
   }
   /// The projection, but what slips the other way than in the last Newton step sticks.
   Projection<D> ProjectWithMemory(size_t m, const Vec<D> & normal, const Vec<D> & trial);
-  void CheckSpace(const shared_ptr<GridFunction> & gf) const {
-    if (gf && gf->GetFESpace() != u.fes)
-      throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one "
-                      "on the product space");
-  }
+  /// Throws where a pairing could not be made: of mesh, space and gf.
+  void CheckUpdated(const shared_ptr<GridFunction> & gf) const;
+  /// Entries of a vector on the product space.
+  size_t NScalars() const { return u.fes->GetNDof() * u.fes->GetDimension(); }
   Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return Project(Data(m, place.normal), Trial(m, place, x));
   }
@@ -156,7 +166,6 @@ protected:
     return EliminateMultipliers<D>(*mat, lamdof, penalties);
   }
   void CheckSize(size_t entries) const;
-  void CheckPaired() const;
   void Prepare(const BaseVector & x);
 
   /// Makes c larger while it lives.
@@ -171,13 +180,20 @@ protected:
   };
 
   bool selfcontact;
-  unique_ptr<Surface<D>> slave, master;
-  Pairing<D> pairing;
-  unique_ptr<MacroJump<D>> jump;
+  shared_ptr<Surface<D>> slave, master;
+  shared_ptr<Pairing<D>> pairing;
+  shared_ptr<MacroJump<D>> jump;
+  Array<Vec<D>> normal; // of the macro-elements at the last evaluation
+  Watch watch_friction, watch_threshold;
   Array<double> c, friction, threshold;
-  size_t nscalars = 0;        // entries of a vector on the product space
-  Array<Vec<D>> reference;    // slip counts from there
-  Array<Vec<D>> direction;    // of slip in the last Newton step
-  Array<MacroState> accepted; // at the last committed step
+  size_t nscalars = 0;            // entries of a vector on the product space
+  std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
+  Array<Vec<D>> reference;        // slip counts from there
+  Array<Vec<D>> direction;        // of slip in the last Newton step
+  struct {
+    Paired surfaces;
+    Array<Vec<D>> normal;
+    Array<MacroState> states;
+  } accepted; // at the last committed step
 };
 } // namespace ngslac

@@ -159,13 +159,29 @@ MacroJump<D>::MacroJump(const LACSpace & space, const Surface<D> & slave,
   RegionTimer reg(timer);
   size_t n = space.NMacros();
   area.SetSize(n), fullarea.SetSize(n), normal.SetSize(n), center.SetSize(n), moment.SetSize(n);
-  gapvector.SetSize(n);
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)
     for (int f : Range(slave.Size()))
       creator.Add(space.MacroOfFace()[slave.Element(f)], f);
   faces = creator.MoveTable();
   ParallelFor(n, [&](size_t m) { Geometry(m, slave, pairing); });
+}
+
+template <int D>
+Array<Vec<D>> MacroJump<D>::GapVectors(const Pairing<D> & pairing) const {
+  Array<Vec<D>> means(Size());
+  ParallelFor(Size(), [&](size_t m) {
+    Vec<D> gaps = 0.0;
+    double paired = 0;
+    for (int f : faces[m])
+      for (int s : Range(first_segment[f], first_segment[f + 1]))
+        for (auto & p : pairing.points.Range(pairing.Points(s))) {
+          paired += p.weight;
+          gaps -= p.weight * p.gap * p.normal;
+        }
+    means[m] = paired > 0 ? Vec<D>((1 / paired) * gaps) : Vec<D>(0.0);
+  });
+  return means;
 }
 
 template <int D>
@@ -209,7 +225,7 @@ void MacroJump<D>::SetRows(const ProxyInfo & u, const Surface<D> & slave, const 
 
 template <int D>
 void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing) {
-  Vec<D> normals = 0.0, gaps = 0.0, centers = 0.0, moments = 0.0;
+  Vec<D> normals = 0.0, centers = 0.0, moments = 0.0;
   double paired = 0, full = 0;
   for (int f : faces[macro]) {
     for (auto & ip : AreaRule(slave.Type(f), slave.IsFlat(f))) {
@@ -224,7 +240,6 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
     for (int s : Range(first_segment[f], first_segment[f + 1]))
       for (auto & p : pairing.points.Range(pairing.Points(s))) {
         paired += p.weight;
-        gaps -= p.weight * p.gap * p.normal;
         moments += p.weight * slave.Point(f, p.slave);
       }
   }
@@ -234,7 +249,6 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
   normal[macro] = (1 / L2Norm(normals)) * normals;
   center[macro] = (1 / full) * centers;
   moment[macro] = moments;
-  gapvector[macro] = paired > 0 ? Vec<D>((1 / paired) * gaps) : Vec<D>(0.0);
 }
 
 template <int D>

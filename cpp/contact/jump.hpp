@@ -43,6 +43,8 @@ public:
 
   void SetRows(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
                const Pairing<D> & pairing, Side side = Side::both);
+  /// means of x1 - x2 in the configuration of the pairing
+  Array<Vec<D>> GapVectors(const Pairing<D> & pairing) const;
   bool HasRows() const { return first.Size() > 0; }
   size_t Size() const { return area.Size(); }
   /// Empty without a partner.
@@ -52,12 +54,11 @@ public:
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
 
-  Array<double> area;      // paired
-  Array<double> fullarea;  // of all faces
-  Array<Vec<D>> normal;    // unit, mean of the outward slave normals
-  Array<Vec<D>> center;    // of all faces
-  Array<Vec<D>> moment;    // integral of x over the paired part
-  Array<Vec<D>> gapvector; // mean of x1 - x2 in the paired configuration
+  Array<double> area;     // paired
+  Array<double> fullarea; // of all faces
+  Array<Vec<D>> normal;   // unit, mean of the outward slave normals
+  Array<Vec<D>> center;   // of all faces
+  Array<Vec<D>> moment;   // integral of x over the paired part
 
 private:
   void Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing);

@@ -14,13 +14,14 @@ Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpac
 } // namespace
 
 template <int D>
-shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<D> & slave,
-                                      const LACSpace & space, FlatArray<double> area) {
-  auto & segments = pairing.segments;
+shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
+                                      const Surface<D> & slave, const LACSpace & space,
+                                      FlatArray<double> area) {
+  auto & segments = pairing->segments;
   auto of_segments =
-      OfMacros<D>(pairing.Size(), [&](int i) { return segments[i].slave; }, slave, space);
+      OfMacros<D>(pairing->Size(), [&](int i) { return segments[i].slave; }, slave, space);
   auto of_rim = OfMacros<D>(
-      pairing.rim.Size(), [&](int i) { return segments[pairing.rim[i].segment].slave; }, slave,
+      pairing->rim.Size(), [&](int i) { return segments[pairing->rim[i].segment].slave; }, slave,
       space);
   Array<Mat<D, D - 1>> dual(space.NMacros());
   for (size_t m : Range(dual))
@@ -28,7 +29,7 @@ shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<
       auto & segment = segments[of_segments[m][0]];
       Vec<D> x;
       Mat<D, D - 1> dx;
-      slave.Evaluate(segment.slave, pairing.points[segment.first].slave, x, dx);
+      slave.Evaluate(segment.slave, pairing->points[segment.first].slave, x, dx);
       dual[m] = DualBasis<D>(dx);
     }
   return make_shared<MacroPoints<D>>(MacroPoints<D>{
@@ -54,9 +55,9 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
   double gap = 0;
   Vec<D> normals = 0.0;
   for (int s : points.segments[macro]) {
-    auto & segment = points.pairing.segments[s];
-    for (size_t i : points.pairing.Points(s)) {
-      auto & p = points.pairing.points[i];
+    auto & segment = points.pairing->segments[s];
+    for (size_t i : points.pairing->Points(s)) {
+      auto & p = points.pairing->points[i];
       Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
       hits[i] = ray.Hit();
       gap += p.weight * ray.gap;
@@ -78,7 +79,7 @@ inline void Add(double factor, const double * __restrict x, double * __restrict 
 /// the same dofs.
 template <int D, typename F>
 void ForFacePairs(const MacroPoints<D> & points, size_t macro, F f) {
-  auto & segments = points.pairing.segments;
+  auto & segments = points.pairing->segments;
   Array<int> order(points.segments[macro]);
   auto faces = [&](int s) { return pair(segments[s].slave, segments[s].master); };
   std::stable_sort(order.begin(), order.end(), [&](int s, int t) { return faces(s) < faces(t); });
@@ -266,7 +267,7 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
                     FlatArray<RayHit<D>> hits, const MacroGap<D> & mean,
                     const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
                     const MasterBlock & add, LocalHeap & lh) {
-  auto & pairing = points.pairing;
+  auto & pairing = *points.pairing;
   ForFacePairs(points, macro, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
     FacePairDerivative<D> derivative(now, pairing.segments[segments[0]], traction, rows, lh);
@@ -292,7 +293,7 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 namespace {
 /// Adds forces on the scalar functions of a face to those on its dofs.
 template <int D>
-void AddForces(const FaceShapes<D> & shapes, int face, FlatMatrixFixWidth<D> forces, FlatVector<> y,
+void AddForces(const FaceShapes<D> & shapes, int face, FlatMatrixFixWidth<D> forces, Scatter & y,
                LocalHeap & lh) {
   auto dofs = shapes.Dofs(face);
   FlatVector<> by_dofs = forces.AsVector();
@@ -301,24 +302,24 @@ void AddForces(const FaceShapes<D> & shapes, int face, FlatMatrixFixWidth<D> for
     by_dofs = Trans(shapes.Conversion(face)) * forces.AsVector();
   }
   for (int j : Range(dofs))
-    AtomicAdd(y(dofs[j]), by_dofs(j));
+    y.Add(dofs[j], by_dofs(j));
 }
 } // namespace
 
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, FlatVector<> y,
+                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, Scatter & y,
                  LocalHeap & lh) {
   ForFacePairs(points, macro, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
-    auto & segment = points.pairing.segments[segments[0]];
+    auto & segment = points.pairing->segments[segments[0]];
     FlatVector<> on_slave(now.slave_shapes.Size(segment.slave), lh);
     FlatVector<> on_master(now.master_shapes.Size(segment.master), lh);
     FlatMatrixFixWidth<D> slave(on_slave.Size(), lh), master(on_master.Size(), lh);
     slave = 0.0, master = 0.0;
     for (int s : segments)
-      for (size_t i : points.pairing.Points(s)) {
-        auto & p = points.pairing.points[i];
+      for (size_t i : points.pairing->Points(s)) {
+        auto & p = points.pairing->points[i];
         Vec<D> force = p.weight * traction.At(hits[i].normal);
         on_slave = 0.0, on_master = 0.0;
         now.slave_shapes.AddValues(segment.slave, p.slave, -1, on_slave, lh);
@@ -339,8 +340,8 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
   Vec<D> force = 0.0;
   Vec<3> moment = 0.0;
   for (int s : points.segments[macro]) {
-    int face = points.pairing.segments[s].slave;
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+    int face = points.pairing->segments[s].slave;
+    for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
       Vec<D> x;
       Mat<D, D - 1> dx;
       now.slave.Evaluate(face, p.slave, x, dx);
@@ -353,7 +354,7 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> &, const Surface<D> &,           \
+  template shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>>, const Surface<D> &, \
                                                  const LACSpace &, FlatArray<double>);             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
@@ -363,7 +364,7 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
                                const MacroTraction<D> &, bool, MacroRows<D> &,                     \
                                const MasterBlock &, LocalHeap &);                                  \
   template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
-                            FlatArray<RayHit<D>>, const MacroTraction<D> &, FlatVector<>,          \
+                            FlatArray<RayHit<D>>, const MacroTraction<D> &, Scatter &,             \
                             LocalHeap &);                                                          \
   template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \
                                           size_t, const MacroTraction<D> &);

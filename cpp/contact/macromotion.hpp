@@ -1,6 +1,7 @@
 #pragma once
 #include "faceshapes.hpp"
 #include "ray.hpp"
+#include "scatter.hpp"
 
 namespace ngslac {
 /// Both surfaces in one configuration, and how they move with the dofs.
@@ -15,7 +16,7 @@ struct MovingSurfaces {
 /// the coordinates of the slave faces.
 template <int D>
 struct MacroPoints {
-  Pairing<D> pairing;
+  shared_ptr<const Pairing<D>> pairing;
   Table<int> segments;       // of each macro-element
   Table<int> rim;            // of each macro-element, points of the pairing's rim
   Array<double> area;        // of each macro-element, 0 where too little is paired
@@ -23,8 +24,9 @@ struct MacroPoints {
 };
 
 template <int D>
-shared_ptr<MacroPoints<D>> MakePoints(const Pairing<D> & pairing, const Surface<D> & slave,
-                                      const LACSpace & space, FlatArray<double> area);
+shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
+                                      const Surface<D> & slave, const LACSpace & space,
+                                      FlatArray<double> area);
 
 /// Derivatives of what moves with a macro-element, a column for each dof.
 template <int D>
@@ -90,10 +92,10 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
                     const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
                     const MasterBlock & add, LocalHeap & lh);
 
-/// Subtracts the virtual work of a traction from a vector.
+/// Subtracts the virtual work of a traction.
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, FlatVector<> y,
+                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, Scatter & y,
                  LocalHeap & lh);
 
 /// Resultant of a traction on the slave, and its moment about the origin (2D: the last component).

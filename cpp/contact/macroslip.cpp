@@ -22,8 +22,8 @@ template <int D>
 Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
   Vec<D> sum = 0.0;
   for (int s : points.segments[macro])
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s)))
-      sum += p.weight * OldPair<D>(now, points.pairing.segments[s], p).Slip();
+    for (auto & p : points.pairing->points.Range(points.pairing->Points(s)))
+      sum += p.weight * OldPair<D>(now, points.pairing->segments[s], p).Slip();
   return (1 / points.area[macro]) * sum;
 }
 
@@ -34,11 +34,11 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
   double mean = 1 / points.area[macro];
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
-    auto & segment = points.pairing.segments[s];
+    auto & segment = points.pairing->segments[s];
     FacePair<D> faces(now, segment, rows, lh);
     FlatMatrix<> columns(D, faces.Size(), lh);
     columns = 0.0;
-    for (auto & p : points.pairing.points.Range(points.pairing.Points(s))) {
+    for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
       HeapReset hr(lh);
       OldPair<D> old(now, segment, p);
       sum += p.weight * old.Slip();
@@ -72,10 +72,10 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
 template <int D>
 Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                const Vec<D> & vector) {
-  auto & segment = points.pairing.segments[points.segments[macro][0]];
+  auto & segment = points.pairing->segments[points.segments[macro][0]];
   Vec<D> x;
   Mat<D, D - 1> dx;
-  now.slave.Evaluate(segment.slave, points.pairing.points[segment.first].slave, x, dx);
+  now.slave.Evaluate(segment.slave, points.pairing->points[segment.first].slave, x, dx);
   return dx * Vec<D - 1>(Trans(points.dual[macro]) * vector);
 }
 
@@ -83,9 +83,9 @@ template <int D>
 void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh) {
   HeapReset hr(lh);
-  auto & segment = points.pairing.segments[points.segments[macro][0]];
+  auto & segment = points.pairing->segments[points.segments[macro][0]];
   auto shapes =
-      now.slave_shapes.Calc(segment.slave, points.pairing.points[segment.first].slave, lh);
+      now.slave_shapes.Calc(segment.slave, points.pairing->points[segment.first].slave, lh);
   FacePair<D> faces(now, segment, rows, lh);
   FlatMatrix<> columns(D, faces.Size(), lh);
   columns = 0.0;

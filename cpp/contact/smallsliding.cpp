@@ -6,37 +6,26 @@ namespace {
 template <int D>
 class SmallSliding : public FormBase<D> {
   using Base = FormBase<D>;
-  using Base::accepted, Base::c, Base::jump, Base::lamdof, Base::mat, Base::reference, Base::setup;
-  using Base::states, Base::u;
+  using Base::c, Base::jump, Base::lamdof, Base::mat, Base::pairing, Base::reference;
+  using Base::setup, Base::states, Base::u;
 
-  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
-  Array<int> loaded;       // rows of the displacements that have forces
+  Watch watch_obstacle{setup.obstacle};
+  Array<Vec<D>> gapvector, accepted_gapvector; // mean of x1 - x2 at u = 0, at the last commit
+  Array<Vec<D>> committed;                     // mean of u1 - u2 at the last committed step
+  Array<int> loaded;                           // rows of the displacements that have forces
 
 public:
   using Base::Base;
 
-  void Update(shared_ptr<GridFunction> gf) override {
+  void Update(shared_ptr<GridFunction> gf, const FormHistory * history) override {
     static Timer timer("ngslac::SmallSliding::Update");
     RegionTimer reg(timer);
-    this->CheckSpace(gf);
-    shared_ptr<CoefficientFunction> displacement;
-    if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
-      displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
-    this->Take(this->PairIn(displacement)); // a failure leaves the old pairing as it was
-    this->NeedRows();
-    this->Reset();
-    size_t n = jump->Size();
-    committed.SetSize(n);
-    for (size_t m : Range(n)) {
-      committed[m] = gf ? jump->Mean(m, gf->GetVector().FV<double>()) : Vec<D>(0.0);
-      if (displacement) // the gap is linear in u, counted from the paired configuration
-        jump->gapvector[m] -= committed[m];
-      reference[m] = committed[m];
-      states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
-    }
-    accepted = states;
-    mat = ContactGraph(*jump, lamdof, this->nscalars);
-    SetForces();
+    this->CheckUpdated(gf);
+    SmallSliding fresh(setup); // a failure leaves everything as it was
+    fresh.Start(gf);
+    if (history)
+      fresh.SetHistory(*history);
+    *this = std::move(fresh);
   }
 
   void AddApply(const BaseVector & bx, BaseVector & by) override {
@@ -75,12 +64,12 @@ public:
 
   shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & bx, BaseVector & residual,
                                                      double factor) override {
-    typename Base::Augmentation augmentation(c, factor);
     this->Prepare(bx);
+    typename Base::Augmentation augmentation(c, factor);
     auto x = bx.FV<double>(), y = residual.FV<double>();
-    this->ForMacros([&](size_t m, LocalHeap & lh) {
+    ScatterInOrder(jump->Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
       auto p = this->ProjectWithMemory(m, jump->normal[m], this->Trial(m, Place(m, x), x));
-      AddForces(m, jump->normal[m], p.traction, y, lh);
+      AddForces(m, jump->normal[m], p.traction, forces, lh);
       SetRows(m, p.derivative);
     });
     return this->Penalized();
@@ -96,15 +85,24 @@ public:
 
   void Commit(const BaseVector & bx) override {
     this->Evaluate(bx);
-    accepted = states;
     auto x = bx.FV<double>();
     for (size_t m : Range(jump->Size())) {
+      auto & n = jump->normal[m];
       Vec<D> mean = jump->Mean(m, x), velocity = mean - committed[m];
       committed[m] = mean;
-      double approach = InnerProduct(velocity, jump->normal[m]);
+      if (setup.obstacle) // may have come nearer, too
+        velocity += (this->accepted.states[m].gap - states[m].gap - InnerProduct(velocity, n)) * n;
+      double approach = InnerProduct(velocity, n);
       reference[m] = mean + this->TimeToTouch(states[m], approach, L2Norm(velocity)) * velocity;
       reference[m] += this->ElasticSlip(m, jump->normal[m], x);
     }
+    Accept();
+  }
+
+  void Restore() override {
+    Base::Restore();
+    gapvector = accepted_gapvector;
+    watch_obstacle.Forget();
   }
 
 protected:
@@ -116,10 +114,10 @@ protected:
     return {jump->area[m] * traction, Moment(jump->moment[m], traction)};
   }
 
-  void AddForces(size_t m, const Vec<D> &, const Vec<D> & traction, FlatVector<> y,
+  void AddForces(size_t m, const Vec<D> &, const Vec<D> & traction, Scatter & y,
                  LocalHeap &) const override {
     for (auto & e : jump->Row(m))
-      AtomicAdd(y(e.dof), -InnerProduct(traction, e.integral));
+      y.Add(e.dof, -InnerProduct(traction, e.integral));
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
@@ -131,8 +129,50 @@ protected:
   }
 
 private:
+  void Start(shared_ptr<GridFunction> gf) {
+    shared_ptr<CoefficientFunction> displacement;
+    if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
+      displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
+    this->Take(this->PairIn(displacement));
+    this->CollectMultiplierDofs(*this->slave);
+    this->NeedRows();
+    this->Reset();
+    if (!setup.obstacle)
+      gapvector = jump->GapVectors(*pairing);
+    size_t n = jump->Size();
+    committed.SetSize(n);
+    for (size_t m : Range(n)) {
+      committed[m] = gf ? jump->Mean(m, gf->GetVector().FV<double>()) : Vec<D>(0.0);
+      if (displacement) // the gap is linear in u, counted from the paired configuration
+        gapvector[m] -= committed[m];
+      reference[m] = committed[m];
+      states[m] = MacroState{0, Gap(m, committed[m]), Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    Accept();
+    mat = ContactGraph(*jump, lamdof, this->nscalars);
+    SetForces();
+  }
+
+  /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is
+  /// made, since the last committed one is kept.
+  void Reevaluate() override {
+    Base::Reevaluate();
+    if (watch_obstacle)
+      watch_obstacle.WhereChanged([&] {
+        auto moved = make_shared<Pairing<D>>(*pairing);
+        SetObstacleGaps(*watch_obstacle, *u.fes->GetMeshAccess(), *this->slave, *moved);
+        gapvector = jump->GapVectors(*moved);
+        pairing = moved;
+      });
+  }
+
+  void Accept() {
+    Base::Accept();
+    accepted_gapvector = gapvector;
+  }
+
   double Gap(size_t m, Vec<D> mean) const {
-    return -InnerProduct(jump->normal[m], mean + jump->gapvector[m]);
+    return -InnerProduct(jump->normal[m], mean + gapvector[m]);
   }
 
   /// The columns of the multipliers, which hold the forces of unit multipliers, do not change until

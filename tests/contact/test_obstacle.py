@@ -1,0 +1,103 @@
+"""Rigid obstacles that move with a Parameter, or with another function."""
+
+import numpy as np
+import pytest
+from blocks import C, block_mesh, contact_form, matrix, random_state, residual, vector
+from ngsolve import CF, H1, GridFunction, Parameter, x
+
+
+def gaps(contact, state):
+    gf = GridFunction(contact.form.fes)
+    gf.vec.FV().NumPy()[:] = state
+    contact.Evaluate(gf)
+    return contact.Table()["gap"]
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return block_mesh(h=0.25)
+
+
+def test_a_moving_obstacle_is_where_its_parameter_says(mesh):
+    t = Parameter(0.0)
+    contact = contact_form(mesh, obstacle=0.1 * x - t)
+    state = random_state(contact)
+    for value in (0.0, 0.3, -0.2):
+        t.Set(value)
+        still = contact_form(mesh, obstacle=0.1 * x - CF(value))
+        assert np.array_equal(residual(contact, state), residual(still, state))
+        assert np.array_equal(gaps(contact, state), gaps(still, state))
+        assert np.array_equal(matrix(contact, state), matrix(still, state))
+        assert np.array_equal(contact.Segments().gap, still.Segments().gap)
+
+
+def test_a_constant_function_of_a_gridfunction_follows_it(mesh):
+    field = GridFunction(H1(mesh, order=1))
+    contact = contact_form(mesh, obstacle=field)
+    before = gaps(contact, 0.0)
+    field.vec[:] = 0.25
+    assert gaps(contact, 0.0) - before == pytest.approx(0.25)
+
+
+def test_the_derivative_is_that_of_the_moved_obstacle(mesh):
+    t = Parameter(0.0)
+    contact = contact_form(mesh, obstacle=-t, friction=0.3)
+    state, way = random_state(contact), random_state(contact, 1)
+    t.Set(0.4)
+    h = 1e-7
+    change = (residual(contact, state + h * way) - residual(contact, state - h * way)) / (2 * h)
+    assert matrix(contact, state) @ way == pytest.approx(change, rel=1e-6, abs=1e-7)
+
+
+def test_restore_takes_back_the_obstacle(mesh):
+    t = Parameter(0.1)
+    contact = contact_form(mesh, obstacle=-t)
+    gf = GridFunction(contact.form.fes)
+    contact.Evaluate(gf)
+    contact.Commit(gf)
+    t.Set(0.3)
+    contact.Evaluate(gf)
+    assert contact.Table()["gap"] == pytest.approx(-0.3)
+    t.Set(0.1)
+    contact.Restore()
+    assert contact.Table()["gap"] == pytest.approx(-0.1)
+    assert contact.Segments().gap == pytest.approx(-0.1)
+    t.Set(0.3)
+    assert gaps(contact, 0.0) == pytest.approx(-0.3)
+
+
+def first_touch(contact):
+    """Tangential parts of where the slip counts from."""
+    reference = contact.form.Vectors("reference").reshape(-1, 2)
+    normal = contact.Table()["normal"]
+    return reference - np.sum(reference * normal, axis=1)[:, None] * normal
+
+
+def test_the_approach_of_the_obstacle_counts_for_the_first_touch(mesh):
+    """A block at rest above an obstacle that rises: slip in the step of the touch counts fully."""
+    t = Parameter(-0.3)
+    contact = contact_form(mesh, obstacle=-t, friction=0.5)
+    gf = GridFunction(contact.form.fes)
+    for value in (-0.2, -0.1):
+        t.Set(value)
+        contact.Commit(gf)
+    assert first_touch(contact) == pytest.approx(0, abs=1e-14)
+    gf.components[0].Set(CF((0.1, 0.0)))  # while the obstacle comes nearer by as much again
+    t.Set(-0.05)
+    contact.Commit(gf)
+    normal = contact.Table()["normal"]
+    moved = np.array([0.1, 0]) - normal[:, :1] * 0.1 * normal
+    # It moves by 0.05 plus what the block comes nearer, and as much of the gap is left.
+    left = 0.05 - 0.1 * normal[:, :1]
+    assert first_touch(contact) == pytest.approx(moved * (1 + left / (0.05 + 0.1 * normal[:, :1])))
+
+
+def test_a_wrong_value_of_the_parameter_names_the_place(mesh):
+    t = Parameter(0.0)
+    contact = contact_form(mesh, obstacle=t * x)
+    contact.form.SetConstant(C)
+    t.Set(np.inf)
+    with pytest.raises(Exception, match=r"the gap to the obstacle is -?inf at \("):
+        contact.AddApply(vector(contact), vector(contact))
+    t.Set(0.0)
+    contact.AddApply(vector(contact), vector(contact))
