@@ -1,8 +1,5 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-from contextlib import contextmanager, suppress
-
-import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BaseMatrix, GridFunction
 from ngsolve.comp import ProxyFunction
@@ -16,25 +13,21 @@ from ngslac.arguments import (
     CheckNumber,
     CheckOnSpace,
     CheckPositive,
-    CheckState,
     CheckVector,
     Coefficient,
     Wrong,
 )
+from ngslac.contactstate import FIELDS, IN_DOUBT, REFERENCE, ContactState
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
 
 __all__ = ["LACContact"]
 
-FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
-# In place of the solution in which the surfaces were paired: there was none, and while they are.
-REFERENCE, IN_DOUBT = np.empty(0), object()
-
 # Beyond this, and below its inverse, a factor of the scale loses digits of the linear systems.
 STIFFEST = 1e6
 
 
-class LACContact(ContactResults, ContactPictures):
+class LACContact(ContactState, ContactResults, ContactPictures):
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,
@@ -200,17 +193,7 @@ class LACContact(ContactResults, ContactPictures):
             self._Pair(gf)
         except BaseException:
             if self._paired is IN_DOUBT:  # interrupted, while what fails changes nothing
-                self.SetState(before)
-            raise
-
-    @contextmanager
-    def _WholeOrNot(self, gf):
-        """What fails in the block, or is interrupted, changes nothing: `gf` is the solution."""
-        before = self.State()
-        try:
-            yield
-        except BaseException:
-            self.SetState(before, gf)
+                self._PutBack(before, gf)
             raise
 
     def _IsRefined(self):
@@ -307,61 +290,6 @@ class LACContact(ContactResults, ContactPictures):
                 self._paired = IN_DOUBT
             self.form.Commit(gf.vec)
             self._paired = paired
-
-    def State(self):
-        """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
-
-        Restore it with `SetState` on a contact that was built in the same way.
-
-        Returns
-        -------
-        dict
-        """
-        history = self.form.History() if self.form.paired else {}
-        return {"paired": self._paired, "scaled": self._scaled} | history
-
-    def SetState(self, state, gf=None):
-        """Pair in the saved configuration and take over the saved history.
-
-        Parameters
-        ----------
-        state : dict
-            Of `State`.
-        gf : GridFunction, optional
-            The solution then, on the product space. Without it the fields of ``finite=True`` are
-            those of the last `Commit`.
-        """
-        CheckState(state, "paired", "scaled")
-        history = {name: state[name] for name in state if name not in ("paired", "scaled")}
-        if not history:
-            self._Unpair()
-            return
-        if not self.form.paired or self._paired is not state["paired"]:
-            self._Pair(self._Function(state["paired"]), history)
-            self._paired = state["paired"]
-        else:
-            self.form.Restore()
-        if self.finite and gf is not None:
-            with suppress(NgException):  # where the surfaces do not meet, they did not then
-                self.form.Follow(gf.vec)
-                self.form.Evaluate(gf.vec)
-        self.form.SetHistory(history)
-        self._scaled = state["scaled"]
-        self._Fill()
-
-    def _Unpair(self):
-        if self._paired is not None:
-            self.form = ContactForm(**self._setup)
-        self._scaled, self._paired = False, None
-        for name in FIELDS:
-            getattr(self, name).vec[:] = 0
-
-    def _Function(self, values):
-        if values is None or not len(values):
-            return None
-        gf = GridFunction(self.form.fes)
-        gf.vec.FV().NumPy()[:] = values
-        return gf
 
     def Evaluate(self, gf):
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
