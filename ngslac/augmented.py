@@ -93,14 +93,17 @@ class AugmentedLagrangianSolver(ContactSolver):
         self.factor, self.outer = augmentation or START, 0
         self._fixed = self._pull = None
 
-    def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None):
-        """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations."""
+    def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True):
+        """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations.
+
+        There is no other method for the contact status: `path` has no effect.
+        """
         self.factor, self.outer = self.augmentation or START, 0
         self._fixed = self._pull = None
         self._tol = CheckTolerance(tol)
         self.linear.Forget()
         return super().Solve(
-            maxit=maxit, tol=tol, printing=printing, callback=callback, motion=motion
+            maxit=maxit, tol=tol, printing=printing, callback=callback, motion=motion, path=path
         )
 
     # --- outer iteration -----------------------------------------------------------------------

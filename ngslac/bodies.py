@@ -90,7 +90,7 @@ class Bodies:
         return forces(values) if parts else values
 
     def Floating(self, contacts, holds="now"):
-        """Descriptions of the free rigid motions that contact does not prevent, see `ActiveRows`."""
+        """Descriptions of the free rigid motions that contact leaves, see `ActiveRows`."""
         if not self.floating:
             return []
         rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()

@@ -286,7 +286,7 @@ class TimeStepper:
             if self._prescribed:
                 self._prescribed.Set()
             vec.FV().NumPy()[self.mass.free] = inertial[self.mass.free]
-            last = self.solver.Solve(maxit=maxit, tol=tol, printing=printing)
+            last = self.solver.Solve(maxit=maxit, tol=tol, printing=printing, path=False)
             if not np.isfinite(self._Energy()):
                 raise ContactConvergenceError("elements turned inside out")
         except BaseException:

@@ -10,6 +10,9 @@ class ContactConvergenceError(RuntimeError):
     ----------
     history : list[Iteration]
         One entry per iteration, see `ContactSolver.history`.
+    exhausted : bool
+        Was all tried that finds the contact status? Then a smaller step of the same kind fails,
+        too, as long as it is the load that has no equilibrium.
 
     Examples
     --------
@@ -26,7 +29,7 @@ class ContactConvergenceError(RuntimeError):
 
     def __init__(self, message, history=()):
         super().__init__(message)
-        self.history = list(history)
+        self.history, self.exhausted = list(history), False
 
 
 class FloatingBodyError(ContactConvergenceError):

@@ -135,7 +135,7 @@ class ContactSolver(NewtonStep):
 
     # --- the loop ------------------------------------------------------------------------------
 
-    def Solve(self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None):
+    def Solve(self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True):
         """Iterate until both relative residuals are below `tol`.
 
         Parameters
@@ -152,6 +152,10 @@ class ContactSolver(NewtonStep):
         motion : (n,) array, optional
             How far constrained dofs still have to move. The Newton steps carry it: Dirichlet values
             that jump turn the elements beside them inside out.
+        path : bool
+            Where Newton's method fails, an interior point method looks for the contact status.
+            False: only if nothing but contact is nonlinear; else a smaller step mostly is the
+            better way.
 
         Returns
         -------
@@ -172,6 +176,7 @@ class ContactSolver(NewtonStep):
         CheckFlag("printing", printing)
         CheckFunction("callback", callback)
         CheckMotion(motion, self.constrained)
+        CheckFlag("path", path)
         if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
             raise ValueError("the space was refined: make a new ContactSolver")
         self.PairOnce()
@@ -179,6 +184,7 @@ class ContactSolver(NewtonStep):
         self.history, self._closings, self._status = [], 0, None
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
+        self._path, self._exhausted = path, False
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
         if printing and self._silent:
@@ -194,13 +200,17 @@ class ContactSolver(NewtonStep):
             finally:
                 before.Restore()
                 self.history = history
-            if isinstance(error, ContactConvergenceError):
-                error.history = self.history
-            if floating:
-                raise FloatingBodyError(FloatingMessage(floating), self.history) from error
             if isinstance(error, LinearSolveError):
-                raise ContactConvergenceError(str(error), self.history) from error
+                kind = FloatingBodyError if floating else ContactConvergenceError
+                message = FloatingMessage(floating) if floating else str(error)
+                raise self._Known(kind(message)) from error
+            if isinstance(error, ContactConvergenceError):
+                self._Known(error)
             raise
+
+    def _Known(self, error):
+        error.history, error.exhausted = self.history, self._exhausted
+        return error
 
     def Merit(self, *, same_load=False):
         """Size of the residual at `gf`, infinite without one; None before the first solve.
@@ -274,9 +284,12 @@ class ContactSolver(NewtonStep):
             self._Record(state)
             return self._Newton(state, min(maxit, NEWTON))
         except FAILURES as error:
-            if maxit - len(self.history) < LEAST or not self._MayHold():
+            self._exhausted = not self._MayHold()
+            left = maxit - len(self.history)
+            if self._exhausted or left < LEAST or not (self._path or self._IsLinear()):
                 raise
             self.gf.vec.FV().NumPy()[:], self._motion = start, motion
+            self._exhausted = True
             return self._FollowPath(maxit, error)
 
     def _Newton(self, state, maxit):
@@ -325,12 +338,15 @@ class ContactSolver(NewtonStep):
             self._CheckLost(error)
             raise another from error
 
+    def _IsLinear(self):
+        """Is nothing but the contact law nonlinear?"""
+        return bool(self._islinear) and not any(contact.finite for contact in self.contacts)
+
     def Settles(self):
-        """Does a whole step lead to equilibrium, since all but the contact law is linear?"""
-        linear = self._islinear and not any(contact.finite for contact in self.contacts)
-        if linear:
+        """Does a whole step lead to equilibrium? Then all of the motion is in it."""
+        if self._IsLinear():
             self._motion = None
-        return bool(linear)
+        return self._IsLinear()
 
     def _AlongPath(self, path, maxit):
         state, near, tiny = path.state, NEAR, 0

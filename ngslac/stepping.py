@@ -21,6 +21,9 @@ from ngslac.solver import ContactSolver
 
 __all__ = ["LoadStepper", "Step"]
 
+# Cuts after which an interior point method is tried where a smaller step was the better way, and
+# steps in which everything was tried until a load counts as one without equilibrium.
+PATIENCE, MOST_HOPELESS = 2, 3
 SAME = 1e-12  # relative difference of loads that are the same
 
 
@@ -197,21 +200,26 @@ class LoadStepper:
         return step
 
     def _Reach(self, target, callback, maxit, tol):
-        done, cuts = [], 0
+        done, cuts, hopeless = [], 0, 0
         full = target - self.load.Get()
         size = full if abs(full) <= self._size else np.copysign(self._size, full)
         least = 0.99 * abs(full) * 0.5**self.maxcuts
         while abs(target - self.load.Get()) > SAME * max(abs(target), abs(full)):
             begin = self.load.Get()
             goal = target if abs(size) >= (1 - 1e-9) * abs(target - begin) else begin + size
+            half = (goal - begin) / 2
+            start, path = (
+                "predicted" if cuts == 0 else "last",
+                cuts == PATIENCE or abs(half) < least,
+            )
             try:
-                last = self._Attempt(goal, maxit, tol, "predicted" if cuts == 0 else "last")
+                last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
-                cuts += 1
-                if abs(goal - begin) / 2 >= least:
+                cuts, hopeless = cuts + 1, hopeless + error.exhausted
+                if abs(half) >= least and hopeless <= MOST_HOPELESS:
                     if self.printing:
                         print("  halved")
-                    size = (goal - begin) / 2
+                    size = half
                     continue
                 goal, last = self._Jump(target, error, maxit, tol)
             # What was hard before mostly is so for another while.
@@ -224,15 +232,15 @@ class LoadStepper:
     def _Jump(self, target, error, maxit, tol):
         """Leave a state from which no small step converges: it may snap to another one."""
         begin = self.load.Get()
-        if not isinstance(error, FloatingBodyError):
+        if not (error.exhausted or isinstance(error, FloatingBodyError)):
             for goal in (begin + 0.25 * (target - begin), target):
                 try:
-                    return goal, self._Attempt(goal, 2 * maxit, tol, "free")
+                    return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
                 except ContactConvergenceError:
                     continue
         raise type(error)(self._Diagnosis(error), error.history) from error
 
-    def _Attempt(self, goal, maxit, tol, start):
+    def _Attempt(self, goal, maxit, tol, start, path):
         """One step from a start: "predicted", "last" or "free" of contact tractions."""
         solver, vec = self.solver, self.solver.gf.vec
         begin = self.load.Get()
@@ -243,7 +251,7 @@ class LoadStepper:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
             print(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
         try:
-            flags = self._Start(last, goal - begin, start)
+            flags = self._Start(last, goal - begin, start) | {"path": path}
             result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing, **flags)
         except BaseException as error:
             self._saved.Restore()
