@@ -20,8 +20,9 @@ def HalfPin(play, n):
     around = {"round": [(RADIUS, -play)]}
     mesh = Sketch(
         Part("pin", pin, 3.0, {"axis": [(0, 0)]} | around, {"round": h}),
-        Part("plate", plate, 12.0, {"axis": [(0, 25), (0, -25)], "far": [(40, 0), (20, -40), (20, 40)],
-                                    "round": [(RADIUS + play, 0)]}, {"round": 1.3 * h}),
+        Part("plate", plate, 12.0,
+             {"axis": [(0, 25), (0, -25)], "far": [(40, 0), (20, -40), (20, 40)],
+              "round": [(RADIUS + play, 0)]}, {"round": 1.3 * h}),
         curve=3,
     )  # fmt: skip
     return mesh

@@ -96,6 +96,7 @@ class Problem:
     own: dict = field(default_factory=dict)
     path: list = field(default_factory=lambda: [(1.0, 1)])
     condense: bool = False
+    load: object = field(default_factory=lambda: Parameter(0.0))
     prescribe: object = None
     exact: object = None  # exact(problem) raises AssertionError if the end is wrong
     outlines: bool = True  # the boundary of each body is one chain of edges, as Grids makes it
@@ -118,7 +119,6 @@ class Problem:
             self.X = self.X * LACSpace(V, slave=slave)
         (self.u, *lams), (self.v, *_) = self.X.TnT()
         self.gf = GridFunction(self.X)
-        self.load = Parameter(0.0)
         self.a = BilinearForm(self.X, condense=self.condense)
         for body, E in self.young.items():
             self._AddBody(body, *Lame(E, self.nu))
