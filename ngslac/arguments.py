@@ -5,8 +5,7 @@ import re
 from numbers import Integral, Real
 
 import numpy as np
-from netgen.meshing import NgException
-from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, Region
+from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, ProductSpace, Region
 
 __all__ = [
     "LARGEST_COUNT",
@@ -159,10 +158,8 @@ def CheckVector(name, vector, size):
 
 def Components(function):
     """The number of components of a function; 0 for one of a product space, which has parts."""
-    try:
-        return function.dim
-    except NgException:
-        return 0
+    parts = isinstance(function, GridFunction) and type(function.space) is ProductSpace
+    return 0 if parts else function.dim
 
 
 def CheckDisplacement(name, value, mesh):

@@ -7,7 +7,7 @@ from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear import LinearSolver
-from ngslac.problem import CheckNoMultipliers, MultiplierRows
+from ngslac.problem import CheckMatrix, MultiplierRows
 from ngslac.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]
@@ -35,7 +35,7 @@ class NewtonStep:
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
         if not self._apart:
-            CheckNoMultipliers(self.a.mat, MultiplierRows(self.contacts))
+            CheckMatrix(self.a.mat, MultiplierRows(self.contacts))
             self._apart = True
         forms = [contact.form for contact in self.contacts]
         self.scale = EquilibrationScale(self.a.mat, forms)

@@ -16,7 +16,7 @@ __all__ = [
     "CheckFreeDofs",
     "CheckInverse",
     "CheckMotion",
-    "CheckNoMultipliers",
+    "CheckMatrix",
     "CheckStart",
     "CheckTolerance",
     "MultiplierRows",
@@ -84,6 +84,8 @@ def CheckFreeDofs(freedofs, space):
             f"freedofs has {len(freedofs)} bits, the product space {space.ndof} dofs: take a copy "
             "of X.FreeDofs()"
         )
+    if not freedofs.NumSet():
+        raise ValueError("freedofs has no bit set: nothing is free to move; take X.FreeDofs()")
     return freedofs
 
 
@@ -137,9 +139,14 @@ def MultiplierRows(contacts):
     return rows
 
 
-def CheckNoMultipliers(mat, rows):
-    """Refuse a bulk form that couples the multipliers: its terms would change the contact law."""
+def CheckMatrix(mat, rows):
+    """Refuse a bulk without stiffness, or one that couples the multipliers in the (n,) bool `rows`.
+
+    Such terms would change the contact law.
+    """
     values = np.random.default_rng(0).uniform(1, 2, len(rows))
+    if not np.any(Multiply([mat], values)):
+        raise ValueError("a, the bulk form, has no stiffness: add that of the bodies to it")
     coupled = np.abs([Multiply([mat], values * rows), Multiply([mat], values) * rows])
     if np.any(coupled > 0):  # NaN is told of elsewhere
         raise ValueError(

@@ -51,8 +51,8 @@ class Case:
             return "unnamed", text
         if self.legal:
             return "harmless", text
-        named = isinstance(error, OSError) and error.filename is not None
-        named = named or any(re.search(rf"\b{re.escape(w)}", message) for w in self.words)
+        path = isinstance(error, OSError) and (error.filename or "/" in message)
+        named = path or any(re.search(rf"\b{re.escape(w)}", message) for w in self.words)
         return ("named" if named else "unnamed"), text
 
 

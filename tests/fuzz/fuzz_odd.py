@@ -117,10 +117,10 @@ ODD = {
         ("NaN",),
     ),
     "bulk on the displacement alone": (lambda w: Solve(w, BilinearForm(w.V)), ("gf", "a")),
-    "bulk without a term": (lambda w: Solve(w, BilinearForm(w.X)), ("linear system", "a")),
+    "bulk without a term": (lambda w: Solve(w, BilinearForm(w.X)), ("a, the bulk form",)),
     "bulk of volume zero": (
-        lambda w: Solve(w, w.Form() if False else ZeroBulk(w)),
-        ("linear system", "floats"),
+        lambda w: Solve(w, ZeroBulk(w)),
+        ("a, the bulk form",),
     ),
     # --- solutions and contacts
     "gf with infinity": (lambda w: Infinite(w), ("gf",)),

@@ -4,6 +4,7 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 
 __all__ = ["Processes"]
 
@@ -56,7 +57,8 @@ class Processes:
             nowhere = os.open(os.devnull, os.O_RDWR)
             for stream in (0, 1, 2):
                 os.dup2(nowhere, stream)
-            os.chdir(self.world.folder.name)  # where files of odd names may lie
+            # Files of odd names may be written there, and read by no other case.
+            os.chdir(tempfile.mkdtemp(dir=self.world.folder.name))
             try:
                 case.run(self.world)
                 error = None

@@ -90,11 +90,11 @@ def test_a_load_with_nan():
 
 
 def test_a_bulk_without_stiffness():
-    """Bodies of nothing: an error of the linear system, no result."""
+    """Bodies of nothing: no result."""
     problem = press()
     (u, _), (v, _) = problem.X.TnT()
     a = BilinearForm(problem.X, check_unused=False)
     a += 0 * InnerProduct(u, v) * dx - v[1] * ds("top")
-    with pytest.raises(ContactConvergenceError, match=r"linear system could not be solved|floats"):
+    with raises("a, the bulk form, has no stiffness: add that of the bodies"):
         ContactSolver(a, problem.gf, problem.contact).Solve(printing=False)
     assert not np.any(numpy(problem.gf))
