@@ -132,7 +132,7 @@ ODD = {
     ),
     "a sum with one contact twice": (lambda w: FormSum(w.a, w.contact, w.contact), ("contacts",)),
     "a sum without contact": (lambda w: FormSum(w.a), ("contacts",)),
-    "nothing is free": (lambda w: Solve(w, freedofs=BitArray(w.X.ndof)), ("free",)),
+    "nothing is free": (lambda w: Solve(w, freedofs=BitArray([False] * w.X.ndof)), ("free",)),
     "a contact with both sides": (lambda w: w.Contact(obstacle=CF(0.1)), ("obstacle",)),
     "a contact with no side": (lambda w: w.Contact(master=None), ("obstacle",)),
     "tied with friction": (lambda w: w.Contact(tied=True, friction=0.1), ("tied",)),

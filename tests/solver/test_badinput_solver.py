@@ -5,7 +5,7 @@ import pytest
 from ngsolve import BilinearForm, GridFunction, InnerProduct, ds, dx
 from press import linear, numpy, press
 
-from ngslac import ContactConvergenceError, ContactSolver, FormSum
+from ngslac import ContactSolver, FormSum
 
 
 def raises(text, kind=ValueError):
