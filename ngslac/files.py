@@ -1,6 +1,7 @@
 """Files that are there as a whole or not at all."""
 
 import os
+import shutil
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -33,11 +34,13 @@ def Replacing(path):
         The folder is missing, or `path` is there and no regular file.
     """
     target = Target(path)
-    part = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    part = target.with_name(f".ngslac-{os.getpid()}{target.suffix}")
     try:
         yield part
         with open(part, "rb+") as stream:
             os.fsync(stream.fileno())
+        if target.exists():
+            shutil.copymode(target, part)
         os.replace(part, target)
     except BaseException:
         with suppress(FileNotFoundError):

@@ -151,6 +151,7 @@ class LoadStepper:
 
     def _CheckBegin(self, end):
         begin = CheckNumber("load.Get()", self.load.Get())
+        CheckNumber("end - load.Get()", end - begin)
         if abs(end - begin) <= SAME * max(abs(end), abs(begin)):
             raise ValueError(
                 f"end = {end:g} is the present value of the load, there is no step to it: set the "
