@@ -27,7 +27,8 @@ def Gasket(argument):
     p = Problem(Flanges(), PAIRS, {"lower": 1.0, "gasket": contrast, "upper": 1.0},
                 flags=HELD, law={"friction": friction})  # fmt: skip
     weak = min(1.0, contrast)
-    p.Traction("upper_top", p.load * weak * CF((0.03 * friction, -0.1)))
+    aside = min(0.03 * friction, 0.02)  # the flange is as tall as it is wide: it must not tip
+    p.Traction("upper_top", p.load * weak * CF((aside, -0.1)))
     return p
 
 

@@ -22,9 +22,10 @@ def Law(friction, finite=False):
 
 
 @problem((0.0, 0.0, 1), (0.2, 0.0, 1), (0.5, 0.0, 1), (0.0, 0.01, 1), (0.2, 0.01, 1),
-         (0.5, 0.01, 2), (1.5, 0.0, 1), (0.2, 0.0, 5), (0.0, 0.0, 20), (0.5, 0.01, 20))  # fmt: skip
+         (0.5, 0.01, 2), (1.5, 0.0, 1), (0.2, 0.0, 5), (0.0, 0.0, 20),
+         (0.5, 0.01, 20))  # fmt: skip
 def Leaf(argument):
-    """Two cantilevers on each other, t = L / 50, are bent by a force at the end of the upper one."""
+    """Two cantilevers, t = L / 50, are bent by a force at the end of the upper one."""
     friction, gap, steps = argument
     p = Problem(Leaves(gap, (20, 17)), PAIR, YOUNG, flags={"dirichlet": "upper_left|lower_left"},
                 law=Law(friction), path=[(1.0, steps)])  # fmt: skip

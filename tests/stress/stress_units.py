@@ -68,7 +68,8 @@ def Orders(argument):
                  Block("lower", (-0.3, -0.8, 1.3, 0), 13, 4, bool(quads)))  # fmt: skip
     space = {"space": BubbleVectorH1} if kind == "bubble" else {}
     p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, order=order, law={"friction": 0.5},
-                flags={"dirichlet": "lower_bottom|upper_top"}, path=[(1.0, 2)], **space)  # fmt: skip
+                flags={"dirichlet": "lower_bottom|upper_top"}, path=[(1.0, 2)],
+                **space)  # fmt: skip
     p.prescribe = {"upper_top": p.load * CF((0.03, -0.05))}
     return p
 

@@ -4,35 +4,53 @@ import numpy as np
 import pytest
 import stress_check
 from ngsolve import CF
-from run import RunProblem, Summary
+from run import FIRST, RunProblem, Summary
 from stress_problem import PROBLEMS
 
-# Those that take longest run on request: pytest -m stress, or run.py.
-LONG = [pytest.mark.slow, pytest.mark.stress]
-SLOW = {
-    "cyclic3d", "halfring-0.0", "halfring-0.2", "bumps-0.0", "bumps-0.3", "softpunch-0.0",
-    "softpunch-0.4", "plate-0.5", "iron-0.0", "iron-0.2", "slide3d-0.0", "slide3d-0.5",
-    "turn3d-0.3", "twist3d-0.4", "plate3d", "meshes3d-6-2", "meshes3d-2-6", "rubber3d",
-    "toandfro-0.5",
-    "overedge-0.0", "overedge-0.4", "beams-0.0", "beams-0.3", "wedgein-0.0", "wedgein-0.3",
-    "largebrick3d-0.6", "pressandlift3d", "randomsurface3d-1-0.2", "randomsurface3d-2-0.7",
-    "largeslide-0.0", "largeslide-0.3", "largeslide-1.0", "turn-0.0", "turn-0.6", "lift-0.4",
+# A sample of all families that takes a few seconds; the rest runs on request: pytest -m stress, or
+# run.py.
+SAMPLE = {
+    "randomgap-2-0.3", "randomsurface-4-1.5", "badstart-1", "slab", "wedge", "spaces-condense",
+    "randomgap3d-2-0.4", "largerandom-33-0.8", "lift-0.4", "largebrick3d-0.6", "brick-3-0.5",
+    "stack", "fullslip-0.2", "threeblocks-5-0.3-0", "pushingap-1-0.3-0", "pile-3-0.3-0.005-1",
+    "chain-2-0.3-1-0.0", "gasket-0.01-0.6", "hotbar-2-0.15-2", "shrunkon-0.1",
+    "discinbowl-1.3-0.5-0", "pressfit-0.02-0.3-100.0", "leafpressed-0.3-1", "units-1.0-1e-06-1",
+    "largeunits-1e-06-1000.0", "orders-1-patches-0", "kinds3d-tet-1-0", "tiedandloose-0.3-1",
+    "movingfloor-0.4-5-0.05", "halfheld-2-1", "random-004", "random-005", "random-007",
+    "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side",
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=LONG if n in SLOW else ()) for n in PROBLEMS]
-)
+def Marks(name):
+    return () if name in SAMPLE else [pytest.mark.slow, pytest.mark.stress]
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=Marks(n)) for n in PROBLEMS])
 def test_problem(name):
     result = RunProblem(name)
+    if result["unsolvable"]:
+        assert not result["converged"]
+        assert result["named"], result["error"]
+        return
     assert result["error"] == ""
     assert result["converged"]
     assert result["right"]
 
 
 def test_the_set_is_large_enough():
-    assert len(PROBLEMS) >= 90
-    assert set(PROBLEMS) >= SLOW
+    assert len(PROBLEMS) >= 300
+    assert sum(name[:7] == "random-" for name in PROBLEMS) >= 150
+    assert sum(made.module == "stress_unsolvable" for made in PROBLEMS.values()) >= 25
+    assert sum(made.module in [m.__name__ for m in FIRST] for made in PROBLEMS.values()) == 110
+    assert set(PROBLEMS) >= SAMPLE
+
+
+def test_a_random_problem_is_the_same_each_time():
+    first, again = (PROBLEMS["random-017"]() for _ in range(2))
+    assert first.young == again.young
+    assert first.laws == again.laws
+    points = [np.array([v.point for v in p.mesh.vertices]) for p in (first, again)]
+    assert np.array_equal(*points)
 
 
 # --- the checks find wrong answers -------------------------------------------------------------

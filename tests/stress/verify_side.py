@@ -168,7 +168,10 @@ class Side:
         if self.last is None:
             return 0 * jump
         apart, met = self._Jump(self.faces.position + u1, self.master.position + u2, self.last.hits)
-        return self._Sum(apart) / np.maximum(self._Sum(met.astype(float)), 1e-300)[:, None]
+        # The points that faced each other were not at one place.
+        before = -self.last.hits.gap.reshape(met.shape)[..., None] * self.last.normals
+        area = np.maximum(self._Sum(met.astype(float)), 1e-300)
+        return self._Sum((apart - before) * met[..., None]) / area[:, None]
 
     def _Traction(self):
         traction = np.zeros((len(self.area), self.dim))
