@@ -217,9 +217,9 @@ def Coefficient(name, value, least=-math.inf):
         wanted = "a finite number" + (f" >= {least:g}" if math.isfinite(least) else "")
         accepts = lambda number: math.isfinite(number) and number >= least  # noqa: E731
         return CoefficientFunction(CheckNumber(name, value, wanted, accepts))
-    if value.dim != 1:
+    if (components := Components(value)) != 1:
         raise ValueError(
-            f"{name} has {value.dim} components: it must be one number at each point, such as a "
+            f"{name} has {components or 'several'} components: it must be one number at each point, such as a "
             "component value[0] or Norm(value)"
         )
     if value.is_complex:

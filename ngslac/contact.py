@@ -11,6 +11,7 @@ from ngslac.arguments import (
     CheckFlag,
     CheckInstance,
     CheckNumber,
+    CheckOnMesh,
     CheckOnSpace,
     CheckPositive,
     CheckVector,
@@ -128,6 +129,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
         mesh = u.space.mesh
+        for name, value in {"obstacle": obstacle, "friction": friction, "tresca": tresca}.items():
+            CheckOnMesh(name, value, mesh)
         region = None if master is None else BoundaryRegion(mesh, master, "master")
         self.mesh, self.master = mesh, region
         self._setup = {

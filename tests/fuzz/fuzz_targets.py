@@ -189,7 +189,7 @@ TARGETS = [
     Target(
         "LACContact with obstacle",
         lambda w, **k: Used(w.Contact(master=None, **k), w),
-        Nothing,
+        lambda w: {"obstacle": 0.01},
         "obstacle friction",
     ),
     Target("LACContact.Update", lambda w, **k: w.contact.Update(**k), Nothing, "gf:solution?"),
