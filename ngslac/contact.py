@@ -216,7 +216,7 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         if refined:
             self._MakeFields()
         self._scaled = False
-        self.normal.vec.FV().NumPy()[:] = self.form.Vectors("normal")
+        self._Fill()
         self._paired = paired
 
     def Prepare(self, bulk):

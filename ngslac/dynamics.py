@@ -166,16 +166,17 @@ class TimeStepper:
         if count > LARGEST_COUNT:
             raise ValueError(f"end = {end} is {count:g} steps of dt = {self.dt} away: take fewer")
         count = int(count)
-        done, self._saved = [], Snapshot(self)
+        done, before = [], Snapshot(self)
+        begun = self._saved = before
         try:
             self._Begin()
-            self._saved = Snapshot(self)
+            begun = self._saved = Snapshot(self)
             with Progress("contact: time steps", begin, end) as self._progress:
                 for k in range(1, count + 1):
                     target = end if k == count else begin + (end - begin) * k / count
                     done += self._Reach(target, callback, printing, maxit, tol)
-        except BaseException:
-            self._saved.Restore()
+        except BaseException:  # without a step not even the beginning counts
+            (before if self._saved is begun else self._saved).Restore()
             raise
         return done
 

@@ -6,6 +6,7 @@ import continued
 import numpy as np
 import pytest
 from interrupts import Interrupter, same, seen
+from motions import two_bars
 
 from ngslac import (
     AugmentedLagrangianSolver,
@@ -87,6 +88,13 @@ def committing(**flags):
     return stepper, lambda: contact.Commit(gf)
 
 
+def starting():
+    """The first step, of two bodies with finite sliding."""
+    stepper = two_bars(0.5, finite=True, friction=0.3).stepper
+    stepper.solver.contacts[0].Update(stepper.gf)
+    return stepper, lambda: stepper.Integrate(0.02, printing=False)
+
+
 SCENARIOS = {
     "solve": solving,
     "small steps": stepping,
@@ -94,6 +102,7 @@ SCENARIOS = {
     "cuts": cutting,
     "augmented": augmented,
     "time steps": moving,
+    "first time step": starting,
     "pairing": pairing,
     "finite pairing": lambda: pairing(finite=True),
     "commit": committing,
