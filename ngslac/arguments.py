@@ -219,8 +219,8 @@ def Coefficient(name, value, least=-math.inf):
         return CoefficientFunction(CheckNumber(name, value, wanted, accepts))
     if (components := Components(value)) != 1:
         raise ValueError(
-            f"{name} has {components or 'several'} components: it must be one number at each point, such as a "
-            "component value[0] or Norm(value)"
+            f"{name} has {components or 'several'} components: it must be one number at each "
+            "point, such as a component value[0] or Norm(value)"
         )
     if value.is_complex:
         raise ValueError(f"{name} is complex: it must be one real number at each point")

@@ -7,7 +7,7 @@ from netgen.meshing import NgException
 from ngsolve import GridFunction
 
 from ngslac._ngslac import ContactForm
-from ngslac.arguments import CheckState
+from ngslac.arguments import CheckOnSpace, CheckState
 
 __all__ = ["FIELDS", "IN_DOUBT", "REFERENCE", "ContactState"]
 
@@ -48,6 +48,8 @@ class ContactState:
             The state is none, or that of another contact. Nothing is changed then.
         """
         CheckState(state, "paired", "scaled")
+        if gf is not None:
+            CheckOnSpace("gf", gf, self.form.fes)
         if self._IsRefined():  # no way back
             self._PutBack(state, gf)
             return

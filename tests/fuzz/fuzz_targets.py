@@ -215,7 +215,12 @@ TARGETS = [
     ),
     Target("LACContact.Commit", lambda w, **k: w.contact.Commit(**k), Nothing, "gf"),
     Target("LACContact.Evaluate", lambda w, **k: w.contact.Evaluate(**k), Nothing, "gf"),
-    Target("LACContact.SetState", lambda w, **k: w.contact.SetState(**k), Nothing, "state"),
+    Target(
+        "LACContact.SetState",
+        lambda w, **k: w.contact.SetState(**k),
+        lambda w: {"state": w.contact.State()},
+        "state gf:solution?",
+    ),
     Target("LACContact.Moment", lambda w, **k: w.contact.Moment(**k), Nothing, "point:point?"),
     Target(
         "LACContact.Draw",
@@ -254,8 +259,9 @@ TARGETS = [
         "ContactSolver.Solve",
         lambda w, **k: w.solver.Solve(**k),
         Quietly,
-        "maxit tol printing callback motion",
+        "maxit tol printing callback motion path:flag",
     ),
+    Target("ContactSolver.SetState", lambda w, **k: w.solver.SetState(**k), Nothing, "state"),
     Target("ContactSolver.Merit", lambda w, **k: w.solver.Merit(**k), Nothing, "same_load"),
     Target(
         "AugmentedLagrangianSolver",
@@ -267,7 +273,7 @@ TARGETS = [
         "AugmentedLagrangianSolver.Solve",
         lambda w, **k: w.augmented.Solve(**k),
         Quietly,
-        "maxit tol printing callback motion",
+        "maxit tol printing callback motion path:flag",
     ),
     Target(
         "FormSum",

@@ -1,9 +1,15 @@
 """A sample of the fuzz command: no crash, no hang, nothing malformed accepted, arguments named."""
 
+import inspect
 import json
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
+from fuzz_targets import TARGETS
+
+import ngslac
 
 RUN = Path(__file__).with_name("run.py")
 
@@ -46,3 +52,27 @@ for case, outcome, _ in Processes(World(), 2, 1).Run(made):
     assert outcome == case.name.split()[0], (outcome, case.name)
 """
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def Public():
+    """(name of a target, its parameters) of all public Python callables that take any."""
+    for name in ngslac.__all__:
+        thing = getattr(ngslac, name)
+        if not callable(thing) or thing.__module__ in ("ngslac._ngslac", "ngslac.errors"):
+            continue
+        yield name, thing
+        for method in dir(thing) if inspect.isclass(thing) else ():
+            found = getattr(thing, method)
+            own = (getattr(found, "__module__", None) or "").startswith("ngslac.")
+            if method[0].isupper() and own and found.__module__ != "ngslac.newton":  # inner steps
+                yield f"{name}.{method}", found
+
+
+@pytest.mark.parametrize(("name", "thing"), [pytest.param(*p, id=p[0]) for p in Public()])
+def test_every_public_argument_has_cases(name, thing):
+    parameters = inspect.signature(thing).parameters.values()
+    wanted = {p.name for p in parameters if p.kind != p.VAR_KEYWORD} - {"self"}
+    names = (name, thing.__qualname__)  # a method is inherited as it is
+    targets = [target for target in TARGETS if target.name.split(" with ")[0] in names]
+    varied = {entry.partition(":")[0] for t in targets for entry in t.names.split()}
+    assert wanted <= varied
