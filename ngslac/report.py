@@ -22,6 +22,10 @@ class ContactReport:
         Mean gaps of paired macro-elements at the last evaluation; negative: penetration.
     penetrating : (n,) int
         Macro-elements that penetrate by more than a thousandth of their size.
+    overlapping : (n,) int
+        Macro-elements that lie behind the master deeper than contact looks for it, partly at least.
+    deepest : float
+        How deep that is at most; 0 where there are none.
     shared : (n,) int
         Mesh vertices of both surfaces: there nothing can open or slide, as at the tip of a crack.
     """
@@ -43,6 +47,9 @@ class ContactReport:
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
         self.macro_size = (float(size.min()), float(size.max()))
         self.where = table["x"]
+        unmet = len(self.unpaired) or len(self.partial)
+        depths = contact.form.Overlaps() if unmet else np.zeros(len(area))
+        self.overlapping, self.deepest = np.flatnonzero(depths), float(depths.max())
         self.shared = _SharedVertices(contact)
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
@@ -70,6 +77,12 @@ class ContactReport:
             lines.append(
                 f"penetrating      {len(self.penetrating)} macro-elements, by up to "
                 f"{-self.min_gap:.4g}: {self._Some(self.penetrating)}"
+            )
+        if len(self.overlapping):
+            lines.append(
+                f"deep overlap     {len(self.overlapping)} macro-elements, up to {self.deepest:.4g} "
+                f"behind the master, where it is not seen: give penetration = "
+                f"{1.1 * self.deepest:.4g}, or move the bodies apart: {self._Some(self.overlapping)}"
             )
         if len(self.shared):
             points = ", ".join(str(tuple(round(x, 6) for x in p)) for p in self._corners)

@@ -93,6 +93,8 @@ public:
   /// see SegmentTable
   virtual SegmentTable Segments() const = 0;
   virtual size_t NSegments() const = 0;
+  /// How deep macro-elements lie behind the master that is too deep for the search to find; else 0.
+  virtual Array<double> Overlaps() const = 0;
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
   FlatArray<MacroState> States() const { return states; }

@@ -28,7 +28,6 @@ typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
                                                  unique_ptr<Surface<D>> master) const {
   auto pairing = make_shared<Pairing<D>>();
   auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
-  double maxdist = 0;
   if (setup.obstacle) {
     *pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
   } else {
@@ -37,14 +36,43 @@ typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
     if (selfcontact)
       LimitToOthers(*slave, *master, options);
     *pairing = Pair<D>(*slave, *master, options);
-    maxdist = options.maxdist;
+    if (pairing->Size() == 0 && !selfcontact) // which may come later
+      ThrowNoPair(*slave, *master, options);
   }
-  if (pairing->Size() == 0 && !selfcontact) // which may come later
-    throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
-                    "surface within maxdist = " +
-                    ToString(maxdist) +
-                    "; check the regions, the placement of the bodies and maxdist");
   return {std::move(slave), std::move(master), pairing, nullptr};
+}
+
+template <int D>
+void FormBase<D>::ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
+                              const PairingOptions & options) const {
+  double deepest = 0;
+  for (double depth : OverlapDepths<D>(slave, master))
+    deepest = max(deepest, depth);
+  if (deepest > options.penetration)
+    throw Exception("LACContact: slave and master never meet: the bodies overlap by up to " +
+                    ToString(deepest) +
+                    ", deeper than penetration = " + ToString(options.penetration) +
+                    "; move them apart, or give penetration = " + ToString(1.1 * deepest) +
+                    " to have them pushed apart");
+  throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
+                  "surface within maxdist = " +
+                  ToString(options.maxdist) +
+                  "; check the regions, the placement of the bodies and maxdist");
+}
+
+template <int D>
+Array<double> FormBase<D>::Overlaps() const {
+  CheckPaired();
+  Array<double> deepest(jump->Size());
+  deepest = 0.0;
+  if (!master || selfcontact)
+    return deepest;
+  double searched = SearchOptions(*slave, *master, setup.maxdist, setup.penetration, 1).penetration;
+  auto depths = OverlapDepths<D>(*slave, *master);
+  for (size_t f : Range(depths))
+    if (double & most = deepest[space->MacroOfFace()[slave->Element(f)]]; depths[f] > searched)
+      most = max(most, depths[f]);
+  return deepest;
 }
 
 template <int D>
@@ -54,8 +82,9 @@ void FormBase<D>::LimitToOthers(const Surface<D> & slave, const Surface<D> & mas
   if (setup.penetration > 0)
     return;
   // A normal that goes into the body must not find its other side.
+  options.depths = Thicknesses<D>(slave, *u.fes->GetMeshAccess());
   for (size_t f : Range(slave.Size()))
-    options.penetration = min(options.penetration, 0.5 * slave.Diameter(f));
+    options.depths[f] = min(options.penetration, 0.5 * min(slave.Diameter(f), options.depths[f]));
 }
 
 template <int D>

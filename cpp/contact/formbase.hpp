@@ -42,6 +42,7 @@ public:
   Array<double> Vectors(const string & name) const override;
   Array<double> Scalars(const string & name) const override;
   size_t NSegments() const override;
+  Array<double> Overlaps() const override;
   SegmentTable Segments() const override;
 
 protected:
@@ -57,6 +58,9 @@ protected:
   /// Cuts one configuration into segments, without jump; null displacement: the reference one.
   Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
   Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
+  /// Says why there is no pair.
+  [[noreturn]] void ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
+                                const PairingOptions & options) const;
   /// One surface is slave and master.
   void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
                      PairingOptions & options) const;

@@ -4,6 +4,10 @@ namespace ngslac {
 namespace {
 // How far beyond its face the polynomial of a master face is trusted, in reference coordinates.
 constexpr double farthest_outside = 1;
+// Steps that are so short, in reference coordinates and face sizes, have converged.
+constexpr double tolerance = 1e-9;
+// How many times the rounding errors of positions a step may be that has converged.
+constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 } // namespace
 
 template <int D>
@@ -66,7 +70,9 @@ bool Ray<D>::Shoot(const Surface<D> & master, int face, double size) {
         return false;
     }
     gap -= step(D - 1);
-    if (length < 1e-14 || (length < 1e-9 && fabs(step(D - 1)) < 1e-9 * size)) {
+    // Far from the origin positions, and with them the steps, are known to so many digits only.
+    double known = max(tolerance, rounding * (L2Norm(x) + L2Norm(y)) / size);
+    if (length < 1e-14 || (length < known && fabs(step(D - 1)) < known * size)) {
       master.Evaluate(face, eta, y, dy);
       return true;
     }

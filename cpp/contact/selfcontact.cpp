@@ -25,6 +25,27 @@ std::function<bool(int, int)> NotNeighbours(const Surface<D> & slave, const Surf
   };
 }
 
+template <int D>
+Array<double> Thicknesses(const Surface<D> & surface, const MeshAccess & ma) {
+  Array<double> thickness(surface.Size());
+  ParallelFor(surface.Size(), [&](size_t f) {
+    auto face = ma.GetElement(ElementId(BND, surface.Element(f)));
+    Array<int> volumes;
+    ma.GetFacetElements(face.Facets()[0], volumes);
+    auto v = face.Vertices();
+    auto point = [&](int i) { return ma.GetPoint<D>(v[i]); };
+    Mat<D, D - 1> sides;
+    for (int k : Range(D - 1))
+      sides.Col(k) = point(k + 1) - point(0);
+    Vec<D> normal = surface.Normal(f, sides);
+    thickness[f] = 0;
+    for (int other : ma.GetElement(ElementId(VOL, volumes[0])).Vertices())
+      thickness[f] =
+          max(thickness[f], fabs(InnerProduct(normal, Vec<D>(ma.GetPoint<D>(other) - point(0)))));
+  });
+  return thickness;
+}
+
 Array<int> AlongSurface(const LACSpace & space) {
   auto & ma = *space.GetMeshAccess();
   TableCreator<int> creator(ma.GetNV());
@@ -103,6 +124,7 @@ void KeepOneSide(Pairing<D> & pairing, const Surface<D> & slave, const Surface<D
 }
 
 #define INSTANTIATE(D)                                                                             \
+  template Array<double> Thicknesses(const Surface<D> &, const MeshAccess &);                      \
   template std::function<bool(int, int)> NotNeighbours(const Surface<D> &, const Surface<D> &,     \
                                                        const MeshAccess &);                        \
   template void KeepOneSide(Pairing<D> &, const Surface<D> &, const Surface<D> &,                  \

@@ -11,6 +11,10 @@ template <int D>
 std::function<bool(int, int)> NotNeighbours(const Surface<D> & slave, const Surface<D> & master,
                                             const MeshAccess & ma);
 
+/// How thick the element behind each face is, in the configuration of the mesh.
+template <int D>
+Array<double> Thicknesses(const Surface<D> & surface, const MeshAccess & ma);
+
 /// Macro-elements in the order in which they are reached along the surface.
 Array<int> AlongSurface(const LACSpace & space);
 

@@ -34,6 +34,17 @@ struct PairingOptions {
   double penetration; // deepest interpenetration
   int order;          // of the quadrature, for polynomials of total degree on one segment
   std::function<bool(int slave, int master)> maypair; // null: all faces
+  // of interpenetration of each slave face; empty: the same for all
+  Array<double> depths = Array<double>();
+  bool backs = false; // do master faces count that look the same way, too?
+
+  double Penetration(int slave_face) const {
+    return depths.Size() ? depths[slave_face] : penetration;
+  }
+  /// May faces touch whose normals have this product?
+  bool MayFace(double cosine) const {
+    return cosine <= facing_cosine || (backs && cosine >= -facing_cosine);
+  }
 };
 
 /// Options for a search; a distance of 0 is chosen from the sizes of the surfaces: as far as both
@@ -60,6 +71,7 @@ struct Pairing {
 };
 
 /// Cuts every slave face into segments, each facing the nearest master face along the slave normal.
+/// Parts that are farther than the limits are cut off.
 ///
 /// 2D: master end points are projected onto the slave face along its normal, so that each ray from
 /// a segment meets exactly one master face and the segments tile the overlap. 3D: slave faces are
@@ -69,6 +81,11 @@ struct Pairing {
 template <int D>
 Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
                 const PairingOptions & options);
+
+/// How deep the slave faces lie behind the master, 0 where they do not: the nearest of all master
+/// faces behind them looks their way. Searched without limit.
+template <int D>
+Array<double> OverlapDepths(const Surface<D> & slave, const Surface<D> & master);
 
 /// Every slave face whole, facing an obstacle; the gaps are left to the caller.
 template <int D>

@@ -28,6 +28,9 @@ double FindRoot(F f, double a, double fa, double b, double fb) {
   return x;
 }
 
+// Steepest gap along a slave face between faces that may touch: beyond that there is no limit.
+constexpr double steepest = 6;
+
 /// A master face over an interval of the slave face.
 struct Overlap {
   double begin, end;
@@ -52,6 +55,8 @@ class FacePairer {
   Array<int> candidates;
   Array<Overlap> overlaps;
   Array<double> breaks;
+  Array<double> limits; // those of the break points where a gap reaches a limit of the search
+  Array<pair<int, optional<Hit>>> nearest; // from each break point to the next
 
 public:
   FacePairer(const Surface<2> & aslave, const Surface<2> & amaster, const BoxTree<2> & atree,
@@ -67,7 +72,7 @@ public:
     double extent = L2Norm(slave.Point(face, 0.5)) + size;
     merge = max(merge_tolerance, rounding * extent / size);
     // The nearest partner is usually close: widen the search until the face is covered.
-    double most = max(options.maxdist, options.penetration);
+    double most = max(options.maxdist, options.Penetration(face));
     for (double reach = size;; reach *= 4) {
       Search(reach);
       if (reach >= most || Covered(reach))
@@ -75,15 +80,15 @@ public:
     }
     bool before = breaks.Size() && breaks[0] <= merge; // the neighbouring face goes on
     for (size_t i = 1; i < breaks.Size(); i++) {
-      bool added = AddSegment(breaks[i - 1], breaks[i], result);
+      bool added = AddSegment(i, result);
       if (added && !before)
-        AddRim(-1, result);
+        AddRim(-1, breaks[i - 1], result);
       if (!added && before && i > 1)
-        AddRim(1, result);
+        AddRim(1, breaks[i - 1], result);
       before = added;
     }
     if (before && breaks.Size() > 1 && breaks.Last() < 1 - merge)
-      AddRim(1, result);
+      AddRim(1, breaks.Last(), result);
   }
 
 private:
@@ -95,7 +100,7 @@ private:
       normals[i] = slave.Normal(face, dx);
     }
     Vec<2> n = normals[1];
-    double ahead = min(reach, options.maxdist), behind = min(reach, options.penetration);
+    double ahead = min(reach, options.maxdist), behind = min(reach, options.Penetration(face));
     OrientedBox<2> box{points[1] + 0.5 * (ahead - behind) * n, {n, Vec<2>(-n(1), n(0))}, {0, 0}};
     for (int i : Range(3))
       for (double d : {ahead, -behind})
@@ -116,16 +121,56 @@ private:
     QuickSort(candidates);
     overlaps.SetSize0();
     breaks.SetSize0();
+    limits.SetSize0();
     for (int j : candidates) {
       double a = Project(master.Point(j, 0.0)), b = Project(master.Point(j, 1.0));
       if (a > b)
         Swap(a, b);
-      if (b - a > merge && FindHit(j, 0.5 * (a + b))) {
-        overlaps.Append(Overlap{a, b, j});
-        breaks.Append(a);
-        breaks.Append(b);
+      if (b - a > merge)
+        AddOverlap(Overlap{a, b, j});
+    }
+    breaks += limits;
+    SortBreaks();
+    FindNearest();
+  }
+
+  /// Unless it is out of reach; where the gap reaches a limit there are break points, too.
+  void AddOverlap(Overlap o) {
+    constexpr int samples = 4; // the gap of curved faces need not be monotone
+    auto middle = FindHit(o.master, 0.5 * (o.begin + o.end));
+    if (!middle)
+      return;
+    bool within = IsWithin(middle->gap);
+    for (double limit : {options.maxdist, -options.Penetration(face)}) {
+      auto beyond = [&](double xi) {
+        auto hit = FindHit(o.master, xi);
+        return hit ? hit->gap - limit : numeric_limits<double>::quiet_NaN();
+      };
+      if (!(fabs(middle->gap - limit) < steepest * (o.end - o.begin) * size))
+        continue;
+      double a = o.begin, fa = beyond(a);
+      for (int i = 1; i <= samples; i++) {
+        double b = o.begin + i * (o.end - o.begin) / samples, fb = beyond(b);
+        if (fa * fb < 0) {
+          auto f = [&](double xi) { return make_pair(beyond(xi), (fb - fa) / (b - a)); };
+          limits.Append(FindRoot(f, a, fa, b, fb));
+          within = true;
+        }
+        a = b, fa = fb;
       }
     }
+    if (!within)
+      return;
+    overlaps.Append(o);
+    breaks.Append(o.begin);
+    breaks.Append(o.end);
+  }
+
+  bool IsWithin(double gap) const {
+    return gap <= options.maxdist && gap >= -options.Penetration(face);
+  }
+
+  void SortBreaks() {
     QuickSort(breaks);
     size_t kept = 0;
     for (double b : breaks)
@@ -134,15 +179,34 @@ private:
     breaks.SetSize(kept);
   }
 
+  /// Goes along the face with the overlaps that it is in.
+  void FindNearest() {
+    std::stable_sort(overlaps.begin(), overlaps.end(),
+                     [](auto & a, auto & b) { return a.begin < b.begin; });
+    nearest.SetSize0();
+    Array<Overlap> here;
+    size_t next = 0;
+    for (size_t i = 1; i < breaks.Size(); i++) {
+      double xi = 0.5 * (breaks[i - 1] + breaks[i]);
+      for (; next < overlaps.Size() && overlaps[next].begin <= xi; next++)
+        here.Append(overlaps[next]);
+      here.SetSize(std::remove_if(here.begin(), here.end(), [&](auto & o) { return o.end < xi; }) -
+                   here.begin());
+      pair<int, optional<Hit>> best(-1, nullopt);
+      for (auto & o : here)
+        if (auto hit = FindHit(o.master, xi);
+            hit && IsWithin(hit->gap) && (!best.second || fabs(hit->gap) < fabs(best.second->gap)))
+          best = {o.master, hit};
+      nearest.Append(best);
+    }
+  }
+
   bool Covered(double reach) const {
     if (breaks.Size() < 2 || breaks[0] > 0 || breaks.Last() < 1)
       return false;
-    for (size_t i = 1; i < breaks.Size(); i++) {
-      auto hit = Nearest(0.5 * (breaks[i - 1] + breaks[i])).second;
-      if (!hit || fabs(hit->gap) > 0.9 * reach)
-        return false;
-    }
-    return true;
+    return std::all_of(nearest.begin(), nearest.end(), [&](auto & partner) {
+      return partner.second && fabs(partner.second->gap) <= 0.9 * reach;
+    });
   }
 
   /// Slave coordinate whose normal ray meets the point, cut off at the ends of the face.
@@ -161,7 +225,7 @@ private:
     return FindRoot(f, 0, f0, 1, f1);
   }
 
-  /// The point of master face j on the normal ray from xi, if it is within reach and looks back.
+  /// The point of master face j on the normal ray from xi, if it looks back.
   optional<Hit> FindHit(int j, double xi) const {
     Vec<2> x, y;
     Mat<2, 1> dx, dy;
@@ -177,21 +241,9 @@ private:
     // At the end of an overlap rounding may push the ray just past the last vertex.
     if (fabs(f(eta).first) > 1e-9 * (size + fabs(InnerProduct(normal, y - x))))
       return nullopt;
-    double gap = InnerProduct(normal, y - x);
-    if (gap > options.maxdist || gap < -options.penetration ||
-        InnerProduct(normal, master.Normal(j, dy)) > facing_cosine)
+    if (!options.MayFace(InnerProduct(normal, master.Normal(j, dy))))
       return nullopt;
-    return Hit{eta, gap};
-  }
-
-  pair<int, optional<Hit>> Nearest(double xi) const {
-    pair<int, optional<Hit>> best(-1, nullopt);
-    for (auto & o : overlaps)
-      if (o.begin <= xi && xi <= o.end)
-        if (auto hit = FindHit(o.master, xi);
-            hit && (!best.second || fabs(hit->gap) < fabs(best.second->gap)))
-          best = {o.master, hit};
-    return best;
+    return Hit{eta, InnerProduct(normal, y - x)};
   }
 
   /// The ray from xi to a master face, NaN in the gap where it misses.
@@ -203,16 +255,19 @@ private:
     return {xi, hit.eta, weight * L2Norm(dx), hit.gap, slave.Normal(face, dx)};
   }
 
-  /// The end of the last segment on one side is one of the master.
-  static void AddRim(double side, Pairing<2> & result) {
+  /// The end of the last segment on one side is one of the master, unless it is one of the search.
+  void AddRim(double side, double end, Pairing<2> & result) const {
+    if (std::any_of(limits.begin(), limits.end(), [&](double l) { return fabs(l - end) <= merge; }))
+      return;
     result.rim.Append(RimPoint<2>{int(result.segments.Size()) - 1,
                                   result.corners[result.corners.Size() - (side > 0 ? 1 : 2)],
                                   Vec<1>(side)});
   }
 
-  /// False where there is no partner.
-  bool AddSegment(double begin, double end, Pairing<2> & result) const {
-    int partner = Nearest(0.5 * (begin + end)).first;
+  /// Up to the i-th break point; false where there is no partner.
+  bool AddSegment(size_t i, Pairing<2> & result) const {
+    int partner = nearest[i - 1].first;
+    double begin = breaks[i - 1], end = breaks[i];
     if (partner < 0)
       return false;
     Segment segment{face, partner, result.points.Size(), result.corners.Size()};

@@ -39,8 +39,10 @@ class FacePairer {
   const Quadratures & rules;
 
   Array<int> candidates;
-  Array<Piece> pieces, visible;
-  double stretch; // of the weights
+  Array<Piece> pieces;
+  optional<BoxTree<2>> pieces_tree;
+  double penetration; // deepest of this face
+  double stretch;     // of the weights
 
 public:
   FacePairer(const Surface<3> & aslave, const Surface<3> & amaster, const Facets & aslave_facets,
@@ -50,13 +52,14 @@ public:
         tree(atree), options(aoptions), rules(arules) {}
 
   void Do(int face, Pairing<3> & result) {
+    penetration = options.Penetration(face);
     for (auto & facet : slave_facets.Of(face)) {
       FacetMap map(facet);
       if (!(map.Outline().Area() > degenerate * sqr(facet.size)) || !map.Outline().IsConvex())
         throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                         " of the slave surface is degenerate: it has no area or folds over");
       // The nearest partner is usually close: widen the search until the facet is covered.
-      double most = max(options.maxdist, options.penetration);
+      double most = max(options.maxdist, penetration);
       for (double reach = facet.size;; reach *= 4) {
         Search(map, reach);
         if (reach >= most || Covered(map, reach))
@@ -73,7 +76,7 @@ private:
   /// Widens towards the rim of a curved face, where normals differ from that of the facet.
   OrientedBox<3> SearchBox(const FacetMap & map, double reach) const {
     auto & facet = map.GetFacet();
-    double ahead = min(reach, options.maxdist), behind = min(reach, options.penetration);
+    double ahead = min(reach, options.maxdist), behind = min(reach, penetration);
     OrientedBox<3> box{map.Origin() + 0.5 * (ahead - behind) * map.Normal(),
                        {map.Tangent(0), map.Tangent(1), map.Normal()},
                        {0, 0, 0.5 * (ahead + behind)}};
@@ -100,7 +103,7 @@ private:
     pieces.SetSize0();
     for (int j : candidates)
       for (auto & facet : master_facets.Of(j))
-        if (InnerProduct(facet.normal, map.Normal()) <= facing_cosine)
+        if (options.MayFace(InnerProduct(facet.normal, map.Normal())))
           AddPieces(map, facet);
     RemoveHidden(map);
   }
@@ -133,54 +136,104 @@ private:
     Piece piece{common, &facet, InnerProduct(facet.normal, facet.Center() - map.Origin()) / slope};
     for (int k : Range(2))
       piece.tilt(k) = -InnerProduct(facet.normal, map.Tangent(k)) / slope;
-    double gap = piece.Gap(common.Centroid());
-    if (gap <= options.maxdist && gap >= -options.penetration)
+    CutOff(piece, 1, options.maxdist);
+    CutOff(piece, -1, penetration);
+    if (piece.polygon.Size())
       pieces.Append(piece);
+  }
+
+  /// Leaves the part of a piece where  sign * gap <= limit.
+  void CutOff(Piece & piece, double sign, double limit) const {
+    auto & polygon = piece.polygon;
+    if (polygon.Size() == 0)
+      return;
+    int beyond = 0;
+    for (int i : Range(polygon.Size()))
+      beyond += sign * piece.Gap(polygon[i]) > limit;
+    if (beyond == 0)
+      return;
+    if (beyond < polygon.Size()) {
+      Vec<2> downhill = -sign * piece.tilt;
+      Vec<2> on = ((limit - sign * piece.gap) / L2Norm2(piece.tilt)) * (sign * piece.tilt);
+      double whole = polygon.Area();
+      polygon = Clip(polygon, on, on + Vec<2>(downhill(1), -downhill(0)), 0);
+      if (polygon.Area() > clip_tolerance * whole)
+        return;
+    }
+    polygon = Polygon();
+  }
+
+  static netgen::Box<2> BoxOf(const Polygon & polygon) {
+    netgen::Box<2> box(netgen::Box<2>::EMPTY_BOX);
+    for (int i : Range(polygon.Size()))
+      box.Add(netgen::Point<2>(polygon[i](0), polygon[i](1)));
+    return box;
+  }
+
+  void PlantPieces() {
+    Array<netgen::Box<2>> boxes;
+    for (auto & piece : pieces)
+      boxes.Append(BoxOf(piece.polygon));
+    pieces_tree.emplace(std::move(boxes));
+  }
+
+  /// Pieces before this one in the list that share more than an edge with it.
+  void FindOverlaps(int i, double tolerance, Array<int> & found) const {
+    found.SetSize0();
+    auto & polygon = pieces[i].polygon;
+    pieces_tree->Visit(BoxOf(polygon), [&](int j) {
+      if (j < i && Overlap(polygon, pieces[j].polygon, tolerance))
+        found.Append(j);
+    });
+    QuickSort(found);
   }
 
   /// Where master facets lie behind each other only the nearest counts.
   void RemoveHidden(const FacetMap & map) {
     double tolerance = layer_tolerance * map.GetFacet().size;
-    bool hidden = false;
-    for (int i : Range(pieces))
-      for (int j = 0; j < i && !hidden; j++)
-        hidden = Overlap(pieces[i].polygon, pieces[j].polygon, tolerance);
-    if (!hidden)
+    PlantPieces();
+    Array<pair<int, int>> overlaps;
+    Array<int> others;
+    for (int i : Range(pieces)) {
+      FindOverlaps(i, tolerance, others);
+      for (int j : others)
+        overlaps.Append(pair(j, i));
+    }
+    if (overlaps.Size() == 0)
       return;
-    visible.SetSize0();
-    for (auto & piece : pieces)
-      Insert(piece, tolerance);
-    Swap(pieces, visible);
+    Array<Array<Piece>> visible(pieces.Size()); // parts of each
+    for (int i : Range(pieces))
+      visible[i].Append(pieces[i]);
+    for (auto [j, i] : overlaps)
+      Separate(visible[j], visible[i], tolerance);
+    pieces.SetSize0();
+    for (auto & parts : visible)
+      pieces += parts;
+    PlantPieces();
   }
 
-  /// Adds a piece to the visible ones, which stay disjoint: whatever one loses another keeps.
-  void Insert(const Piece & piece, double tolerance) {
-    Array<Piece> parts{piece}, behind;
-    for (size_t k = 0; k < visible.Size(); k++) {
-      Array<Piece> rest, shortened{visible[k]};
-      bool cut = false;
+  /// What the parts of two pieces have in common the nearer one keeps: whatever one loses another
+  /// keeps.
+  static void Separate(Array<Piece> & old, Array<Piece> & parts, double tolerance) {
+    Array<Piece> all;
+    for (auto & other : old) {
+      Array<Piece> rest, shortened{other};
       for (auto & part : parts)
-        if (!Overlap(part.polygon, visible[k].polygon, tolerance))
+        if (!Overlap(part.polygon, other.polygon, tolerance))
           rest.Append(part);
-        else if (IsNearer(visible[k], part))
-          Without(part, visible[k].polygon, tolerance, rest);
-        else {
-          // all parts belong to one master facet: what is left of the visible one is behind
+        else if (IsNearer(other, part))
+          Without(part, other.polygon, tolerance, rest);
+        else { // all parts belong to one master facet: what is left of the other one is behind
           rest.Append(part);
-          cut = true;
           Array<Piece> remaining;
-          for (auto & old : shortened)
-            Without(old, part.polygon, tolerance, remaining);
+          for (auto & piece : shortened)
+            Without(piece, part.polygon, tolerance, remaining);
           Swap(shortened, remaining);
         }
       Swap(parts, rest);
-      if (cut) {
-        visible.DeleteElement(k--);
-        behind += shortened;
-      }
+      all += shortened;
     }
-    visible += behind;
-    visible += parts;
+    Swap(old, all);
   }
 
   /// Is piece a nearer than piece b, in the middle of where they overlap?
@@ -262,9 +315,10 @@ private:
       master.Evaluate(target.face, eta, y, dy);
     double gap = InnerProduct(normal, y - x);
     double off = L2Norm(y - x - gap * normal);
+    // Pieces end at the limits of the search: nothing but the bulge of the faces lies beyond.
     bool hit = off <= 1e-9 * (target.size + fabs(gap)) && IsInside(eta, target.face) &&
-               gap <= options.maxdist && gap >= -options.penetration &&
-               InnerProduct(normal, master.Normal(target.face, dy)) <= facing_cosine;
+               gap <= options.maxdist + target.size && gap >= -penetration - target.size &&
+               options.MayFace(InnerProduct(normal, master.Normal(target.face, dy)));
     return {eta, hit ? gap : missed};
   }
 
@@ -288,6 +342,19 @@ private:
     return least >= -outside_tolerance && most <= 1 + outside_tolerance;
   }
 
+  bool IsCovered(Vec<2> point) const {
+    bool covered = false;
+    pieces_tree->Visit(BoxOf(Polygon{point}),
+                       [&](int i) { covered = covered || pieces[i].polygon.Contains(point); });
+    return covered;
+  }
+
+  /// Does the search end there, and not the master?
+  bool IsAtLimit(const FacetMap & map, const Piece & piece, Vec<2> point) const {
+    double gap = piece.Gap(point), tolerance = 1e-9 * map.GetFacet().size;
+    return fabs(gap - options.maxdist) < tolerance || fabs(gap + penetration) < tolerance;
+  }
+
   /// Edges of the last segment beyond which the slave facet sees no master.
   void AddRim(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
     static const IntegrationRule rule(ET_SEGM, 3);
@@ -301,9 +368,8 @@ private:
         continue;
       across *= distance * map.GetFacet().size / L2Norm(across);
       Vec<2> beyond = 0.5 * (a + b) + across;
-      if (!map.Outline().Contains(beyond) ||
-          std::any_of(pieces.begin(), pieces.end(),
-                      [&](auto & p) { return p.polygon.Contains(beyond); }))
+      if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)) ||
+          IsCovered(beyond))
         continue;
       Vec<2> from = map.Reference(a).first, to = map.Reference(b).first;
       Vec<2> outwards(to(1) - from(1), from(0) - to(0));
