@@ -195,17 +195,22 @@ def CheckOnMesh(name, function, mesh):
 def BoundaryRegion(mesh, region, name):
     """The boundary region for a pattern or Region; ValueError if it has no faces."""
     if isinstance(region, str):
-        found = mesh.Boundaries(region)
+        try:
+            found = mesh.Boundaries(region)
+        except RuntimeError as error:
+            raise ValueError(f"{name}={region!r} is no regular expression: {error}") from error
     elif isinstance(region, Region) and region.VB() == BND:
         found = region
     else:
         raise Wrong(TypeError, name, region, "a pattern of boundary names or a boundary region")
     if found.mesh != mesh:
-        raise ValueError(f"{name} is a region of another mesh than that of the displacement")
+        raise ValueError(f"{name} is a region of another mesh: take one of the same mesh")
     mask = found.Mask()
     if not any(mask[e.index] for e in mesh.Elements(BND)):
         names = ", ".join(dict.fromkeys(mesh.GetBoundaries()))
-        raise ValueError(f"{name}={region!r} matches no boundary face; the boundaries are: {names}")
+        raise ValueError(
+            f"{name}={Shown(region)} matches no boundary face; the boundaries are: {names}"
+        )
     return found
 
 

@@ -2,7 +2,8 @@
 
 import ngsolve
 
-from . import _ngslac
+from ngslac import _ngslac
+from ngslac.arguments import BoundaryRegion, CheckChoice, CheckInstance
 
 __all__ = ["SplitSlaveFaces"]
 
@@ -114,17 +115,6 @@ def SplitSlaveFaces(mesh, slave, *, hexes="pyramids"):
     >>> LACSpace(VectorH1(split, order=2), slave="top", macros=former).nmacros
     4
     """
-    if not isinstance(mesh, ngsolve.Mesh):
-        raise TypeError(f"SplitSlaveFaces needs an ngsolve.Mesh, not {type(mesh).__name__}")
-    if hexes not in ("pyramids", "hexes"):
-        raise ValueError(f"hexes must be 'pyramids' or 'hexes', not {hexes!r}")
-    if isinstance(slave, str):
-        pattern, slave = f"the pattern {slave!r}", mesh.Boundaries(slave)
-    elif isinstance(slave, ngsolve.Region):
-        pattern = "the given region"
-    else:
-        raise TypeError(f"slave must be a pattern or a Region, not {type(slave).__name__}")
-    if not any(slave.Mask()):
-        names = ", ".join(repr(name) for name in dict.fromkeys(mesh.GetBoundaries()))
-        raise ValueError(f"SplitSlaveFaces: {pattern} matches no boundary; there are {names}")
-    return _ngslac.SplitSlaveFaces(mesh, slave, hexes)
+    CheckInstance("mesh", mesh, ngsolve.Mesh, "an ngsolve.Mesh")
+    CheckChoice("hexes", hexes, ("pyramids", "hexes"))
+    return _ngslac.SplitSlaveFaces(mesh, BoundaryRegion(mesh, slave, "slave"), hexes)

@@ -69,7 +69,7 @@ def test_master_without_faces(X, mesh):
 
 
 def test_split_without_faces(mesh):
-    with raises(f"'nowhere' matches no boundary; there are .*{NAMES}", ValueError):
+    with raises(f"slave='nowhere' matches no boundary face; the boundaries are: .*{NAMES}", ValueError):
         SplitSlaveFaces(mesh, "nowhere")
 
 

@@ -145,14 +145,16 @@ def test_region_argument():
 
 def test_wrong_arguments():
     mesh, other = cube(), cube()
-    with pytest.raises(ValueError, match=r"'rim' matches no boundary; there are 'back'"):
+    with pytest.raises(
+        ValueError, match=r"slave='rim' matches no boundary face; the boundaries are: back"
+    ):
         SplitSlaveFaces(mesh, "rim")
-    with pytest.raises(Exception, match="belongs to another mesh"):
+    with pytest.raises(Exception, match="slave is a region of another mesh"):
         SplitSlaveFaces(mesh, other.Boundaries("left"))
     for region in (mesh.Materials(".*"), mesh.BBoundaries(".*")):
-        with pytest.raises(Exception, match="must be one of boundaries"):
+        with pytest.raises(Exception, match="slave = .* must be a pattern of boundary names"):
             SplitSlaveFaces(mesh, region)
-    with pytest.raises(ValueError, match="'pyramids' or 'hexes', not 'cubes'"):
+    with pytest.raises(ValueError, match="hexes = 'cubes' must be one of 'pyramids', 'hexes'"):
         SplitSlaveFaces(mesh, "top", hexes="cubes")
     quadratic = cube().ngmesh
     quadratic.SecondOrder()

@@ -108,18 +108,20 @@ def test_region_argument():
 
 def test_wrong_arguments():
     mesh, other = square(), square()
-    with pytest.raises(ValueError, match=r"'rim' matches no boundary; there are 'bottom'"):
+    with pytest.raises(
+        ValueError, match=r"slave='rim' matches no boundary face; the boundaries are: bottom"
+    ):
         SplitSlaveFaces(mesh, "rim")
-    with pytest.raises(ValueError, match="region matches no boundary"):
+    with pytest.raises(ValueError, match="slave=<Region> matches no boundary"):
         SplitSlaveFaces(mesh, mesh.Boundaries("rim"))
-    with pytest.raises(Exception, match="belongs to another mesh"):
+    with pytest.raises(Exception, match="slave is a region of another mesh"):
         SplitSlaveFaces(mesh, other.Boundaries("left"))
     for region in (mesh.Materials(".*"), mesh.BBoundaries(".*")):
-        with pytest.raises(Exception, match="must be one of boundaries"):
+        with pytest.raises(Exception, match="slave = .* must be a pattern of boundary names"):
             SplitSlaveFaces(mesh, region)
-    with pytest.raises(TypeError, match="pattern or a Region"):
+    with pytest.raises(TypeError, match="slave = 3 must be a pattern"):
         SplitSlaveFaces(mesh, 3)
-    with pytest.raises(TypeError, match=r"ngsolve\.Mesh"):
+    with pytest.raises(TypeError, match=r"mesh = <Mesh> must be an ngsolve\.Mesh"):
         SplitSlaveFaces(mesh.ngmesh, "left")
 
 
