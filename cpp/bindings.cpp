@@ -1,7 +1,6 @@
 #include "contact/contactform.hpp"
 #include "contact/merge.hpp"
-#include "space/split.hpp"
-#include <python_comp.hpp>
+#include "space/arguments.hpp"
 
 using namespace ngslac;
 
@@ -12,35 +11,6 @@ void ExportCondense(py::module & m);
 } // namespace ngslac
 
 namespace {
-Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
-  Region region = std::holds_alternative<string>(slave)
-                      ? Region(ma.shared_from_this(), BND, std::get<string>(slave))
-                      : std::get<Region>(slave);
-  if (region.Mesh().get() != &ma)
-    throw Exception("LACSpace: slave is a region of another mesh than that of the displacement");
-  if (region.VB() != BND)
-    throw Exception("LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
-  Array<double> numbers;
-  for (int i : Range(region.Mask().Size()))
-    if (region.Mask().Test(i))
-      numbers.Append(i);
-  for (size_t i : Range(ma.GetNE(BND)))
-    if (region.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
-      return numbers;
-  throw Exception("LACSpace: slave=" +
-                  (std::holds_alternative<string>(slave) ? "'" + std::get<string>(slave) + "'"
-                                                         : string("Region")) +
-                  " matches no boundary face; the boundaries are: " + BoundaryNames(ma));
-}
-
-shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags) {
-  auto space = make_shared<LACSpace>(displacement, flags);
-  space->Update();
-  space->FinalizeUpdate();
-  space->ConnectAutoUpdate();
-  return space;
-}
-
 constexpr const char * space_doc =
     R"(Contact tractions, constant on macro-elements of the slave surface.
 
@@ -68,9 +38,17 @@ autoupdate : bool
 
 Raises
 ------
+TypeError, ValueError
+    An argument that does not fit: the message names it, its value and what is wanted.
 NgException
-    A region without faces, a scalar or complex V, faces of which no stable macro-element can be made
-    (the message names them and the remedies).
+    Faces of which no stable macro-element can be made (the message names them and the remedies).
+
+Notes
+-----
+Where the slave's displacement is prescribed in some directions, macro-elements carry the others
+exactly. In the prescribed ones they stick elastically, with a slip of a hundredth of what the surface
+gives under the same traction, and slip as elsewhere. So do faces that nothing can move along their
+normal, beside those that can. `LACContact.Check` names these macro-elements.
 
 Examples
 --------
@@ -83,30 +61,15 @@ True
 
 void ExportSpace(py::module & m) {
   py::class_<LACSpace, shared_ptr<LACSpace>, FESpace>(m, "LACSpace", space_doc)
-      .def(py::init([](shared_ptr<FESpace> displacement, std::variant<Region, string> slave,
-                       optional<std::vector<int>> macros, optional<int> components,
-                       bool autoupdate) {
-             Flags flags;
-             flags.SetFlag("slave", BoundaryNumbers(*displacement->GetMeshAccess(), slave));
-             if (components && (*components < 1 || *components > 3))
-               throw Exception("LACSpace: components = " + ToString(*components) +
-                               " must be 1, 2 or 3");
-             if (macros) {
-               if (macros->empty())
-                 throw Exception("LACSpace: macros has 0 entries; give one number per slave face, "
-                                 "or leave it out");
-               Array<double> numbers;
-               for (int macro : *macros)
-                 numbers.Append(macro);
-               flags.SetFlag("macros", numbers);
-             }
-             if (components)
-               flags.SetFlag("components", double(*components));
-             flags.SetFlag("autoupdate", autoupdate || displacement->DoesAutoUpdate());
-             return MakeSpace(displacement, flags);
+      .def(py::init([](const Given<shared_ptr<FESpace>> & V, const py::args & more,
+                       const Given<std::variant<Region, string>> & slave,
+                       const Given<std::vector<int>> & macros, const Given<int> & components,
+                       const Given<bool> & autoupdate, const py::kwargs & others) {
+             CheckNoMore("LACSpace", more, others, "V, slave=, macros=, components=, autoupdate=");
+             return SpaceArguments{V, slave, macros, components, autoupdate}.Make();
            }),
-           py::arg("V"), py::kw_only(), py::arg("slave"), py::arg("macros") = nullopt,
-           py::arg("components") = nullopt, py::arg("autoupdate") = false)
+           py::arg("V") = py::none(), py::arg("slave") = py::none(), py::arg("macros") = py::none(),
+           py::arg("components") = py::none(), py::arg("autoupdate") = false)
       .def(py::pickle(
           [](const LACSpace & self) {
             return py::make_tuple(self.Displacement(), self.GetFlags());
@@ -122,8 +85,13 @@ void ExportSpace(py::module & m) {
           "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },
           "Macro-element of each boundary element of the mesh, -1 off the slave surface.")
       .def_property_readonly("slave", &LACSpace::SlaveRegion, "The slave surface (Region).")
-      .def("WithComponents", &LACSpace::WithComponents, py::arg("components"),
-           R"(The space on the same macro-elements with another number of components.
+      .def(
+          "WithComponents",
+          [](const LACSpace & self, const Given<int> & components) {
+            return self.WithComponents(CheckedComponents(components));
+          },
+          py::arg("components"),
+          R"(The space on the same macro-elements with another number of components.
 
 Parameters
 ----------
@@ -135,8 +103,9 @@ Returns
 LACSpace)")
       .def(
           "CoreDofs",
-          [](const LACSpace & self, size_t macro) {
-            if (macro >= self.NMacros())
+          [](const LACSpace & self, const Given<long> & given) {
+            long macro = given.As("LACSpace.CoreDofs: macro", "the number of a macro-element");
+            if (macro < 0 || size_t(macro) >= self.NMacros())
               throw py::index_error("LACSpace.CoreDofs: there is no macro-element " +
                                     ToString(macro));
             return Array<int>(self.CoreDofs(macro));

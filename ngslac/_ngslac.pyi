@@ -36,9 +36,17 @@ class LACSpace(ngsolve.comp.FESpace):
 
     Raises
     ------
+    TypeError, ValueError
+        An argument that does not fit: the message names it, its value and what is wanted.
     NgException
-        A region without faces, a scalar or complex V, faces of which no stable macro-element can be made
-        (the message names them and the remedies).
+        Faces of which no stable macro-element can be made (the message names them and the remedies).
+
+    Notes
+    -----
+    Where the slave's displacement is prescribed in some directions, macro-elements carry the others
+    exactly. In the prescribed ones they stick elastically, with a slip of a hundredth of what the surface
+    gives under the same traction, and slip as elsewhere. So do faces that nothing can move along their
+    normal, beside those that can. `LACContact.Check` names these macro-elements.
 
     Examples
     --------

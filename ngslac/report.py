@@ -26,6 +26,14 @@ class ContactReport:
         Macro-elements that lie behind the master deeper than contact looks for it, partly at least.
     deepest : float
         How deep that is at most; 0 where there are none.
+    prescribed : (n,) int
+        Macro-elements whose slave displacement is prescribed in some directions: there they stick
+        elastically, or carry the pressure so if the normal is one of them.
+    large, bent : (n,) int
+        Macro-elements of more than four times the usual number of faces, and those whose normals
+        differ so much that their mean is shorter than 0.9.
+    undefined : (n,) int
+        Macro-elements with an area, a normal or a gap that is not finite.
     shared : (n,) int
         Mesh vertices of both surfaces: there nothing can open or slide, as at the tip of a crack.
     """
@@ -45,6 +53,12 @@ class ContactReport:
         )
         size = full ** (1 / (contact.mesh.dim - 1))
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
+        self.prescribed = np.flatnonzero(contact.form.Scalars("prescribed") > 0.5)
+        faces = _FacesOf(contact.space)
+        self.large = np.flatnonzero(faces > 4 * np.median(faces))
+        self.bent = np.flatnonzero(contact.form.Scalars("flatness") < 0.9)
+        finite = [np.isfinite(table[name]) for name in ("area", "fullarea", "gap")]
+        self.undefined = np.flatnonzero(~np.all([*finite, *np.isfinite(table["normal"]).T], axis=0))
         self.macro_size = (float(size.min()), float(size.max()))
         self.where = table["x"]
         unmet = len(self.unpaired) or len(self.partial)
@@ -65,14 +79,18 @@ class ContactReport:
             f"({100 * self.paired_area / self.area:.1f} %)",
             f"gap              {self.min_gap:.4g} to {self.max_gap:.4g}",
         ]
-        if len(self.unpaired):
-            lines.append(
-                f"without partner  {len(self.unpaired)} macro-elements: {self._Some(self.unpaired)}"
-            )
-        if len(self.partial):
-            lines.append(
-                f"overhanging      {len(self.partial)} macro-elements: {self._Some(self.partial)}"
-            )
+        lines += [
+            f"{what:16} {len(macros)} macro-elements: {self._Some(macros)}"
+            for what, macros in {
+                "without partner": self.unpaired,
+                "overhanging": self.partial,
+                "prescribed": self.prescribed,
+                "of many faces": self.large,
+                "bent": self.bent,
+                "not a number": self.undefined,
+            }.items()
+            if len(macros)
+        ]
         if len(self.penetrating):
             lines.append(
                 f"penetrating      {len(self.penetrating)} macro-elements, by up to "
@@ -88,6 +106,12 @@ class ContactReport:
             points = ", ".join(str(tuple(round(x, 6) for x in p)) for p in self._corners)
             lines.append(f"shared vertices  {len(self.shared)}, of slave and master: {points}")
         return "\n".join(lines)
+
+
+def _FacesOf(space):
+    """Number of faces of each macro-element."""
+    macros = np.array(space.macros)
+    return np.bincount(macros[macros >= 0], minlength=space.nmacros)
 
 
 def _SharedVertices(contact):

@@ -343,6 +343,14 @@ Array<double> FormBase<D>::Scalars(const string & name) const {
     return copy(c);
   if (name == "friction")
     return copy(friction);
+  if (name == "flatness")
+    return copy(jump->flatness);
+  if (name == "prescribed") {
+    Array<double> directions(jump->Size());
+    for (size_t m : Range(directions))
+      directions[m] = D - Trace(space->ReachOf(m));
+    return directions;
+  }
   if (name == "threshold")
     return copy(threshold);
   throw Exception("ContactForm: no scalars named " + name);

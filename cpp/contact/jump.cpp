@@ -159,6 +159,7 @@ MacroJump<D>::MacroJump(const LACSpace & space, const Surface<D> & slave,
   RegionTimer reg(timer);
   size_t n = space.NMacros();
   area.SetSize(n), fullarea.SetSize(n), normal.SetSize(n), center.SetSize(n), moment.SetSize(n);
+  flatness.SetSize(n);
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)
     for (int f : Range(slave.Size()))
@@ -247,6 +248,7 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
   // A sliver of an overlap carries no information, only rounding errors.
   area[macro] = paired > 1e-5 * full ? paired : 0;
   normal[macro] = (1 / L2Norm(normals)) * normals;
+  flatness[macro] = L2Norm(normals) / full;
   center[macro] = (1 / full) * centers;
   moment[macro] = moments;
 }

@@ -57,6 +57,7 @@ public:
   Array<double> area;     // paired
   Array<double> fullarea; // of all faces
   Array<Vec<D>> normal;   // unit, mean of the outward slave normals
+  Array<double> flatness; // length of that mean: 1 where the macro-element is plane
   Array<Vec<D>> center;   // of all faces
   Array<Vec<D>> moment;   // integral of x over the paired part
 

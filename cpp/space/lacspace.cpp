@@ -9,17 +9,26 @@ pair<shared_ptr<DifferentialOperator>, shared_ptr<DifferentialOperator>> ScalarE
           make_shared<T_DifferentialOperator<DiffOpIdBoundary<D>>>()};
 }
 
+[[noreturn]] void Refuse(const FESpace & fes, const string & what) {
+  throw std::invalid_argument("LACSpace: V, a space of type " + fes.GetClassName() + ", " + what +
+                              "; give a vector-valued space such as VectorH1");
+}
+
 shared_ptr<FESpace> CheckDisplacement(shared_ptr<FESpace> fes) {
   int dim = fes->GetMeshAccess()->GetDimension();
   auto evaluator = fes->GetEvaluator(BND);
+  if (dynamic_pointer_cast<LACSpace>(fes))
+    throw std::invalid_argument("LACSpace: V is itself a LACSpace; give the displacement space");
+  if (dim < 2)
+    throw std::invalid_argument("LACSpace: V lives on a mesh of dimension " + ToString(dim) +
+                                "; contact needs a two- or three-dimensional one");
   if (fes->IsComplex())
-    throw Exception("LACSpace: the displacement space " + fes->GetClassName() +
-                    " is complex; contact needs real displacements");
-  if (!evaluator || evaluator->Dim() != dim)
-    throw Exception("LACSpace: the displacement space " + fes->GetClassName() + " has " +
-                    (evaluator ? ToString(evaluator->Dim()) + " component(s)" : "no values") +
-                    " on the boundary of a mesh in " + ToString(dim) +
-                    "D; give a vector-valued space such as VectorH1");
+    Refuse(*fes, "is complex; contact needs real displacements");
+  if (!evaluator)
+    Refuse(*fes, "has no values on the boundary");
+  if (evaluator->Dim() != dim)
+    Refuse(*fes, "has " + ToString(evaluator->Dim()) +
+                     " component(s) on the boundary of a mesh in " + ToString(dim) + "D");
   return fes;
 }
 } // namespace

@@ -6,9 +6,10 @@ namespace ngslac {
 namespace {
 constexpr double bend_cosine = 0.5; // faces of a macro-element bend by less than 60 degrees
 
-/// How many faces a macro-element may have that was made from a support of this many.
-size_t Limit(size_t support) {
-  return 3 * support + 1;
+/// How many faces a macro-element may have that was made from a support of this many: about those
+/// of one more layer.
+size_t Limit(int dim, size_t support) {
+  return dim == 2 ? support + 2 : max(size_t(4), 2 * support + 1);
 }
 
 Reach ReachOf(const Traces & tr, FlatArray<int> dofs) {
@@ -127,6 +128,10 @@ Vec<3> FaceCenter(const MeshAccess & ma, int face) {
   text << "LACSpace: no macro-element can be made of " << faces.Size() << " face(s) of boundary '"
        << ma->GetMaterial(ElementId(BND, tr.faces[faces[0]])) << "', the first at "
        << FaceCenter(*ma, tr.faces[faces[0]]);
+  if (std::all_of(faces.begin(), faces.end(), [&](int s) { return tr.bare[s]; }))
+    throw Exception(text.str() + ": V, a space of type " + fes.GetClassName() +
+                    ", has no dofs there. Remedy: a space with traces on the boundary, such as "
+                    "VectorH1, that is defined on this body");
   if (moves)
     text << ": no free displacement dof has its whole trace on them, so that the multiplier would "
             "be unstable. ";
@@ -309,7 +314,7 @@ MacroPartition PartitionBySupports(const FESpace & displacement, const BitArray 
   auto candidates = FindCandidates(tr);
   for (int c : ChooseDisjoint(tr, candidates)) {
     auto support = Support(tr, candidates[c]);
-    groups.Add(support, Limit(support.Size()));
+    groups.Add(support, Limit(tr.dim, support.Size()));
   }
   JoinLeftovers(tr, groups);
   auto alone = Connected(tr, groups); // faces that are too far from any support

@@ -11,7 +11,7 @@ struct Trace {
   int dof;
   Vec<3> integral;
   double area, maximum;
-  bool along_normal; // is it anywhere not perpendicular to the normal?
+  bool along_normal; // has it a fair part in the normal anywhere?
 };
 
 struct FaceTraces {
@@ -51,7 +51,7 @@ public:
       if (!IsRegularDof(dofs[j / block]) || maximum(j) < 1e-12)
         continue;
       Trace trace{block * dofs[j / block] + j % block, Vec<3>(0.0), area, maximum(j),
-                  along(j) > mean_tolerance * maximum(j)};
+                  along(j) > normal_tolerance * maximum(j)};
       for (int k : Range(dim))
         trace.integral(k) = integral(j, k);
       result.traces.Append(trace);
@@ -69,7 +69,8 @@ private:
       HeapReset hr(lh);
       auto & mip = trafo(ip, lh);
       shape = 0;
-      fes.GetEvaluator(BND)->CalcMatrix(fel, mip, shape, lh);
+      if (dofs.Size()) // where there are none the element may be of any kind
+        fes.GetEvaluator(BND)->CalcMatrix(fel, mip, shape, lh);
       Add(mip);
     }
     if (!(area > 0))
@@ -251,9 +252,11 @@ Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
       for (auto & trace : all[s].traces)
         creator.Add(trace.dof, s);
   tr.dof_faces = creator.MoveTable();
-  tr.normals.SetSize(all.Size()), tr.movable.SetSize(all.Size()), tr.reach.SetSize(all.Size());
+  tr.normals.SetSize(all.Size()), tr.reach.SetSize(all.Size());
+  tr.bare.SetSize(all.Size()), tr.movable.SetSize(all.Size());
   for (int s : Range(all)) {
     tr.normals[s] = all[s].normal;
+    tr.bare[s] = all[s].traces.Size() == 0;
     tr.movable[s] = false;
     for (auto & trace : all[s].traces) {
       tr.movable[s] = tr.movable[s] || (trace.along_normal && free.Test(trace.dof));

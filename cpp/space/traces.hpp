@@ -29,6 +29,7 @@ struct Traces {
   Table<int> dof_faces;     // slave faces on which the trace of a dof lives
   Array<Vec<3>> dof_mean;   // integral of the trace over (area times its maximum)
   BitArray inner_dofs;      // free, and without a trace on other boundaries
+  Array<bool> bare;         // faces on which the space has no dofs
   Array<bool> movable;      // faces on which a free dof moves something along the normal
   Array<Reach> reach;       // of the inner dofs on each face
 };

@@ -1,0 +1,54 @@
+#pragma once
+#include <python_comp.hpp>
+
+namespace ngslac {
+using namespace ngcomp;
+
+/// An argument as it was given. Signatures show it as T; what is no T gets a message that names the
+/// argument, the value and what is wanted, in place of a list of signatures.
+template <typename T>
+struct Given {
+  py::object value;
+
+  bool IsNone() const { return value.is_none(); }
+  /// `name`: of function and argument; `wanted`: what the value has to be
+  T As(const string & name, const string & wanted) const {
+    py::detail::make_caster<T> caster;
+    if (IsNone() || !caster.load(value, true))
+      throw py::type_error(name + " = " + Text(value) + " must be " + wanted);
+    return py::detail::cast_op<T>(std::move(caster));
+  }
+
+  /// The value for a message, cut where it is long.
+  static string Text(py::handle value) {
+    constexpr size_t most = 80;
+    auto text = py::repr(value).cast<string>();
+    return text.size() <= most ? text : text.substr(0, most) + "...";
+  }
+};
+
+/// Throws for arguments that there are not.
+inline void CheckNoMore(const string & name, const py::args & positional, const py::kwargs & named,
+                        const string & all) {
+  if (positional.size())
+    throw py::type_error(name + ": " + Given<int>::Text(positional[0]) +
+                         " was given without a name; the arguments are " + all);
+  for (auto [key, value] : named)
+    throw py::type_error(name + ": there is no argument " + Given<int>::Text(key) +
+                         "; the arguments are " + all);
+}
+} // namespace ngslac
+
+namespace pybind11::detail {
+template <typename T>
+struct type_caster<ngslac::Given<T>> {
+  PYBIND11_TYPE_CASTER(ngslac::Given<T>, make_caster<T>::name);
+  bool load(handle source, bool) {
+    value.value = reinterpret_borrow<object>(source);
+    return true;
+  }
+  static handle cast(const ngslac::Given<T> & given, return_value_policy, handle) {
+    return given.value.inc_ref();
+  }
+};
+} // namespace pybind11::detail

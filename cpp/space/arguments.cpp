@@ -1,0 +1,88 @@
+#include "arguments.hpp"
+#include "split.hpp"
+
+namespace ngslac {
+namespace {
+Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
+  bool pattern = std::holds_alternative<string>(slave);
+  Region region = pattern ? Region(ma.shared_from_this(), BND, std::get<string>(slave))
+                          : std::get<Region>(slave);
+  if (region.Mesh().get() != &ma)
+    throw py::value_error(
+        "LACSpace: slave is a region of another mesh than that of the displacement");
+  if (region.VB() != BND)
+    throw py::value_error(
+        "LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
+  Array<double> numbers;
+  for (int i : Range(region.Mask().Size()))
+    if (region.Mask().Test(i))
+      numbers.Append(i);
+  for (size_t i : Range(ma.GetNE(BND)))
+    if (region.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
+      return numbers;
+  throw py::value_error(
+      "LACSpace: slave=" + (pattern ? "'" + std::get<string>(slave) + "'" : string("Region")) +
+      " matches no boundary face; the boundaries are: " + BoundaryNames(ma));
+}
+
+int IntegerOf(py::handle item) {
+  auto index = py::reinterpret_steal<py::object>(PyNumber_Index(item.ptr()));
+  if (!index) {
+    PyErr_Clear();
+    throw py::type_error("LACSpace: macros holds " + Given<int>::Text(item) +
+                         ", which is no integer");
+  }
+  int overflow = 0;
+  long number = PyLong_AsLongAndOverflow(index.ptr(), &overflow);
+  if (overflow || number != int(number))
+    throw py::value_error("LACSpace: macros holds the number " + Given<int>::Text(item) +
+                          "; number the macro-elements densely from 0");
+  return int(number);
+}
+
+Array<double> Integers(const py::object & macros) {
+  if (py::isinstance<py::str>(macros) || !py::isinstance<py::iterable>(macros))
+    throw py::type_error("LACSpace: macros = " + Given<int>::Text(macros) +
+                         " must be a list of integers, one per slave face");
+  Array<double> numbers;
+  for (auto item : macros)
+    numbers.Append(IntegerOf(item));
+  if (numbers.Size() == 0)
+    throw py::value_error("LACSpace: macros has 0 entries; give one number per slave face, or "
+                          "leave it out");
+  return numbers;
+}
+} // namespace
+
+int CheckedComponents(const Given<int> & components) {
+  string name = "LACSpace: components", wanted = "1, 2 or 3";
+  if (py::isinstance<py::bool_>(components.value))
+    throw py::type_error(name + " = " + components.Text(components.value) + " must be " + wanted);
+  int number = components.As(name, wanted);
+  if (number < 1 || number > 3)
+    throw py::value_error(name + " = " + ToString(number) + " must be " + wanted);
+  return number;
+}
+
+shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags) {
+  auto space = make_shared<LACSpace>(displacement, flags);
+  space->Update();
+  space->FinalizeUpdate();
+  space->ConnectAutoUpdate();
+  return space;
+}
+
+shared_ptr<LACSpace> SpaceArguments::Make() const {
+  auto V = displacement.As("LACSpace: V", "a displacement space, such as VectorH1(mesh, order=2)");
+  auto region = slave.As("LACSpace: slave", "a pattern of boundary names or a boundary region");
+  Flags flags;
+  flags.SetFlag("slave", BoundaryNumbers(*V->GetMeshAccess(), region));
+  if (!macros.IsNone())
+    flags.SetFlag("macros", Integers(macros.value));
+  if (!components.IsNone())
+    flags.SetFlag("components", double(CheckedComponents(components)));
+  bool follows = autoupdate.As("LACSpace: autoupdate", "True or False");
+  flags.SetFlag("autoupdate", follows || V->DoesAutoUpdate());
+  return MakeSpace(V, flags);
+}
+} // namespace ngslac
