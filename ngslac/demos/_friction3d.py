@@ -267,6 +267,7 @@ class Model:
         self.form.Apply(self.solution.vec, forces)
         self.contact.Apply(self.solution.vec, contact)
         forces.data += contact
+        forces.FV().NumPy()[self.contact.form.MultiplierDofs()] = 0  # no forces, but lengths
         return forces
 
     def _Move(self, stepper, end, callback):
