@@ -95,8 +95,7 @@ class Barrier:
         over, rubbing = (0, 0) if correction is None else correction.products
         self._aim = mu - over, mu - rubbing
         self._press = (self._aim[0] - self.p * self.gap) / self.g
-        excess = (self.s**2 - np.sum(self.t**2, axis=1)) / 2
-        rate = (self._aim[1] - self.nu * excess) / self.w
+        rate = (self._aim[1] - self.nu * self.w) / self.w
         self._behind = -self.slip - (self.nu + rate)[:, None] * self.t
         along = np.einsum("kij,kj->ki", self._turn, self._behind)
         return along - self._press[:, None] * self.normal
@@ -106,8 +105,7 @@ class Barrier:
         press = -np.sum(change * self.normal, axis=1)
         along = change + press[:, None] * self.normal
         closer = self.g / self.p * (self._press - press)  # what the gap changes by
-        slack = (self.s**2 - np.sum(self.t**2, axis=1)) / 2 - np.sum(self.t * along, axis=1)
-        slack = np.where(self.rubs, slack - self.w, 0.0)
+        slack = np.where(self.rubs, -np.sum(self.t * along, axis=1), 0.0)
         rate = (self._aim[1] - self.nu * (self.w + slack)) / self.w
         rate = np.where(self.rubs, rate, 0.0)
         return BarrierStep(press, self.gap - self.g + closer, along, slack, rate)
@@ -119,10 +117,9 @@ class Barrier:
         return traction * (p > self.stiffness * g)[:, None]
 
     def Longest(self, step):
-        """The part of a step, at most 1, that stays inside."""
+        """The part of a step, at most 1, that leaves pressures and gaps positive."""
         longest = 1.0
-        for name, change in step.Parts():
-            now = getattr(self, name)
+        for now, change in ((self.p, step.p), (self.g, step.g)):
             down = change < 0
             if np.any(down):
                 longest = min(longest, INSIDE * np.min(-now[down] / change[down]))
@@ -132,13 +129,26 @@ class Barrier:
         """`products` after a part of a step, which remembers its own for the correction."""
         step.products = part**2 * step.p * step.g, part**2 * step.w * step.nu
         normal = (self.p + part * step.p) * (self.g + part * step.g)
-        tangential = (self.nu + part * step.nu) * (self.w + part * step.w)
-        return self._Products(normal, tangential)
+        w, nu = Above(self.w, part * step.w), Above(self.nu, part * step.nu)
+        return self._Products(normal, w * nu)
 
     def Take(self, step, part):
-        """Move on by a part of a step."""
-        for name, change in (*step.Parts(), ("t", step.t)):
-            setattr(self, name, getattr(self, name) + part * change)
+        """Move on by a part of a step; tangential tractions are brought back inside."""
+        self.p, self.g = self.p + part * step.p, self.g + part * step.g
+        self.nu = Above(self.nu, part * step.nu)
+        along = self.t + part * step.t
+        before, size = (np.linalg.norm(t, axis=1) for t in (self.t, along))
+        most = self.s - (1 - INSIDE) * (self.s - before)
+        self.t = along * np.minimum(1, most / np.maximum(size, SMALLEST))[:, None]
+        self.w = self._Slack()
+
+    def _Slack(self):
+        return (self.s**2 - np.sum(self.t**2, axis=1)) / 2
+
+
+def Above(values, changes):
+    """Values and changes, but no less than a small part of the values."""
+    return np.maximum(values + changes, (1 - INSIDE) * values)
 
 
 class BarrierStep:
@@ -146,10 +156,6 @@ class BarrierStep:
 
     def __init__(self, p, g, t, w, nu):
         self.p, self.g, self.t, self.w, self.nu = p, g, t, w, nu
-
-    def Parts(self):
-        """Names and changes of what has to stay positive."""
-        return [(name, getattr(self, name)) for name in ("p", "g", "w", "nu")]
 
 
 class Tie:

@@ -1,6 +1,7 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
+from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, x, y, z
 from scipy.linalg import qr
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
@@ -31,7 +32,8 @@ class Bodies:
 
     def __init__(self, mat, contact, free):
         form = contact.form
-        space, block = form.component, form.fes.dim
+        self.space, block = form.component, form.fes.dim
+        space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
         forces = Forces(mat, self.first, self.count)
@@ -93,23 +95,67 @@ class Bodies:
         """Descriptions of the free rigid motions that contact leaves, see `ActiveRows`."""
         if not self.floating:
             return []
-        rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
-        prevented = [self._Jump(rows, part) @ motions for part, _, motions in self.floating]
-        left = NullSpace(np.concatenate(prevented, axis=1))
+        left = self._Left(contacts, holds)
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
-        bodies = list(dict.fromkeys(name for _, name, _ in self.floating))
-        place = [bodies.index(name) for _, name, motions in self.floating for _ in motions.T]
-        coordinates = np.zeros((len(bodies), len(self.names), len(place)))
+        place = self._Places()
+        coordinates = np.zeros((len(self.floating), len(self.names), len(place)))
         together = np.concatenate([motions for *_, motions in self.floating], axis=1)
         coordinates[place, :, np.arange(len(place))] = together.T
         wanted = coordinates.reshape(-1, len(place)) @ left
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = qr(wanted.T, pivoting=True)
-        return [
-            f"body '{bodies[k // len(self.names)]}' floats ({self.names[k % len(self.names)]})"
-            for k in sorted(pivots[: left.shape[1]])
-        ]
+        chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: left.shape[1]])]
+        return [f"body {self._Name(body)} floats ({self.names[k]})" for body, k in chosen]
+
+    def AreIdle(self, contacts, holds, forces, least):
+        """Do no forces push along the motions that contact leaves? Then bodies may stay.
+
+        Parameters
+        ----------
+        contacts, holds :
+            As in `Floating`.
+        forces : ((n,), (n,))
+            Scaled, and what they have to be multiplied with.
+        least : float
+            Norm of scaled forces that are none.
+        """
+        own = slice(self.first, self.first + self.count)
+        scaled, factors = (values[own] for values in forces)
+        left = self._Left(contacts, holds)
+        weights, at = np.zeros((self.count, left.shape[1])), 0
+        for part, _, combinations in self.floating:
+            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
+            moved = self.motions[inside] @ (combinations @ left[at : at + count])
+            weights[inside], at = moved * factors[inside, None], at + count
+        works, gross = np.abs(scaled @ weights), np.abs(scaled) @ np.abs(weights)
+        none = least * np.linalg.norm(weights, axis=0)
+        return bool(np.all(works <= np.maximum(1e-8 * gross, none)))
+
+    def _Left(self, contacts, holds):
+        """The motions that contact leaves, as columns of weights of all `combinations`."""
+        rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
+        prevented = [self._Jump(rows, part) @ motions for part, _, motions in self.floating]
+        return NullSpace(np.concatenate(prevented, axis=1))
+
+    def _Places(self):
+        """Which of the floating bodies each of all combinations belongs to."""
+        counts = [motions.shape[1] for *_, motions in self.floating]
+        return np.repeat(np.arange(len(counts)), counts)
+
+    def _Name(self, body):
+        """The material, and of several bodies of one material also the middle of this one."""
+        part, name, _ = self.floating[body]
+        if [other for _, other, _ in self.floating].count(name) == 1:
+            return f"'{name}'"
+        shift = GridFunction(self.space)  # is (1, 0, ..) on this body and 0 on others
+        inside = np.flatnonzero(self.part == part)
+        shift.vec.FV().NumPy()[inside] = self.motions[inside, 0]
+        mesh = self.space.mesh
+        one = InnerProduct(shift, CoefficientFunction((1, 0, 0)[: mesh.dim]))
+        moments = Integrate(CoefficientFunction((x * one, y * one, z * one, one)), mesh)
+        middle = ", ".join(f"{moments[k] / moments[3]:.3g}" for k in range(mesh.dim))
+        return f"'{name}' around ({middle})"
 
     def Lost(self, values):
         """Descriptions of the bodies that displacements (n,) carry off like rigid ones.
@@ -117,7 +163,7 @@ class Bodies:
         Farther than the size of the mesh, and far more than they deform.
         """
         lost = []
-        for part, name, combinations in self.floating:
+        for body, (part, _, combinations) in enumerate(self.floating):
             own = np.flatnonzero(self.part == part)
             motions = self.motions[own] @ combinations
             moved = values[self.first + own]
@@ -126,7 +172,7 @@ class Bodies:
             far = np.max(np.abs(rigid)) > FAR * self.size
             if far and np.max(np.abs(moved - rigid)) < 0.2 * np.max(np.abs(rigid)):
                 most = np.argmax(np.abs(combinations @ weights))
-                lost.append(f"body '{name}' moves off ({self.names[most]})")
+                lost.append(f"body {self._Name(body)} moves off ({self.names[most]})")
         return lost
 
     def _Jump(self, rows, part):

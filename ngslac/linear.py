@@ -67,6 +67,7 @@ class LinearSolver:
         self.free = AsNumPy(freedofs)
         self.inverse = LU(inverse)
         self.shifts = self._factorisations = self._failures = 0
+        self.nearly_singular = False
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
@@ -123,7 +124,7 @@ class LinearSolver:
         `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
         iterative method stops at the relative residual `accuracy`.
         """
-        mat = self._Merge(bulk, forms, scale, shift)
+        mat, self.nearly_singular = self._Merge(bulk, forms, scale, shift), False
         b = scale * rhs * self.free
         errors, best = [], (None, np.inf)
         for name, solve in self._Attempts(mat, forms, b, accuracy):
@@ -141,6 +142,7 @@ class LinearSolver:
             errors.append(f"{name}: relative residual {error:.1e}")
             if error < best[1]:
                 best = x, error
+        self.nearly_singular = True
         if best[1] <= self.acceptable:
             return scale * best[0]
         raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")

@@ -17,6 +17,8 @@ LEAST_SIGHT = 1 / 8
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
+# Of the diagonal of the scaled matrix: it keeps bodies where they are that nothing pushes.
+IDLE_SHIFT = 1e-6
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {2: 25_000, 3: 5_000}
 
@@ -124,7 +126,12 @@ class NewtonStep:
 
         def solve(residual):
             rows = ~self.residual.rows
-            return self.linear.SolveShifted(*given, residual, rows, accuracy)
+            if not self._idle:
+                found = self.linear.SolveShifted(*given, residual, rows, accuracy)
+                singular = self.linear.nearly_singular or self.linear.shifts
+                if not (singular and self._AreIdle("now")):
+                    return found
+            return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
 
         return self.Displace(residual, solve, self._ContactMatrices())
 

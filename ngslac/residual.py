@@ -188,7 +188,7 @@ class Residual:
             return State.Nothing("the residual holds NaN or infinite values")
         CheckNoMultiplierLoad("rhs", load, self.rows)
         CheckNoMultiplierLoad("a, the bulk form,", bulk, self.rows)
-        self.forces = forces
+        self.forces, self.scaled = forces, scaled
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
         reference = max(self.forces, self.reference, self.rounding / self.tol)

@@ -34,6 +34,8 @@ NEWTON, LEAST = 30, 10
 # Residual from which Newton's method may end what the other one began, how many steps it gets for
 # that, and how much nearer it has to be the next time.
 NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
+# Forces that push nothing, relative to those at work.
+IDLE = 1e-9
 # Part of a step so short that there is no way on.
 TINY = 1e-3
 
@@ -127,7 +129,8 @@ class ContactSolver(NewtonStep):
         self.constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
         self.residual = Residual(a, gf, self.contacts, CheckRhs(rhs, space), free)
         self.globalization = Globalization()
-        self.history, self._closings, self._motion = [], 0, None
+        self.history, self._closings, self._motion, self._onpath = [], 0, None, False
+        self._idle = False  # do bodies float that nothing pushes?
         self.scale = None  # of the rows, once there is a matrix
         self._bodies, self._silent = None, True
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -181,7 +184,7 @@ class ContactSolver(NewtonStep):
             raise ValueError("the space was refined: make a new ContactSolver")
         self.PairOnce()
         before = Snapshot(self)
-        self.history, self._closings, self._status = [], 0, None
+        self.history, self._closings, self._status, self._onpath = [], 0, None, False
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
         self._path, self._exhausted = path, False
@@ -327,6 +330,7 @@ class ContactSolver(NewtonStep):
         """By an interior point method near to the solution, and from there by Newton's."""
         if self._printing:
             print(f"  {error}: interior point method")
+        self._onpath = True  # which guesses no status
         self._Assemble()
         self.residual.Follow()
         state = self._Measure()
@@ -413,9 +417,12 @@ class ContactSolver(NewtonStep):
         """
         for contact in self.contacts:
             contact.Evaluate(self.gf)
-        if not start and all(np.any(contact.Table()["status"]) for contact in self.contacts):
+        touching = all(np.any(contact.Table()["status"]) for contact in self.contacts)
+        if self._onpath or (touching and not start):
             return False
-        if not (floating := self._WhatFloats("rubbing")):
+        floating = self._WhatFloats("rubbing")
+        self._idle = bool(floating) and self._AreIdle("rubbing")
+        if self._idle or not floating:
             return False
         self._closings += 1
         if self._closings > 5:  # each time the iteration opened what was closed
@@ -426,6 +433,13 @@ class ContactSolver(NewtonStep):
         if self.initial == "gap" and CloseNearest(self.contacts, self.gf, self._WhatFloats):
             return True
         raise FloatingBodyError(FloatingMessage(self._WhatFloats()))
+
+    def _AreIdle(self, holds):
+        """Does nothing push the bodies that float? Then nothing has to hold them."""
+        residual = self.residual
+        least = max(IDLE * residual.reference, 10 * residual.rounding)
+        forces = residual.scaled, 1 / self.scale
+        return self._Bodies().AreIdle(self.contacts, holds, forces, least)
 
     def _MayHold(self):
         """Would contact hold all bodies, if all of it were closed?"""
