@@ -13,7 +13,7 @@ HELD = {"dirichlet": "base_bottom"}
 YOUNG = {"brick": 100.0, "base": 100.0}
 
 SLIDES = "friction"
-AWAY = "pull|away|lift|leaves"
+AWAY = "pull|away|lift|leaves|moves off"
 FREE = "float|held by nothing|holds it"
 COLLAPSE = "collapse|no equilibrium|snap|buckl|unstable|limit"
 
