@@ -32,7 +32,8 @@ def Lug(play):
         Cheek("lug", -0.5, 0.5, -1.2, 2.5, 0.5 + play, 1.2),
         pin,
     ]
-    return Mesh(OCCGeometry(Compound(parts)).GenerateMesh(maxh=1.5, grading=0.8, curvaturesafety=0.8)).Curve(2)
+    geometry = OCCGeometry(Compound(parts))
+    return Mesh(geometry.GenerateMesh(maxh=1.5, grading=0.8, curvaturesafety=0.8)).Curve(2)
 
 
 @problem((0.3, 0.002, 1), (0.1, 0.01, 2))
