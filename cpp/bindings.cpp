@@ -270,7 +270,8 @@ PYBIND11_MODULE(_ngslac, m) {
       [](const BaseMatrix & bulk,
          const std::vector<std::variant<shared_ptr<ContactForm>, shared_ptr<BaseMatrix>>> &
              contacts,
-         py::array_t<double> scale, shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
+         py::array_t<double, py::array::c_style | py::array::forcecast> scale,
+         shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
         Array<shared_ptr<SparseMatrix<double>>> mats;
         for (auto & contact : contacts)
           mats.Append(contact.index() == 0
@@ -278,7 +279,7 @@ PYBIND11_MODULE(_ngslac, m) {
                           : dynamic_pointer_cast<SparseMatrix<double>>(std::get<1>(contact)));
         if (mats.Contains(nullptr))
           throw Exception("MergeMatrices: a contact matrix must be sparse, real and scalar");
-        FlatVector<> values(scale.size(), scale.mutable_data());
+        FlatVector<> values(scale.size(), const_cast<double *>(scale.data()));
         py::gil_scoped_release release;
         return MergeMatrices(bulk, mats, values,
                              dynamic_pointer_cast<SparseMatrix<double>>(former));

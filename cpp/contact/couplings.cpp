@@ -198,8 +198,10 @@ void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, const
       continue;
     if (at == 0)
       at = std::lower_bound(all.begin(), all.end(), columns[j]) - all.begin();
-    while (all[at] < columns[j])
+    while (at < all.Size() && all[at] < columns[j])
       at++;
+    if (at == all.Size() || all[at] != columns[j])
+      throw Exception("ngslac: a contact force has no place in the matrix");
     AtomicAdd(entries(at), values[j]);
   }
 }

@@ -75,7 +75,7 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
       auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
       u.fes->GetDofNrs(ei, numbers);
       FlatMatrix<double, ColMajor> shape(D, block * numbers.Size(), lh);
-      FlatMatrix<> values(D * points.Size(), shape.Width(), lh);
+      Matrix<> values(D * points.Size(), shape.Width()); // large for high orders
       values = 0.0;
       IntRange used = u.evaluator->UsedDofs(fel);
       for (int i : Range(points)) {
@@ -89,7 +89,7 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
           columns.Append(j);
           used_numbers.Append(block * numbers[j / block] + j % block);
         }
-      FlatMatrix<> wanted_values(values.Height(), columns.Size(), lh);
+      Matrix<> wanted_values(values.Height(), columns.Size());
       for (int j : Range(columns))
         wanted_values.Col(j) = values.Col(columns[j]);
       SetFace(f, wanted_values, used_numbers, control);

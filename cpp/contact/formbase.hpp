@@ -131,7 +131,9 @@ protected:
   /// Runs f(macro, heap) in threads.
   template <typename F>
   void ForMacros(F f) const {
-    LocalHeap heap(20 * 1000 * 1000, "ngslac-macros", true);
+    // Blocks of the dofs of two faces: their size grows with the order.
+    size_t functions = D * size_t(pow(slave->Degree() + 1, D - 1));
+    LocalHeap heap(20 * 1000 * 1000 + 300 * sqr(functions), "ngslac-macros", true);
     ParallelForRange(jump->Size(), [&](IntRange range) {
       LocalHeap lh = heap.Split();
       for (auto m : range) {

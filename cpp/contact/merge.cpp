@@ -102,8 +102,10 @@ struct RowMerger {
   void Fill(size_t i, FlatArray<int> row, FlatVector<> values) const {
     values = 0.0;
     auto add = [&, pos = size_t(0)](int col, double value) mutable {
-      while (row[pos] < col)
+      while (pos < row.Size() && row[pos] < col)
         pos++;
+      if (pos == row.Size() || row[pos] != col)
+        throw Exception("ngslac: the columns of a matrix are not sorted");
       values(pos) += scale(i) * value * scale(col);
     };
     auto bulk_cols = bulk.GetRowIndices(i / block);
@@ -153,6 +155,9 @@ shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
     for (auto & c : contacts)
       if (c->Height() != n)
         throw Exception("ngslac: bulk and contact live on different spaces");
+    if (scale.Size() != n)
+      throw Exception("MergeMatrices: scale has " + ToString(scale.Size()) +
+                      " entries, but the matrix has " + ToString(n) + " rows");
     RowMerger merger{a, block, contacts, scale};
     if (former && merger.Fits(*former)) {
       ParallelFor(n, [&](size_t i) {

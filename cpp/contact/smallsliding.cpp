@@ -217,8 +217,10 @@ private:
       auto values = mat->GetRowValues(row);
       size_t at = 0;
       for (auto & e : jump->Row(m)) {
-        while (columns[at] < e.dof)
+        while (at < columns.Size() && columns[at] < e.dof)
           at++;
+        if (at == columns.Size() || columns[at] != e.dof)
+          throw Exception("ngslac: a contact force has no place in the matrix");
         values(at) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
       }
     }

@@ -7,10 +7,12 @@ namespace ngslac {
 using namespace ngcomp;
 
 namespace {
-FlatVector<> View(py::array_t<double> & values, const Condensation & self) {
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+FlatVector<> View(const Numbers & values, const Condensation & self) {
   if (values.size() != self.VHeight())
     throw Exception("Condensation: a vector needs one entry per row of the matrix");
-  return FlatVector<>(values.size(), values.mutable_data());
+  return FlatVector<>(values.size(), const_cast<double *>(values.data()));
 }
 } // namespace
 
@@ -53,8 +55,8 @@ void ExportCondense(py::module & m) {
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
       .def(
           "Reduce",
-          [](const Condensation & self, py::array_t<double> rhs) {
-            py::array_t<double> reduced(rhs.size());
+          [](const Condensation & self, Numbers rhs) {
+            Numbers reduced(rhs.size());
             auto from = View(rhs, self), to = View(reduced, self);
             py::gil_scoped_release release;
             self.Reduce(from, to);
@@ -63,8 +65,8 @@ void ExportCondense(py::module & m) {
           py::arg("rhs"), "Right hand side of `mat` for one of the whole system.")
       .def(
           "Expand",
-          [](const Condensation & self, py::array_t<double> rhs, py::array_t<double> w) {
-            py::array_t<double> x(rhs.size());
+          [](const Condensation & self, Numbers rhs, Numbers w) {
+            Numbers x(rhs.size());
             auto from = View(rhs, self), part = View(w, self), to = View(x, self);
             py::gil_scoped_release release;
             self.Expand(from, part, to);
