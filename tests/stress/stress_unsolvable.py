@@ -23,6 +23,11 @@ def Says(*patterns):
     return "".join(f"(?=.*(?:{pattern}))" for pattern in patterns)
 
 
+def Which(number, place):
+    """One of several bodies of a material: its number, or the first coordinate of its middle."""
+    return rf"\b{number} of|around \({place:.3g}"
+
+
 def Brick(gap=0.0, friction=0.3, finite=False, steps=1, n=(5, 9), **flags):
     """A brick on a base."""
     mesh = Grids(Block("brick", (0, gap, 1, gap + 0.5), n[0], 2, quads=True),
@@ -131,13 +136,13 @@ def NoFriction(_):
 
 @problem(0, 1)
 def NoHold(which):
-    """Of two bodies of one material one is in no contact: it is named by its number."""
+    """Of two bodies of one material one is in no contact: the error tells which."""
     blocks = [Block("brick", (0, 0, 1, 0.5), 5, 2, quads=True),
               Block("brick", (2, 0.8, 3, 1.3), 5, 2, quads=True)]  # fmt: skip
     base = Block("base", (-0.4, -0.8, 1.4, 0), 9, 4)
     mesh = Grids(base, *(blocks if which else blocks[::-1]))
     p = Problem(mesh, PAIR, YOUNG, flags=HELD, law={"friction": 0.3})
-    p.says = Says(FREE, "brick", r"\b2\b" if which else r"\b1\b")
+    p.says = Says(FREE, "brick", Which(2 if which else 1, 2.5))
     p.Weight("brick", p.load * CF((0, -1.0)))
     return p
 
@@ -150,7 +155,7 @@ def NoRowHold(argument):
     blocks = [Block("brick", (1.2 * k, 0, 1.2 * k + 1, 0.5), 4, 2) for k in range(count)]
     mesh = Grids(Block("base", (-0.4, -0.8, 1.2 * count, 0), 4 * count + 1, 3), *blocks)
     p = Problem(mesh, PAIR, YOUNG, flags=HELD, law={"friction": friction})
-    p.says = Says(f"{AWAY}|{FREE}", "brick", rf"\b{lift + 1}\b")
+    p.says = Says(f"{AWAY}|{FREE}", "brick", Which(count, 1.2 * lift + 0.5))
     p.Weight("brick", CF((0, p.load * IfPos(x - 1.2 * lift + 0.1, 1.0, -1.0))))
     return p
 
