@@ -98,9 +98,10 @@ class ContactReport:
             )
         if len(self.overlapping):
             lines.append(
-                f"deep overlap     {len(self.overlapping)} macro-elements, up to {self.deepest:.4g} "
-                f"behind the master, where it is not seen: give penetration = "
-                f"{1.1 * self.deepest:.4g}, or move the bodies apart: {self._Some(self.overlapping)}"
+                f"deep overlap     {len(self.overlapping)} macro-elements, up to "
+                f"{self.deepest:.4g} behind the master, where it is not seen: give penetration = "
+                f"{1.1 * self.deepest:.4g}, or move the bodies apart: "
+                f"{self._Some(self.overlapping)}"
             )
         if len(self.shared):
             points = ", ".join(str(tuple(round(x, 6) for x in p)) for p in self._corners)

@@ -241,7 +241,7 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
     for (int s : Range(first_segment[f], first_segment[f + 1]))
       for (auto & p : pairing.points.Range(pairing.Points(s))) {
         paired += p.weight;
-        moments += p.weight * slave.Point(f, p.slave);
+        moments += p.weight * (slave.Origin() + slave.Point(f, p.slave));
       }
   }
   fullarea[macro] = full;
@@ -249,7 +249,7 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
   area[macro] = paired > 1e-5 * full ? paired : 0;
   normal[macro] = (1 / L2Norm(normals)) * normals;
   flatness[macro] = L2Norm(normals) / full;
-  center[macro] = (1 / full) * centers;
+  center[macro] = slave.Origin() + (1 / full) * centers;
   moment[macro] = moments;
 }
 

@@ -347,7 +347,7 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
       now.slave.Evaluate(face, p.slave, x, dx);
       Vec<D> part = p.weight * traction.At(now.slave.Normal(face, dx));
       force += part;
-      moment += Moment(x, part);
+      moment += Moment(Vec<D>(now.slave.Origin() + x), part);
     }
   }
   return {force, moment};

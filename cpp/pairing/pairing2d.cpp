@@ -69,7 +69,7 @@ public:
     if (!(size > 0))
       throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                       " of the slave surface has length " + ToString(size));
-    double extent = L2Norm(slave.Point(face, 0.5)) + size;
+    double extent = L2Norm(slave.Origin() + slave.Point(face, 0.5)) + size;
     merge = max(merge_tolerance, rounding * extent / size);
     // The nearest partner is usually close: widen the search until the face is covered.
     double most = max(options.maxdist, options.Penetration(face));

@@ -16,7 +16,7 @@ SegmentTable MakeSegmentTable(const Pairing<D> & pairing, const Surface<D> & sla
     table.values.Append(gap / area);
     table.first.Append(segment.first_corner);
     for (auto & p : pairing.corners.Range(pairing.Corners(s))) {
-      Vec<D> x = slave.Point(segment.slave, p.slave), y = x + p.gap * p.normal;
+      Vec<D> x = slave.Origin() + slave.Point(segment.slave, p.slave), y = x + p.gap * p.normal;
       for (auto * v : {&x, &y})
         for (int k : Range(D))
           table.corners.Append((*v)(k));

@@ -25,6 +25,24 @@ Array<int> VolumesAt(const MeshAccess & ma, ElementId face) {
   return volumes;
 }
 
+/// The middle of a mesh that is far from 0, else 0; rounded so that differences have no errors.
+template <int D>
+Vec<D> OriginOf(const MeshAccess & ma) {
+  netgen::Box<D> box(netgen::Box<D>::EMPTY_BOX);
+  for (size_t v : Range(ma.GetNV())) {
+    auto x = ma.GetPoint<D>(v);
+    netgen::Point<D> p;
+    for (int k : Range(D))
+      p(k) = x(k);
+    box.Add(p);
+  }
+  double unit = 8 * exp2(ceil(log2(box.Diam())));
+  Vec<D> origin;
+  for (int k : Range(D))
+    origin(k) = unit * round(box.Center()(k) / unit);
+  return origin;
+}
+
 template <int R>
 Vec<R> Center(ELEMENT_TYPE type) {
   Vec<R> center = 0.0;
@@ -70,6 +88,7 @@ Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
   static Timer timer("ngslac::Surface");
   RegionTimer reg(timer);
   auto ma = region.Mesh();
+  origin = OriginOf<D>(*ma);
   degree = max(1, ma->GetCurveOrder());
   if (auto def = ma->GetDeformation())
     degree = max(degree, def->GetFESpace()->GetOrder());
@@ -131,7 +150,7 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   FlatMatrixFixWidth<D> values(points.Size(), lh);
   for (int i : Range(points)) {
     MappedIntegrationPoint<R, D> mip(ToIntegrationPoint(points[i]), trafo);
-    values.Row(i) = mip.GetPoint();
+    values.Row(i) = mip.GetPoint() - origin;
     if (displacement) {
       Vec<D> u;
       displacement->Evaluate(mip, u);

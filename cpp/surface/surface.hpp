@@ -19,6 +19,9 @@ public:
   Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order);
 
   size_t Size() const { return elements.Size(); }
+  /// Positions count from there: near 0 unless the mesh is far away, where displacements that are
+  /// small would be lost among the digits of its coordinates. The same for all surfaces of a mesh.
+  Vec<D> Origin() const { return origin; }
   /// number of the boundary element of the mesh
   int Element(size_t face) const { return elements[face]; }
   ELEMENT_TYPE Type(size_t face) const { return types[face]; }
@@ -55,6 +58,7 @@ public:
 private:
   void AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement, LocalHeap & lh);
 
+  Vec<D> origin;
   Array<int> elements;
   Array<ELEMENT_TYPE> types;
   Array<signed char> orientation; // +1: the normal of the reference orientation is the outward one
