@@ -230,6 +230,9 @@ class ContactForm:
     def nsegments(self) -> int:
         ...
     @property
+    def lamoffset(self) -> int:
+        ...
+    @property
     def offset(self) -> int:
         ...
     @property

@@ -56,11 +56,11 @@ class InteriorPoint:
         for spring in self.springs:
             spring.contact.AddApply(self.vec, residual)
         residual.FV().NumPy()[self.rows] = 0
-        motion = -self.newton.Displace(residual, self._Solve, self.linear.contacts)
+        motion = -self.newton._Displace(residual, self._Solve, self.linear.contacts)
         pressure = max(spring.Pressure(motion) for spring in self.springs)
-        if self.newton.Settles():
+        if self.newton._Settles():
             self.values[:] += motion
-            self.state = self.newton.Trial(state, 0)
+            self.state = self.newton._Trial(state, 0)
         return pressure
 
     def Step(self, state):
@@ -114,7 +114,7 @@ class InteriorPoint:
         self.values[:] = now
         self.linear.contacts = mats
         residual.FV().NumPy()[self.rows] = 0
-        motion = -self.newton.Displace(residual, self._Solve, mats)
+        motion = -self.newton._Displace(residual, self._Solve, mats)
         steps = [spring.Step(change, motion) for spring, change in self._Each(changes)]
         return steps, motion
 
@@ -125,7 +125,7 @@ class InteriorPoint:
             self.values[:] = start + part * motion
             for spring, step in self._Each(steps):
                 spring.Show(self.values, spring.law.Shown(step, part))
-            trial = self.newton.Trial(state, part)
+            trial = self.newton._Trial(state, part)
             if trial.finite:
                 break
             part /= 2
@@ -133,7 +133,7 @@ class InteriorPoint:
             raise ContactConvergenceError(trial.reason + " however short the step")
         for spring, step in self._Each(steps):
             spring.law.Take(step, part)
-        self.newton.Moved(state, trial, motion, part)
+        self.newton._Moved(state, trial, motion, part)
         return trial, part
 
 

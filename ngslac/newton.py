@@ -63,7 +63,7 @@ class NewtonStep:
         def move(damping):
             self.gf.vec.data = start
             self.gf.vec.FV().NumPy()[:] -= damping * correction
-            return self.Trial(state, damping)
+            return self._Trial(state, damping)
 
         found = None
         if self._closings and len(self.history) == 1:
@@ -71,19 +71,19 @@ class NewtonStep:
         trial, damping = found or self.globalization.Search(move, self._motion is not None)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
-        self.Moved(state, trial, -correction, damping)
+        self._Moved(state, trial, -correction, damping)
         if self._CloseWhatFloats():
             return self._Measure(), damping
         return trial, damping
 
-    def Trial(self, state, damping):
+    def _Trial(self, state, damping):
         """The State after a part of a step from another State."""
         trial = self._Measure()
         if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
             return State.Nothing("surfaces pass through each other")
         return trial
 
-    def Moved(self, before, after, motion, damping):
+    def _Moved(self, before, after, motion, damping):
         """Learn from a part of a motion between two States, which was taken."""
         if after.honest:
             self._islinear = self._MovedLinearly(before, after, -damping * motion)
@@ -133,9 +133,9 @@ class NewtonStep:
                     return found
             return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
 
-        return self.Displace(residual, solve, self._ContactMatrices())
+        return self._Displace(residual, solve, self._ContactMatrices())
 
-    def Displace(self, residual, solve, mats):
+    def _Displace(self, residual, solve, mats):
         """The correction (n,) that belongs to a residual, which is changed.
 
         Parameters

@@ -346,7 +346,7 @@ class ContactSolver(NewtonStep):
         """Is nothing but the contact law nonlinear?"""
         return bool(self._islinear) and not any(contact.finite for contact in self.contacts)
 
-    def Settles(self):
+    def _Settles(self):
         """Does a whole step lead to equilibrium? Then all of the motion is in it."""
         if self._IsLinear():
             self._motion = None

@@ -69,7 +69,8 @@ def test_master_without_faces(X, mesh):
 
 
 def test_split_without_faces(mesh):
-    with raises(f"slave='nowhere' matches no boundary face; the boundaries are: .*{NAMES}", ValueError):
+    words = f"slave='nowhere' matches no boundary face; the boundaries are: .*{NAMES}"
+    with raises(words, ValueError):
         SplitSlaveFaces(mesh, "nowhere")
 
 

@@ -106,7 +106,8 @@ class Name:
         """Names of the errors that are raised in its own lines, or by the checks it calls."""
         nodes = [node for tree in self.sources for node in _Own(tree)]
         found = {
-            node.exc.func.id
+            # Wrong(kind, ...) makes the message of an error of a kind.
+            node.exc.args[0].id if node.exc.func.id == "Wrong" else node.exc.func.id
             for node in nodes
             if isinstance(node, ast.Raise)
             and isinstance(node.exc, ast.Call)

@@ -152,7 +152,7 @@ def test_wrong_arguments():
     with pytest.raises(Exception, match="slave is a region of another mesh"):
         SplitSlaveFaces(mesh, other.Boundaries("left"))
     for region in (mesh.Materials(".*"), mesh.BBoundaries(".*")):
-        with pytest.raises(Exception, match="slave = .* must be a pattern of boundary names"):
+        with pytest.raises(Exception, match=r"slave = .* must be a pattern of boundary names"):
             SplitSlaveFaces(mesh, region)
     with pytest.raises(ValueError, match="hexes = 'cubes' must be one of 'pyramids', 'hexes'"):
         SplitSlaveFaces(mesh, "top", hexes="cubes")

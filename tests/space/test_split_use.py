@@ -117,7 +117,7 @@ def test_wrong_arguments():
     with pytest.raises(Exception, match="slave is a region of another mesh"):
         SplitSlaveFaces(mesh, other.Boundaries("left"))
     for region in (mesh.Materials(".*"), mesh.BBoundaries(".*")):
-        with pytest.raises(Exception, match="slave = .* must be a pattern of boundary names"):
+        with pytest.raises(Exception, match=r"slave = .* must be a pattern of boundary names"):
             SplitSlaveFaces(mesh, region)
     with pytest.raises(TypeError, match="slave = 3 must be a pattern"):
         SplitSlaveFaces(mesh, 3)
