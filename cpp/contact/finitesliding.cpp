@@ -233,7 +233,11 @@ private:
 
   void Accept() {
     Base::Accept();
-    start = points;
+    start = WithMidPartners(now->surfaces, *points);
+    for (size_t m : Range(jump->Size()))
+      if (Slides(m)) // far away there may be no partner halfway
+        reference[m] += MeanSlip<D>(now->surfaces, *start, m);
+    now->points = points = start;
     accepted_motion = now;
   }
 
