@@ -239,7 +239,9 @@ class LoadStepper:
                     return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
                 except ContactConvergenceError:
                     continue
-        raise type(error)(self._Diagnosis(error), error.history) from error
+        known = type(error)(self._Diagnosis(error), error.history)
+        known.exhausted = error.exhausted
+        raise known from error
 
     def _Attempt(self, goal, maxit, tol, start, path):
         """One step from a start: "predicted", "last" or "free" of contact tractions."""
@@ -296,7 +298,7 @@ class LoadStepper:
         last = error.history[-1] if error.history else None
         closed = int(np.sum(status > 0))
         if closed == 0:
-            message += "; all macro-elements are open"
+            message += "" if error.exhausted else "; all macro-elements are open"
         elif not any(contact.holds_tangentially for contact in contacts):
             return message
         elif np.all(status[status > 0] == 2) or (last and last.slip and not last.stick):

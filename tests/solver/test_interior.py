@@ -1,0 +1,245 @@
+"""Problems in which Newton's method with active set fails, and what the other method does."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from netgen.occ import Box as Brick
+from netgen.occ import Circle, Compound, Cylinder, MoveTo, OCCGeometry, Pnt, X, Y, Z
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    Id,
+    InnerProduct,
+    Integrate,
+    Mesh,
+    Parameter,
+    Sym,
+    Trace,
+    VectorH1,
+    ds,
+    dx,
+)
+
+from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
+from ngslac.barrier import Barrier
+
+
+def hooke(u, v, young=1.0, nu=0.3):
+    strain = Sym(Grad(u))
+    stress = young / (1 + nu) * (strain + nu / (1 - 2 * nu) * Trace(strain) * Id(u.dim))
+    return InnerProduct(stress, Sym(Grad(v)))
+
+
+def problem(mesh, pairs, bulk, dirichlet="", tied=(), **given):
+    """Displacement of order 2, a contact for each pair of slave and master."""
+    V = VectorH1(mesh, order=2, dirichlet=dirichlet, **given.pop("space", {}))
+    fes = V
+    for slave, _ in pairs:
+        fes = fes * LACSpace(V, slave=slave)
+    (u, *lams), (v, *_) = fes.TnT()
+    load, a = Parameter(1.0), BilinearForm(fes)
+    a += bulk(u, v, load)
+    contacts = [
+        LACContact(u, lam, master=master, **({"tied": True} if slave in tied else given))
+        for lam, (slave, master) in zip(lams, pairs, strict=True)
+    ]
+    gf = GridFunction(fes)
+    return SimpleNamespace(
+        load=load, gf=gf, contacts=contacts, mesh=mesh, solver=ContactSolver(a, gf, contacts)
+    )
+
+
+def blocks(*boxes):
+    """A face (x0, y0, x1, y1, maxh) for each, with edges low, high, left and right."""
+    faces = []
+    for k, (x0, y0, x1, y1, maxh) in enumerate(boxes):
+        face = MoveTo(x0, y0).Rectangle(x1 - x0, y1 - y0).Face()
+        face.faces.name, face.faces.maxh = f"block{k}", maxh
+        face.edges.Min(X).name, face.edges.Max(X).name = f"left{k}", f"right{k}"
+        face.edges.Min(Y).name, face.edges.Max(Y).name = f"low{k}", f"high{k}"
+        faces.append(face)
+    return Mesh(OCCGeometry(Compound(faces), dim=2).GenerateMesh())
+
+
+def leaves(friction, tied=False, count=2, length=30.0):
+    """Thin leaves, clamped at the left; the last one is pressed down at its tip."""
+    boxes = [(0, k, length, k + 1, (1.3, 1.0)[k % 2]) for k in range(count)]
+    pairs = [(f"low{k}", f"high{k - 1}") for k in range(1, count)]
+    clamps = "|".join(f"left{k}" for k in range(count))
+    return problem(
+        blocks(*boxes),
+        pairs,
+        lambda u, v, load: hooke(u, v) * dx + 1e-6 * load * v[1] * ds(f"right{count - 1}"),
+        clamps,
+        tied=("low1",) if tied else (),
+        friction=friction,
+    )
+
+
+@pytest.mark.parametrize("friction", [None, 0.3, 1.0])
+def test_leaves_in_bending(friction):
+    """Two leaves meet at their tips alone, where the upper one hands on a part of its load."""
+    p = leaves(friction)
+    p.solver.Solve(printing=False)
+    contact = p.contacts[0]
+    table = contact.Table()
+    assert table["pressure"].min() >= 0
+    assert table["gap"].min() > -1e-10 * table["gap"].max()
+    # Half of the load each: alike leaves that bend alike, the slope at the tip counts a little.
+    assert contact.Force()[1] == pytest.approx(0.5e-6, rel=0.05)
+    assert table["x"][table["status"] > 0][:, 0].min() > 0.9 * 30
+
+
+def test_leaves_some_of_them_tied():
+    p = leaves(None, tied=True, count=3)
+    p.solver.Solve(printing=False)
+    assert p.contacts[0].Force()[1] + 1e-6 > 0
+    assert p.contacts[1].Table()["pressure"].min() >= 0
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_pin_that_meets_its_hole_at_one_point(scale):
+    """All of the load goes through contact, whatever the unit of length is."""
+    radius, play = 1.0 * scale, 2e-3 * scale
+    pin = Circle((0, -play), radius).Face()
+    pin *= MoveTo(0, -5 * scale).Rectangle(5 * scale, 10 * scale).Face()
+    plate = MoveTo(0, -4 * scale).Rectangle(4 * scale, 8 * scale).Face()
+    plate -= Circle((0, 0), radius + play).Face()
+    pin.faces.name, plate.faces.name = "pin", "plate"
+    for face, name, size in ((pin, "slave", 0.12), (plate, "master", 0.16)):
+        for edge in face.edges:
+            edge.name = "far"
+            if abs(edge.center.x) < 1e-9 * scale:
+                edge.name = "middle"
+            elif edge.center.x**2 + edge.center.y**2 < 1.5 * radius**2:
+                edge.name, edge.maxh = name, size * scale
+    mesh = Mesh(OCCGeometry(Compound([pin, plate]), dim=2).GenerateMesh(maxh=scale, grading=0.4))
+    p = problem(
+        mesh.Curve(2),
+        [("slave", "master")],
+        lambda u, v, load: hooke(u, v) * dx + 1e-4 / scale * load * v[1] * dx("pin"),
+        "far",
+        space={"dirichletx": "middle"},
+    )
+    p.solver.Solve(printing=False)
+    weight = 1e-4 / scale * Integrate(CF(1), mesh, definedon=mesh.Materials("pin"))
+    assert p.contacts[0].Force()[1] == pytest.approx(weight, rel=1e-8)
+
+
+def test_slip_in_all_directions_holds_a_ring():
+    """A hot ring slips outwards everywhere; a second step in proportion needs no new status."""
+    ring = Cylinder((0, 0, 0), Z, r=7, h=2) - Cylinder((0, 0, 0), Z, r=4.5, h=2)
+    plate = Brick(Pnt(-9, -9, -3), Pnt(9, 9, 0))
+    for solid, name, maxh in ((ring, "ring", 3.5), (plate, "plate", 6)):
+        solid.mat(name)
+        solid.faces.name, solid.maxh = name, maxh
+    ring.faces.Min(Z).name, ring.faces.Max(Z).name = "slave", "top"
+    plate.faces.Max(Z).name, plate.faces.Min(Z).name = "master", "bottom"
+    mesh = Mesh(OCCGeometry(Compound([ring, plate])).GenerateMesh()).Curve(2)
+    heat = mesh.MaterialCF({"ring": 2e-3}, default=0)
+
+    def bulk(u, v, load):
+        grown = 1 / (1 - 2 * 0.3) * heat * load * Trace(Grad(v))
+        return (hooke(u, v) - grown) * dx + 2e-4 * load * v[2] * ds("top")
+
+    p = problem(mesh, [("slave", "master")], bulk, "bottom", friction=0.15)
+    p.load.Set(0)
+    steps = LoadStepper(p.solver, p.load).Integrate(steps=3, printing=False)
+    assert [step.cuts for step in steps] == [0, 0, 0]
+    assert steps[-1].iterations == 0
+    assert np.all(p.contacts[0].Table()["status"] == 2)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_loose_block_under_a_tool_that_comes_down(steps):
+    """As long as the tool does not touch nothing pushes the block: it stays."""
+    mesh = blocks((-1, -1, 1, 0, 0.5), (-0.5, 0, 0.5, 0.6, 0.35), (-0.4, 0.63, 0.4, 1.1, 0.3))
+    pairs = [("low1", "high0"), ("low2", "high1")]
+    p = problem(mesh, pairs, lambda u, v, _: hooke(u, v) * dx, "low0|high2", friction=0.3)
+    p.load.Set(0)
+    down = {"high2": CF((0, -0.05)) * p.load}
+    LoadStepper(p.solver, p.load, prescribe=down).Integrate(steps=steps, printing=False)
+    force, other = (contact.Force()[1] for contact in p.contacts)
+    assert force == pytest.approx(other, rel=1e-8)
+    assert force > 0
+
+
+@pytest.mark.parametrize("size", [1e-4, 1e-10, 1e-16])
+def test_force_is_that_of_the_load_however_small(size):
+    mesh = blocks((0, -1, 1, 0, 0.35), (0, 1e-12, 1, 1, 0.26))
+
+    def bulk(u, v, load):
+        return hooke(u, v) * dx + size * load * v[1] * ds("high1")
+
+    p = problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
+    p.solver.Solve(printing=False)
+    assert p.contacts[0].Force()[1] == pytest.approx(size, rel=1e-8)
+
+
+def dragged(share):
+    """A block that is pressed down and dragged to the side by a share of the friction."""
+    mesh = blocks((-1, -1, 3, 0, 0.6), (0, 0, 2, 0.3, 0.21))
+
+    def bulk(u, v, load):
+        return hooke(u, v) * dx + 1e-3 * load * (v[1] - 0.3 * share * v[0]) * ds("low1")
+
+    return problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
+
+
+def test_more_than_friction_carries():
+    """The error comes soon, and says what happens to which body."""
+    p = dragged(1.2)
+    p.load.Set(0)
+    with pytest.raises(FloatingBodyError, match=r"body 'block1' .*friction") as error:
+        LoadStepper(p.solver, p.load).Integrate(steps=2, printing=False)
+    assert error.value.exhausted
+    assert p.load.Get() == 0
+    assert not np.any(p.gf.vec.FV().NumPy())
+
+
+def test_nearly_all_that_friction_carries():
+    p = dragged(0.97)
+    p.solver.Solve(printing=False)
+    normal, along = p.contacts[0].Force()[1], abs(p.contacts[0].Force()[0])
+    assert along == pytest.approx(0.3 * 0.97 * normal, rel=1e-8)
+
+
+def test_bodies_of_one_material_are_told_apart():
+    mesh = blocks((0, -1, 5, 0, 0.9), (0.2, 0, 1, 0.8, 0.4), (3.2, 0, 4, 0.8, 0.4))
+    domains = [mesh.Materials(f"block{k}") for k in (1, 2)]
+
+    def bulk(u, v, load):
+        return hooke(u, v) * dx - 1e-3 * load * v[1] * dx(definedon=domains[1])
+
+    p = problem(mesh, [("low1|low2", "high0")], bulk, "low0", friction=0.3)
+    with pytest.raises(FloatingBodyError, match="body 'block2'"):
+        p.solver.Solve(printing=False)
+
+
+def test_step_of_the_barrier_is_a_newton_step():
+    """Change and Step solve the linearised equations, of Tresca's law where it rubs."""
+    rng = np.random.default_rng(3)
+    normal = rng.standard_normal((5, 3))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    gap, bound = rng.uniform(0.1, 1, 5), np.array([0.3, 0, 0.2, 0.5, 0])
+    law = Barrier(normal, gap, bound, np.full(5, 2.0), 1.0)
+    law.t = 0.1 * rng.standard_normal((5, 3)) * law.rubs[:, None]
+    slip = rng.standard_normal((5, 3)) * law.rubs[:, None]
+    slip -= np.sum(slip * normal, axis=1)[:, None] * normal
+    law.Place(normal, gap, slip)
+    law.w = law._Slack()
+    law.nu = rng.uniform(0.5, 2, 5) * law.rubs
+    stiffness, mu = law.Stiffness(), 1e-2
+    jump = 1e-3 * rng.standard_normal((5, 3))
+    change = law.Change(mu) - np.einsum("kij,kj->ki", stiffness, jump)
+    step = law.Step(change)
+    along = jump - np.sum(jump * normal, axis=1)[:, None] * normal
+    assert law.p * step.g + law.g * step.p == pytest.approx(mu - law.p * law.g)
+    assert step.g == pytest.approx(gap - law.g - np.sum(jump * normal, axis=1))
+    residual = slip + along + (law.nu + step.nu)[:, None] * law.t + law.nu[:, None] * step.t
+    assert residual[law.rubs] == pytest.approx(0, abs=1e-12)
+    product = law.nu * law.w + law.nu * step.w + law.w * step.nu
+    assert product[law.rubs] == pytest.approx(mu)
