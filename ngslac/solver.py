@@ -9,6 +9,7 @@ from ngslac.bodies import Bodies, CloseNearest, FloatingMessage, LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.interior import InteriorPoint
+from ngslac.inverted import InvertedMessage
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
 from ngslac.loads import CheckRhs
@@ -302,8 +303,7 @@ class ContactSolver(NewtonStep):
         self.globalization.Begin()
         for number in range(maxit + 1):
             if self._Converged(state):
-                self.residual.Accept()
-                return self.history[-1]
+                return self._Accepted()
             if number == maxit or self.globalization.stagnates:
                 break
             self.globalization.Watch(state, self.history[-1].changed)
@@ -321,6 +321,16 @@ class ContactSolver(NewtonStep):
             + (", the contact status cycles" if self.globalization.cycles else "")
             + "; take smaller steps"
         )
+
+    def _Accepted(self):
+        """The last line, if the state that it tells of is possible."""
+        for contact in self.contacts:
+            if contact.finite and (message := InvertedMessage(contact.form, self.gf)):
+                raise ContactConvergenceError(
+                    message + "; take smaller steps, or a finer mesh there"
+                )
+        self.residual.Accept()
+        return self.history[-1]
 
     def _Converged(self, state):
         done = state.equilibrium < self.tol and state.constraint < self.tol
@@ -360,8 +370,7 @@ class ContactSolver(NewtonStep):
             state = self._Confirmed(state)
             self._Record(state, damping)
             if self._Converged(state):
-                self.residual.Accept()
-                return self.history[-1]
+                return self._Accepted()
             if self._motion is None and max(state.equilibrium, state.constraint) < near:
                 values, near = self.gf.vec.FV().NumPy().copy(), near * NEARER
                 try:
