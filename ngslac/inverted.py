@@ -3,7 +3,13 @@
 import numpy as np
 from ngsolve import VOL, Det, ElementId, Grad, GridFunction, Id, IfPos, Integrate
 
-__all__ = ["InvertedMessage"]
+from ngslac.errors import ContactConvergenceError
+
+__all__ = ["InvertedError", "InvertedMessage"]
+
+
+class InvertedError(ContactConvergenceError):
+    """Newton's method converged to a state with elements turned inside out."""
 
 
 def InvertedMessage(form, gf):
