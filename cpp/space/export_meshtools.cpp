@@ -1,4 +1,5 @@
 #include "bubble.hpp"
+#include "bubblearguments.hpp"
 #include "fingerprint.hpp"
 #include "split.hpp"
 
@@ -44,5 +45,12 @@ void ExportMeshTools(py::module & m) {
     special["slave"] = py::cpp_function(&SetSlaveFlag);
     return special;
   });
+  py::object make = space.attr("__init__");
+  space.attr("__init__") = py::cpp_function(
+      [make](py::object self, Given<shared_ptr<MeshAccess>> mesh, py::kwargs flags) {
+        CheckBubbleArguments(mesh, flags);
+        make(self, mesh.value, **flags);
+      },
+      py::name("__init__"), py::is_method(space), py::arg("mesh"));
 }
 } // namespace ngslac

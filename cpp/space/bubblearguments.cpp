@@ -1,0 +1,61 @@
+#include "bubblearguments.hpp"
+#include "split.hpp"
+
+#include <regex>
+
+namespace ngslac {
+namespace {
+string Named(const string & name) {
+  return "BubbleVectorH1: " + name;
+}
+
+void CheckOrder(py::handle order) {
+  string wanted = "a whole number, at least 1";
+  if (!PyLong_Check(order.ptr()) || PyBool_Check(order.ptr()))
+    throw py::type_error(Named("order") + " = " + Given<int>::Text(order) + " must be " + wanted);
+  int overflow = 0;
+  long number = PyLong_AsLongAndOverflow(order.ptr(), &overflow);
+  if (overflow || number < 1 || number != int(number))
+    throw py::value_error(Named("order") + " = " + Given<int>::Text(order) + " must be " + wanted);
+}
+
+bool HoldsIntegers(py::handle value) {
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
+    return false;
+  for (auto item : value)
+    if (!PyLong_Check(item.ptr()) || PyBool_Check(item.ptr()))
+      return false;
+  return true;
+}
+
+/// Boundaries by a pattern, a region of the mesh, or for NGSolve's own flags by their numbers.
+void CheckBoundaries(shared_ptr<MeshAccess> mesh, const string & name, py::handle value,
+                     bool numbers) {
+  string given = Named(name) + " = " + Given<int>::Text(value);
+  if (py::isinstance<py::str>(value)) {
+    try {
+      Region(mesh, BND, py::cast<string>(value));
+    } catch (const std::regex_error & error) {
+      throw py::value_error(given + " is no regular expression: " + error.what());
+    }
+  } else if (py::isinstance<Region>(value)) {
+    auto region = py::cast<Region>(value);
+    if (region.Mesh() != mesh || region.VB() != BND)
+      throw py::value_error(given + " must be a region of boundaries of the same mesh");
+  } else if (!(numbers && HoldsIntegers(value)))
+    throw py::type_error(given + " must be a pattern of boundary names or a boundary region");
+}
+} // namespace
+
+void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::kwargs & flags) {
+  auto on = mesh.As(Named("mesh"), "an ngsolve.Mesh");
+  for (auto [key, value] : flags) {
+    auto name = py::cast<string>(key);
+    if (name == "order")
+      CheckOrder(value);
+    else if (name == "slave" || name.rfind("dirichlet", 0) == 0)
+      if (name.find("bbnd") == string::npos && !value.is_none())
+        CheckBoundaries(on, name, value, name != "slave");
+  }
+}
+} // namespace ngslac

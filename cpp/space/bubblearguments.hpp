@@ -1,0 +1,7 @@
+#pragma once
+#include "given.hpp"
+
+namespace ngslac {
+/// Throws for arguments of BubbleVectorH1 that NGSolve falls over, or takes without a word.
+void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::kwargs & flags);
+} // namespace ngslac
