@@ -14,7 +14,10 @@ struct Given {
   /// `name`: of function and argument; `wanted`: what the value has to be
   T As(const string & name, const string & wanted) const {
     py::detail::make_caster<T> caster;
-    if (IsNone() || !caster.load(value, true))
+    // Whatever is true or false by accident is no flag, a flag is no number, and bytes are no text.
+    constexpr bool isflag = std::is_same_v<T, bool>;
+    bool odd = PyBytes_Check(value.ptr()) || (!isflag && PyBool_Check(value.ptr()));
+    if (IsNone() || odd || !caster.load(value, !isflag))
       throw py::type_error(name + " = " + Text(value) + " must be " + wanted);
     return py::detail::cast_op<T>(std::move(caster));
   }

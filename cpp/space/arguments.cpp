@@ -1,12 +1,14 @@
 #include "arguments.hpp"
+#include "patterns.hpp"
 #include "split.hpp"
 
 namespace ngslac {
 namespace {
 Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
   bool pattern = std::holds_alternative<string>(slave);
-  Region region = pattern ? Region(ma.shared_from_this(), BND, std::get<string>(slave))
-                          : std::get<Region>(slave);
+  Region region =
+      pattern ? PatternRegion(ma.shared_from_this(), "LACSpace: slave", std::get<string>(slave))
+              : std::get<Region>(slave);
   if (region.Mesh().get() != &ma)
     throw py::value_error(
         "LACSpace: slave is a region of another mesh than that of the displacement");

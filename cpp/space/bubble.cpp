@@ -2,9 +2,6 @@
 #include "split.hpp"
 
 #include <prolongation.hpp>
-#include <pybind11/pybind11.h>
-
-namespace py = pybind11;
 
 namespace ngslac {
 namespace {
@@ -17,21 +14,6 @@ void CheckFlagsForBubbles(const Flags & flags) {
     if (auto policy = ORDER_POLICY(int(flags.GetNumFlag("order_policy", 0)));
         policy == CONSTANT_ORDER || policy == NODE_TYPE_ORDER)
       throw Exception("BubbleVectorH1: bubbles need order_policy VARIABLE");
-}
-
-/// Checked before NGSolve's spaces use the mesh or the order.
-shared_ptr<MeshAccess> CheckedMesh(shared_ptr<MeshAccess> ma, const Flags & flags) {
-  if (!ma)
-    throw py::type_error("BubbleVectorH1: mesh = None must be an ngsolve.Mesh");
-  constexpr double most = 50; // far above what anyone can solve
-  double order = flags.GetNumFlag("order", 1);
-  if (flags.StringFlagDefined("order") || order != floor(order) || !(order >= 1 && order <= most))
-    throw py::value_error("BubbleVectorH1: order = " +
-                          (flags.StringFlagDefined("order")
-                               ? "'" + flags.GetStringFlag("order") + "'"
-                               : ToString(order)) +
-                          " must be an integer from 1 to " + ToString(most));
-  return ma;
 }
 
 BitArray SlaveRegions(shared_ptr<MeshAccess> ma, const Flags & flags) {
@@ -104,7 +86,7 @@ void BubbleH1FESpace::UpdateDofTables() {
 
 BubbleVectorH1FESpace::BubbleVectorH1FESpace(shared_ptr<MeshAccess> ama, const Flags & flags,
                                              bool checkflags)
-    : VectorH1FESpace(CheckedMesh(ama, flags), flags, checkflags) {
+    : VectorH1FESpace(ama, flags, checkflags) {
   type = "bubblevectorh1";
   // VectorH1 has sorted out which flags hold for which component; only the kind of space changes.
   auto plain = std::move(spaces);

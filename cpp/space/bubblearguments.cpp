@@ -1,7 +1,6 @@
 #include "bubblearguments.hpp"
+#include "patterns.hpp"
 #include "split.hpp"
-
-#include <regex>
 
 namespace ngslac {
 namespace {
@@ -10,13 +9,15 @@ string Named(const string & name) {
 }
 
 void CheckOrder(py::handle order) {
-  string wanted = "a whole number, at least 1";
+  constexpr long most = 50; // far above what anyone can solve
+  string text = Named("order") + " = " + Given<int>::Text(order) +
+                " must be an integer from 1 to " + ToString(most);
   if (!PyLong_Check(order.ptr()) || PyBool_Check(order.ptr()))
-    throw py::type_error(Named("order") + " = " + Given<int>::Text(order) + " must be " + wanted);
+    throw py::type_error(text);
   int overflow = 0;
   long number = PyLong_AsLongAndOverflow(order.ptr(), &overflow);
-  if (overflow || number < 1 || number != int(number))
-    throw py::value_error(Named("order") + " = " + Given<int>::Text(order) + " must be " + wanted);
+  if (overflow || number < 1 || number > most)
+    throw py::value_error(text);
 }
 
 bool HoldsIntegers(py::handle value) {
@@ -33,17 +34,15 @@ void CheckBoundaries(shared_ptr<MeshAccess> mesh, const string & name, py::handl
                      bool numbers) {
   string given = Named(name) + " = " + Given<int>::Text(value);
   if (py::isinstance<py::str>(value)) {
-    try {
-      Region(mesh, BND, py::cast<string>(value));
-    } catch (const std::regex_error & error) {
-      throw py::value_error(given + " is no regular expression: " + error.what());
-    }
+    PatternRegion(mesh, Named(name), py::cast<string>(value));
   } else if (py::isinstance<Region>(value)) {
     auto region = py::cast<Region>(value);
-    if (region.Mesh() != mesh || region.VB() != BND)
-      throw py::value_error(given + " must be a region of boundaries of the same mesh");
+    if (region.Mesh() != mesh)
+      throw py::value_error(given + " belongs to another mesh");
+    if (region.VB() != BND)
+      throw py::value_error(given + " must be one of boundaries");
   } else if (!(numbers && HoldsIntegers(value)))
-    throw py::type_error(given + " must be a pattern of boundary names or a boundary region");
+    throw py::type_error(given + " must be a pattern or a Region of boundaries");
 }
 } // namespace
 

@@ -7,18 +7,12 @@
 
 namespace ngslac {
 // NGSolve turns only keyword arguments of basic types into flags.
-static void SetSlaveFlag(py::object slave, Flags * flags, py::list info) {
+static void SetSlaveFlag(py::object slave, Flags * flags, py::list /* info */) {
   if (py::isinstance<py::str>(slave)) {
     flags->SetFlag("slave", py::cast<string>(slave));
     return;
   }
-  if (!py::isinstance<Region>(slave))
-    throw py::type_error("BubbleVectorH1: slave must be a pattern or a Region");
   auto region = py::cast<Region>(slave);
-  if (region.Mesh() != py::cast<shared_ptr<MeshAccess>>(info[0]))
-    throw Exception("BubbleVectorH1: the slave region belongs to another mesh");
-  if (region.VB() != BND)
-    throw Exception("BubbleVectorH1: the slave region must be one of boundaries");
   Array<double> numbers;
   for (auto i : Range(region.Mask().Size()))
     if (region.Mask().Test(i))

@@ -43,3 +43,24 @@ def test_wrong_arguments():
             BubbleVectorH1(mesh, order=order, slave="left")
     with pytest.raises(Exception, match="two- or three-dimensional"):
         BubbleVectorH1(Make1DMesh(3), slave="left")
+
+
+@pytest.mark.parametrize("wrong", [None, 3, "mesh", b"mesh"])
+def test_what_is_no_mesh(wrong):
+    with pytest.raises(TypeError, match=r"BubbleVectorH1: mesh = .* must be an ngsolve\.Mesh"):
+        BubbleVectorH1(wrong, slave="left")
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 2.5, "2", True, None, 10**6, 10**400])
+def test_what_is_no_order(wrong):
+    with pytest.raises((TypeError, ValueError), match=r"order = .* must be an integer from 1"):
+        BubbleVectorH1(square(), slave="left", order=wrong)
+
+
+@pytest.mark.parametrize("name", ["slave", "dirichlet"])
+def test_what_is_no_pattern(name):
+    flags = {"slave": "left"}
+    with pytest.raises(ValueError, match=rf"{name} = '\[' is no regular expression"):
+        BubbleVectorH1(square(), **(flags | {name: "["}))
+    with pytest.raises(TypeError, match=f"{name} = 2.5 must be a pattern or a Region"):
+        BubbleVectorH1(square(), **(flags | {name: 2.5}))
