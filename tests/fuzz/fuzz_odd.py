@@ -111,7 +111,6 @@ ODD = {
         lambda w: Solve(w, rhs=LinearForm(w.mu[1] * ds("slave")).Assemble()),
         ("rhs",),
     ),
-    "rhs not assembled": (lambda w: Solve(w, rhs=LinearForm(w.v[1] * dx)), ("rhs",)),
     "bulk with a load that is NaN": (
         lambda w: Solve(w, w.Form(CF(np.nan) * w.v[1] * dx)),
         ("NaN",),
