@@ -143,7 +143,8 @@ class Barrier:
         self.w = self._Slack()
 
     def _Slack(self):
-        return (self.s**2 - np.sum(self.t**2, axis=1)) / 2
+        slack = (self.s**2 - np.sum(self.t**2, axis=1)) / 2
+        return np.maximum(slack, np.finfo(float).eps * self.s**2)  # of rounding
 
 
 def Above(values, changes):

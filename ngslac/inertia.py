@@ -259,6 +259,9 @@ class Inert:
     def Floating(self, contacts, holds="now"):
         return []
 
+    def AreIdle(self, contacts, holds, forces, least):
+        return False
+
     def Lost(self, values):
         return []
 

@@ -9,7 +9,7 @@ from ngslac.bodies import Bodies, CloseNearest, FloatingMessage, LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.interior import InteriorPoint
-from ngslac.inverted import InvertedMessage
+from ngslac.inverted import InvertedError, InvertedMessage
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
 from ngslac.loads import CheckRhs
@@ -287,6 +287,8 @@ class ContactSolver(NewtonStep):
                 state = self.residual.Measure(self.scale, honest=True)
             self._Record(state)
             return self._Newton(state, min(maxit, NEWTON))
+        except InvertedError:
+            raise
         except FAILURES as error:
             self._exhausted = not self._MayHold()
             left = maxit - len(self.history)
@@ -326,9 +328,7 @@ class ContactSolver(NewtonStep):
         """The last line, if the state that it tells of is possible."""
         for contact in self.contacts:
             if contact.finite and (message := InvertedMessage(contact.form, self.gf)):
-                raise ContactConvergenceError(
-                    message + "; take smaller steps, or a finer mesh there"
-                )
+                raise InvertedError(message + "; take smaller steps, or a finer mesh there")
         self.residual.Accept()
         return self.history[-1]
 
@@ -350,7 +350,9 @@ class ContactSolver(NewtonStep):
             return last
         except FAILURES as another:
             self._CheckLost(error)
-            raise another from error
+            if isinstance(error, (LinearSolveError, FloatingBodyError)):
+                raise another from error
+            raise error from another
 
     def _IsLinear(self):
         """Is nothing but the contact law nonlinear?"""
@@ -430,7 +432,8 @@ class ContactSolver(NewtonStep):
         if self._onpath or (touching and not start):
             return False
         floating = self._WhatFloats("rubbing")
-        self._idle = bool(floating) and self._AreIdle("rubbing")
+        wanted = self.initial == "gap" and bool(floating)
+        self._idle = wanted and self._AreIdle("rubbing")
         if self._idle or not floating:
             return False
         self._closings += 1

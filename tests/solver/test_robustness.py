@@ -134,5 +134,5 @@ def test_wrong_vectors_are_refused():
         lambda: problem.contact.AddApply(problem.gf.vec, short),
         lambda: problem.contact.AssembleLinearization(short),
     ):
-        with pytest.raises(Exception, match="entries, but the pairing was made"):
+        with pytest.raises(Exception, match="entries, the product space"):
             call()
