@@ -5,10 +5,9 @@ from ngsolve import BitArray
 
 from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction, CheckState
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies, CloseNearest, FloatingMessage, LostMessage
+from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
-from ngslac.interior import InteriorPoint
 from ngslac.inverted import InvertedError, InvertedMessage
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
@@ -25,20 +24,15 @@ from ngslac.problem import (
 )
 from ngslac.progress import Progress
 from ngslac.residual import Residual
+from ngslac.search import StatusSearch
 from ngslac.snapshot import Snapshot
 
 __all__ = ["ContactSolver"]
 
-FAILURES = (ContactConvergenceError, LinearSolveError)
 # Newton steps before another method is tried, and what that has to have left to be tried.
 NEWTON, LEAST = 30, 10
-# Residual from which Newton's method may end what the other one began, how many steps it gets for
-# that, and how much nearer it has to be the next time.
-NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
-# Part of a step so short that there is no way on.
-TINY = 1e-3
 
 
 class ContactSolver(NewtonStep):
@@ -289,7 +283,7 @@ class ContactSolver(NewtonStep):
             return self._Newton(state, min(maxit, NEWTON))
         except InvertedError:
             raise
-        except FAILURES as error:
+        except (ContactConvergenceError, LinearSolveError) as error:
             self._exhausted = not self._MayHold()
             left = maxit - len(self.history)
             if self._exhausted or left < LEAST or not (self._path or self._IsLinear()):
@@ -337,22 +331,7 @@ class ContactSolver(NewtonStep):
         return done and self._motion is None
 
     def _FollowPath(self, maxit, error):
-        """By an interior point method near to the solution, and from there by Newton's."""
-        if self._printing:
-            print(f"  {error}: interior point method")
-        self._onpath = True  # which guesses no status
-        self._Assemble()
-        self.residual.Follow()
-        state = self._Measure()
-        try:
-            last = self._AlongPath(InteriorPoint(self, state), maxit)
-            self._CheckLost(error)
-            return last
-        except FAILURES as another:
-            self._CheckLost(error)
-            if isinstance(error, (LinearSolveError, FloatingBodyError)):
-                raise another from error
-            raise error from another
+        return StatusSearch(self, maxit).Run(error)
 
     def _IsLinear(self):
         """Is nothing but the contact law nonlinear?"""
@@ -363,34 +342,6 @@ class ContactSolver(NewtonStep):
         if self._IsLinear():
             self._motion = None
         return self._IsLinear()
-
-    def _AlongPath(self, path, maxit):
-        state, near, tiny = path.state, NEAR, 0
-        while len(self.history) <= maxit and tiny < 3:
-            state, damping = path.Step(state)
-            tiny = tiny + 1 if damping < TINY else 0
-            state = self._Confirmed(state)
-            self._Record(state, damping)
-            if self._Converged(state):
-                return self._Accepted()
-            if self._motion is None and max(state.equilibrium, state.constraint) < near:
-                values, near = self.gf.vec.FV().NumPy().copy(), near * NEARER
-                try:
-                    return self._Newton(state, POLISH)
-                except FAILURES:
-                    self.gf.vec.FV().NumPy()[:] = values
-                    self.residual.Follow()
-                    state = self._Measure()
-            self._Assemble()
-        raise self._NotConverged(state)
-
-    def _CheckLost(self, error):
-        """Raise an error if a body is carried off: that before, if it knows of it."""
-        if not (lost := self._Bodies().Lost(self.gf.vec.FV().NumPy())):
-            return
-        if isinstance(error, FloatingBodyError):
-            raise error
-        raise FloatingBodyError(LostMessage(lost)) from error
 
     def _Confirmed(self, state):
         """The state, by the bulk's own residual where it looks converged or hopeless."""

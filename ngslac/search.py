@@ -1,0 +1,85 @@
+"""Where Newton's method finds no contact status: another method does, and Newton's ends it."""
+
+from ngslac.bodies import LostMessage
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.interior import InteriorPoint
+from ngslac.linear import LinearSolveError
+
+__all__ = ["StatusSearch"]
+
+FAILURES = (ContactConvergenceError, LinearSolveError)
+# Residual from which Newton's method may end what the other one began, how many steps it gets for
+# that, and how much nearer it has to be the next time.
+NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
+# Part of a step so short that there is no way on, and how many of these are the end.
+TINY, MOST_TINY = 1e-3, 3
+
+
+class StatusSearch:
+    """A solve by an interior point method, from its start and with its table.
+
+    Parameters
+    ----------
+    newton : ContactSolver
+    maxit : int
+        Number of linear solves up to which its table may grow.
+    """
+
+    def __init__(self, newton, maxit):
+        self.newton, self.maxit = newton, maxit
+
+    def Run(self, error):
+        """The last line of the table; `error` is what Newton's method ended with."""
+        newton = self.newton
+        if newton._printing:
+            print(f"  {error}: interior point method")
+        newton._onpath = True  # which guesses no status
+        newton._Assemble()
+        newton.residual.Follow()
+        try:
+            last = self._Follow(InteriorPoint(newton, newton._Measure()))
+            self._CheckLost(error)
+            return last
+        except FAILURES as another:
+            self._CheckLost(error)
+            if isinstance(error, (LinearSolveError, FloatingBodyError)):
+                raise another from error
+            raise error from another
+
+    def _Follow(self, path):
+        newton, state, near, tiny = self.newton, path.state, NEAR, 0
+        while len(newton.history) <= self.maxit and tiny < MOST_TINY:
+            state, damping = path.Step(state)
+            tiny = tiny + 1 if damping < TINY else 0
+            state = newton._Confirmed(state)
+            newton._Record(state, damping)
+            if newton._Converged(state):
+                return newton._Accepted()
+            if newton._motion is None and max(state.equilibrium, state.constraint) < near:
+                near *= NEARER
+                if last := self._Polish(state):
+                    return last
+                state = newton._Measure()
+            newton._Assemble()
+        raise newton._NotConverged(state)
+
+    def _Polish(self, state):
+        """The end of Newton's method from here; None, and back, if it does not come to one."""
+        newton = self.newton
+        values = newton.gf.vec.FV().NumPy()
+        before = values.copy()
+        try:
+            return newton._Newton(state, POLISH)
+        except FAILURES:
+            values[:] = before
+            newton.residual.Follow()
+            return None
+
+    def _CheckLost(self, error):
+        """Raise an error if a body is carried off: that before, if it knows of it."""
+        newton = self.newton
+        if not (lost := newton._Bodies().Lost(newton.gf.vec.FV().NumPy())):
+            return
+        if isinstance(error, FloatingBodyError):
+            raise error
+        raise FloatingBodyError(LostMessage(lost)) from error
