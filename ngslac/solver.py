@@ -380,6 +380,7 @@ class ContactSolver(NewtonStep):
         for contact in self.contacts:
             contact.Evaluate(self.gf)
         touching = all(np.any(contact.Table()["status"]) for contact in self.contacts)
+        self._idle = False
         if self._onpath or (touching and not start):
             return False
         floating = self._WhatFloats("rubbing")
