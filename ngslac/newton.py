@@ -116,7 +116,7 @@ class NewtonStep:
         if self.history[-1].changed or not self.history[-1].number:
             return most
         size = max(state.equilibrium, state.constraint)
-        enough = 0.3 * self.tol / size
+        enough = 0.03 * self.tol / size
         last = self._islinear and not self.history[-1].slip
         return min(most, enough if last else max(enough, 0.1 * size))
 

@@ -36,7 +36,7 @@ def Measure(results):
     table, problem = results.contact.Table(), results.problem
     order = np.argsort(table["x"][:, 0])
     pressure, area = table["pressure"][order], table["fullarea"][order].copy()
-    closed = np.flatnonzero(pressure > 0)
+    closed = np.flatnonzero(table["status"][order] > 0)  # rounding leaves pressures on open ones
     if len(closed) > 1 and pressure[closed[-1]] < pressure[closed[-2]]:
         area[closed[-1]] *= pressure[closed[-1]] / pressure[closed[-2]]
     width = float(area[closed].sum())

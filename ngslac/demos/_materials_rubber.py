@@ -138,7 +138,7 @@ def _RubberFigures(result, steps, J):
         "squeeze": result.curve[-1][0],
         "force": result.curve[-1][1],
         "peak_pressure": float(table["pressure"].max()),
-        "contact_area": float(table["area"][table["pressure"] > 0].sum()),
+        "contact_area": float(table["area"][table["status"] > 0].sum()),
         "volume_change": Integrate(J - 1, mesh, definedon=rubber, order=6) / volume,
         "last_residuals": [entry.equilibrium for entry in result.solver.history],
         "newton_iterations": [step.iterations for step in steps],
