@@ -68,7 +68,7 @@ private:
   }
 };
 
-/// By dof D i + k the unit normal of a face turns by  -n_k g_i  with these gradients g_i of
+/// By dof D i + k the unit normal of a slave face turns by  -n_k g_i  with these gradients g_i of
 /// the scalar functions, a row each.
 template <int D>
 FlatMatrixFixWidth<D> Gradients(const Mat<D, D - 1> & dx,

@@ -233,11 +233,7 @@ private:
 
   void Accept() {
     Base::Accept();
-    start = WithMidPartners(now->surfaces, *points);
-    for (size_t m : Range(jump->Size()))
-      if (Slides(m)) // far away there may be no partner halfway
-        reference[m] += MeanSlip<D>(now->surfaces, *start, m);
-    now->points = points = start;
+    start = points;
     accepted_motion = now;
   }
 

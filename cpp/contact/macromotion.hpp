@@ -112,15 +112,8 @@ template <int D>
 void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh);
 
-/// Points from which slip counts: the partner of each is the one that the direction halfway between
-/// the normals of both surfaces leads to.
-template <int D>
-shared_ptr<MacroPoints<D>> WithMidPartners(const MovingSurfaces<D> & now,
-                                           const MacroPoints<D> & points);
-
-/// How far the slave slid along the master since the points were paired: the mean of the part of
-/// x - y(eta)  across the direction halfway between both normals, with the eta of the pairing.
-/// Rigid motions of both bodies do not change it, nor does the approach of mirror images.
+/// How far the slave slid along the master since the points were paired: the mean of the tangential
+/// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.
 template <int D>
 Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
 template <int D>
