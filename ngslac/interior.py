@@ -151,7 +151,7 @@ class Springs:
         self.contact, self.form, self.gf = contact, contact.form, gf
         contact.Evaluate(gf)
         table = contact.Table()
-        self.own = table["area"] > 0
+        self.own = table["area"] > 0  # with finite sliding others may come to face the master later
         self.area, self.stiffness = table["area"][self.own], self.form.Scalars("c")[self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
@@ -208,6 +208,8 @@ class Springs:
             return
         self.contact.Evaluate(self.gf)
         table = self.contact.Table()
+        area, full = table["area"][self.own], table["fullarea"][self.own]
+        self.area = np.where(area > 0, area, full)
         self.law.Place(*(table[name][self.own] for name in ("normal", "gap", "slip")))
         self.law.Bound(self._Bound(self.law.p, table))
 
