@@ -172,13 +172,13 @@ protected:
 
   void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, Scatter & y,
                  LocalHeap & lh) const override {
-    if (points->area[m] > 0 && L2Norm2(traction) > 0)
+    if (points->area[m] > 0 && IsTraction(traction))
       AddTraction<D>(now->surfaces, *points, m, now->hits, MacroTraction<D>(traction, normal), y,
                      lh);
   }
 
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
-    if (points->area[m] == 0 || L2Norm2(traction) == 0)
+    if (points->area[m] == 0 || !IsTraction(traction))
       return {Vec<D>(0.0), Vec<3>(0.0)};
     return Resultant<D>(now->surfaces, *points, m, MacroTraction<D>(traction, normal[m]));
   }
@@ -319,7 +319,7 @@ private:
     ParallelFor(jump->Size(), [&](size_t m) {
       couplings[m] =
           CouplingOf<D>(*slave_shapes, *master_shapes, *points, Slides(m) ? start.get() : nullptr,
-                        m, moving_rim, L2Norm2(tractions[m]) > 0);
+                        m, moving_rim, IsTraction(tractions[m]));
     });
     mat = MatrixOf<D>(couplings, *master_shapes, lamdof, nscalars);
     this->ForMacros([&](size_t m, LocalHeap & lh) {

@@ -51,6 +51,15 @@ private:
   }
 };
 
+/// Is there any? Squares of what is tiny would say no.
+template <int D>
+bool IsTraction(const Vec<D> & traction) {
+  for (int k : Range(D))
+    if (traction(k) != 0)
+      return true;
+  return false;
+}
+
 /// The traction on the slave: the pressure acts along the normal of each point, so that the
 /// constant directions of macro-elements do not show on curved surfaces.
 template <int D>
@@ -61,7 +70,7 @@ struct MacroTraction {
   MacroTraction(const Vec<D> & traction, const Vec<D> & normal)
       : pressure(-InnerProduct(traction, normal)), tangential(traction + pressure * normal) {}
   Vec<D> At(const Vec<D> & normal) const { return tangential - pressure * normal; }
-  bool IsZero() const { return pressure == 0 && L2Norm2(tangential) == 0; }
+  bool IsZero() const { return pressure == 0 && !IsTraction(tangential); }
 };
 
 /// A block of the derivative of the contact forces at fixed pressure and tangential traction, for
