@@ -50,13 +50,7 @@ class InteriorPoint:
         Where the bulk is linear that is a better start, too, and its State the next one.
         """
         self.state = state
-        self.linear.contacts = [spring.Weaken(self.vec) for spring in self.springs]
-        residual = self.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
-        for spring in self.springs:
-            spring.contact.AddApply(self.vec, residual)
-        residual.FV().NumPy()[self.rows] = 0
-        motion = -self.newton._Displace(residual, self._Solve, self.linear.contacts)
+        motion = self._Motion(state, [spring.Weaken(self.vec) for spring in self.springs])
         pressure = max(spring.Pressure(motion) for spring in self.springs)
         if self.newton._Settles():
             self.values[:] += motion
@@ -101,20 +95,25 @@ class InteriorPoint:
         # What nothing pushes in the end stays where it is.
         return self.linear.SolveShifted(newton.a.mat, [], newton.scale, residual, ~self.rows)
 
+    def _Motion(self, state, mats):
+        """How displacements answer to the tractions shown, with these matrices of the springs."""
+        residual = self.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        for spring in self.springs:
+            spring.contact.AddApply(self.vec, residual)
+        residual.FV().NumPy()[self.rows] = 0
+        self.linear.contacts = mats
+        return -self.newton._Displace(residual, self._Solve, mats)
+
     def _Direction(self, state, mats, mu, corrections=None):
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
         now = self.values.copy()
-        residual = self.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
         corrections = corrections or [None] * len(self.springs)
         changes = [spring.law.Change(mu, own) for spring, own in self._Each(corrections)]
         for spring, change in self._Each(changes):
             spring.Show(self.values, spring.law.traction + change)
-            spring.contact.AddApply(self.vec, residual)
+        motion = self._Motion(state, mats)
         self.values[:] = now
-        self.linear.contacts = mats
-        residual.FV().NumPy()[self.rows] = 0
-        motion = -self.newton._Displace(residual, self._Solve, mats)
         steps = [spring.Step(change, motion) for spring, change in self._Each(changes)]
         return steps, motion
 
