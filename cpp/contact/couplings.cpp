@@ -1,4 +1,5 @@
 #include "couplings.hpp"
+#include "indexmap.hpp"
 #include <unordered_map>
 
 namespace ngslac {
@@ -70,16 +71,13 @@ class RowFinder {
   FlatArray<int> lamdof;
   const Table<int> & macros;
   const Table<int> & faces;
-  Array<int> mark; // last row that has the column
+  IndexMap found; // columns of a row
   std::unordered_map<size_t, int> known;
 
 public:
   RowFinder(FlatArray<Coupling> acouplings, const FaceShapes<D> & amaster, FlatArray<int> alamdof,
-            const Table<int> & amacros, const Table<int> & afaces, size_t n)
-      : couplings(acouplings), master(amaster), lamdof(alamdof), macros(amacros), faces(afaces),
-        mark(n) {
-    mark = -1;
-  }
+            const Table<int> & amacros, const Table<int> & afaces)
+      : couplings(acouplings), master(amaster), lamdof(alamdof), macros(amacros), faces(afaces) {}
 
   void AddRow(int row, RowColumns & result) {
     auto of_row = macros[row];
@@ -92,22 +90,18 @@ public:
       result.columns.Range(begin, result.columns.Size()) = result.columns.Range(columns);
       return;
     }
-    auto add = [&](int column) {
-      if (mark[column] != row) {
-        mark[column] = row;
-        result.columns.Append(column);
-      }
-    };
+    found.Clear();
     for (int m : of_row) {
       for (int column : lamdof.Range(D * m, D * (m + 1)))
-        add(column);
+        found.Position(column);
       if (couplings[m].masters.Size())
         for (int column : couplings[m].turning)
-          add(column);
+          found.Position(column);
     }
     for (int face : faces[row])
       for (int column : master.Dofs(face))
-        add(column);
+        found.Position(column);
+    result.columns += found.Indices();
     std::sort(result.columns.begin() + begin, result.columns.end());
     known[Key(row)] = row;
   }
@@ -163,7 +157,7 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
         auto & part = parts[i];
         part.rows = IntRange(n).Split(i, parts.Size());
         part.first.Append(0);
-        RowFinder<D> finder(couplings, master, lamdof, macros, faces, n);
+        RowFinder<D> finder(couplings, master, lamdof, macros, faces);
         for (int row : part.rows) {
           if (int m = macro_of[row]; m >= 0) {
             size_t begin = part.columns.Size();

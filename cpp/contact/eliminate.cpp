@@ -1,4 +1,5 @@
 #include "eliminate.hpp"
+#include "indexmap.hpp"
 #include "jump.hpp"
 
 namespace ngslac {
@@ -40,22 +41,20 @@ shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double>
     });
   auto result = MatrixOf(creator.MoveTable());
   ParallelForRange(n, [&](IntRange rows) {
-    Array<double> sum(n);
-    sum = 0.0;
+    RowSum sum;
     for (auto i : rows) {
       if (number[i] >= 0)
         continue;
-      displacements(i, [&](int col, double value) { sum[col] += value; });
+      displacements(i, [&](int col, double value) { sum.Add(col, value); });
       acting(i, [&](int k, double force) {
         double factor = force * penalties[k / D];
-        displacements(multipliers[k], [&](int col, double value) { sum[col] += factor * value; });
+        displacements(multipliers[k], [&](int col, double value) { sum.Add(col, factor * value); });
       });
       auto cols = result->GetRowIndices(i);
       auto values = result->GetRowValues(i);
-      for (int j : Range(cols)) {
+      for (int j : Range(cols))
         values(j) = sum[cols[j]];
-        sum[cols[j]] = 0;
-      }
+      sum.Clear();
     }
   });
   return result;

@@ -1,40 +1,7 @@
 #include "condense.hpp"
+#include "indexmap.hpp"
 
 namespace ngslac {
-/// A sparse row that is summed up.
-class RowSum {
-public:
-  explicit RowSum(size_t n) : value(n), used(n) {
-    value = 0.0;
-    used = false;
-  }
-  void Add(int column, double v) {
-    if (!used[column]) {
-      used[column] = true;
-      columns.Append(column);
-    }
-    value[column] += v;
-  }
-  double operator[](int column) const { return value[column]; }
-  FlatArray<int> Columns() const { return columns; }
-  /// The sum; starts the next one.
-  void Take(SparseRow & row) {
-    row.columns = columns;
-    row.values.SetSize(columns.Size());
-    for (int i : Range(columns)) {
-      row.values[i] = value[columns[i]];
-      value[columns[i]] = 0;
-      used[columns[i]] = false;
-    }
-    columns.SetSize0();
-  }
-
-private:
-  Array<double> value;
-  Array<bool> used;
-  Array<int> columns;
-};
-
 namespace {
 Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
   Vector<> values(dofs.Size());
@@ -45,12 +12,19 @@ Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
 
 /// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
 template <typename F>
-void ForEach(size_t count, size_t n, F f) {
+void ForEach(size_t count, F f) {
   ParallelForRange(count, [&](IntRange range) {
-    RowSum sum(n);
+    RowSum sum;
     for (auto i : range)
       f(i, sum);
   });
+}
+
+/// The sum; starts the next one.
+SparseRow Take(RowSum & sum) {
+  SparseRow row{Array<int>(sum.Columns()), Array<double>(sum.Values())};
+  sum.Clear();
+  return row;
 }
 } // namespace
 
@@ -83,10 +57,10 @@ Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int>
   place.SetSize(mat->Height());
   place = -1;
   rows.SetSize(changed.Size());
-  ForEach(changed.Size(), mat->Height(), [&](size_t c, RowSum & sum) {
+  ForEach(changed.Size(), [&](size_t c, RowSum & sum) {
     place[changed[c]] = c;
     SumRow(changed[c], carried, sum);
-    sum.Take(rows[c]);
+    rows[c] = Take(sum);
   });
 }
 
@@ -175,14 +149,14 @@ void Condensation::Project(RowSum & sum) const {
 /// Rows  Bl^T K P  of each macro-element: what the reactions carry to the other rows.
 Array<Array<SparseRow>> Condensation::Carried() const {
   Array<Array<SparseRow>> carried(blocks.Size());
-  ForEach(blocks.Size(), mat->Height(), [&](size_t m, RowSum & sum) {
+  ForEach(blocks.Size(), [&](size_t m, RowSum & sum) {
     auto & block = blocks[m];
     carried[m].SetSize(block.NConstraints());
     for (int k : Range(block.NConstraints())) {
       for (int p : Range(block.pivots))
         AddRow(block.dofs[block.pivots[p]], block.Bl(p, k), sum);
       Project(sum);
-      sum.Take(carried[m][k]);
+      carried[m][k] = Take(sum);
     }
   });
   return carried;

@@ -1,4 +1,5 @@
 #include "sweeporder.hpp"
+#include "indexmap.hpp"
 
 namespace ngslac {
 namespace {
@@ -47,24 +48,20 @@ Array<Array<int>> Neighbours(const Condensation & system, FlatArray<int> node,
                              FlatArray<Node> nodes) {
   Array<Array<int>> neighbours(nodes.Size());
   ParallelForRange(nodes.Size(), [&](IntRange range) {
-    Array<int> last(nodes.Size()), found;
-    last = -1;
+    IndexMap found;
     for (int m : range) {
-      last[m] = m;
-      found.SetSize0();
+      found.Clear();
       FlatArray<int> before(0, nullptr);
       for (int i : nodes[m])
         if (i >= 0) {
           auto columns = system.Columns(i);
           if (columns != before)
             for (int j : columns)
-              if (int other = node[j]; other >= 0 && last[other] != m) {
-                last[other] = m;
-                found.Append(other);
-              }
+              if (int other = node[j]; other >= 0 && other != m)
+                found.Position(other);
           before.Assign(columns);
         }
-      neighbours[m] = found;
+      neighbours[m] = found.Indices();
     }
   });
   return neighbours;

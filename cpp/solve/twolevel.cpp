@@ -12,9 +12,9 @@ TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
   AllocateTriangles();
   std::atomic<bool> singular = false;
   ParallelForRange(order.Size(), [&](IntRange range) {
-    Array<Block *> place(order.Size());
+    IndexMap places;
     for (size_t row : range) {
-      FillRow(system, row, place);
+      FillRow(system, row, places);
       for (int k : Range(width))
         if (!(diagonal[row][width * k + k] > 0))
           singular = true;
@@ -54,20 +54,23 @@ void TwoLevel::AllocateTriangles() {
   }
 }
 
-void TwoLevel::FillRow(const Condensation & system, size_t row, FlatArray<Block *> place) {
+void TwoLevel::FillRow(const Condensation & system, size_t row, IndexMap & places) {
+  ArrayMem<Block *, 100> blocks{&diagonal[row]};
+  places.Clear();
+  places.Position(row);
   size_t below = lower.first[row], above = upper.first[row];
   for (size_t column : order.coupled[row]) {
     auto & triangle = column < row ? lower : upper;
     size_t j = (column < row ? below : above)++;
     triangle.columns[j] = column;
     triangle.blocks[j] = {};
-    place[column] = &triangle.blocks[j];
+    places.Position(column);
+    blocks.Append(&triangle.blocks[j]);
   }
   diagonal[row] = {};
-  place[row] = &diagonal[row];
   auto entries = [&](int column, auto set) {
     if (int s = order.slot[column]; s >= 0)
-      set(place[s / width]->data() + width * (s % width));
+      set(blocks[places.Find(s / width)]->data() + width * (s % width));
   };
   auto dofs = order.dofs.Range(width * row, width * (row + 1));
   auto columns = system.Columns(dofs[0]);

@@ -1,4 +1,5 @@
 #pragma once
+#include "indexmap.hpp"
 #include "sweeporder.hpp"
 
 namespace ngslac {
@@ -33,7 +34,7 @@ private:
   };
 
   void AllocateTriangles();
-  void FillRow(const Condensation & system, size_t row, FlatArray<Block *> place);
+  void FillRow(const Condensation & system, size_t row, IndexMap & places);
   Node Solved(size_t row, Node right, const Node & product) const;
   void Correct(FlatArray<Node> z) const;
 
