@@ -183,23 +183,6 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
   return mat;
 }
 
-void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, const double * values) {
-  auto all = mat.GetRowIndices(row);
-  auto entries = mat.GetRowValues(row);
-  size_t at = 0;
-  for (size_t j : Range(columns)) {
-    if (values[j] == 0)
-      continue;
-    if (at == 0)
-      at = std::lower_bound(all.begin(), all.end(), columns[j]) - all.begin();
-    while (at < all.Size() && all[at] < columns[j])
-      at++;
-    if (at == all.Size() || all[at] != columns[j])
-      throw Exception("ngslac: a contact force has no place in the matrix");
-    AtomicAdd(entries(at), values[j]);
-  }
-}
-
 #define INSTANTIATE(D)                                                                             \
   template Coupling CouplingOf(const FaceShapes<D> &, const FaceShapes<D> &,                       \
                                const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool,       \

@@ -21,7 +21,4 @@ template <int D>
 shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
                                           const FaceShapes<D> & master, FlatArray<int> lamdof,
                                           size_t n);
-
-/// Adds values to those entries of a row that the sorted columns are of; threads may share rows.
-void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, const double * values);
 } // namespace ngslac

@@ -1,3 +1,4 @@
+#include "blocksum.hpp"
 #include "couplings.hpp"
 #include "formbase.hpp"
 #include "selfcontact.hpp"
@@ -322,27 +323,30 @@ private:
                         m, moving_rim, IsTraction(tractions[m]));
     });
     mat = MatrixOf<D>(couplings, *master_shapes, lamdof, nscalars);
-    this->ForMacros([&](size_t m, LocalHeap & lh) {
-      AssembleMacro(m, x, tractions[m], project, couplings[m], lh);
-    });
+    AddBlocksInOrder(jump->Size(), *mat, this->BlockHeap(),
+                     [&](size_t m, LocalHeap & lh, BlockSum & forces) {
+                       AssembleMacro(m, x, tractions[m], project, couplings[m], forces, lh);
+                     });
   }
 
   template <typename PROJECT>
   void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, PROJECT project,
-                     const Coupling & coupling, LocalHeap & lh) {
+                     const Coupling & coupling, BlockSum & forces, LocalHeap & lh) {
     if (points->area[m] == 0) {
       auto p = project(m, jump->normal[m], jump->normal[m]);
       SetMultiplierBlock(m, jump->normal[m], p.derivative);
       return;
     }
     MacroRows<D> rows(coupling.dofs, coupling.turning);
-    auto add = [&](FlatArray<int> masters, FlatMatrix<> block) { AddBlock(masters, block); };
+    auto add = [&](FlatArray<int> masters, FlatMatrix<> block) {
+      AddBlock(masters, block, forces);
+    };
     auto & mean = now->mean[m];
     auto & normal = mean.normal;
     MacroTraction<D> parts(traction, normal);
     AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, moving_rim, rows, add, lh);
     if (!parts.IsZero())
-      AddStiffness(normal, traction, parts.pressure, rows);
+      AddStiffness(normal, traction, parts.pressure, rows, forces);
     Vec<D> slip = 0.0;
     if (Slides(m)) {
       slip = MeanSlip<D>(now->surfaces, *start, m, rows, lh) - Offset(m);
@@ -369,30 +373,27 @@ private:
       for (int k : Range(D))
         (*mat)(rows.dofs[j], lamdof[D * m + k]) = -force(k);
     }
-    for (int k : Range(D))
-      AddToRow(*mat, lamdof[D * m + k], rows.dofs, &entries(k, 0));
+    forces.Add(lamdof.Range(D * m, D * (m + 1)), rows.dofs, std::move(entries));
   }
 
   /// Of the forces on a master face by its own dofs.
-  void AddBlock(FlatArray<int> masters, FlatMatrix<> block) {
+  static void AddBlock(FlatArray<int> masters, FlatMatrix<> block, BlockSum & forces) {
     int n = masters.Size();
     ArrayMem<int, 100> order(n), sorted(n);
-    ArrayMem<double, 100> row(n);
     for (int i : Range(n))
       order[i] = i;
     std::sort(order.begin(), order.end(), [&](int i, int j) { return masters[i] < masters[j]; });
-    for (int i : Range(n))
-      sorted[i] = masters[order[i]];
-    for (int i : Range(n)) {
-      for (int j : Range(n))
-        row[j] = block(i, order[j]);
-      AddToRow(*mat, masters[i], sorted, row.Data());
+    Matrix<> values(n, n);
+    for (int j : Range(n)) {
+      sorted[j] = masters[order[j]];
+      values.Col(j) = block.Col(order[j]);
     }
+    forces.Add(masters, sorted, std::move(values));
   }
 
   /// The split of the multiplier into pressure and tangential traction turns with the normal.
-  void AddStiffness(const Vec<D> & normal, const Vec<D> & traction, double pressure,
-                    MacroRows<D> & rows) {
+  static void AddStiffness(const Vec<D> & normal, const Vec<D> & traction, double pressure,
+                           MacroRows<D> & rows, BlockSum & forces) {
     for (int j : Range(rows.turning)) {
       Vec<D> turn = rows.normal.Col(rows.Position(rows.turning[j]));
       double pressing = -InnerProduct(traction, turn);
@@ -401,8 +402,7 @@ private:
         rows.stiffness(i, j) +=
             pressing * rows.squeeze(i) - InnerProduct(tangential, rows.force.Col(i));
     }
-    for (int i : Range(rows.dofs))
-      AddToRow(*mat, rows.dofs[i], rows.turning, &rows.stiffness(i, 0));
+    forces.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
   }
 
   void SetMultiplierBlock(size_t m, const Vec<D> & normal, const ngbla::Mat<D, D> & derivative) {

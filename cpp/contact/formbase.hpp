@@ -128,19 +128,10 @@ protected:
     Vec<D> slip = (1 / c[m]) * (ComplianceOf(m).At(normal) * Multiplier(m, x));
     return slip - InnerProduct(slip, normal) * normal;
   }
-  /// Runs f(macro, heap) in threads.
-  template <typename F>
-  void ForMacros(F f) const {
-    // Blocks of the dofs of two faces: their size grows with the order.
+  /// Heap for blocks of the dofs of two faces: their size grows with the order.
+  size_t BlockHeap() const {
     size_t functions = D * size_t(pow(slave->Degree() + 1, D - 1));
-    LocalHeap heap(20 * 1000 * 1000 + 300 * sqr(functions), "ngslac-macros", true);
-    ParallelForRange(jump->Size(), [&](IntRange range) {
-      LocalHeap lh = heap.Split();
-      for (auto m : range) {
-        HeapReset hr(lh);
-        f(m, lh);
-      }
-    });
+    return 20 * 1000 * 1000 + 300 * sqr(functions);
   }
   /// The projection, but what slips the other way than in the last Newton step sticks.
   Projection<D> ProjectWithMemory(size_t m, const Vec<D> & normal, const Vec<D> & trial);

@@ -1,0 +1,30 @@
+#include "blocksum.hpp"
+
+namespace ngslac {
+namespace {
+void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, FlatVector<> values) {
+  auto all = mat.GetRowIndices(row);
+  auto entries = mat.GetRowValues(row);
+  size_t at = 0;
+  for (size_t j : Range(columns)) {
+    if (values(j) == 0)
+      continue;
+    if (at == 0)
+      at = std::lower_bound(all.begin(), all.end(), columns[j]) - all.begin();
+    while (at < all.Size() && all[at] < columns[j])
+      at++;
+    if (at == all.Size() || all[at] != columns[j])
+      throw Exception("ngslac: a contact force has no place in the matrix");
+    entries(at) += values(j);
+  }
+}
+} // namespace
+
+void BlockSum::AddTo(SparseMatrix<double> & mat, int part, int parts) const {
+  constexpr int together = 16; // rows of a part: those of neighbouring dofs
+  for (auto & block : blocks)
+    for (int i : Range(block.rows))
+      if (block.rows[i] / together % parts == part)
+        AddToRow(mat, block.rows[i], block.columns, block.values.Row(i));
+}
+} // namespace ngslac

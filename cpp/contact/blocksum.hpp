@@ -1,0 +1,52 @@
+#pragma once
+#include <la.hpp>
+
+namespace ngslac {
+using namespace ngla;
+
+/// Blocks to be added to a matrix later, in rows to which others add, too.
+class BlockSum {
+  struct Block {
+    Array<int> rows, columns; // of these the columns are sorted
+    Matrix<> values;
+  };
+  Array<Block> blocks;
+
+public:
+  /// The columns have to be sorted.
+  void Add(FlatArray<int> rows, FlatArray<int> columns, Matrix<> && values) {
+    blocks.Append(Block{Array<int>(rows), Array<int>(columns), std::move(values)});
+  }
+  void Clear() { blocks.SetSize0(); }
+  /// Adds the rows of one part out of `parts`, which do not meet.
+  void AddTo(SparseMatrix<double> & mat, int part, int parts) const;
+};
+
+/// Runs f(i, heap, sum) for 0 <= i < n in threads, and adds up in the order of i: sums in the order
+/// in which threads arrive would differ in the last bits from run to run. Blocks wait only until
+/// their batch is complete.
+template <typename F>
+void AddBlocksInOrder(size_t n, SparseMatrix<double> & mat, size_t heapsize, F f) {
+  LocalHeap heap(heapsize, "ngslac-blocks", true);
+  int threads = TaskManager::GetNumThreads();
+  Array<BlockSum> sums(32 * threads);
+  for (size_t first = 0; first < n; first += sums.Size()) {
+    auto batch = IntRange(first, min(n, first + sums.Size()));
+    ParallelFor(
+        batch.Size(),
+        [&](size_t k) {
+          LocalHeap lh = heap.Split();
+          sums[k].Clear();
+          f(first + k, lh, sums[k]);
+        },
+        batch.Size());
+    ParallelFor(
+        threads,
+        [&](int part) {
+          for (size_t k : Range(batch.Size()))
+            sums[k].AddTo(mat, part, threads);
+        },
+        threads);
+  }
+}
+} // namespace ngslac
