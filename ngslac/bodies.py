@@ -120,6 +120,8 @@ class Bodies:
         least : float
             Norm of scaled forces that are none.
         """
+        if not self.floating:
+            return False  # what is held, if only just, may not stay anywhere else
         own = slice(self.first, self.first + self.count)
         scaled, factors = (values[own] for values in forces)
         left = self._Left(contacts, holds)
