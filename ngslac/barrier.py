@@ -60,6 +60,15 @@ class Barrier:
         self.s, self.t = bound, self.t * ratio[:, None]
         self.w, self.nu = self.w * ratio**2, self.nu / ratio
 
+    def Center(self, mu):
+        """Go back to the middle of what is allowed, where all products are `mu`."""
+        closed = self.p > self.stiffness * self.gap
+        least = np.sqrt(mu * self.stiffness)
+        self.p = np.where(closed, np.maximum(self.p, least), mu / np.maximum(self.gap, mu / least))
+        self.g, self.t = mu / self.p, self.t / 2
+        self.w = self._Slack()
+        self.nu = np.where(self.rubs, mu / self.w, 0.0)
+
     @property
     def traction(self):
         return self.t - self.p[:, None] * self.normal
@@ -171,6 +180,9 @@ class Tie:
     """
 
     products = np.zeros(2)
+
+    def Center(self, mu):
+        """Nothing limits the tractions."""
 
     def __init__(self, traction, stiffness):
         self.traction, self.stiffness = traction.copy(), TIE * stiffness

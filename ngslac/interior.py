@@ -12,6 +12,8 @@ __all__ = ["InteriorPoint"]
 
 # How often a step is halved until there is a residual.
 HALVINGS = 12
+# After a step as short as this the next one starts from the middle of what is allowed.
+SHORT = 0.1
 
 
 class InteriorPoint:
@@ -77,7 +79,11 @@ class InteriorPoint:
         predicted = self._Mean(s.law.Predicted(step, part) for s, step in self._Each(steps))
         center = before * min(1.0, max((predicted / before) ** 3, 1e-6)) if before else 0.0
         steps, motion = self._Direction(state, mats, center, steps)
-        return self._Take(state, steps, motion)
+        trial, part = self._Take(state, steps, motion)
+        if part < SHORT:
+            for spring in self.springs:
+                spring.law.Center(before)
+        return trial, part
 
     def _Each(self, steps):
         return zip(self.springs, steps, strict=True)

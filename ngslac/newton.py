@@ -89,7 +89,9 @@ class NewtonStep:
             self._islinear = self._MovedLinearly(before, after, -damping * motion)
             self.residual.linear = self.a.mat if self._islinear else None
         if self._motion is not None:
-            self._motion = None if damping == 1 else (1 - damping) * self._motion
+            self._motion = (1 - damping) * self._motion
+            if np.max(np.abs(self._motion)) <= self._rest:
+                self._motion = None
 
     def _MovedLinearly(self, before, after, correction):
         """Did the bulk's residual change as its matrix says, to rounding? None: too short to tell.

@@ -103,6 +103,11 @@ class Residual:
     def linear(self):
         return self._linear
 
+    @property
+    def drowned(self):
+        """Are the forces so small, or the motions so large, that rounding sets the tolerance?"""
+        return 0 < max(self.forces, self.converged) < self.rounding / self.tol
+
     @linear.setter
     def linear(self, mat):
         self._linear = mat if mat is self._proposed else None

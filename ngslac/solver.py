@@ -24,7 +24,7 @@ from ngslac.problem import (
 )
 from ngslac.progress import Progress
 from ngslac.residual import Residual
-from ngslac.search import StatusSearch
+from ngslac.search import FAILURES, StatusSearch
 from ngslac.snapshot import Snapshot
 
 __all__ = ["ContactSolver"]
@@ -185,6 +185,7 @@ class ContactSolver(NewtonStep):
         self._path, self._exhausted = path, False
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
+            self._rest = np.finfo(float).eps * np.max(np.abs(self._motion))  # which is none
         if printing and self._silent:
             print(f"  {self.linear}")
             self._silent = False
@@ -276,21 +277,38 @@ class ContactSolver(NewtonStep):
         if not state.finite:
             raise ContactConvergenceError(f"{state.reason} at the start")
         start, motion = self.gf.vec.FV().NumPy().copy(), self._motion
+        found = None
         try:
             if self._CloseWhatFloats(start=True):
                 state = self.residual.Measure(self.scale, honest=True)
             self._Record(state)
-            return self._Newton(state, min(maxit, NEWTON))
+            last = self._Newton(state, min(maxit, NEWTON))
+            if not (self.residual.drowned and np.any(self._status) and self._Bodies().floating):
+                return last
+            found = self.gf.vec.FV().NumPy().copy()
+            raise ContactConvergenceError("bodies move until their forces are rounding errors")
         except InvertedError:
             raise
-        except (ContactConvergenceError, LinearSolveError) as error:
-            self._exhausted = not self._MayHold()
-            left = maxit - len(self.history)
+        except FAILURES as error:
+            return self._Otherwise(error, maxit, start, motion, found)
+
+    def _Otherwise(self, error, maxit, start, motion, found):
+        """The last line of another method, from the start again; else what Newton's found."""
+        values = self.gf.vec.FV().NumPy()
+        self._exhausted = found is None and not self._MayHold()
+        left = maxit - len(self.history)
+        try:
             if self._exhausted or left < LEAST or not (self._path or self._IsLinear()):
-                raise
-            self.gf.vec.FV().NumPy()[:], self._motion = start, motion
+                raise error
+            values[:], self._motion = start, motion
             self._exhausted = True
-            return self._FollowPath(maxit, error)
+            return StatusSearch(self, maxit).Run(error)
+        except FAILURES:
+            if found is None or self._Bodies().Lost(found):
+                raise
+            values[:], self._motion = found, None
+            self._Record(self._Measure())
+            return self._Accepted()
 
     def _Newton(self, state, maxit):
         """Newton's method from the State recorded last, at most so many steps; the last line."""
@@ -329,9 +347,6 @@ class ContactSolver(NewtonStep):
     def _Converged(self, state):
         done = state.equilibrium < self.tol and state.constraint < self.tol
         return done and self._motion is None
-
-    def _FollowPath(self, maxit, error):
-        return StatusSearch(self, maxit).Run(error)
 
     def _IsLinear(self):
         """Is nothing but the contact law nonlinear?"""
