@@ -73,23 +73,18 @@ public:
   }
 
 private:
-  /// Widens towards the rim of a curved face, where normals differ from that of the facet.
+  /// Straight, as pieces are cut out along the normal of the facet. True normals of a curved face
+  /// spread, but a box that did so would find, far away, more and more faces that no piece is of.
   OrientedBox<3> SearchBox(const FacetMap & map, double reach) const {
     auto & facet = map.GetFacet();
     double ahead = min(reach, options.maxdist), behind = min(reach, penetration);
     OrientedBox<3> box{map.Origin() + 0.5 * (ahead - behind) * map.Normal(),
                        {map.Tangent(0), map.Tangent(1), map.Normal()},
                        {0, 0, 0.5 * (ahead + behind)}};
-    double turn = 0;
-    for (int i : Range(facet.n)) {
+    for (int i : Range(facet.n))
       box.Add(facet.x[i]);
-      Vec<3> x;
-      Mat<3, 2> dx;
-      slave.Evaluate(facet.face, facet.xi[i], x, dx);
-      turn = max(turn, L2Norm(slave.Normal(facet.face, dx) - map.Normal()));
-    }
     for (double & half : box.half)
-      half += 0.05 * facet.size + turn * max(ahead, behind);
+      half += 0.05 * facet.size;
     return box;
   }
 
