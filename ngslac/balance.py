@@ -20,7 +20,7 @@ class EnergyBalance:
     internal : float
         Work done on the material: the strain energy, where it is elastic.
     external : float
-        Work of loads and of supports that move.
+        Work of loads, and of supports and obstacles that move.
     friction : float
         Dissipated by sliding, >= 0.
     impact : float

@@ -328,12 +328,10 @@ def ActiveRows(contact, holds="now"):
     """
     table, form = contact.Table(), contact.form
     d = contact.mesh.dim
-    closed = table["area"] > 0 if holds == "closed" else table["status"] > 0
-    stick = closed & ((table["status"] == 1) | ((holds != "now") & contact.holds_tangentially))
-    if not np.any(closed):
+    stick, slip = _AtWork(contact, table, holds)
+    if not len(slip) and not np.any(stick):
         return csr_matrix((0, contact.nscalars))
     jump = ToCSR(form.JumpMatrix(Side.both))
-    slip = np.flatnonzero(closed & ~stick)
     normals = csr_matrix(
         (
             table["normal"][slip].ravel(),
@@ -345,6 +343,33 @@ def ActiveRows(contact, holds="now"):
     columns = rows.indices + form.offset * form.fes.dim
     shape = rows.shape[0], contact.nscalars
     return csr_matrix((rows.data / table["fullarea"].mean(), columns, rows.indptr), shape=shape)
+
+
+def _AtWork(contact, table, holds):
+    """Macro-elements held in all directions (as mask), and along the normal only (numbers)."""
+    closed = table["area"] > 0 if holds == "closed" else table["status"] > 0
+    stick = closed & ((table["status"] == 1) | ((holds != "now") & contact.holds_tangentially))
+    return stick, np.flatnonzero(closed & ~stick)
+
+
+def ActiveRates(contact, rates):
+    """What `ActiveRows` times the velocity is, if each mean gap changes with its obstacle alone.
+
+    Parameters
+    ----------
+    contact : LACContact
+    rates : (m,) array
+        By which the obstacle opens the mean gaps (length per time).
+
+    Returns
+    -------
+    (n,) array
+        One for each row.
+    """
+    table = contact.Table()
+    stick, slip = _AtWork(contact, table, "now")
+    rates = rates * table["area"] / table["fullarea"].mean()
+    return np.concatenate([(rates[:, None] * table["normal"])[stick].ravel(), rates[slip]])
 
 
 def NullSpace(matrix):

@@ -48,7 +48,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
     obstacle : float, CoefficientFunction or Parameter
         Instead of a master: the gap to a rigid obstacle along the outward slave normal (> 0 open),
         as a function on the slave surface in the reference configuration. The obstacle moves where
-        the function holds a Parameter, such as the load or the time.
+        the function holds a Parameter, such as the load or the time; in dynamics it hits with its
+        velocity along the normal, relative to that of the slave.
     friction : float, CoefficientFunction or Parameter
         Coulomb's coefficient, >= 0. None: frictionless.
     tresca : float, CoefficientFunction or Parameter

@@ -20,6 +20,7 @@ from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.errors import ContactConvergenceError
 from ngslac.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.loads import LoadVector
+from ngslac.obstacles import Obstacles
 from ngslac.prescribed import CheckKept, Prescribed
 from ngslac.progress import Progress
 from ngslac.residual import Residual
@@ -110,6 +111,7 @@ class TimeStepper:
         self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), None
         self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
         self.velocity = GridFunction(solver.gf.space, name="velocity")
+        self._obstacles = Obstacles(solver.contacts)
         self.balance, self.steps = None, []
         self._momentum = None  # M times the acceleration due to the bulk's forces
         self._rate = None  # mean velocity of the last step, and its length
@@ -195,6 +197,7 @@ class TimeStepper:
             "balance": self.balance,
             "momentum": self._momentum,
             "rate": self._rate,
+            "obstacles": self._obstacles.state,
             "forces": self._balanced,
             "dt": self.form.dt,
         }
@@ -207,13 +210,14 @@ class TimeStepper:
         state : dict
             Of `State`.
         """
-        CheckState(state, "time", "solver", "velocity", "steps", "balance", "momentum")
+        CheckState(state, "time", "solver", "velocity", "steps", "balance", "momentum", "obstacles")
         self.time.Set(state["time"])
         self.solver.SetState(state["solver"])
         self.velocity.vec.FV().NumPy()[:] = state["velocity"]
         self.steps[:] = state["steps"]
         self.balance, self._momentum = state["balance"], state["momentum"]
         self._rate, self._balanced = state["rate"], state["forces"]
+        self._obstacles.state = state["obstacles"]
         if state["dt"]:
             self.form.SetStep(state["dt"])
         self.solver._islinear = None
@@ -281,8 +285,10 @@ class TimeStepper:
         dt = self.form.dt
         inertial = start + dt * self._Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
-        self.time.Set(goal)
         try:
+            self._obstacles.Begin(self.gf)
+            self.time.Set(goal)
+            self._obstacles.Move(self.gf)
             self.mass.CheckConstant()
             if self._prescribed:
                 self._prescribed.Set()
@@ -310,8 +316,10 @@ class TimeStepper:
         works["external"] += self._MoveSupports(velocity, motion / dt, dt)
         for contact in self.solver.contacts:
             contact.Commit(self.gf)
-        admissible = mass.Arrest(self.solver.contacts, velocity)
-        works["impact"] += mass.Energy(velocity) - mass.Energy(admissible)
+        admissible = mass.Arrest(self.solver.contacts, velocity, self._obstacles.Rates(dt))
+        lost = mass.Energy(velocity - admissible)
+        works["impact"] += lost
+        works["external"] += lost - mass.Energy(velocity) + mass.Energy(admissible)
         works["internal"] = 0.5 * float((old + force + oldloads + loads) @ motion)
         self.velocity.vec.FV().NumPy()[:] = admissible
         self._balanced, self._momentum = (force, loads), momentum
@@ -362,14 +370,16 @@ class TimeStepper:
         return vec
 
     def _Works(self, motion, loads):
-        """Works of contact, friction, loads and supports in this step, before its commit."""
+        """Works of contact, friction, loads, supports, obstacles in this step, before its commit."""
         forces, work, friction = ContactWorks(self.solver.contacts, self.gf, motion)
         balance = self.gf.vec.CreateVector()
         self.form.Apply(self.gf.vec, balance)
         reaction = balance.FV().NumPy() + forces - self._Load().FV().NumPy()
         supports = float((reaction * ~self.mass.free) @ motion)
         external = supports + 0.5 * float((self._balanced[1] + loads) @ motion)
-        return {"external": external, "friction": friction, "impact": -work - friction}
+        pushed = self._obstacles.Work()
+        impact = pushed - work - friction
+        return {"external": external + pushed, "friction": friction, "impact": impact}
 
     def Table(self):
         """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""

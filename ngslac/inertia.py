@@ -20,7 +20,7 @@ from scipy.sparse import vstack
 
 from ngslac.arguments import CheckNumber, Components, Shown, Wrong
 from ngslac.arrays import AsBits
-from ngslac.bodies import ActiveRows
+from ngslac.bodies import ActiveRates, ActiveRows
 
 __all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
 
@@ -145,14 +145,27 @@ class Mass:
         """Kinetic energy."""
         return 0.5 * float(velocity @ self.Times(velocity))
 
-    def Arrest(self, contacts, velocity):
+    def Arrest(self, contacts, velocity, rates):
         """The velocity without its part against the constraints at work.
 
-        Closed macro-elements keep no normal relative velocity, sticking ones none at all. The
-        change is orthogonal with respect to the mass: it can only take energy away.
+        Closed macro-elements keep no normal velocity relative to the other side, sticking ones
+        none at all. The change is orthogonal with respect to the mass: in a frame that moves with
+        the other side it can only take energy away.
+
+        Parameters
+        ----------
+        contacts : list[LACContact]
+        velocity : (n,) array
+        rates : list of (m,) array
+            By which obstacles open the mean gaps of each contact.
+
+        Returns
+        -------
+        (n,) array
         """
         rows = vstack([ActiveRows(contact) for contact in contacts]).tocsr()
         rate = rows @ velocity
+        rate -= np.concatenate([ActiveRates(*pair) for pair in zip(contacts, rates, strict=True)])
         if not np.any(rate):
             return velocity
         transposed = rows.T.tocsr()

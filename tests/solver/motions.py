@@ -98,7 +98,10 @@ def on_ground(
     inverse=None,
     **options,
 ):
-    """A block of density 1 over a rigid plane at the distance `gap`; `load(v, t)` adds forms."""
+    """A block of density 1 over a rigid plane at a distance, a number or a function of time.
+
+    `load(u, v, t)` adds forms.
+    """
     width, height = size
     nx, ny = divisions
     mesh = mesh or MakeStructured2DMesh(
@@ -115,7 +118,8 @@ def on_ground(
     if load:
         a += load(u, v, time)
     gf = GridFunction(X)
-    contact = LACContact(u, lam, obstacle=CF(gap), friction=friction)
+    far = gap(time) if callable(gap) else CF(gap)
+    contact = LACContact(u, lam, obstacle=far, friction=friction)
     solver = ContactSolver(a, gf, contact, inverse=inverse)
     stepper = TimeStepper(solver, 1.0, time=time, **options)
     return Motion(mesh, stepper, contact, time, width)

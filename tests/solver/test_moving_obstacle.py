@@ -1,0 +1,90 @@
+"""Rigid obstacles that move: what they do to a body depends on the relative velocity alone."""
+
+import numpy as np
+import pytest
+from motions import bar, on_ground, values
+from ngsolve import CF, GridFunction, sin
+
+SPEED, GAP = 1.0, 0.12  # no multiple of the step: there a rounding error tells what touches
+
+
+def hit(*, end, rho_inf=1.0, friction=None):
+    """Motions of a body at rest, hit by a wall; and of one thrown at a wall that stands."""
+    same = {"n": 10, "dt": 0.05, "rho_inf": rho_inf, "friction": friction}
+    wall = bar(gap=lambda t: GAP - SPEED * t, **same)
+    wall.throw(0, 0)
+    body = bar(gap=GAP, **same)
+    for motion in (wall, body):
+        motion.run(end)
+    return wall, body
+
+
+def in_frame(motion, field, speed):
+    """Values of a displacement or velocity, seen by one who moves up with `speed`."""
+    shift = motion.gf.space.components[0]
+    moved = GridFunction(shift)
+    moved.Set(CF((0, speed)))
+    return values(field.components[0]) - moved.vec.FV().NumPy()
+
+
+@pytest.mark.parametrize("rho_inf", [1.0, 0.8])
+@pytest.mark.parametrize("end", [1.0, 2.6])  # in the middle of the impact, and after it
+def test_a_wall_that_moves_does_what_a_body_that_moves_gets(end, rho_inf):
+    wall, body = hit(end=end, rho_inf=rho_inf)
+    np.testing.assert_allclose(
+        [row[1] for row in wall.record], [row[1] for row in body.record], rtol=0, atol=1e-10
+    )
+    displacement = in_frame(wall, wall.gf, SPEED * end)
+    np.testing.assert_allclose(displacement, values(body.gf.components[0]), rtol=0, atol=1e-10)
+    velocity = in_frame(wall, wall.stepper.velocity, SPEED)
+    expected = values(body.stepper.velocity.components[0])
+    np.testing.assert_allclose(velocity, expected, rtol=0, atol=1e-9)
+
+
+def test_the_body_leaves_the_wall_with_twice_its_velocity():
+    wall, _ = hit(end=2.6)
+    assert wall.mean(wall.stepper.velocity)[1] == pytest.approx(2 * SPEED, rel=0.05)
+
+
+def test_losses_do_not_depend_on_the_frame_and_the_wall_does_the_work():
+    wall, body = hit(end=2.6)
+    moved, still = wall.stepper.balance, body.stepper.balance
+    for name in ("impact", "friction", "algorithmic", "internal"):
+        assert getattr(moved, name) == pytest.approx(getattr(still, name), abs=1e-10)
+    losses = [step.balance.impact for step in wall.stepper.steps]
+    assert np.all(np.diff(losses) >= -1e-13)
+    assert still.external == pytest.approx(0, abs=1e-12)
+    gained = moved.kinetic + moved.internal + moved.impact + moved.friction + moved.algorithmic
+    assert moved.external == pytest.approx(gained, rel=1e-10)
+
+
+def test_a_body_on_a_shaken_ground_moves_with_it():
+    """Heavy enough to stay: its lower side has the ground's velocity, of second order."""
+    errors = []
+    for dt in (0.04, 0.02):
+        motion = on_ground(
+            gap=lambda t: -0.01 * sin(2 * t),
+            gravity=1.0,
+            modulus=1e4,
+            dt=dt,
+            rho_inf=0.5,
+            flags={"dirichletx": "left|right"},
+        )
+        motion.run(0.8)
+        assert np.all(motion.contact.Table()["status"] > 0)
+        at = motion.mesh(0.5, 0.0)
+        errors.append(abs(motion.stepper.velocity.components[0](at)[1] - 0.02 * np.cos(1.6)))
+    assert errors[1] < 2e-5
+    assert errors[1] < 0.35 * errors[0]
+
+
+def test_friction_on_a_wall_that_moves_is_that_of_the_one_that_stands():
+    results = []
+    for speed in (0.0, 0.5):
+        motion = on_ground(gap=lambda t, v=speed: -v * t, friction=0.3, gravity=1.0, dt=0.05)
+        motion.throw(0.4, speed)
+        motion.run(1.0)
+        results.append((motion.mean(motion.stepper.velocity), motion.stepper.balance.friction))
+    (still, lost), (moved, lostthere) = results
+    assert moved - still == pytest.approx([0, 0.5], abs=1e-9)
+    assert lostthere == pytest.approx(lost, rel=1e-9)
