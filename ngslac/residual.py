@@ -133,7 +133,7 @@ class Residual:
         self.reference, self.tol = self.converged, tol
         state = self.Measure(scale, honest=True)
         # A body that moves without touching feels nothing but the jump of its Dirichlet values.
-        self.reference = max(self.converged, 1e-3 * self.forces)
+        self.reference = max(self.converged, 1e-5 * self.forces)
         return state
 
     def Follow(self):

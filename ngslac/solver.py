@@ -31,6 +31,8 @@ __all__ = ["ContactSolver"]
 
 # Newton steps before another method is tried, and what that has to have left to be tried.
 NEWTON, LEAST = 30, 10
+# Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
+STRAYED = 0.5
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
 
@@ -283,7 +285,7 @@ class ContactSolver(NewtonStep):
                 state = self.residual.Measure(self.scale, honest=True)
             self._Record(state)
             last = self._Newton(state, min(maxit, NEWTON))
-            if not (self.residual.drowned and np.any(self._status) and self._Bodies().floating):
+            if not (self.residual.drowned and self._Strays()):
                 return last
             found = self.gf.vec.FV().NumPy().copy()
             raise ContactConvergenceError("bodies move until their forces are rounding errors")
@@ -292,13 +294,21 @@ class ContactSolver(NewtonStep):
         except FAILURES as error:
             return self._Otherwise(error, maxit, start, motion, found)
 
+    def _Strays(self):
+        """Did a body that contact holds slip as far as macro-elements are large?"""
+        tables = [(c.Table(), c.mesh.dim - 1) for c in self.contacts]
+        slips = [np.linalg.norm(t["slip"], axis=1) / t["fullarea"] ** (1 / d) for t, d in tables]
+        return bool(self._Bodies().floating) and np.max(np.concatenate(slips)) > STRAYED
+
     def _Otherwise(self, error, maxit, start, motion, found):
         """The last line of another method, from the start again; else what Newton's found."""
         values = self.gf.vec.FV().NumPy()
         self._exhausted = found is None and not self._MayHold()
         left = maxit - len(self.history)
         try:
-            if self._exhausted or left < LEAST or not (self._path or self._IsLinear()):
+            loose = found is not None or isinstance(error, FloatingBodyError)
+            suits = loose or self._path or self._IsLinear()
+            if self._exhausted or left < LEAST or not suits:
                 raise error
             values[:], self._motion = start, motion
             self._exhausted = True
