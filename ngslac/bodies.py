@@ -1,16 +1,16 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, x, y, z
 from scipy.linalg import qr
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
-from ngslac.arrays import AsBits, AsNumPy
-from ngslac.rigidmotions import DofsOfMaterials, RigidMotions
+from ngslac.arrays import AsBits
+from ngslac.bodynames import BodyNames
+from ngslac.rigidmotions import RigidMotions
 
-__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "LostMessage"]
+__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "JumpRows", "LostMessage"]
 
 TOLERANCE = 1e-8
 # How far a body goes, relative to the size of the mesh, when nothing holds it.
@@ -44,10 +44,11 @@ class Bodies:
         if not AreApart(self.part, forces, values, pushed):
             self.part = ConnectedParts(mat, form.offset, space.ndof).repeat(block)
         allowed = self._Allowed(sizes > 0, free[self.first : self.first + self.count])
-        self.floating = []  # (part, material, combinations of motions as columns)
-        for dofs, combinations in self._WithoutForces(allowed, forces, sizes):
-            name = Material(space, dofs, block)
-            self.floating.append((self.part[dofs[0]], name, combinations))
+        self.floating = [  # (part, combinations of motions as columns)
+            (self.part[dofs[0]], combinations)
+            for dofs, combinations in self._WithoutForces(allowed, forces, sizes)
+        ]
+        self.name = BodyNames(space, self.part, sizes > 0, self.motions)
 
     def _Allowed(self, used, free):
         """Parts that their constrained dofs let move: dofs, combinations of motions as columns."""
@@ -99,14 +100,17 @@ class Bodies:
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
         place = self._Places()
         coordinates = np.zeros((len(self.floating), len(self.names), len(place)))
-        together = np.concatenate([motions for *_, motions in self.floating], axis=1)
+        together = np.concatenate([motions for _, motions in self.floating], axis=1)
         coordinates[place, :, np.arange(len(place))] = together.T
         wanted = coordinates.reshape(-1, len(place)) @ left
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = qr(wanted.T, pivoting=True)
         chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: left.shape[1]])]
-        return [f"body {self._Name(body)} floats ({self.names[k]})" for body, k in chosen]
+        return [
+            f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
+            for body, k in chosen
+        ]
 
     def AreIdle(self, contacts, holds, forces, least):
         """Do no forces push along the motions that contact leaves? Then bodies may stay.
@@ -126,7 +130,7 @@ class Bodies:
         scaled, factors = (values[own] for values in forces)
         left = self._Left(contacts, holds)
         weights, at = np.zeros((self.count, left.shape[1])), 0
-        for part, _, combinations in self.floating:
+        for part, combinations in self.floating:
             inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
             moved = self.motions[inside] @ (combinations @ left[at : at + count])
             weights[inside], at = moved * factors[inside, None], at + count
@@ -137,27 +141,13 @@ class Bodies:
     def _Left(self, contacts, holds):
         """The motions that contact leaves, as columns of weights of all `combinations`."""
         rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
-        prevented = [self._Jump(rows, part) @ motions for part, _, motions in self.floating]
+        prevented = [self._Jump(rows, part) @ motions for part, motions in self.floating]
         return NullSpace(np.concatenate(prevented, axis=1))
 
     def _Places(self):
         """Which of the floating bodies each of all combinations belongs to."""
-        counts = [motions.shape[1] for *_, motions in self.floating]
+        counts = [motions.shape[1] for _, motions in self.floating]
         return np.repeat(np.arange(len(counts)), counts)
-
-    def _Name(self, body):
-        """The material, and of several bodies of one material also the middle of this one."""
-        part, name, _ = self.floating[body]
-        if [other for _, other, _ in self.floating].count(name) == 1:
-            return f"'{name}'"
-        shift = GridFunction(self.space)  # is (1, 0, ..) on this body and 0 on others
-        inside = np.flatnonzero(self.part == part)
-        shift.vec.FV().NumPy()[inside] = self.motions[inside, 0]
-        mesh = self.space.mesh
-        one = InnerProduct(shift, CoefficientFunction((1, 0, 0)[: mesh.dim]))
-        moments = Integrate(CoefficientFunction((x * one, y * one, z * one, one)), mesh)
-        middle = ", ".join(f"{moments[k] / moments[3]:.3g}" for k in range(mesh.dim))
-        return f"'{name}' around ({middle})"
 
     def Lost(self, values):
         """Descriptions of the bodies that displacements (n,) carry off like rigid ones.
@@ -165,7 +155,7 @@ class Bodies:
         Farther than the size of the mesh, and far more than they deform.
         """
         lost = []
-        for body, (part, _, combinations) in enumerate(self.floating):
+        for part, combinations in self.floating:
             own = np.flatnonzero(self.part == part)
             motions = self.motions[own] @ combinations
             moved = values[self.first + own]
@@ -174,7 +164,7 @@ class Bodies:
             far = np.max(np.abs(rigid)) > FAR * self.size
             if far and np.max(np.abs(moved - rigid)) < 0.2 * np.max(np.abs(rigid)):
                 most = np.argmax(np.abs(combinations @ weights))
-                lost.append(f"body {self._Name(body)} moves off ({self.names[most]})")
+                lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
         return lost
 
     def _Jump(self, rows, part):
@@ -243,17 +233,6 @@ def AreApart(part, forces, values, pushed):
     sizes = np.zeros(1 + part.max(initial=0))
     np.maximum.at(sizes, part, np.abs(pushed))
     return bool(np.all(np.abs(forces(weights * values) - weights * pushed) <= 1e-12 * sizes[part]))
-
-
-def Material(space, dofs, block):
-    """The first material on which the space has one of these scalar dofs."""
-    inside = np.zeros(space.ndof, dtype=bool)
-    inside[dofs // block] = True
-    materials = np.array(space.mesh.GetMaterials())
-    for name in dict.fromkeys(materials):
-        if np.any(inside & AsNumPy(DofsOfMaterials(space, materials == name))):
-            return str(name)
-    return "?"
 
 
 def CloseNearest(contacts, gf, floating):
@@ -331,7 +310,7 @@ def ActiveRows(contact, holds="now"):
     stick, slip = _AtWork(contact, table, holds)
     if not len(slip) and not np.any(stick):
         return csr_matrix((0, contact.nscalars))
-    jump = ToCSR(form.JumpMatrix(Side.both))
+    jump = JumpRows(contact)
     normals = csr_matrix(
         (
             table["normal"][slip].ravel(),
@@ -370,6 +349,11 @@ def ActiveRates(contact, rates):
     stick, slip = _AtWork(contact, table, "now")
     rates = rates * table["area"] / table["fullarea"].mean()
     return np.concatenate([(rates[:, None] * table["normal"])[stick].ravel(), rates[slip]])
+
+
+def JumpRows(contact):
+    """What each macro-element sees of a displacement, times its area: d rows of each, sparse."""
+    return ToCSR(contact.form.JumpMatrix(Side.both))
 
 
 def NullSpace(matrix):

@@ -13,6 +13,8 @@ class ContactConvergenceError(RuntimeError):
     exhausted : bool
         Was all tried that finds the contact status? Then a smaller step of the same kind fails,
         too, as long as it is the load that has no equilibrium.
+    certain : bool
+        Is there no equilibrium at this load for certain? Then nothing else is worth trying.
 
     Examples
     --------
@@ -29,7 +31,7 @@ class ContactConvergenceError(RuntimeError):
 
     def __init__(self, message, history=()):
         super().__init__(message)
-        self.history, self.exhausted = list(history), False
+        self.history, self.exhausted, self.certain = list(history), False, False
 
 
 class FloatingBodyError(ContactConvergenceError):

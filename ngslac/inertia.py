@@ -269,6 +269,8 @@ def DefinedOn(space):
 class Inert:
     """In place of `Bodies`: what has mass does not float, however small the mass is."""
 
+    floating = ()
+
     def Floating(self, contacts, holds="now"):
         return []
 

@@ -15,7 +15,7 @@ from ngsolve import (
     z,
 )
 
-__all__ = ["DofsOfMaterials", "RigidMotions"]
+__all__ = ["DofsOfMaterials", "RigidMotions", "Turned"]
 
 ACCURACY = 1e-10
 
@@ -49,6 +49,21 @@ def RigidMotions(space):
             columns.append(gf.vec.FV().NumPy().copy())
         motions = np.stack(columns, axis=1)
     return motions, names, size
+
+
+def Turned(space, displacement, size):
+    """What a displacement (n,) changes `RigidMotions` by: (n, m), those of the deformed mesh.
+
+    Zero for spaces of which the components are not alike.
+    """
+    d = space.mesh.dim
+    tables, _ = Tables(d)
+    if space.dim != d and not SameComponents(space):
+        return np.zeros((len(displacement), len(tables)))
+    values = displacement.reshape(-1, d) if space.dim == d else displacement.reshape(d, -1).T
+    order = "icm" if space.dim == d else "cim"
+    turned = np.einsum(f"ib,mcb->{order}", values / size, tables[:, :, 1:])
+    return turned.reshape(len(displacement), -1)
 
 
 def Tables(d):

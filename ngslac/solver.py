@@ -24,6 +24,7 @@ from ngslac.problem import (
 )
 from ngslac.progress import Progress
 from ngslac.residual import Residual
+from ngslac.rigidbalance import CarriedOff, IsLinear
 from ngslac.search import FAILURES, StatusSearch
 from ngslac.snapshot import Snapshot
 
@@ -185,6 +186,7 @@ class ContactSolver(NewtonStep):
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
         self._path, self._exhausted = path, False
+        self._unbalanced, self._certain = "", False
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
             self._rest = np.finfo(float).eps * np.max(np.abs(self._motion))  # which is none
@@ -206,11 +208,16 @@ class ContactSolver(NewtonStep):
                 message = FloatingMessage(floating) if floating else str(error)
                 raise self._Known(kind(message)) from error
             if isinstance(error, ContactConvergenceError):
-                self._Known(error)
+                known = self._Known(error)
+                raise known from (None if known is error else error)
             raise
 
     def _Known(self, error):
-        error.history, error.exhausted = self.history, self._exhausted
+        """The error with all that is known of it: which body is carried off, first of all."""
+        if self._unbalanced:
+            error = FloatingBodyError(self._unbalanced)
+        error.history, error.certain = self.history, self._certain
+        error.exhausted = self._exhausted or bool(self._unbalanced)
         return error
 
     def Merit(self, *, same_load=False):
@@ -289,7 +296,8 @@ class ContactSolver(NewtonStep):
                 return last
             found = self.gf.vec.FV().NumPy().copy()
             raise ContactConvergenceError("bodies move until their forces are rounding errors")
-        except InvertedError:
+        except InvertedError as error:
+            self._CheckBalance(error, start, motion)
             raise
         except FAILURES as error:
             return self._Otherwise(error, maxit, start, motion, found)
@@ -305,6 +313,7 @@ class ContactSolver(NewtonStep):
         values = self.gf.vec.FV().NumPy()
         self._exhausted = found is None and not self._MayHold()
         left = maxit - len(self.history)
+        self._CheckBalance(error, start, motion)
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
             suits = loose or self._path or self._IsLinear()
@@ -319,6 +328,18 @@ class ContactSolver(NewtonStep):
             values[:], self._motion = found, None
             self._Record(self._Measure())
             return self._Accepted()
+
+    def _CheckBalance(self, error, start, motion):
+        """From the start again: raise the error if the loads have no equilibrium for certain."""
+        if self._exhausted:
+            return
+        now, left = self.gf.vec.FV().NumPy().copy(), self._motion
+        self.gf.vec.FV().NumPy()[:], self._motion = start, motion
+        self._unbalanced = CarriedOff(self)
+        self._certain = bool(self._unbalanced) and IsLinear(self)
+        if self._certain:
+            raise error
+        self.gf.vec.FV().NumPy()[:], self._motion = now, left
 
     def _Newton(self, state, maxit):
         """Newton's method from the State recorded last, at most so many steps; the last line."""

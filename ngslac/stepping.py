@@ -217,7 +217,7 @@ class LoadStepper:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
                 cuts, hopeless = cuts + 1, hopeless + error.exhausted
-                if abs(half) >= least and hopeless <= MOST_HOPELESS:
+                if abs(half) >= least and hopeless <= MOST_HOPELESS and not error.certain:
                     if self.printing:
                         print("  halved")
                     size = half
@@ -240,7 +240,7 @@ class LoadStepper:
                 except ContactConvergenceError:
                     continue
         known = type(error)(self._Diagnosis(error), error.history)
-        known.exhausted = error.exhausted
+        known.exhausted, known.certain = error.exhausted, error.certain
         raise known from error
 
     def _Attempt(self, goal, maxit, tol, start, path):

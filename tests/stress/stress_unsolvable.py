@@ -43,10 +43,10 @@ def Brick(gap=0.0, friction=0.3, finite=False, steps=1, n=(5, 9), **flags):
 @problem((0.2, 1, 0, 0.0), (0.5, 1, 0, 0.0), (0.2, 5, 0, 0.0), (0.3, 2, 1, 0.0), (0.5, 1, 0, 0.01),
          (1.0, 20, 0, 0.0))  # fmt: skip
 def NoSlidesAway(argument):
-    """The sideways force exceeds what friction carries."""
+    """The sideways force exceeds what friction carries, or tips the brick over before that."""
     friction, steps, finite, gap = argument
     p = Brick(gap, friction, bool(finite), steps)
-    p.says = Says(SLIDES, "brick")
+    p.says = Says(SLIDES if friction < 0.77 else "tips over", "brick")
     p.Traction("brick_top", p.load * CF((1.3 * friction, -1.0)))
     return p
 

@@ -1,0 +1,67 @@
+"""What bodies are called in messages."""
+
+import numpy as np
+from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, x, y, z
+
+from ngslac.arrays import AsNumPy
+from ngslac.rigidmotions import DofsOfMaterials
+
+__all__ = ["BodyNames"]
+
+
+class BodyNames:
+    """Names of the connected parts of a displacement space.
+
+    Parameters
+    ----------
+    space : FESpace
+        Of the displacement.
+    part : (n,) int
+        Number of the body that each scalar dof belongs to.
+    used : (n,) bool
+        Scalar dofs that the bulk knows.
+    motions : (n, m) array
+        `RigidMotions` of the space: translations first.
+    """
+
+    def __init__(self, space, part, used, motions):
+        self.space, self.part, self.used, self.motions = space, part, used, motions
+        self.block = len(part) // space.ndof
+        self.materials = np.array(space.mesh.GetMaterials())
+
+    def __call__(self, part):
+        """The material, and of several bodies of one material also number and middle of this."""
+        name = self.Material(part)
+        alike = self._Alike(name)
+        if len(alike) == 1:
+            return f"'{name}'"
+        middle = ", ".join(f"{value:.3g}" for value in self.Middle(part))
+        number = f"{alike.index(part) + 1} of {len(alike)}, " if part in alike else ""
+        return f"'{name}' ({number}around ({middle}))"
+
+    def Material(self, part):
+        """The first material of a body."""
+        inside = np.zeros(self.space.ndof, dtype=bool)
+        inside[np.flatnonzero((self.part == part) & self.used) // self.block] = True
+        for name in dict.fromkeys(self.materials):
+            if np.any(inside & self._Dofs(name)):
+                return str(name)
+        return "?"
+
+    def _Dofs(self, name):
+        return AsNumPy(DofsOfMaterials(self.space, self.materials == name))
+
+    def _Alike(self, name):
+        """The bodies of a material, in the order of the mesh."""
+        own = self._Dofs(name).repeat(self.block) & self.used
+        return list(dict.fromkeys(self.part[own].tolist()))
+
+    def Middle(self, part):
+        """The middle of a body in the reference configuration, as a tuple."""
+        mesh = self.space.mesh
+        shift = GridFunction(self.space)  # is a translation on this body and 0 on others
+        inside = np.flatnonzero(self.part == part)
+        shift.vec.FV().NumPy()[inside] = self.motions[inside, : mesh.dim].sum(axis=1)
+        one = InnerProduct(shift, CoefficientFunction((1,) * mesh.dim))
+        moments = Integrate(CoefficientFunction((x * one, y * one, z * one, one)), mesh)
+        return tuple(moments[k] / moments[3] for k in range(mesh.dim))

@@ -1,0 +1,288 @@
+"""Can contact within its friction balance the loads on bodies that nothing else holds?
+
+Moved as rigid ones, bodies feel the loads and contact alone. Their balance is linear in the
+tractions, and what tractions there may be is a cone: a linear programme tells whether one of them
+balances the loads, or finds the motion along which the loads win. It needs no solution.
+"""
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csc_matrix, csr_matrix, hstack, identity
+from scipy.sparse.linalg import norm
+
+from ngslac.bodies import JumpRows
+from ngslac.loads import LoadVector
+from ngslac.rigidmotions import Turned
+
+__all__ = ["CarriedOff", "IsLinear", "RigidBalance"]
+
+# Deviation of forces from a straight line that is rounding.
+STRAIGHT = 1e-11
+# Loads that are not balanced, relative to all; forces at work that are rounding.
+LEAST, ROUNDING = 1e-5, 1e-9
+# Directions of friction in 3D: more of them than friction could carry, by half a per cent.
+DIRECTIONS = 32
+REMEDY = ". Constrain it, or prescribe a displacement in place of a force"
+# Part of the farthest motion that belongs to a body which moves, too.
+MOVING = 0.1
+
+
+def CarriedOff(solver):
+    """Which bodies the loads carry off in the configuration of a solver, whatever contact does.
+
+    Parameters
+    ----------
+    solver : ContactSolver
+
+    Returns
+    -------
+    str
+        Empty where there is a balance, or no body that contact alone holds.
+    """
+    bodies, a = solver._Bodies(), solver.a
+    if not bodies.floating:
+        return ""
+    if a.condense:
+        solver._Assemble()
+    state = solver.residual.Measure(solver.scale, honest=True)
+    if not state.finite:
+        return ""
+    forces = solver.gf.vec.CreateVector()
+    forces.FV().NumPy()[:] = state.bulk
+    if a.condense:  # bodies do not know what is condensed
+        forces.data += a.harmonic_extension_trans * forces
+    own = slice(bodies.first, bodies.first + bodies.count)
+    finite = any(contact.finite for contact in solver.contacts)
+    displacement = solver.gf.vec.FV().NumPy()[own] if finite else None
+    return RigidBalance(bodies, solver.contacts, displacement).Find(forces.FV().NumPy()[own])
+
+
+def IsLinear(solver):
+    """Are forces of the bulk and loads linear in all of the displacement, and all slip small?"""
+    if any(contact.finite for contact in solver.contacts):
+        return False
+    vec, forces = solver.gf.vec, []
+    at, moved = vec.CreateVector(), vec.CreateVector()
+    way = np.random.default_rng(3).standard_normal(len(vec.FV().NumPy()))
+    way *= 0.1 * solver._Bodies().size * (solver.linear.free | solver._inner)
+    for part in range(3):
+        at.data = vec
+        at.FV().NumPy()[:] += part * way
+        solver.a.Apply(at, moved)
+        forces.append(moved.FV().NumPy() - LoadVector(solver.residual.rhs, at))
+    bend = np.linalg.norm(forces[2] - 2 * forces[1] + forces[0])
+    return bool(bend <= STRAIGHT * np.linalg.norm(forces[2] - forces[0]))
+
+
+class RigidBalance:
+    """Looks for contact tractions that balance the loads on bodies moved as rigid ones.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    contacts : list[LACContact]
+        With their tables for the configuration looked at.
+    displacement : (n,) array, optional
+        Of the current configuration, where bodies turn by finite angles; None: the reference.
+    """
+
+    def __init__(self, bodies, contacts, displacement=None):
+        self.bodies, self.contacts = bodies, contacts
+        self.motions = bodies.motions
+        if displacement is not None:
+            self.motions = self.motions + Turned(bodies.space, displacement, bodies.size)
+        self.dim = bodies.space.mesh.dim
+
+    def Find(self, forces):
+        """What is wrong with these loads.
+
+        Parameters
+        ----------
+        forces : (n,) array
+            Residual of the bulk and the loads, of the displacement.
+
+        Returns
+        -------
+        str
+            Which bodies they carry off, where to, and why. Empty where there is a balance.
+        """
+        columns = self._Columns()
+        if not columns.shape[1]:
+            return ""
+        loads, gross = -(columns.T @ forces), abs(columns).T @ np.abs(forces)
+        if np.all(np.abs(loads) <= ROUNDING * gross):
+            return ""
+        self._jumps = [JumpRows(contact) @ columns for contact in self.contacts]
+        self._loads = loads
+        motion = self._Winner(rough=False)
+        return "" if motion is None else self._Told(motion)
+
+    def _Columns(self):
+        """Each free rigid motion of each body as a column of a sparse matrix."""
+        parts = [csc_matrix((len(self.motions), 0))]
+        for part, combinations in self.bodies.floating:
+            own = self.bodies.part == part
+            parts.append(csc_matrix(np.where(own[:, None], self.motions @ combinations, 0.0)))
+        return hstack(parts).tocsc()
+
+    def _Winner(self, rough, within=None):
+        """The motion along which loads do more work than contact resists; None: none.
+
+        Parameters
+        ----------
+        rough : bool
+            Do surfaces hold any tangential traction?
+        within : (m, k) array, optional
+            Motions looked at, in place of all.
+        """
+        within = np.eye(len(self._loads)) if within is None else within
+        loads = within.T @ self._loads
+        size = np.abs(loads).sum()
+        if size == 0:
+            return None
+        rays, bounds = [], []
+        for contact, jump in zip(self.contacts, self._jumps, strict=True):
+            tractions, bound = Rays(contact, rough)
+            rays.append(csr_matrix(-within.T @ (jump.T @ tractions)))
+            bounds.append(bound / size)
+        found = Separate(hstack(rays).tocsc(), np.concatenate(bounds), loads / size)
+        motion, lacking = found
+        return within @ motion if lacking > LEAST else None
+
+    def _Told(self, motion):
+        """What is said of loads that win along a motion."""
+        straight = self._Translations()
+        pulled = self._Winner(True, straight)
+        if pulled is not None:
+            return self._Says(pulled, "is pulled away ({}): contact can only push")
+        tipped = self._Winner(True)
+        if tipped is not None:
+            return self._Says(
+                tipped, "tips over ({}): no pressure balances the moment of the loads"
+            )
+        slides = self._Winner(False, straight)
+        limit = "friction is at its limit" if self._Rubs() else "there is no friction"
+        if slides is None:
+            return self._Says(motion, "turns ({}): " + limit)
+        return self._Says(self._Along(slides, straight), "slides away ({}): " + limit)
+
+    def _Rubs(self):
+        return any(contact.holds_tangentially for contact in self.contacts)
+
+    def _Translations(self):
+        """The motions without rotation, as columns of weights of all combinations."""
+        blocks = [combinations[self.dim :] for _, combinations in self.bodies.floating]
+        turning = np.zeros((sum(map(len, blocks)), sum(block.shape[1] for block in blocks)))
+        row = column = 0
+        for block in blocks:
+            rows, columns = block.shape
+            turning[row : row + rows, column : column + columns] = block
+            row, column = row + rows, column + columns
+        _, singular, vectors = np.linalg.svd(turning)
+        return vectors[np.sum(singular > 1e-8) :].T
+
+    def _Along(self, motion, within):
+        """The part of a motion along the surfaces: Coulomb's cone tilts what slides off them."""
+        normals = np.zeros((0, within.shape[1]))
+        for contact, jump in zip(self.contacts, self._jumps, strict=True):
+            table = contact.Table()
+            rates = (jump @ motion).reshape(-1, self.dim)
+            opening = np.sum(rates * table["normal"], axis=1)
+            slip = np.linalg.norm(rates - opening[:, None] * table["normal"], axis=1)
+            rubs = np.abs(opening) <= 1.01 * np.maximum(table["friction"], 0) * slip
+            rows = (Blocks(table["normal"][:, :, None]).T @ jump) @ within
+            normals = np.concatenate([normals, rows[rubs & (table["area"] > 0)]])
+        _, singular, vectors = np.linalg.svd(normals.T @ normals)
+        kept = vectors[np.sum(singular > 1e-6 * singular.max(initial=0.0)) :].T
+        along = within @ (kept @ (kept.T @ (within.T @ motion)))
+        return along if np.linalg.norm(along) > MOVING * np.linalg.norm(motion) else motion
+
+    def _Says(self, motion, words):
+        """The same words of each body that a motion (m,) moves."""
+        found, at = [], 0
+        for part, combinations in self.bodies.floating:
+            weights = combinations @ motion[at : at + combinations.shape[1]]
+            at += combinations.shape[1]
+            found.append((np.linalg.norm(weights), part, weights))
+        most = max(size for size, *_ in found)
+        told = [
+            f"body {self.bodies.name(part)} " + words.format(self._Direction(weights))
+            for size, part, weights in found
+            if size > MOVING * most
+        ]
+        return "no equilibrium: " + "; ".join(told) + REMEDY
+
+    def _Direction(self, weights):
+        """A motion in words: where to, or which rotation."""
+        straight, turning = weights[: self.dim], weights[self.dim :]
+        if np.linalg.norm(turning) > 0.5 * np.linalg.norm(straight):
+            return self.bodies.names[self.dim + int(np.argmax(np.abs(turning)))]
+        direction = straight / np.linalg.norm(straight)
+        k = int(np.argmax(np.abs(direction)))
+        if abs(direction[k]) > 0.999:
+            return f"{self.bodies.names[k]}, towards {'-' if direction[k] < 0 else '+'}{'xyz'[k]}"
+        return "in direction (" + ", ".join(f"{value + 0.0:.2g}" for value in direction) + ")"
+
+
+def Separate(rays, bounds, loads):
+    """The motion that parts the loads from all that contact can do, and how much is lacking.
+
+    The least sum of forces that have to be added for ``rays @ x + added = loads`` with
+    0 <= x <= bounds; the motion is its derivative by the loads.
+    """
+    length = norm(rays, axis=0)
+    used = length > 1e-12 * length.max(initial=0.0)
+    rays, bounds = rays[:, used].multiply(1 / length[used]), bounds[used] * length[used]
+    count, one = rays.shape[1], identity(len(loads))
+    result = linprog(
+        np.concatenate([np.zeros(count), np.ones(2 * len(loads))]),
+        A_eq=hstack([rays, one, -one]).tocsr(),
+        b_eq=loads,
+        bounds=[(0, b if np.isfinite(b) else None) for b in bounds] + [(0, None)] * 2 * len(loads),
+        method="highs",
+    )
+    if result.status != 0:
+        return np.zeros(len(loads)), 0.0
+    return result.eqlin.marginals, result.fun
+
+
+def Rays(contact, rough):
+    """Tractions as columns (d m, r) of which any sum is possible, and bounds (r,) of weights."""
+    table, d = contact.Table(), contact.mesh.dim
+    faces = (table["area"] > 0)[:, None, None]
+    if contact.tied:
+        tractions = faces * np.concatenate([np.eye(d), -np.eye(d)], axis=1)
+        return Blocks(tractions), np.full(tractions.shape[0] * 2 * d, np.inf)
+    normal, around = table["normal"][:, :, None], Tangents(table["normal"])
+    wedge = np.pi / DIRECTIONS if d == 3 else 0.0  # half of the angle between two directions
+    friction = np.maximum(table["friction"], 0.0) / np.cos(wedge)
+    pressed = friction[:, None, None] * around - normal
+    # Tresca's bound, whatever the pressure: the sum of all directions is as long as one of them.
+    bound = np.where(table["friction"] < 0, np.maximum(contact.form.Scalars("threshold"), 0), 0)
+    held = bound[:, None, None] * around * (np.tan(wedge) if d == 3 else 1.0)
+    if rough:
+        pressed, held = np.broadcast_to(-normal, around.shape), around
+    bounds = np.ones((len(normal), 2 * around.shape[2]))
+    bounds[:, : None if rough else around.shape[2]] = np.inf
+    return Blocks(faces * np.concatenate([pressed, held], axis=2)), bounds.ravel()
+
+
+def Blocks(tractions):
+    """A (m, d, r) array as block diagonal sparse matrix (m d, m r)."""
+    m, d, r = tractions.shape
+    indices = np.arange(m * r).reshape(m, 1, r).repeat(d, axis=1)
+    starts = np.arange(m * d + 1) * r
+    return csr_matrix((tractions.ravel(), indices.ravel(), starts), shape=(m * d, m * r))
+
+
+def Tangents(normal):
+    """Directions (m, d, r) along the surface."""
+    if normal.shape[1] == 2:
+        tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+        return np.stack([tangent, -tangent], axis=2)
+    axis = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
+    first = np.cross(normal, axis)
+    first /= np.maximum(np.linalg.norm(first, axis=1), 1e-300)[:, None]
+    second = np.cross(normal, first)
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    return first[:, :, None] * np.cos(angles) + second[:, :, None] * np.sin(angles)
