@@ -370,7 +370,7 @@ class TimeStepper:
         return vec
 
     def _Works(self, motion, loads):
-        """Works of contact, friction, loads, supports and obstacles in a step, before its commit."""
+        """Works of contact, friction, loads, supports and obstacles, before the commit."""
         forces, work, friction = ContactWorks(self.solver.contacts, self.gf, motion)
         balance = self.gf.vec.CreateVector()
         self.form.Apply(self.gf.vec, balance)

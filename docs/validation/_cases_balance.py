@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from _report_bounds import Rate, Rounding
 from _report_case import Case, Outcome, Row
 from _report_pictures import BLUE, GREEN, INK, ORANGE, Bodies, Figure
 from finitepress import Led, blocks2d, blocks3d
@@ -22,14 +23,8 @@ def Balance(quick):
         _, area, sides = values.T
         text = f"{name}, sliding off the edge"
         rows += [
-            Row(f"{text}: largest error of the paired area", area.max(), 0, 1e-13, "absolute"),
-            Row(
-                f"{text}: forces on both sides, largest difference",
-                sides.max(),
-                0,
-                1e-12,
-                "absolute",
-            ),
+            Row(f"{text}: largest error of the paired area", area.max(), 0, Rounding()),
+            Row(f"{text}: forces on both sides, largest difference", sides.max(), 0, Rounding()),
         ]
     moments, forces = {}, []
     for order in (2,) if quick else (1, 2, 3):
@@ -38,9 +33,9 @@ def Balance(quick):
         moments[order] = found[:, 1]
         rate = float(np.log2(found[0, 1] / found[1, 1]))
         text = f"large sliding, order {order}: rate at which the moments balance"
-        rows.append(Row(text, rate, order + 1, 0.2, "least"))
+        rows.append(Row(text, rate, order + 1, Rate()))
     text = "large sliding: sum of all forces over their size"
-    rows.append(Row(text, max(forces), 0, 1e-13, "absolute"))
+    rows.append(Row(text, max(forces), 0, Rounding()))
 
     def Draw(left, right):
         for colour, (name, values) in zip(COLOURS, slides.items(), strict=False):
@@ -104,14 +99,14 @@ def Invariance(quick):
         curves[name] = np.array(found)
         keys = ("pressure, relative", "traction, relative", "gap", "slip")
         for key, largest in zip(keys, curves[name].max(axis=0), strict=True):
-            rows.append(Row(f"{name}: change of the {key}", largest, 0, 1e-10, "absolute"))
+            rows.append(Row(f"{name}: change of the {key}", largest, 0, Rounding()))
 
     def Draw(left, right):
         first = problems["2D, order 2"]
         Bodies(left, first.mesh, first.gf.components[0], n=3)
         for colour, (name, values) in zip((BLUE, ORANGE), curves.items(), strict=False):
             right.semilogy(degrees, values.max(axis=1), "o-", color=colour, ms=4, label=name)
-        right.axhline(1e-10, color=INK, lw=0.8, ls="--", label="accepted")
+        right.axhline(Rounding().size, color=INK, lw=0.8, ls="--", label="accepted")
         right.set_ylim(1e-17, 1e-8)
         right.set_xlabel("rotation [degrees]")
         right.set_ylabel("largest change")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import continued
 import numpy as np
+from _report_bounds import Exact, Rounding, Step, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import BLUE, INK, ORANGE, Figure
 from motions import bar, sliding, two_bars
@@ -26,27 +27,21 @@ def Impact(quick):
     velocity = two.stepper.velocity
     during = (time > 0.3) & (time < 1.9)
     both = (times > 0.3) & (times < 1.8)
+    touched = time[pressure > 0]
+    passing = Step(1.5 / n, "a wave in an element, and one time step", kind="absolute")
+    layer = Step(1 / n, "mass of a layer of elements")
+    layers = Step(0.2, "mass of a layer of elements", kind="absolute")
+    upper, lower = (two.mean(velocity, name)[1] for name in ("upper", "lower"))
     rows = [
-        Row("bar: mean pressure of the impact", pressure[during].mean(), 1, 5e-3),
-        Row("bar: begin of the contact", time[pressure > 0][0], 0.1, 0.75 / n, "absolute"),
-        Row("bar: end of the contact", time[pressure > 0][-1], 2.1, 1.5 / n, "absolute"),
-        Row(
-            "bar: velocity afterwards",
-            one.mean(one.stepper.velocity)[1],
-            1,
-            0.04,
-        ),
-        Row("bar: energy afterwards over that before", energy[-1] / 0.5, 1, 0.02),
-        Row("two bars: mean pressure", pressures[both].mean(), 0.5, 0.02),
-        Row(
-            "two bars: velocity of the one that was thrown",
-            two.mean(velocity, "upper")[1],
-            0,
-            0.03,
-            "absolute",
-        ),
-        Row("two bars: velocity of the other one", two.mean(velocity, "lower")[1], -1, 0.03),
-        Row("two bars: mean velocity of both", two.mean(velocity)[1], -0.5, 1e-12),
+        Row("bar: mean pressure of the impact", pressure[during].mean(), 1, layer),
+        Row("bar: begin of the contact", touched[0], 0.1, passing),
+        Row("bar: end of the contact", touched[-1], 2.1, passing),
+        Row("bar: velocity afterwards", one.mean(one.stepper.velocity)[1], 1, layer),
+        Row("bar: energy afterwards over that before", energy[-1] / 0.5, 1, layer),
+        Row("two bars: mean pressure", pressures[both].mean(), 0.5, layers),
+        Row("two bars: velocity of the one that was thrown", upper, 0, layers),
+        Row("two bars: velocity of the other one", lower, -1, layers),
+        Row("two bars: mean velocity of both", two.mean(velocity)[1], -0.5, Rounding()),
     ]
 
     def Draw(ax):
@@ -62,17 +57,21 @@ def Impact(quick):
 
 
 def Sliding(quick):
-    motion = sliding(dt=0.05)
+    dt, speed, braking = 0.05, 1.0, 0.3
+    motion = sliding(speed=speed, friction=braking, dt=dt)
     time, force, _, tangential = motion.run(4.0)
     slides = time < 3.2
     ratio = -tangential[slides] / force[slides]
     farthest = ratio[np.abs(ratio - 0.3).argmax()]
     balance = motion.stepper.balance
+    last = braking * dt  # the largest velocity at the begin of the step in which it stops
+    way = Step(last * dt / 2, "way in the step in which it stops", kind="absolute")
+    energy = Step((last / speed) ** 2, "energy at the begin of the step in which it stops")
     rows = [
-        Row("way until it stops", motion.mean()[0], 1 / 0.6, 2e-4),
-        Row("energy lost to friction", balance.friction, 0.05, 1e-3),
-        Row("friction over normal force while it slides", farthest, 0.3, 1e-9),
-        Row("energy lost by the time integration", balance.algorithmic, 0, 1e-13, "absolute"),
+        Row("way until it stops", motion.mean()[0], speed**2 / (2 * braking), way),
+        Row("energy lost to friction", balance.friction, 0.05, energy),
+        Row("friction over normal force while it slides", farthest, braking, Tolerance()),
+        Row("energy lost by the time integration", balance.algorithmic, 0, Rounding()),
     ]
 
     def Draw(ax):
@@ -98,27 +97,24 @@ def Bouncing(quick):
             "tangential over normal impulse, slipping all the time",
             figures["friction_ratio"],
             0.2,
-            0.03,
         ),
         Row(
             "energy at the end and all losses",
             figures["energy_end"] + gone,
             figures["energy_start"],
-            1e-10,
+            Rounding(kind="relative"),
         ),
         Row(
             "velocity along the ground in flight: change",
             figures["flight_speed_drift"],
             0,
-            1e-9,
-            "absolute",
+            Rounding(),
         ),
         Row(
             "largest gain of energy in a step, over the energy",
             max(0.0, figures["largest_contact_gain"]) / figures["energy_start"],
             0,
-            1e-12,
-            "absolute",
+            Rounding(),
         ),
     ]
     caption = "Instants of the motion, and where the energy goes."
@@ -145,9 +141,9 @@ def Restart(quick):
                     for name, value in ends[kind].items()
                 )
                 curves[kind] = ends[kind]["pressure"], found["pressure"]
-            accepted = 1e-10 if kind == "bouncing" else 0
+            accepted = Rounding() if kind == "bouncing" else Exact()
             text = f"{kind}: largest difference of {len(ends[kind])} arrays of end values"
-            rows.append(Row(text, worst, 0, accepted, "absolute"))
+            rows.append(Row(text, worst, 0, accepted))
 
     def Draw(ax):
         for k, both in enumerate(curves.values()):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from _report_bounds import CONDITION, Rounding
 from _report_case import Case, Outcome, Row
 from _report_pictures import Bodies, Figure, FromFolder, Strip
 from convergence_table import NAMES
 from elasticity import Displacements, Material, Pair
+from largepatch_problem import MATERIALS, SPRING
 from ngsolve import CF
 from test_large_patch import CELLS, patch
 from test_patch import HELD, LAWS, MESHES, Patch, Stress
@@ -46,13 +48,16 @@ def Patch2D(quick):
     for kind, values in errors.items():
         for name, column in zip(("stress", "multipliers"), values.T, strict=True):
             text = f"{NAMES[kind]}: {name}, largest error of {len(values)} problems"
-            rows.append(Row(text, column.max(), 0, 1e-12, "absolute"))
+            rows.append(Row(text, column.max(), 0, Rounding()))
     pressure = Published()
     farthest = pressure[np.abs(pressure - 25).argmax()]
-    rows.append(Row("pressure in the problem of code_aster", farthest, 25, 1e-12))
+    rows.append(
+        Row("pressure in the problem of code_aster", farthest, 25, Rounding(kind="relative"))
+    )
 
     def Draw(left, right):
-        Strip(left, {NAMES[k]: v.max(axis=1) for k, v in errors.items()}, tolerance=1e-12)
+        maxima = {NAMES[k]: v.max(axis=1) for k, v in errors.items()}
+        Strip(left, maxima, tolerance=Rounding().size)
         pair, _ = Solved2D("P2", MESHES["oblique"], "slip")
         Bodies(right, pair.mesh, pair.displacement, factor=8, n=4)
 
@@ -74,7 +79,7 @@ def Patch3D(quick):
         for key in ("stress", "multiplier"):
             worst = max(row[f"{key}_error"] for row in mine)
             text = f"{shape}: {key}, largest error of {len(mine)} cases"
-            table.append(Row(text, worst, 0, 1e-11, "absolute"))
+            table.append(Row(text, worst, 0, Rounding()))
 
     def Draw(folder):
         solutions = [patch3d.Solve(patch3d.Case(shape, oblique=True)) for shape in shapes]
@@ -88,6 +93,13 @@ def PatchLarge(quick):
     kinds = ["P2"] if quick else list(NAMES)
     cells = CELLS[:1] if quick else CELLS
     rows, last = [], None
+    stiff = max(2 * mu + lame for mu, lame in MATERIALS.values())
+    condition = CONDITION * max(1.0, SPRING / stiff)
+    bounds = {
+        "displacement": Rounding(condition=condition),
+        "pressure": Rounding(condition=condition, scale=stiff),
+        "gap": Rounding(condition=condition),
+    }
     for law in ("frictionless", "stick"):
         flat = {kind: patch(law, kind, TwoBlocks, h_slave=0.25) for kind in kinds}
         solid = [
@@ -99,7 +111,7 @@ def PatchLarge(quick):
             for key in ("displacement", "pressure", "gap"):
                 text = f"{dim}, {law}: {key}, largest error of {len(errors)} problems"
                 worst = max(error[key] for error in errors)
-                rows.append(Row(text, worst, 0, 1e-10, "absolute"))
+                rows.append(Row(text, worst, 0, bounds[key]))
         last = last or flat["P2"]
 
     def Draw(left, right):

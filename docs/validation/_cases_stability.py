@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+from _report_bounds import HalfDigit, Rate
 from _report_case import Case, Outcome, Row
 from _report_pictures import BLUE, GREEN, GREY, INK, ORANGE, Figure
 from convergence_table import NAMES as NAMES_2D
@@ -27,18 +29,28 @@ def InfSup2D(quick):
     rows = []
     for kind, constants in found.items():
         for n, ours, published in zip(divisions, constants, TABLE[kind], strict=False):
-            rows.append(Row(f"{NAMES_2D[kind]}, h = 1/{n}", ours, published, 0.01))
+            rows.append(Row(f"{NAMES_2D[kind]}, h = 1/{n}", ours, published, HalfDigit(1e-3)))
     for n, ours, published in zip(divisions, single, UNSTABLE, strict=False):
-        rows.append(Row(f"order 1, one face each (unstable), h = 1/{n}", ours, published, 0.01))
+        rows.append(
+            Row(f"order 1, one face each (unstable), h = 1/{n}", ours, published, HalfDigit(1e-3))
+        )
     for kind, constants in rim.items():
-        text = f"{NAMES_2D[kind]}, structured, clamped rim: finest over coarsest"
-        rows.append(Row(text, constants[-1] / constants[0], 1, 0.1, "least"))
+        text = f"{NAMES_2D[kind]}, structured, clamped rim: order in the mesh size"
+        rows.append(Row(text, Order(divisions, constants), 0, Rate()))
+    text = "order 1, one face each (unstable): order in the mesh size"
+    rows.append(Row(text, Order(divisions, single), -1))
     curves = {NAMES_2D[kind]: values for kind, values in found.items()}
     caption = (
         "Inf-sup constants of the macro-elements that `LACSpace` makes stay away from zero; that "
         "of one multiplier for each face of order 1 decays like the mesh size."
     )
     return Outcome(rows, Curves(divisions, curves | {"order 1, one face each": single}), caption)
+
+
+def Order(divisions, constants):
+    """Minus the power of the mesh size that the constants decay with: 0 or more is stable."""
+    finer = divisions[-1] / divisions[0]
+    return float(np.log(constants[-1] / constants[0]) / np.log(finer))
 
 
 def InfSup3D(quick):
@@ -51,13 +63,18 @@ def InfSup3D(quick):
             name = f"{kind}, {NAMES_3D[element]}{note}"
             curves[name] = [bodies[kind, n].InfSup(element) for n in levels]
             for n, ours, constant in zip(levels, curves[name], published, strict=False):
-                rows.append(Row(f"{name}, n = {n}", ours, constant, 0.003))
+                rows.append(Row(f"{name}, n = {n}", ours, constant, HalfDigit(1e-3)))
         if not note:
             single = [bodies["tet", n].InfSupPerFace(2) for n in levels]
     curves["tet, order 2, one triangle each"] = single
     for n, ours, constant in zip(levels, single, UNSTABLE_3D, strict=False):
         rows.append(
-            Row(f"tet, order 2, one triangle each (unstable), n = {n}", ours, constant, 0.003)
+            Row(
+                f"tet, order 2, one triangle each (unstable), n = {n}",
+                ours,
+                constant,
+                HalfDigit(1e-3),
+            )
         )
     caption = "The same in 3D, over the number of elements along the edge of the contact face."
     return Outcome(rows, Curves(levels, curves), caption)

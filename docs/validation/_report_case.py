@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-__all__ = ["Case", "Outcome", "Row", "Worst"]
+from _report_bounds import Bound
 
-KINDS = ("relative", "absolute", "least")
+__all__ = ["Case", "Outcome", "Row", "Worst"]
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,8 @@ class Row:
     quantity : str
         What it is.
     ours, reference : float
-    tolerance : float
-        Largest accepted difference; 0: none.
-    kind : {"relative", "absolute", "least"}
-        How they are compared: ours over the reference less 1; their difference; the same, where
-        ours may be larger by any amount, as a rate of convergence may.
+    bound : Bound, optional
+        Accepted difference and its origin; without one the number is shown, and not judged.
     unit : str
         Of both numbers.
     """
@@ -32,17 +29,18 @@ class Row:
     quantity: str
     ours: float
     reference: float
-    tolerance: float
-    kind: str = "relative"
+    bound: Bound | None = None
     unit: str = ""
 
     def __post_init__(self):
-        if self.kind not in KINDS:
-            raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {self.kind!r}")
-        if not self.tolerance >= 0:
-            raise ValueError(
-                f"tolerance = {self.tolerance} of {self.quantity!r} must be at least 0"
-            )
+        if not isinstance(self.bound, Bound | None):
+            raise TypeError(f"bound = {self.bound} of {self.quantity!r} must say where it is from")
+
+    @property
+    def kind(self):
+        if self.bound:
+            return self.bound.kind
+        return "relative" if self.reference else "absolute"
 
     @property
     def difference(self):
@@ -51,12 +49,20 @@ class Row:
         return self.ours - self.reference
 
     @property
+    def judged(self):
+        return self.bound is not None
+
+    @property
     def share(self):
-        """The difference over what is accepted; infinite for NaN."""
-        size = max(0.0, -self.difference if self.kind == "least" else abs(self.difference))
-        if not math.isfinite(self.difference) or (size and not self.tolerance):
+        """The difference over what is accepted; infinite for NaN; 0 without a bound."""
+        if not math.isfinite(self.difference):
             return math.inf
-        return size / self.tolerance if size else 0.0
+        if not self.judged:
+            return 0.0
+        size = max(0.0, -self.difference if self.kind == "least" else abs(self.difference))
+        if size and not self.bound.size:
+            return math.inf
+        return size / self.bound.size if size else 0.0
 
     @property
     def holds(self):
@@ -67,16 +73,19 @@ class Row:
             return f"{100 * value:{sign}.2g} %"
         return f"{value:{sign}.2g}"
 
+    def _Accepted(self):
+        if not self.judged:
+            return ["-", "not judged"]
+        sign = {"relative": "±", "absolute": "±", "least": "at least −"}[self.kind]
+        size = self.bound.size
+        return [sign + (self._Text(size) if size else "0"), self.bound.text]
+
     def Cells(self):
-        """The row as texts: quantity, ours, reference, difference, accepted."""
+        """The row as texts: quantity, ours, reference, difference, accepted, origin."""
         name = f"{self.quantity} [{self.unit}]" if self.unit else self.quantity
         numbers = (Number(self.ours), Number(self.reference))
-        accepted = self._Text(self.tolerance)
-        if not self.tolerance:
-            accepted = "0"
-        sign = {"relative": "±", "absolute": "±", "least": "at least −"}[self.kind]
         mark = "" if self.holds else " **too large**"
-        return [name, *numbers, self._Text(self.difference, "+") + mark, sign + accepted]
+        return [name, *numbers, self._Text(self.difference, "+") + mark, *self._Accepted()]
 
 
 def Number(value):
@@ -87,8 +96,8 @@ def Number(value):
 
 
 def Worst(rows):
-    """The row nearest to its tolerance, or farthest beyond."""
-    return max(rows, key=lambda row: row.share)
+    """The row nearest to its bound, or farthest beyond; judged ones first."""
+    return max(rows, key=lambda row: (row.share, row.judged))
 
 
 @dataclass(frozen=True)

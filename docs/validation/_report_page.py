@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from _report_bounds import ORIGINS
 from _report_case import Outcome, Worst
 
 from ngslac.preconditioner import LU
@@ -31,7 +32,13 @@ Numbers and pictures come from that run. `--cases NAME ... --out FOLDER` compute
 `--quick` small ones. The pytest commands need the package's extra `test`.
 
 A row holds if the difference is within what is accepted: relative to the reference in percent, or
-absolute. The summary shows one row of each case, the one nearest to its bound.
+absolute. No bound was made from the difference that it judges; each row names the origin of its
+own:
+
+{origins}
+
+Where no such source is at hand, the number stands without a bound ("not judged"), and without a
+verdict. The summary shows one row of each case, the one nearest to its bound.
 """
 
 
@@ -87,13 +94,18 @@ def Versions():
 
 def Page(results, command):
     """The page as markdown text."""
-    parts = [HEAD.format(command=command, versions=Versions()), "## Summary\n"]
+    origins = "\n".join(f"- *{name}*: {text};" for name, text in ORIGINS.items())
+    head = HEAD.format(command=command, versions=Versions(), origins=f"{origins[:-1]}.")
+    parts = [head, "## Summary\n"]
     rows = [_SummaryRow(result) for result in results]
     head = ("case", "row nearest to its bound", "difference", "accepted", "")
     parts += [_Table(head, rows, "llrrl"), ""]
     count = sum(result.holds for result in results)
-    numbers = sum(len(result.outcome.rows) for result in results if result.outcome)
-    parts.append(f"{count} of {len(results)} cases hold, with {numbers} numbers.\n")
+    numbers = [row.judged for result in results if result.outcome for row in result.outcome.rows]
+    parts.append(
+        f"{count} of {len(results)} cases hold. Of {len(numbers)} numbers {sum(numbers)} are "
+        "judged by a bound.\n"
+    )
     parts += [_Section(result) for result in results]
     return "\n".join(parts)
 
@@ -102,8 +114,10 @@ def _SummaryRow(result):
     link = f"[{result.case.title}](#{LABEL}{result.case.name})"
     if result.outcome is None:
         return [link, result.error.splitlines()[0], "-", "-", "**failed**"]
-    quantity, _, _, difference, accepted = Worst(result.outcome.rows).Cells()
-    return [link, quantity, difference, accepted, "holds" if result.holds else "**does not hold**"]
+    quantity, _, _, difference, accepted, _ = Worst(result.outcome.rows).Cells()
+    state = "holds" if result.holds else "**does not hold**"
+    judged = any(row.judged for row in result.outcome.rows)
+    return [link, quantity, difference, accepted, state if judged else "not judged"]
 
 
 def _Section(result):
@@ -112,8 +126,8 @@ def _Section(result):
     parts += [f"Reference: {case.source.strip()}\n", f"```bash\n{case.command}\n```\n"]
     if result.outcome is None:
         return "\n".join([*parts, f"**Failed**: {result.error}\n"])
-    head = ("quantity", "ours", "reference", "difference", "accepted")
-    parts.append(_Table(head, [row.Cells() for row in result.outcome.rows], "lrrrr"))
+    head = ("quantity", "ours", "reference", "difference", "accepted", "where it comes from")
+    parts.append(_Table(head, [row.Cells() for row in result.outcome.rows], "lrrrrl"))
     picture = f"![{case.title}](pictures/{case.name}.png)"
     return "\n".join([*parts, "", picture, "", f"*{result.outcome.caption}*\n"])
 

@@ -6,12 +6,25 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs" / "validation"
 sys.path.insert(0, str(DOCS))
 
 import report  # noqa: E402
+from _report_bounds import (  # noqa: E402
+    ORIGINS,
+    Bound,
+    Exact,
+    Extrapolated,
+    HalfDigit,
+    Meshes,
+    MeshSpread,
+    Rate,
+    Spread,
+    Stated,
+)
 from _report_case import Case, Outcome, Row, Worst  # noqa: E402
 from _report_page import Compute, Page  # noqa: E402
 
@@ -46,7 +59,7 @@ def test_summary_and_one_table_for_each_case(page):
     for result, table, line in zip(results, tables, summary[2:], strict=True):
         rows = result.outcome.rows
         assert [row[0] for row in table[2:]] == [row.Cells()[0] for row in rows]
-        assert all(len(row) == 5 for row in table)
+        assert all(len(row) == 6 for row in table)
         assert line[1] == Worst(rows).Cells()[0]
         assert line[4] == "holds"
     assert f"{len(CHEAP)} of {len(CHEAP)} cases hold" in text
@@ -118,24 +131,62 @@ def test_demos_and_validation_tests_are_covered():
 # ---------------------------------------------------------------- rows
 
 
+def Within(size, kind="relative"):
+    return Bound(size, "exact", kind=kind)
+
+
 def test_rows():
-    assert Row("x", 1.02, 1.0, 0.03).holds
-    assert not Row("x", 1.04, 1.0, 0.03).holds
-    assert Row("x", -0.02, 0, 0.03, "absolute").holds
-    assert Row("rate", 5.0, 2.0, 0.1, "least").holds
-    assert not Row("rate", 1.8, 2.0, 0.1, "least").holds
-    assert not Row("x", math.nan, 1.0, 0.1).holds
-    assert not Row("x", math.inf, 1.0, 0.1, "least").holds
-    assert Row("x", 0.0, 0.0, 0, "absolute").holds
-    assert not Row("x", 1e-300, 0.0, 0, "absolute").holds
-    row = Row("force", 1.02, 1.0, 0.03, unit="N")
-    assert row.Cells() == ["force [N]", "1.02", "1", "+2 %", "±3 %"]
-    assert "too large" in Row("force", 1.04, 1.0, 0.03).Cells()[3]
-    assert Worst([row, Row("y", 2, 1, 0.5), row]).quantity == "y"
+    assert Row("x", 1.02, 1.0, Within(0.03)).holds
+    assert not Row("x", 1.04, 1.0, Within(0.03)).holds
+    assert Row("x", -0.02, 0, Within(0.03, "absolute")).holds
+    assert Row("rate", 5.0, 2.0, Within(0.1, "least")).holds
+    assert not Row("rate", 1.8, 2.0, Within(0.1, "least")).holds
+    assert not Row("x", math.nan, 1.0, Within(0.1)).holds
+    assert not Row("x", math.inf, 1.0, Within(0.1, "least")).holds
+    assert Row("x", 0.0, 0.0, Exact()).holds
+    assert not Row("x", 1e-300, 0.0, Exact()).holds
+    row = Row("force", 1.02, 1.0, Stated(0.03, "who"), "N")
+    assert row.Cells() == ["force [N]", "1.02", "1", "+2 %", "±3 %", "stated: who"]
+    assert "too large" in Row("force", 1.04, 1.0, Within(0.03)).Cells()[3]
+    assert Worst([row, Row("y", 2, 1, Rate()), row]).quantity == "force"
+
+
+def test_a_number_without_a_bound_is_shown_and_not_judged():
+    row = Row("force", 7.0, 1.0, unit="N")
+    assert row.holds
+    assert not row.judged
+    assert row.Cells() == ["force [N]", "7", "1", "+6e+02 %", "-", "not judged"]
+    assert not Row("force", math.nan, 1.0).holds
+    judged = Row("z", 1, 1, Exact())
+    assert Worst([row, judged]) is judged
+
+
+def test_a_bound_says_where_it_comes_from():
+    with pytest.raises(TypeError, match="where it is from"):
+        Row("x", 1, 1, 1e-3)
     with pytest.raises(ValueError, match="kind"):
-        Row("x", 1, 1, 1, "exact")
-    with pytest.raises(ValueError, match="tolerance"):
-        Row("x", 1, 1, -0.1)
+        Bound(1, "exact", kind="nearly")
+    with pytest.raises(ValueError, match="origin"):
+        Bound(1, "experience")
+    for size in (-0.1, math.nan, math.inf):
+        with pytest.raises(ValueError, match="size"):
+            Bound(size, "exact")
+
+
+def test_bounds_are_made_of_what_they_name():
+    assert Spread(2.0, [1.9, 2.2], "two").size == pytest.approx(0.1)
+    assert Meshes(1.0, 1.1, 2).size == pytest.approx(0.3)
+    assert Meshes(1.0, 1.1, 1.5).size == pytest.approx(0.6)
+    assert HalfDigit(1e-3).size == pytest.approx(5e-4)
+    assert Extrapolated(1.0, 0.98).size == pytest.approx(0.02)
+    start, end = np.array([0.0, 2.0]), np.array([2.0, 3.0])
+    exact = math.sqrt((4 / 12 + 1 / 12) / 2)  # of x: the length over the root of 12
+    assert MeshSpread(lambda x: x, start, end) == pytest.approx(exact, rel=1e-4)
+
+
+def test_the_page_explains_each_origin(page):
+    text = page[2].split("## Summary")[0]
+    assert all(f"*{name}*: {meaning}" in text for name, meaning in ORIGINS.items())
 
 
 def test_a_case_that_fails_or_does_not_hold_is_seen(tmp_path, capsys):
@@ -143,7 +194,11 @@ def test_a_case_that_fails_or_does_not_hold_is_seen(tmp_path, capsys):
         raise RuntimeError("no convergence | at all")
 
     def Wrong(quick):
-        return Outcome([Row("a|b", 2, 1, 0.1)], lambda file: Blank(file), "Nothing.")
+        return Outcome(
+            [Row("a|b", 2, 1, Rate()), Row("c", 1, 2, Exact())],
+            lambda file: Blank(file),
+            "Nothing.",
+        )
 
     results = [
         Compute(
