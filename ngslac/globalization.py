@@ -4,6 +4,9 @@ import numpy as np
 
 __all__ = ["Globalization"]
 
+# Iterations of late, and how far the residual falls in them where it is worth to go on.
+LATE, FELL = 10, 0.5
+
 
 class Globalization:
     """Full steps where they do, shorter ones where there is no residual or the status cycles.
@@ -45,6 +48,12 @@ class Globalization:
     def stagnates(self):
         """Are the steps so short that nothing comes of it?"""
         return self._tiny >= self.patience
+
+    @property
+    def falls(self):
+        """Has the residual of late become as small as never before?"""
+        merits = self._merits
+        return len(merits) > LATE and min(merits[-LATE:]) < FELL * min(merits[:-LATE])
 
     def Watch(self, state, changed):
         """Look at a new iterate: does the status return, or nothing get better?"""

@@ -291,7 +291,7 @@ class ContactSolver(NewtonStep):
             if self._CloseWhatFloats(start=True):
                 state = self.residual.Measure(self.scale, honest=True)
             self._Record(state)
-            last = self._Newton(state, min(maxit, NEWTON))
+            last = self._Newton(state, min(maxit, NEWTON), maxit)
             if not (self.residual.drowned and self._Strays()):
                 return last
             found = self.gf.vec.FV().NumPy().copy()
@@ -341,15 +341,19 @@ class ContactSolver(NewtonStep):
             raise error
         self.gf.vec.FV().NumPy()[:], self._motion = now, left
 
-    def _Newton(self, state, maxit):
-        """Newton's method from the State recorded last, at most so many steps; the last line."""
+    def _Newton(self, state, maxit, most=0):
+        """Newton's method from the State recorded last: the last line.
+
+        At most `maxit` steps, or up to `most` as long as the residual falls.
+        """
         for contact in self.contacts:
             contact.form.BeginSolve()
         self.globalization.Begin()
-        for number in range(maxit + 1):
+        for number in range(max(maxit, most) + 1):
             if self._Converged(state):
                 return self._Accepted()
-            if number == maxit or self.globalization.stagnates:
+            slow = number >= maxit and not (number < most and self.globalization.falls)
+            if slow or self.globalization.stagnates:
                 break
             self.globalization.Watch(state, self.history[-1].changed)
             if len(self.history) > 1:

@@ -233,7 +233,8 @@ class LoadStepper:
     def _Jump(self, target, error, maxit, tol):
         """Leave a state from which no small step converges: it may snap to another one."""
         begin = self.load.Get()
-        if not (error.exhausted or isinstance(error, FloatingBodyError)):
+        useless = error.exhausted and self.solver._IsLinear()
+        if not (useless or isinstance(error, FloatingBodyError)):
             for goal in (begin + 0.25 * (target - begin), target):
                 try:
                     return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
