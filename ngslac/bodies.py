@@ -13,6 +13,8 @@ from ngslac.rigidmotions import RigidMotions
 __all__ = ["Bodies", "CloseNearest", "FloatingMessage", "JumpRows", "LostMessage"]
 
 TOLERANCE = 1e-8
+# Forces against a rigid motion, relative to those against others: more is a spring, if a weak one.
+RESISTS = 1e-12
 # How far a body goes, relative to the size of the mesh, when nothing holds it.
 FAR = 1.0
 
@@ -72,7 +74,7 @@ class Bodies:
         scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
         # Mostly constraints hold a part, or nothing does, which a random motion tells.
         held = [
-            not np.linalg.norm(moved[dofs]) <= 1e-4 * TOLERANCE * scale
+            not np.linalg.norm(moved[dofs]) <= RESISTS * scale
             for (dofs, _), scale in zip(parts, scales, strict=True)
         ]
         resisted = [part for part, yes in zip(parts, held, strict=True) if yes]
@@ -81,7 +83,7 @@ class Bodies:
         for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
             if yes:
                 moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
-                motions = motions @ NullSpace(moved / scale)
+                motions = motions @ NullSpace(moved / scale, RESISTS)
             if motions.shape[1]:
                 yield dofs, motions
 
@@ -356,14 +358,14 @@ def JumpRows(contact):
     return ToCSR(contact.form.JumpMatrix(Side.both))
 
 
-def NullSpace(matrix):
-    """Orthonormal basis of the null space, relative to the size of the matrix."""
+def NullSpace(matrix, tolerance=TOLERANCE):
+    """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
     if not matrix.shape[0]:
         return np.eye(matrix.shape[1])
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.linalg.qr(matrix, mode="r")
     _, singular, vectors = np.linalg.svd(matrix)
-    rank = int(np.sum(singular > TOLERANCE * max(1.0, singular.max(initial=0.0))))
+    rank = int(np.sum(singular > tolerance * max(1.0, singular.max(initial=0.0))))
     return vectors[rank:].T
 
 
