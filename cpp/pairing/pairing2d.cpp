@@ -4,7 +4,6 @@
 namespace ngslac {
 namespace {
 constexpr double merge_tolerance = 1e-13; // of reference coordinates
-constexpr double rounding = 1e-14;        // of positions
 
 /// Root of f in [a, b], where it changes sign. `f` returns value and (approximate) derivative.
 template <typename F>
@@ -69,8 +68,7 @@ public:
     if (!(size > 0))
       throw Exception("LACContact: boundary element " + ToString(slave.Element(face)) +
                       " of the slave surface has length " + ToString(size));
-    double extent = L2Norm(slave.Origin() + slave.Point(face, 0.5)) + size;
-    merge = max(merge_tolerance, rounding * extent / size);
+    merge = max(merge_tolerance, slave.Rounding(face) / size);
     // The nearest partner is usually close: widen the search until the face is covered.
     double most = max(options.maxdist, options.Penetration(face));
     for (double reach = size;; reach *= 4) {

@@ -5,7 +5,8 @@
 
 namespace ngslac {
 namespace {
-// Relative to a facet, in the plane; nothing smaller is told apart.
+// Relative to a facet, in the plane; nothing smaller is told apart, nor what is smaller than the
+// rounding errors of positions.
 constexpr double clip_tolerance = 1e-14;
 // Master facets that overlap by more than this are two layers, the nearer one is the partner.
 constexpr double layer_tolerance = 1e-9;
@@ -42,6 +43,7 @@ class FacePairer {
   Array<Piece> pieces;
   optional<BoxTree<2>> pieces_tree;
   double penetration; // deepest of this face
+  double rounding;    // of its positions
   double stretch;     // of the weights
 
 public:
@@ -53,6 +55,7 @@ public:
 
   void Do(int face, Pairing<3> & result) {
     penetration = options.Penetration(face);
+    rounding = slave.Rounding(face);
     for (auto & facet : slave_facets.Of(face)) {
       FacetMap map(facet);
       if (!(map.Outline().Area() > degenerate * sqr(facet.size)) || !map.Outline().IsConvex())
@@ -73,6 +76,11 @@ public:
   }
 
 private:
+  /// A length relative to a facet, but none that positions do not know.
+  double Length(const FacetMap & map, double relative) const {
+    return max(relative * map.GetFacet().size, rounding);
+  }
+
   /// Straight, as pieces are cut out along the normal of the facet. True normals of a curved face
   /// spread, but a box that did so would find, far away, more and more faces that no piece is of.
   OrientedBox<3> SearchBox(const FacetMap & map, double reach) const {
@@ -124,8 +132,9 @@ private:
   }
 
   void AddPiece(const FacetMap & map, const Facet & facet, const Polygon & outline) {
-    auto common = Intersection(outline, map.Outline(), clip_tolerance * map.GetFacet().size);
-    if (common.Area() <= clip_tolerance * map.Outline().Area())
+    double thinnest = Length(map, clip_tolerance);
+    auto common = Intersection(outline, map.Outline(), thinnest);
+    if (common.Area() <= thinnest * map.GetFacet().size)
       return;
     double slope = InnerProduct(facet.normal, map.Normal());
     Piece piece{common, &facet, InnerProduct(facet.normal, facet.Center() - map.Origin()) / slope};
@@ -185,7 +194,7 @@ private:
 
   /// Where master facets lie behind each other only the nearest counts.
   void RemoveHidden(const FacetMap & map) {
-    double tolerance = layer_tolerance * map.GetFacet().size;
+    double tolerance = Length(map, layer_tolerance);
     PlantPieces();
     Array<pair<int, int>> overlaps;
     Array<int> others;
@@ -346,7 +355,7 @@ private:
 
   /// Does the search end there, and not the master?
   bool IsAtLimit(const FacetMap & map, const Piece & piece, Vec<2> point) const {
-    double gap = piece.Gap(point), tolerance = 1e-9 * map.GetFacet().size;
+    double gap = piece.Gap(point), tolerance = Length(map, 1e-9);
     return fabs(gap - options.maxdist) < tolerance || fabs(gap + penetration) < tolerance;
   }
 

@@ -47,8 +47,9 @@ public:
   FaceTraces Result() const {
     FaceTraces result{Array<Trace>(), Vec<3>((1 / L2Norm(normal)) * normal)};
     int block = fes.GetDimension();
+    double none = 1e-12 * L2Norm(maximum);
     for (int j : Range(maximum)) {
-      if (!IsRegularDof(dofs[j / block]) || maximum(j) < 1e-12)
+      if (!IsRegularDof(dofs[j / block]) || maximum(j) <= none)
         continue;
       Trace trace{block * dofs[j / block] + j % block, Vec<3>(0.0), area, maximum(j),
                   along(j) > normal_tolerance * maximum(j)};

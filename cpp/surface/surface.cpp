@@ -183,6 +183,12 @@ double Surface<D>::Diameter(size_t face) const {
 }
 
 template <int D>
+double Surface<D>::Rounding(size_t face) const {
+  constexpr double digits = 32 * std::numeric_limits<double>::epsilon();
+  return digits * (L2Norm(origin + Control(face)[0]) + Diameter(face));
+}
+
+template <int D>
 double Surface<D>::Bulge(size_t face) const {
   if (degree == 1)
     return 0;

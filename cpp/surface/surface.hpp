@@ -44,6 +44,9 @@ public:
   }
   /// largest distance of two corners, the local size of everything that needs a tolerance
   double Diameter(size_t face) const;
+  /// How exactly the mesh knows the positions of a face: far from the origin of the coordinates
+  /// what is nearer than that cannot be told apart.
+  double Rounding(size_t face) const;
   /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
   double Bulge(size_t face) const;
   /// Straight, and in 3D plane: the normal does not change.
