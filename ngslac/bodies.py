@@ -38,6 +38,9 @@ class Bodies:
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
+        # Coordinates far from the origin hold rounding errors.
+        far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
+        self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
         forces = Forces(mat, self.first, self.count)
         values = np.random.default_rng(0).standard_normal(self.count)
         pushed = forces(values)
@@ -74,7 +77,7 @@ class Bodies:
         scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
         # Mostly constraints hold a part, or nothing does, which a random motion tells.
         held = [
-            not np.linalg.norm(moved[dofs]) <= RESISTS * scale
+            not np.linalg.norm(moved[dofs]) <= self.resists * scale
             for (dofs, _), scale in zip(parts, scales, strict=True)
         ]
         resisted = [part for part, yes in zip(parts, held, strict=True) if yes]
@@ -83,7 +86,7 @@ class Bodies:
         for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
             if yes:
                 moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
-                motions = motions @ NullSpace(moved / scale, RESISTS)
+                motions = motions @ NullSpace(moved / scale, self.resists)
             if motions.shape[1]:
                 yield dofs, motions
 

@@ -90,6 +90,14 @@ def test_a_residual_that_stays_is_damped_without_a_cycle():
     assert not tool.cycles
 
 
+@pytest.mark.parametrize(("rate", "falls"), [(0.9, True), (0.95, False), (1.0, False)])
+def test_a_residual_that_falls_slowly_still_falls(rate, falls):
+    tool = Globalization()
+    for number in range(30):
+        tool.Watch(state(rate**number), changed=0)
+    assert tool.falls is falls
+
+
 def test_tiny_steps_in_a_row_mean_stagnation():
     tool = Globalization(patience=3)
     for part in (1e-3, 1e-3, 0.5, 1e-3, 1e-3):

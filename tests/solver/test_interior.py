@@ -243,3 +243,36 @@ def test_step_of_the_barrier_is_a_newton_step():
     assert residual[law.rubs] == pytest.approx(0, abs=1e-12)
     product = law.nu * law.w + law.nu * step.w + law.w * step.nu
     assert product[law.rubs] == pytest.approx(mu)
+
+
+def test_middle_of_the_barrier_is_inside_and_knows_the_gaps():
+    normal = np.tile([0.0, 1.0], (4, 1))
+    gap, bound = np.array([-1.0, 0.0, 1e-4, 50.0]), np.array([0.3, 0.3, 0, 0.3])
+    law = Barrier(normal, gap, bound, np.full(4, 2.0), 1.0)
+    law.p, law.g = np.array([3.0, 1e-9, 1e-9, 1e-9]), np.full(4, 1e-3)
+    law.t[:, 0] = bound
+    law.Center(1e-2)
+    assert law.p * law.g == pytest.approx(1e-2)
+    assert (law.nu * law.w)[law.rubs] == pytest.approx(1e-2)
+    assert np.all(np.linalg.norm(law.t, axis=1) <= 0.5 * law.s)
+    assert law.p[0] == 3  # closed: the gap follows the pressure
+    assert law.g[3] == pytest.approx(50)  # open: the pressure follows the gap
+
+
+@pytest.mark.parametrize(("spring", "shift"), [(0.0, 0.0), (1e-7, 0.0), (0.0, 1e5), (1e-4, 1e5)])
+def test_weak_spring_holds_a_block_that_slides_freely(spring, shift):
+    mesh = blocks((shift, -1, shift + 5, 0, 0.9), (shift + 0.2, 0, shift + 1, 0.8, 0.4))
+    pull = CF((1e-9, -1e-3))
+
+    def bulk(u, v, load):
+        held = spring * u[0] * v[0] - pull * v
+        return hooke(u, v) * dx + held * ds(mesh.Boundaries("high1"))
+
+    p = problem(mesh, [("low1", "high0")], bulk, "low0")
+    if not spring:
+        with pytest.raises(FloatingBodyError, match="'block1'"):
+            p.solver.Solve(printing=False)
+        return
+    p.solver.Solve(printing=False)
+    moved = Integrate(p.gf.components[0][0] * ds(mesh.Boundaries("high1")), mesh) / 0.8
+    assert moved == pytest.approx(1e-9 / spring, rel=0.05)
