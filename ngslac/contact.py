@@ -1,6 +1,5 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-from netgen.meshing import NgException
 from ngsolve import BaseMatrix, GridFunction
 from ngsolve.comp import ProxyFunction
 
@@ -192,13 +191,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         if self._IsRefined():  # no way back
             self._Pair(gf)
             return
-        before = self.State()
-        try:
+        with self._FormKept():
             self._Pair(gf)
-        except BaseException:
-            if self._paired is IN_DOUBT:  # interrupted, while what fails changes nothing
-                self._PutBack(before, gf)
-            raise
 
     def _IsRefined(self):
         """Are pairing and fields those of another mesh?"""
@@ -207,13 +201,10 @@ class LACContact(ContactState, ContactResults, ContactPictures):
 
     def _Pair(self, gf, history=None):
         paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
+        form = ContactForm(**self._setup)
+        form.Update(gf, history)
         refined = self._IsRefined()
-        before, self._paired = self._paired, IN_DOUBT
-        try:
-            self.form.Update(gf, history)
-        except NgException:  # the form is as it was
-            self._paired = before
-            raise
+        self.form = form
         if refined:
             self._MakeFields()
         self._scaled = False

@@ -53,7 +53,7 @@ class ContactState:
         if self._IsRefined():  # no way back
             self._PutBack(state, gf)
             return
-        with self._WholeOrNot(gf):
+        with self._FormKept() if self.finite else self._WholeOrNot(gf):
             self._PutBack(state, gf)
 
     def _PutBack(self, state, gf):
@@ -61,7 +61,8 @@ class ContactState:
         if not history:
             self._Unpair()
             return
-        if not self.form.paired or self._paired is not state["paired"]:
+        # With finite sliding there is more in the form than its history: it is left as it is.
+        if self.finite or not self.form.paired or self._paired is not state["paired"]:
             self._Pair(self._Function(state["paired"]), history)
             self._paired = state["paired"]
         else:
@@ -78,6 +79,9 @@ class ContactState:
         if self._paired is not None:
             self.form = ContactForm(**self._setup)
         self._scaled, self._paired = False, None
+        self._Clear()
+
+    def _Clear(self):
         for name in FIELDS:
             getattr(self, name).vec[:] = 0
 
@@ -92,6 +96,20 @@ class ContactState:
         gf = GridFunction(self.form.fes)
         gf.vec.FV().NumPy()[:] = values
         return gf
+
+    @contextmanager
+    def _FormKept(self):
+        """What fails in the block, or is interrupted, changes nothing: it makes a new form."""
+        before = self.form, self._scaled, self._paired
+        try:
+            yield
+        except BaseException:
+            self.form, self._scaled, self._paired = before
+            if self.form.paired:
+                self._Fill()
+            else:
+                self._Clear()
+            raise
 
     @contextmanager
     def _WholeOrNot(self, gf):

@@ -8,16 +8,20 @@ import sys
 
 import numpy as np
 from motions import elastic, neo_hooke, on_ground, values
+from netgen.occ import MoveTo, OCCGeometry
 from ngsolve import (
     CF,
     BilinearForm,
     GridFunction,
+    IfPos,
     InnerProduct,
+    Mesh,
     Parameter,
     Variation,
     VectorH1,
     ds,
     dx,
+    y,
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
@@ -47,6 +51,33 @@ def loading(mesh=None, *, finite=False, nonlinear=True, **law):
     return LoadStepper(solver, load)
 
 
+def slotted(h=0.35, width=0.08):
+    """A square with a slot from the left."""
+    square = MoveTo(-1, -1).Rectangle(2, 2).Face()
+    shape = square - MoveTo(-1.5, -width / 2).Rectangle(2, width).Face()
+    shape.edges.name = "outside"
+    for edge in shape.edges:
+        if abs(edge.center.y) < 0.5 and abs(edge.center.x) < 0.9:
+            edge.name = "slot"
+    return Mesh(OCCGeometry(shape, dim=2).GenerateMesh(maxh=h))
+
+
+def squeezed(mesh=None):
+    """The slot is closed, and its sides slide: self-contact."""
+    mesh = mesh or slotted()
+    V = VectorH1(mesh, order=2)
+    X = V * LACSpace(V, slave="slot")
+    (u, lam), (v, _) = X.TnT()
+    load = Parameter(0.0)
+    a = BilinearForm(X)
+    a += Variation(neo_hooke(u, 10.0).Compile() * dx)
+    above, below = (IfPos(side * y - 0.999, 300, 0) for side in (1, -1))
+    at = CF((0.1 * load * load, -0.4 * load))
+    a += (above * InnerProduct(u - at, v) + below * InnerProduct(u, v)) * ds("outside")
+    contact = LACContact(u, lam, master="slot", friction=0.3, finite=True)
+    return LoadStepper(ContactSolver(a, GridFunction(X), contact, inverse=INVERSE), load)
+
+
 def bouncing(mesh=None, *, rho_inf=0.9):
     """A block thrown at the ground."""
     motion = on_ground(
@@ -68,6 +99,7 @@ MAKE = {
     "loading": loading,
     "linear": lambda mesh=None: loading(mesh, nonlinear=False, friction=0.6),
     "finite": lambda mesh=None: loading(mesh, finite=True),
+    "squeezed": squeezed,
     "bouncing": bouncing,
 }
 

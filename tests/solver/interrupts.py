@@ -54,6 +54,7 @@ def seen(tool):
         found["balance"] = -1.0 if tool.balance is None else tool.balance.time
     for k, contact in enumerate(solver.contacts):
         parts = contact.Table() | contact.State()
+        parts["segments"] = contact.Segments().gap
         parts["force"], parts["moment"] = contact.Force(), np.asarray(contact.Moment())
         for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
             parts["field " + name] = getattr(contact, name).vec.FV().NumPy().copy()

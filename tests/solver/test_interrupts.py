@@ -80,6 +80,16 @@ def pairing(**flags):
     return stepper, lambda: contact.Update(gf)
 
 
+def pairing_by_hand(make=None, *, back=False):
+    """While what is seen is an equilibrium under way, neither the last commit nor what comes."""
+    stepper = continued.half(make(), 1) if make else half(finite=True)
+    (contact,) = stepper.solver.contacts
+    state = contact.State()
+    stepper.load.Set(0.7)
+    stepper.solver.Solve(printing=False)
+    return stepper, lambda: contact.SetState(state) if back else contact.Update()
+
+
 def committing(**flags):
     stepper = half(**flags)
     (contact,), gf = stepper.solver.contacts, stepper.solver.gf
@@ -105,6 +115,9 @@ SCENARIOS = {
     "first time step": starting,
     "pairing": pairing,
     "finite pairing": lambda: pairing(finite=True),
+    "finite pairing by hand": pairing_by_hand,
+    "self-contact paired by hand": lambda: pairing_by_hand(continued.squeezed),
+    "finite pairing put back by hand": lambda: pairing_by_hand(back=True),
     "commit": committing,
     "finite commit": lambda: committing(finite=True),
 }
