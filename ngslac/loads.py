@@ -4,6 +4,7 @@ import numpy as np
 from ngsolve import BaseVector, GridFunction, LinearForm
 from ngsolve.la import DynamicVectorExpression
 
+from ngslac._ngslac import IsAssembled
 from ngslac.arguments import CheckVector, IsFunction, Shown
 
 __all__ = ["CheckNoMultiplierLoad", "CheckRhs", "LoadVector"]
@@ -27,14 +28,20 @@ def CheckRhs(rhs, space):
 
 def LoadVector(rhs, vec):
     """The load as numpy array: from nothing, a vector, a LinearForm or a callable."""
-    return Values(rhs, vec.FV().NumPy().size)
-
-
-def Values(rhs, size):
-    """The same, for vectors of this size."""
-    if rhs is None:
-        return np.zeros(size)
     name, load = ("rhs()", rhs()) if IsFunction(rhs) else ("rhs", rhs)
+    values = Values(load, vec.FV().NumPy().size, name)
+    if isinstance(load, LinearForm) and not IsAssembled(load) and not values.any():
+        raise ValueError(
+            f"{name} is a LinearForm that was never assembled, which would be no load at all: call "
+            "its Assemble() before Solve"
+        )
+    return values
+
+
+def Values(load, size, name="rhs"):
+    """A load that is no function as array of this size."""
+    if load is None and name == "rhs":
+        return np.zeros(size)
     if isinstance(load, DynamicVectorExpression):  # such as 2 * vector
         load = load.Evaluate()
     if not isinstance(load, (LinearForm, BaseVector)):
@@ -46,9 +53,12 @@ def Values(rhs, size):
     return CheckVector(name, load, size).FV().NumPy().copy()
 
 
-def CheckNoMultiplierLoad(name, forces, rows):
-    """Refuse forces of bulk or loads in the rows of the multipliers: they would shift the gap."""
-    if np.any(forces[rows]):
+def CheckNoMultiplierLoad(name, size, allowed):
+    """Refuse forces of bulk or loads in the rows of the multipliers: they would shift the gap.
+
+    Their `size` may be what the solver takes for zero: reactions of an earlier solve hold as much.
+    """
+    if size > allowed:
         raise ValueError(
             f"{name} holds terms with the test function of lam, which would shift the gap: leave "
             "them out; an obstacle= or the geometry sets the gap"

@@ -132,6 +132,8 @@ class Residual:
             self.rows[dofs] = True
         self.reference, self.tol = self.converged, tol
         state = self.Measure(scale, honest=True)
+        if state.finite:
+            self._CheckMultiplierLoads(scale)
         # A body that moves without touching feels nothing but the jump of its Dirichlet values.
         self.reference = max(self.converged, 1e-5 * self.forces)
         return state
@@ -187,12 +189,11 @@ class Residual:
         load = LoadVector(self.rhs, vec)
         # Forces at work: reactions, contact forces and loads all count.
         forces = max(Norm((scale * f)[~self.rows]) for f in (bulk, contact_forces, load))
+        self._gapshifts = {"rhs": load[self.rows], "a, the bulk form,": bulk[self.rows]}
         bulk = bulk - load
         scaled = scale * (bulk + contact_forces) * self.free
         if not np.all(np.isfinite(scaled)):
             return State.Nothing("the residual holds NaN or infinite values")
-        CheckNoMultiplierLoad("rhs", load, self.rows)
-        CheckNoMultiplierLoad("a, the bulk form,", bulk, self.rows)
         self.forces, self.scaled = forces, scaled
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
@@ -215,6 +216,12 @@ class Residual:
             np.concatenate([t["area"] / t["fullarea"] for t in tables]),
             honest=honest,
         )
+
+    def _CheckMultiplierLoads(self, scale):
+        """Once per solve: what depends on the iterate, the matrix shows."""
+        allowed = self.tol * max(self.forces, self.reference, self.rounding / self.tol)
+        for name, shift in self._gapshifts.items():
+            CheckNoMultiplierLoad(name, Norm(scale[self.rows] * shift), allowed)
 
     def _Bulk(self, honest):
         """The residual of the bulk form at gf, before `rhs` is taken off."""

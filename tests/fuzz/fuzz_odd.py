@@ -111,6 +111,14 @@ ODD = {
         lambda w: Solve(w, rhs=LinearForm(w.mu[1] * ds("slave")).Assemble()),
         ("rhs",),
     ),
+    "rhs that was never assembled": (
+        lambda w: Solve(w, rhs=LinearForm(w.v[1] * ds("top"))),
+        ("rhs",),
+    ),
+    "rhs of a point that was never assembled": (
+        lambda w: Solve(w, rhs=LinearForm(w.v[1](0.5, 0.5))),
+        ("rhs",),
+    ),
     "bulk with a load that is NaN": (
         lambda w: Solve(w, w.Form(CF(np.nan) * w.v[1] * dx)),
         ("NaN",),

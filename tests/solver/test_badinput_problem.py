@@ -8,11 +8,12 @@ from ngsolve import (
     GridFunction,
     InnerProduct,
     LinearForm,
+    Parameter,
     VectorH1,
     ds,
     dx,
 )
-from press import linear, numpy, press
+from press import linear, mixed_press, numpy, press
 
 from ngslac import AugmentedLagrangianSolver, ContactSolver, FormSum, LACContact, LACSpace
 
@@ -161,6 +162,41 @@ def test_a_load_on_another_space(problem):
     v = problem.X.components[0].TestFunction()
     with raises("rhs is a LinearForm on another space"):
         problem.solver(rhs=LinearForm(v[1] * dx).Assemble())
+
+
+def test_a_load_that_was_never_assembled(problem):
+    v = problem.X.TestFunction()[0]
+    for terms in (v[1] * ds("top"), v[1](0.5, 0.5)):
+        f = LinearForm(problem.X)
+        f += terms
+        for rhs, name in ((f, "rhs"), (lambda f=f: f, r"rhs\(\)")):
+            solver = ContactSolver(bulk(problem), problem.gf, problem.contact, rhs=rhs)
+            with raises(f"^{name} is a LinearForm that was never assembled"):
+                solver.Solve(printing=False)
+
+
+def test_loads_that_are_zero_or_set_by_hand(problem):
+    v = problem.X.TestFunction()[0]
+    load = Parameter(0)
+    zero, filled = LinearForm(load * v[1] * ds("top")).Assemble(), LinearForm(problem.X)
+    filled.vec[0] = 1e-3
+    for f in (zero, filled):
+        solver = ContactSolver(bulk(problem), problem.gf, problem.contact, rhs=f)
+        solver.Solve(printing=False)
+
+
+def test_reactions_of_a_solution_as_loads():
+    """In the rows of the multipliers they hold what the solver took for zero."""
+    problem = mixed_press(h=0.5)
+    problem.solver().Solve(printing=False)
+    forces = problem.gf.vec.CreateVector()
+    problem.a.Apply(problem.gf.vec, forces)
+    problem.contact.AddApply(problem.gf.vec, forces)
+    assert any(forces[int(dof)] for dof in problem.contact.form.MultiplierDofs())
+    start = numpy(problem.gf)
+    solver = ContactSolver(problem.a, problem.gf, problem.contact, rhs=forces)
+    assert solver.Solve(printing=False).number <= 1
+    assert numpy(problem.gf) == pytest.approx(start, abs=1e-12)
 
 
 def test_free_dofs(problem):
