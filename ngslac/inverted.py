@@ -1,18 +1,37 @@
 """Elements that a deformation turns inside out."""
 
 import numpy as np
-from ngsolve import VOL, Det, ElementId, Grad, GridFunction, Id, IfPos, Integrate
+from ngsolve import (
+    VOL,
+    CoefficientFunction,
+    Det,
+    ElementId,
+    Grad,
+    GridFunction,
+    Id,
+    IfPos,
+    Integrate,
+    x,
+    y,
+    z,
+)
 
+from ngslac.arrays import AsNumPy
 from ngslac.errors import ContactConvergenceError
+from ngslac.rigidmotions import DofsOfMaterials
 
-__all__ = ["InvertedError", "InvertedMessage"]
+__all__ = ["InvertedError", "InvertedMessage", "TurningMaterials"]
+
+# Relative difference of forces that is rounding; a rotation, and strains that are not small.
+ROUNDING = 1e-8
+ANGLE, STRAIN = 0.5, 0.1
 
 
 class InvertedError(ContactConvergenceError):
     """Newton's method converged to a state with elements turned inside out."""
 
 
-def InvertedMessage(form, gf):
+def InvertedMessage(form, gf, materials=None):
     """Which elements the displacement of a compiled contact form turns inside out; "" if none.
 
     Parameters
@@ -21,6 +40,8 @@ def InvertedMessage(form, gf):
         Tells the displacement.
     gf : GridFunction
         On the product space.
+    materials : (n,) bool, optional
+        Those that are looked at; None: all.
 
     Returns
     -------
@@ -30,7 +51,8 @@ def InvertedMessage(form, gf):
     u, first = GridFunction(space), form.offset * form.fes.dim
     values = u.vec.FV().NumPy()
     values[:] = gf.vec.FV().NumPy()[first : first + len(values)]
-    folded = IfPos(Det(Id(mesh.dim) + Grad(u)), 0, 1)
+    looked = 1 if materials is None else CoefficientFunction(list(map(float, materials)))
+    folded = IfPos(Det(Id(mesh.dim) + Grad(u)), 0, looked)
     shares = Integrate(folded, mesh, order=2 * space.globalorder, element_wise=True)
     numbers = np.flatnonzero(np.asarray(shares.NumPy()) > 0)
     if not len(numbers):
@@ -40,3 +62,66 @@ def InvertedMessage(form, gf):
     middle = tuple(float(x) for x in np.mean(corners, axis=0).round(6))
     count = f"{len(numbers)} elements turn" if len(numbers) > 1 else "an element turns"
     return f"{count} inside out (det F <= 0), the first in '{element.mat}' at {middle}"
+
+
+def TurningMaterials(a, form, gf):
+    """Materials of which the bulk form knows finite rotations: they turn the forces with them.
+
+    Where they do, as in linear elasticity, the determinant of the deformation means nothing.
+
+    Parameters
+    ----------
+    a : BilinearForm
+        The bulk.
+    form : ContactForm
+        Tells the displacement.
+    gf : GridFunction
+        On the product space; all but the displacement is as there.
+
+    Returns
+    -------
+    (n,) bool
+        One for each material.
+    """
+    space, mesh = form.component, form.fes.mesh
+    bent, turned = Bent(space)
+    none, there, back, rotated = (
+        Forces(a, form, gf, values) for values in (0 * bent, bent, -bent, turned)
+    )
+    count, materials = len(mesh.GetMaterials()), []
+    for k in range(count):
+        others = DofsOfMaterials(space, np.arange(count) != k)
+        inside = DofsOfMaterials(space, np.arange(count) == k) & ~others
+        inside &= ~space.GetDofs(mesh.Boundaries(".*"))  # where springs or pressures may act
+        own = AsNumPy(inside).repeat(form.fes.dim)
+        sizes = [np.linalg.norm((forces - none)[own]) for forces in (there, rotated)]
+        curved = np.linalg.norm((there + back - 2 * none)[own])
+        finite = ROUNDING * sizes[0] < curved < np.inf
+        materials.append(finite and abs(sizes[1] - sizes[0]) <= ROUNDING * sizes[0])
+    return np.array(materials)
+
+
+def Bent(space):
+    """Coefficients of a displacement with strains, and of the same that is then turned."""
+    mesh, d = space.mesh, space.mesh.dim
+    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
+    middle, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    arms = [c - m for c, m in zip((x, y, z), middle, strict=False)]
+    u, turned = GridFunction(space), GridFunction(space)
+    bend = STRAIN / size * arms[0] * arms[1]
+    u.Set(CoefficientFunction((bend, -STRAIN / size * arms[0] ** 2, bend)[:d]), VOL)
+    c, s = np.cos(ANGLE), np.sin(ANGLE)
+    now = [arm + u[k] for k, arm in enumerate(arms)]
+    now[:2] = c * now[0] - s * now[1], s * now[0] + c * now[1]
+    turned.Set(CoefficientFunction(tuple(a - b for a, b in zip(now, arms, strict=True))), VOL)
+    return u.vec.FV().NumPy().copy(), turned.vec.FV().NumPy().copy()
+
+
+def Forces(a, form, gf, displacement):
+    """What the bulk form says of a displacement (n,)."""
+    vec, forces = gf.vec.CreateVector(), gf.vec.CreateVector()
+    own = slice(first := form.offset * form.fes.dim, first + len(displacement))
+    vec.data = gf.vec
+    vec.FV().NumPy()[own] = displacement
+    a.Apply(vec, forces)
+    return forces.FV().NumPy()[own].copy()

@@ -8,7 +8,7 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
-from ngslac.inverted import InvertedError, InvertedMessage
+from ngslac.inverted import InvertedError, InvertedMessage, TurningMaterials
 from ngslac.iteration import Iteration
 from ngslac.linear import LinearSolveError
 from ngslac.loads import CheckRhs
@@ -133,6 +133,7 @@ class ContactSolver(NewtonStep):
         self._bodies, self._silent = None, True
         self._apart = False  # is the bulk known to leave the multipliers alone?
         self._islinear = None  # the bulk, as far as seen: then its matrix is kept
+        self._turning = None  # materials of which it knows finite rotations, once that matters
 
     # --- the loop ------------------------------------------------------------------------------
 
@@ -373,11 +374,21 @@ class ContactSolver(NewtonStep):
 
     def _Accepted(self):
         """The last line, if the state that it tells of is possible."""
-        for contact in self.contacts:
-            if contact.finite and (message := InvertedMessage(contact.form, self.gf)):
-                raise InvertedError(message + "; take smaller steps, or a finer mesh there")
+        if message := self._Inverted():
+            raise InvertedError(message + "; take smaller steps, or a finer mesh there")
         self.residual.Accept()
         return self.history[-1]
+
+    def _Inverted(self):
+        """Which elements are inside out, where the determinant of the deformation has a meaning."""
+        form, a = self.contacts[0].form, self.a
+        if any(contact.finite for contact in self.contacts):
+            return InvertedMessage(form, self.gf)
+        if self._IsLinear():
+            return ""
+        if self._turning is None:
+            self._turning = TurningMaterials(getattr(a, "bulk", a), form, self.gf)
+        return InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
 
     def _Converged(self, state):
         done = state.equilibrium < self.tol and state.constraint < self.tol

@@ -42,13 +42,13 @@ class Press:
         return ContactSolver(self.a, self.gf, self.contact, **flags)
 
 
-def linear(u, v):
+def linear(u, v, dx=dx):
     strain = Sym(Grad(u))
     stress = 2 * MU * strain + LAME * Trace(strain) * Id(2)
     return InnerProduct(stress, Sym(Grad(v))) * dx
 
 
-def neo_hooke(u):
+def neo_hooke(u, dx=dx):
     F = Id(2) + Grad(u)
     det = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
     energy = MU / 2 * (InnerProduct(F, F) - 2) - MU * log(det) + LAME / 2 * log(det) ** 2
