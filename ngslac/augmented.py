@@ -6,18 +6,22 @@ import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
+from ngslac.errors import ContactConvergenceError
 from ngslac.primal import PrimalSolver
 from ngslac.problem import CheckInverse, CheckTolerance
 from ngslac.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
 
-# Augmentation where none is given: the first one, and what it may grow to.
+# Augmentation where none is given: the first one, and between what it may change.
 # Where surfaces rub and turn, many small outer iterations are easier than few large ones.
-START, RUBBING, GROWTH, LARGEST = 100.0, 10.0, 10.0, 1e5
+START, RUBBING, GROWTH, LARGEST, LEAST = 100.0, 10.0, 10.0, 1e5, 1e-3
 # The multipliers move on when equilibrium is so much closer than the constraints; then these have
 # to come so much closer each time, or the augmentation grows.
 FORCING, PROGRESS = 0.1, 0.25
+# Inner iterations after which the augmentation is too large, and the shortest part of a step that
+# is none too short: the status goes round, or what it multiplies are rounding errors.
+PATIENCE, SHORT = 10, 1 / 16
 
 
 class AugmentedLagrangianSolver(ContactSolver):
@@ -47,9 +51,11 @@ class AugmentedLagrangianSolver(ContactSolver):
         installed, else "sparsecholesky". Matrices that friction, finite sliding or the bulk make
         unsymmetric go to the default of `ContactSolver`.
     augmentation : float, optional
-        c in multiples of the scale of the contact, see ``stiffness`` of `LACContact`: each outer
-        iteration brings the constraints closer by about this factor. Default: starts at 100 (with
-        friction and ``finite=True`` at 10), and grows where they come closer by less than 4.
+        c in multiples of the stiffness of the surface, that of each macro-element, which is taken
+        from the bulk's matrix (``stiffness`` of `LACContact` does not matter): each outer iteration
+        brings the constraints closer by about this factor. Default: starts at 100 (with friction
+        and ``finite=True`` at 10), grows where they come closer by less than 4, and falls where the
+        inner iterations get nowhere.
 
     Attributes
     ----------
@@ -63,7 +69,9 @@ class AugmentedLagrangianSolver(ContactSolver):
     Raises
     ------
     ValueError, TypeError
-        An augmentation that is no positive number, and what `ContactSolver` raises.
+        An augmentation that is no positive number, and what `ContactSolver` raises. Where one
+        that was given does not lead to the solution, the error says whether it is too large or
+        too small.
 
     Examples
     --------
@@ -90,16 +98,20 @@ class AugmentedLagrangianSolver(ContactSolver):
         super().__init__(a, gf, contacts, rhs=rhs, freedofs=freedofs, initial=initial)
         self.linear = PrimalSolver(self.linear, inverse)
         self.augmentation = augmentation
-        self.factor, self.outer = augmentation or START, 0
+        self._Forget()
+
+    def _Forget(self):
+        """Begin with the first augmentation, and with the multipliers of the solution."""
+        self.factor, self.outer = self.augmentation or START, 0
         self._fixed = self._pull = None
+        self._inner, self._ceiling, self._slow = 0, LARGEST, False
 
     def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True):
         """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations.
 
         There is no other method for the contact status: `path` has no effect.
         """
-        self.factor, self.outer = self.augmentation or START, 0
-        self._fixed = self._pull = None
+        self._Forget()
         self._tol = CheckTolerance(tol)
         self.linear.Forget()
         return super().Solve(
@@ -117,14 +129,40 @@ class AugmentedLagrangianSolver(ContactSolver):
             rubs = any(c.finite and np.any(c.Table()["friction"] > 0) for c in self.contacts)
             self.factor = self.augmentation or (RUBBING if rubs else START)
         elif state.equilibrium <= max(FORCING * state.constraint, self._tol):
-            slow = state.constraint > PROGRESS * self._constraint
-            if slow and self.augmentation is None:
-                self.factor = min(GROWTH * self.factor, LARGEST)
+            self._slow = state.constraint > PROGRESS * self._constraint
+            if self._slow and self.augmentation is None:
+                self.factor = min(GROWTH * self.factor, self._ceiling)
             self._fixed, self._constraint = values[rows], state.constraint
             self.outer += 1
-            self.globalization.Begin()
-            self.globalization.Watch(state, 0)
+            self._BeginInner(state)
+        elif self._Struggles():
+            self._ceiling = self.factor / np.sqrt(GROWTH)
+            self.factor = max(self.factor / GROWTH, LEAST)
+            self._BeginInner(state)
+        self._inner += 1
         values[rows] = self._fixed
+
+    def _Struggles(self):
+        """Is the augmentation too large for the inner iteration to get anywhere?"""
+        if self.augmentation is not None or self.factor <= LEAST:
+            return False
+        short = len(self.history) > 2 and max(e.damping for e in self.history[-2:]) <= SHORT
+        return self._inner > PATIENCE or (self._inner > PATIENCE // 2 and short)
+
+    def _BeginInner(self, state):
+        self._inner = 0
+        self.globalization.Begin()
+        self.globalization.Watch(state, 0)
+
+    def _NotConverged(self, state):
+        error = super()._NotConverged(state)
+        if self.augmentation is None:
+            return error
+        other = "larger" if self._slow else "smaller"
+        return ContactConvergenceError(
+            f"{error}, or an augmentation {other} than {self.augmentation:g}; without one it is "
+            "chosen on the way"
+        )
 
     # --- inner iteration -----------------------------------------------------------------------
 
@@ -139,7 +177,8 @@ class AugmentedLagrangianSolver(ContactSolver):
         if pull is not None:
             values[rows] = self._fixed + pull
         self.linear.contacts = [
-            contact.form.AssembleAugmented(vec, residual, self.factor) for contact in self.contacts
+            contact.form.AssembleAugmented(vec, residual, self._FactorOf(contact))
+            for contact in self.contacts
         ]
         if pull is not None:  # it only tells what is closed: the force is that of its penalty
             values[rows] = -pull
@@ -158,13 +197,25 @@ class AugmentedLagrangianSolver(ContactSolver):
         try:
             self.residual.Follow()
             for contact in self.contacts:
-                contact.form.UpdateMultipliers(self.gf.vec, self.factor)
+                contact.form.UpdateMultipliers(self.gf.vec, self._FactorOf(contact))
         except NgException:
             pass  # Measure meets and reports it
         state = self.residual.Measure(self.scale, honest=self._motion is not None)
         return replace(state, merit=state.unbalance)
 
-    def _FollowPath(self, _, error):
+    def _FactorOf(self, contact):
+        """Of the form's scale, in which `stiffness` is."""
+        return self.factor / contact.stiffness
+
+    def _Newton(self, state, maxit, most=0):
+        return super()._Newton(state, max(maxit, most))
+
+    def _Otherwise(self, error, maxit, start, motion, found):
+        """There is no other method: what was found if it may be, else the error."""
+        if found is not None and not self._Bodies().Lost(found):
+            return self._Accepted()
+        self._exhausted = not self._MayHold()
+        self._CheckBalance(error, start, motion)
         raise error
 
     def _ContactMatrices(self):

@@ -191,8 +191,8 @@ CASES = [
         "Saved and continued",
         "Five computations (a load path with friction, the same with a linear bulk, with large "
         "sliding, with self-contact, and a block in flight) are saved half way and continued in "
-        "another process. The end values agree to the last bit; for the flight to rounding, since the last digits of "
-        "dense products depend on where arrays lie in memory.",
+        "another process. The end values agree to the last bit; for the flight to rounding, since "
+        "the last digits of dense products depend on where arrays lie in memory.",
         "The computations without interruption.",
         "pytest tests/solver/test_restart.py",
         Restart,

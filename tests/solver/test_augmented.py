@@ -114,13 +114,49 @@ def test_constraints_fall_by_the_augmentation():
     assert constraints[2] < 0.02 * constraints[1]
 
 
-def test_augmentation_grows_where_the_contact_is_too_soft():
-    problem, other = (mixed_press(friction=None, stiffness=s) for s in (1e-4, 1.0))
+@pytest.mark.parametrize("stiffness", [1e-6, 1e5])
+@pytest.mark.parametrize("case", ["friction", "stick", "tied", "finite with friction", "3D"])
+def test_the_scale_of_the_contact_does_not_matter(case, stiffness):
+    make, flags = CASES[case]
+    problem, other = make(**flags, stiffness=stiffness), make(**flags)
     solver = solved(augmented(problem))
-    assert solver.factor > 1e3
+    solved(other.solver())
+    assert solver.history[-1].number <= 20
+    same(problem.gf, other.gf, 1e-6)  # constraints are measured in lengths: soft ones are small
+
+
+@pytest.mark.parametrize("first", [1e-4, 1e-2, 1e4, 1e7])
+@pytest.mark.parametrize("case", ["friction", "stick", "tied", "hyperelastic with friction"])
+def test_augmentation_finds_its_size(case, first, monkeypatch):
+    """As if the bulk's matrix told nothing about the stiffness of the surface."""
+    for name in ("START", "RUBBING"):
+        monkeypatch.setattr("ngslac.augmented." + name, first)
+    make, flags = CASES[case]
+    problem, other = make(**flags), make(**flags)
+    solver = augmented(problem)
+    solver.Solve(printing=False, maxit=100)
+    solved(other.solver())
+    same(problem.gf, other.gf, 1e-7)
+    assert (solver.factor > first) if first < 1 else (solver.factor <= first)
+
+
+@pytest.mark.parametrize(("given", "remedy"), [(1e-3, "larger"), (1e9, "smaller")])
+def test_an_augmentation_that_does_not_do_is_told(given, remedy):
+    problem = mixed_press()
+    before = numpy(problem.gf)
+    with pytest.raises(ContactConvergenceError, match=f"augmentation {remedy} than"):
+        augmented(problem, augmentation=given).Solve(printing=False)
+    assert np.array_equal(numpy(problem.gf), before)
+
+
+def test_augmentation_grows_where_the_contact_is_too_soft(monkeypatch):
+    monkeypatch.setattr("ngslac.augmented.START", 1e-2)
+    problem, other = (mixed_press(friction=None) for _ in range(2))
+    solver = solved(augmented(problem))
+    assert solver.factor >= 10
     assert solver.history[-1].number < 30
     solved(other.solver())
-    same(problem.gf, other.gf, 1e-7)  # the constraints are that soft, too
+    same(problem.gf, other.gf, 1e-7)
 
 
 def test_a_matrix_that_stays_is_factored_once():
@@ -130,8 +166,9 @@ def test_a_matrix_that_stays_is_factored_once():
     assert solver.linear.factorizations <= changes + 1 < solver.history[-1].number
 
 
-def test_each_solve_starts_with_the_same_augmentation():
-    problem = mixed_press(friction=None, stiffness=1e-4)
+def test_each_solve_starts_with_the_same_augmentation(monkeypatch):
+    monkeypatch.setattr("ngslac.augmented.START", 1e-2)
+    problem = mixed_press(friction=None)
     solver = solved(augmented(problem))
     first = solver.history
     problem.gf.vec[:] = 0
