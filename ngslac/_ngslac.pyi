@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -403,6 +403,10 @@ def DofFingerprint(fes: ngsolve.comp.FESpace) -> int:
     """
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...
+def HoldsProxy(function: ngsolve.fem.CoefficientFunction) -> bool:
+    """
+    Does a function hold a trial or test function, which has no values?
+    """
 def IsAssembled(form: ngsolve.comp.LinearForm) -> bool:
     """
     Was a LinearForm ever assembled?

@@ -7,6 +7,8 @@ from numbers import Integral, Real
 import numpy as np
 from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, ProductSpace, Region
 
+from ngslac._ngslac import HoldsProxy
+
 __all__ = [
     "LARGEST_COUNT",
     "BoundaryRegion",
@@ -23,6 +25,7 @@ __all__ = [
     "CheckPoint",
     "CheckPositive",
     "CheckState",
+    "CheckValues",
     "CheckVector",
     "Coefficient",
     "Components",
@@ -183,9 +186,19 @@ def CheckState(state, *keys):
 
 
 def CheckOnMesh(name, function, mesh):
-    """A function that is no GridFunction of another mesh."""
+    """A function with values that is no GridFunction of another mesh."""
     if isinstance(function, GridFunction) and function.space.mesh != mesh:
         raise ValueError(f"{name} lives on another mesh than the contact: take one on the same")
+    return CheckValues(name, function)
+
+
+def CheckValues(name, function):
+    """What can be evaluated: a number, or a function without trial and test functions."""
+    if isinstance(function, CoefficientFunction) and HoldsProxy(function):
+        raise ValueError(
+            f"{name} holds a trial or test function, which has no values: take the GridFunction, "
+            "such as gf.components[0], in its place"
+        )
     return function
 
 

@@ -97,6 +97,7 @@ class TimeStepper:
         self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
     ):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
+        solver.CheckSpace()
         self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.time = Parameter(0.0) if time is None else time
@@ -224,6 +225,7 @@ class TimeStepper:
 
     def _Begin(self):
         """Forces and energies of the present state, which the user may have changed."""
+        self.solver.CheckSpace()
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
             if not np.all(np.isfinite(field.vec.FV().NumPy())):
                 raise ValueError(f"{name} holds NaN or infinite values")

@@ -18,7 +18,7 @@ from ngsolve import (
 )
 from scipy.sparse import vstack
 
-from ngslac.arguments import CheckNumber, Components, Shown, Wrong
+from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
 from ngslac.bodies import ActiveRates, ActiveRows
 
@@ -244,7 +244,7 @@ def CheckScalar(name, value, wanted):
         return CoefficientFunction(CheckNumber(name, value, wanted))
     if Components(value) != 1 or value.is_complex:
         raise Wrong(ValueError, name, value, f"{wanted}, real with one component")
-    return value
+    return CheckValues(name, value)
 
 
 def CheckEnergy(energy):

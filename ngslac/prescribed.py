@@ -6,7 +6,7 @@ from numbers import Real
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, Region
 
-from ngslac.arguments import BoundaryRegion, CheckFunction, Shown, Wrong
+from ngslac.arguments import BoundaryRegion, CheckFunction, CheckValues, Shown, Wrong
 from ngslac.arrays import AsNumPy, ScalarDofs
 
 __all__ = ["CheckKept", "Prescribed"]
@@ -106,4 +106,4 @@ def Displacement(key, value, dim):
         )
     if function.is_complex:
         raise ValueError(f"prescribe: the value of {key!r}, {Shown(value)}, is complex")
-    return function
+    return CheckValues(f"prescribe: the value of {key!r}", function)

@@ -51,19 +51,20 @@ def CheckBulk(a):
 def CheckContacts(contacts, space, name="contacts"):
     """One contact or several as a list of contacts on one space, each with a lam of its own."""
     several = isinstance(contacts, Iterable) and not isinstance(contacts, (str, bytes))
-    found = list(contacts) if several else [contacts]
-    if not found:
-        raise ValueError(f"{name} = {Shown(contacts)} is empty: give at least one LACContact")
-    for contact in found:
+    found = {}
+    for contact in contacts if several else [contacts]:
         CheckInstance(name, contact, LACContact, "a LACContact, or a list of them")
         if contact.form.fes != space:
             raise ValueError(
                 f"{name}: a, gf and the contacts must live on the same product space X: take u and "
                 "lam of LACContact, BilinearForm(X) and GridFunction(X) from one X"
             )
-    if len({contact.form.lamoffset for contact in found}) < len(found):
-        raise ValueError(f"{name}: two contacts share one lam: give each a LACSpace of its own")
-    return found
+        if contact.form.lamoffset in found:  # before the next: an endless iterable repeats itself
+            raise ValueError(f"{name}: two contacts share one lam: give each a LACSpace of its own")
+        found[contact.form.lamoffset] = contact
+    if not found:
+        raise ValueError(f"{name} = {Shown(contacts)} is empty: give at least one LACContact")
+    return list(found.values())
 
 
 def CheckStart(gf, space):

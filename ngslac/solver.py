@@ -179,8 +179,7 @@ class ContactSolver(NewtonStep):
         CheckFunction("callback", callback)
         CheckMotion(motion, self.constrained)
         CheckFlag("path", path)
-        if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
-            raise ValueError("the space was refined: make a new ContactSolver")
+        self.CheckSpace()
         self.PairOnce()
         before = Snapshot(self)
         self.history, self._closings, self._status, self._onpath = [], 0, None, False
@@ -268,6 +267,19 @@ class ContactSolver(NewtonStep):
             contact.SetState(part, self.gf)
         self.residual.SetState(state["residual"])
         self.history, self.scale = state["history"], state["scale"]
+
+    def CheckSpace(self):
+        """What was made for a space goes on with this one.
+
+        Raises
+        ------
+        ValueError
+            The space was refined since.
+        """
+        if len(self.linear.free) != self.gf.vec.FV().NumPy().size:
+            raise ValueError(
+                "the space was refined: make a new ContactSolver, and then new steppers"
+            )
 
     def PairOnce(self):
         """Pair what is not paired yet, in the reference configuration."""

@@ -103,8 +103,5 @@ void ExportCondense(py::module & m) {
         return bits;
       },
       py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
-  m.def(
-      "IsAssembled", [](LinearForm & form) { return form.IsAssembled(); }, py::arg("form"),
-      "Was a LinearForm ever assembled?");
 }
 } // namespace ngslac

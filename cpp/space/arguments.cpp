@@ -42,13 +42,23 @@ int IntegerOf(py::handle item) {
   return int(number);
 }
 
-Array<double> Integers(const py::object & macros) {
+/// At most so many: an iterable may have no end.
+Array<double> Integers(const py::object & macros, size_t most) {
+  auto what = "LACSpace: macros = " + Given<int>::Text(macros);
+  py::type_error wrong(what + " must be a list of integers, one per slave face");
   if (py::isinstance<py::str>(macros) || !py::isinstance<py::iterable>(macros))
-    throw py::type_error("LACSpace: macros = " + Given<int>::Text(macros) +
-                         " must be a list of integers, one per slave face");
+    throw wrong;
   Array<double> numbers;
-  for (auto item : macros)
-    numbers.Append(IntegerOf(item));
+  try {
+    for (auto item : macros) {
+      numbers.Append(IntegerOf(item));
+      if (numbers.Size() > most)
+        throw py::value_error(what + " has more entries than the mesh has boundary elements; give "
+                                     "one number per slave face");
+    }
+  } catch (const py::error_already_set &) { // in the middle of what seemed to be iterable
+    throw wrong;
+  }
   if (numbers.Size() == 0)
     throw py::value_error("LACSpace: macros has 0 entries; give one number per slave face, or "
                           "leave it out");
@@ -80,7 +90,7 @@ shared_ptr<LACSpace> SpaceArguments::Make() const {
   Flags flags;
   flags.SetFlag("slave", BoundaryNumbers(*V->GetMeshAccess(), region));
   if (!macros.IsNone())
-    flags.SetFlag("macros", Integers(macros.value));
+    flags.SetFlag("macros", Integers(macros.value, V->GetMeshAccess()->GetNE(BND)));
   if (!components.IsNone())
     flags.SetFlag("components", double(CheckedComponents(components)));
   bool follows = autoupdate.As("LACSpace: autoupdate", "True or False");

@@ -20,6 +20,13 @@ static void SetSlaveFlag(py::object slave, Flags * flags, py::list /* info */) {
   flags->SetFlag("slave", numbers);
 }
 
+static bool HoldsProxy(CoefficientFunction & function) {
+  bool holds = false;
+  function.TraverseTree(
+      [&](CoefficientFunction & part) { holds = holds || dynamic_cast<ProxyFunction *>(&part); });
+  return holds;
+}
+
 void ExportMeshTools(py::module & m) {
   m.def(
       "SplitSlaveFaces",
@@ -32,6 +39,13 @@ void ExportMeshTools(py::module & m) {
   m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
         "A number that differs for spaces that number the dofs of their elements in different "
         "ways.");
+
+  m.def(
+      "IsAssembled", [](LinearForm & form) { return form.IsAssembled(); }, py::arg("form"),
+      "Was a LinearForm ever assembled?");
+
+  m.def("HoldsProxy", &HoldsProxy, py::arg("function"),
+        "Does a function hold a trial or test function, which has no values?");
 
   auto space = ExportFESpace<BubbleVectorH1FESpace, VectorH1FESpace>(m, "BubbleVectorH1");
   space.def_static("__special_treated_flags__", [] {

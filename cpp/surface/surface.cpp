@@ -142,10 +142,11 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   auto & trafo = ma.GetTrafo(ei, lh);
   orientation[face] = Orientation<D>(ma, ei, lh);
   if (orientation[face] == 0)
-    throw Exception("boundary '" + string(ma.GetMaterial(ei)) + "' has material on " +
-                    (VolumesAt(ma, ei).Size() ? "both sides" : "no side") +
-                    ": contact needs two surfaces that share no nodes (mesh the bodies "
-                    "separately, do not glue them)");
+    throw Exception("boundary '" + string(ma.GetMaterial(ei)) + "' has " +
+                    (VolumesAt(ma, ei).Size()
+                         ? "material on both sides: contact needs two surfaces that share no nodes "
+                           "(mesh the bodies separately, do not glue them)"
+                         : "no body behind it: contact acts on bodies (mesh the volume as well)"));
 
   FlatMatrixFixWidth<D> values(points.Size(), lh);
   for (int i : Range(points)) {

@@ -65,7 +65,8 @@ def poisson(name, value):
 
 def choice(name, value, options, remedy):
     """Accept one of a few numbers or words."""
-    ok = type(value) is not bool and np.ndim(value) == 0 and any(value == o for o in options)
+    plain = isinstance(value, (str, Real, np.ndarray)) and type(value) is not bool
+    ok = plain and np.ndim(value) == 0 and any(value == o for o in options)
     _require(ok, name, value, remedy)
 
 

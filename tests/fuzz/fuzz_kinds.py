@@ -1,5 +1,7 @@
 """Odd values, and which of them are legal for which kind of argument."""
 
+from itertools import count, repeat
+
 import numpy as np
 from ngsolve import CF, BitArray, Parameter, sqrt, x
 
@@ -63,6 +65,10 @@ VALUES = {
     "Parameter": lambda w: Parameter(0.2),
     "trial function": lambda w: w.u,
     "test function": lambda w: w.v,
+    "CF of a trial function": lambda w: 0.1 + w.u[1] * x,
+    "vector CF of a trial function": lambda w: 0.1 * w.u,
+    "endless": lambda w: count(),
+    "endless of one": lambda w: repeat(w.contact),
     "solver": lambda w: w.solver,
     "file in a missing folder": lambda w: w.folder.name + "/missing/file",
     "folder": lambda w: w.folder.name,
@@ -107,7 +113,7 @@ NUMBERS = POSITIVE | {"-1", "0"}
 SCALARS = {"0", "2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"}
 DISPLACEMENTS = {"vector CF", "gf of a component"}
 GIVEN_FIELDS = ("gf", "gf of a component")
-ARRAYS = NUMBERS | {"array(3)", "[]"}
+ARRAYS = NUMBERS | {"array(3)", "[]", "vector", "vector of another mesh"}
 
 # What may be given, besides what the targets give themselves; "?" behind a kind adds None.
 KINDS = {
@@ -121,7 +127,7 @@ KINDS = {
     "flag": {"0", "True"},
     "word": set(),
     "pattern": set(),
-    "any-pattern": {"'nonsense'", "''", "'1'"},
+    "any-pattern": {"'nonsense'", "''", "'1'", "empty region", "name with a zero"},
     "region": set(),
     "function": {"function", "a class"},
     "mesh": {"mesh", "another mesh"},
@@ -143,7 +149,8 @@ KINDS = {
     "gap": SCALARS | {"-1"},
     "energy": SCALARS | {"-1"},
     "displacement": DISPLACEMENTS,
-    "background": {label for label in VALUES if "CF" in label} | {"Parameter", *GIVEN_FIELDS},
+    "background": {label for label in VALUES if "CF" in label and "trial" not in label}
+    | {"Parameter", *GIVEN_FIELDS},
     "trial": set(),
     "state": set(),
     "point": set(),
