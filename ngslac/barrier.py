@@ -11,7 +11,7 @@ TIE = 1e3
 SMALLEST = np.finfo(float).tiny ** 0.25  # whose square is no zero
 # Gaps to start with, relative to what the pressure does to the surface: too large is no harm, and
 # thin bodies bend far more than that.
-WIDE = 1e3
+WIDE = 30.0
 
 
 class Barrier:

@@ -282,6 +282,17 @@ def FloatingMessage(floating):
     )
 
 
+def FewMessage(contacts):
+    """Where there are so few macro-elements that bodies may turn on them; empty if nowhere."""
+    few = [c for c in contacts if np.count_nonzero(c.Table()["area"]) < c.mesh.dim]
+    return "".join(
+        f". Contact number {contacts.index(c)} holds on average over "
+        f"{np.count_nonzero(c.Table()['area'])} macro-elements only: refine its slave surface, or "
+        "take BubbleVectorH1 for displacements of order 1"
+        for c in few
+    )
+
+
 def LostMessage(lost):
     return (
         "; ".join(lost)

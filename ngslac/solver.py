@@ -5,7 +5,7 @@ from ngsolve import BitArray
 
 from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction, CheckState
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies, CloseNearest, FloatingMessage
+from ngslac.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.globalization import Globalization
 from ngslac.inverted import InvertedError, InvertedMessage, TurningMaterials
@@ -469,7 +469,8 @@ class ContactSolver(NewtonStep):
             )
         if self.initial == "gap" and CloseNearest(self.contacts, self.gf, self._WhatFloats):
             return True
-        raise FloatingBodyError(FloatingMessage(self._WhatFloats()))
+        few = FewMessage(self.contacts)
+        raise FloatingBodyError(FloatingMessage(self._WhatFloats()) + few)
 
     def _AreIdle(self, holds):
         """Does nothing push the bodies that float? Then nothing has to hold them."""

@@ -21,6 +21,7 @@ from ngsolve import (
     VectorH1,
     ds,
     dx,
+    x,
 )
 
 from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
@@ -276,3 +277,14 @@ def test_weak_spring_holds_a_block_that_slides_freely(spring, shift):
     p.solver.Solve(printing=False)
     moved = Integrate(p.gf.components[0][0] * ds(mesh.Boundaries("high1")), mesh) / 0.8
     assert moved == pytest.approx(1e-9 / spring, rel=0.05)
+
+
+def test_a_body_turns_on_a_single_macro_element():
+    mesh = blocks((0, -1, 5, 0, 0.9), (0.2, 0, 1, 0.8, 2.0))
+
+    def bulk(u, v, load):
+        return hooke(u, v) * dx + 1e-3 * x * v[1] * ds(mesh.Boundaries("high1"))
+
+    p = problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
+    with pytest.raises(FloatingBodyError, match="1 macro-elements only: refine its slave surface"):
+        p.solver.Solve(printing=False)
