@@ -222,7 +222,8 @@ class LoadStepper:
                         print("  halved")
                     size = half
                     continue
-                goal, last = self._Jump(target, error, maxit, tol)
+                tried = goal if error.certain else None
+                goal, last = self._Jump(target, error, maxit, tol, tried)
             # What was hard before mostly is so for another while.
             size = size if cuts else 2 * size
             self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
@@ -230,8 +231,11 @@ class LoadStepper:
             cuts = 0
         return done
 
-    def _Jump(self, target, error, maxit, tol):
-        """Leave a state from which no small step converges: it may snap to another one."""
+    def _Jump(self, target, error, maxit, tol, tried):
+        """Leave a state from which no small step converges: it may snap to another one.
+
+        `tried`: a load that is known to have no equilibrium, of which no part was tried, or None.
+        """
         begin = self.load.Get()
         useless = error.exhausted and self.solver._IsLinear()
         if not (useless or isinstance(error, FloatingBodyError)):
@@ -240,7 +244,7 @@ class LoadStepper:
                     return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
                 except ContactConvergenceError:
                     continue
-        known = type(error)(self._Diagnosis(error), error.history)
+        known = type(error)(self._Diagnosis(error, tried), error.history)
         known.exhausted, known.certain = error.exhausted, error.certain
         raise known from error
 
@@ -291,9 +295,14 @@ class LoadStepper:
                 values[contact.form.MultiplierDofs()] = 0
         return {} if fixed is None else {"motion": wanted - last.FV().NumPy()}
 
-    def _Diagnosis(self, error):
-        """What a user has to know of a step that fails however small."""
-        message = f"no step beyond load {self.load.Get():g} converges: {error}"
+    def _Diagnosis(self, error, tried):
+        """What a user has to know of a step that fails however small, or for certain."""
+        begin = f"{self.load.Get():g}"
+        if tried is None:
+            message = f"no step beyond load {begin} converges: {error}"
+        else:
+            message = f"the step from load {begin} to {tried:g} fails: {error}"
+            message += f". Smaller steps find how far beyond {begin} the load may grow"
         contacts = self.solver.contacts
         status = np.concatenate([c.Table()["status"] for c in contacts])
         last = error.history[-1] if error.history else None
