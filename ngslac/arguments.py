@@ -29,6 +29,7 @@ __all__ = [
     "CheckVector",
     "Coefficient",
     "Components",
+    "FillVector",
     "IsFunction",
     "Shown",
     "Wrong",
@@ -183,6 +184,17 @@ def CheckState(state, *keys):
     if missing := [key for key in keys if key not in state]:
         raise ValueError(f"state lacks {', '.join(map(repr, missing))}: it must be {wanted}")
     return state
+
+
+def FillVector(name, vec, values):
+    """Put the values of a state into a vector, if they are as many."""
+    entries = vec.FV().NumPy()
+    if np.shape(values) != entries.shape:
+        raise ValueError(
+            f"state holds {np.size(values)} values of {name}, which has {len(entries)} entries: it "
+            "is that of another problem, or of before the space was refined"
+        )
+    entries[:] = values
 
 
 def CheckOnMesh(name, function, mesh):

@@ -18,6 +18,7 @@ from ngslac.arguments import (
     Wrong,
 )
 from ngslac.contactstate import FIELDS, IN_DOUBT, REFERENCE, ContactState
+from ngslac.errors import RefuseCopy
 from ngslac.pictures import ContactPictures
 from ngslac.results import ContactResults
 
@@ -99,6 +100,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
     >>> bool(abs(contact.Force()[1] - pressure) < 1e-12)
     True
     """
+
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(
         self,

@@ -1,6 +1,5 @@
 """Implicit dynamics with contact."""
 
-import copy
 from dataclasses import replace
 
 import numpy as np
@@ -15,13 +14,15 @@ from ngslac.arguments import (
     CheckNumber,
     CheckPositive,
     CheckState,
+    FillVector,
 )
 from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
-from ngslac.errors import ContactConvergenceError
+from ngslac.callback import TellStep
+from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.loads import LoadVector
 from ngslac.obstacles import Obstacles
-from ngslac.prescribed import CheckKept, Prescribed
+from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
 from ngslac.residual import Residual
 from ngslac.snapshot import Snapshot
@@ -93,10 +94,17 @@ class TimeStepper:
     True
     """
 
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
+
     def __init__(
         self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
     ):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
+        if isinstance(solver.a, DynamicForm):
+            raise TypeError(
+                "solver is the one that a TimeStepper works with: give the ContactSolver that this "
+                "was made of"
+            )
         solver.CheckSpace()
         self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
@@ -108,7 +116,8 @@ class TimeStepper:
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.prescribe = prescribe
-        self.solver = copy.copy(solver)
+        self.solver = object.__new__(type(solver))
+        vars(self.solver).update(vars(solver))
         self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), None
         self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
         self.velocity = GridFunction(solver.gf.space, name="velocity")
@@ -214,7 +223,7 @@ class TimeStepper:
         CheckState(state, "time", "solver", "velocity", "steps", "balance", "momentum", "obstacles")
         self.time.Set(state["time"])
         self.solver.SetState(state["solver"])
-        self.velocity.vec.FV().NumPy()[:] = state["velocity"]
+        FillVector("velocity", self.velocity.vec, state["velocity"])
         self.steps[:] = state["steps"]
         self.balance, self._momentum = state["balance"], state["momentum"]
         self._rate, self._balanced = state["rate"], state["forces"]
@@ -273,8 +282,8 @@ class TimeStepper:
             self._saved = Snapshot(self)  # there is no way back behind it
             self._progress.At(goal)
             if callback:
-                callback(step)
-                CheckKept("time", self.time, goal)
+                fields = {"gf": self.gf, "velocity": self.velocity}
+                TellStep(callback, step, "time", self.time, **fields)
                 self._saved = Snapshot(self)  # which may have changed something
             size, cuts = 2 * size, 0
         return done

@@ -1,6 +1,6 @@
 """Errors that a contact computation can end with."""
 
-__all__ = ["ContactConvergenceError", "FloatingBodyError"]
+__all__ = ["ContactConvergenceError", "FloatingBodyError", "RefuseCopy"]
 
 
 class ContactConvergenceError(RuntimeError):
@@ -51,3 +51,11 @@ class FloatingBodyError(ContactConvergenceError):
     ...     print("upper" in str(error))
     True
     """
+
+
+def RefuseCopy(self, *_):
+    """In place of what `pickle` and `copy` call, for things that hold meshes and matrices."""
+    raise TypeError(
+        f"a {type(self).__name__} can be neither pickled nor copied: make another one in the same "
+        "way; SaveState and LoadState carry the state from one to the other"
+    )

@@ -4,6 +4,7 @@ import numpy as np
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arguments import CheckVector
+from ngslac.errors import RefuseCopy
 from ngslac.problem import CheckBulk, CheckContacts
 
 __all__ = ["FormSum"]
@@ -39,6 +40,8 @@ class FormSum:
     >>> form.mat.height == fes.ndof
     True
     """
+
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, a, *contacts):
         self.a = CheckBulk(a)

@@ -9,7 +9,7 @@ from ngsolve import CoefficientFunction, GridFunction, Region
 from ngslac.arguments import BoundaryRegion, CheckFunction, CheckValues, Shown, Wrong
 from ngslac.arrays import AsNumPy, ScalarDofs
 
-__all__ = ["CheckKept", "Prescribed"]
+__all__ = ["Prescribed"]
 
 WANTED = (
     "a displacement for each region, {'top': CF((0, -load))}, or a function of the solution, or "
@@ -72,15 +72,6 @@ class Prescribed:
                     f"prescribe: the value of {key!r} is NaN or infinite somewhere there"
                 )
             vec[self.first + dofs] = field[dofs]
-
-
-def CheckKept(name, parameter, value):
-    """A callback must leave load or time where the step ended: stepping would never end."""
-    if parameter.Get() != value:
-        raise ValueError(
-            f"callback has set the {name} from {value:g} to {parameter.Get():g} in the middle of "
-            "the steps: change it between two calls of Integrate"
-        )
 
 
 def RegionOf(mesh, key):

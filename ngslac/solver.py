@@ -3,10 +3,18 @@
 import numpy as np
 from ngsolve import BitArray
 
-from ngslac.arguments import CheckChoice, CheckCount, CheckFlag, CheckFunction, CheckState
+from ngslac.arguments import (
+    CheckChoice,
+    CheckCount,
+    CheckFlag,
+    CheckFunction,
+    CheckState,
+    FillVector,
+)
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage
-from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.callback import TellIterate
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.globalization import Globalization
 from ngslac.inverted import InvertedError, InvertedMessage, TurningMaterials
 from ngslac.iteration import Iteration
@@ -98,6 +106,8 @@ class ContactSolver(NewtonStep):
     True
     """
 
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
+
     def __init__(
         self,
         a,
@@ -128,6 +138,7 @@ class ContactSolver(NewtonStep):
         self.residual = Residual(a, gf, self.contacts, CheckRhs(rhs, space), free)
         self.globalization = Globalization()
         self.history, self._closings, self._motion, self._onpath = [], 0, None, False
+        self._running = False
         self._idle = False  # do bodies float that nothing pushes?
         self.scale = None  # of the rows, once there is a matrix
         self._bodies, self._silent = None, True
@@ -179,6 +190,11 @@ class ContactSolver(NewtonStep):
         CheckFunction("callback", callback)
         CheckMotion(motion, self.constrained)
         CheckFlag("path", path)
+        if self._running:
+            raise ValueError(
+                "Solve was called in the middle of Solve, by its callback or in another thread: "
+                "call it after that ends"
+            )
         self.CheckSpace()
         self.PairOnce()
         before = Snapshot(self)
@@ -194,6 +210,7 @@ class ContactSolver(NewtonStep):
             print(f"  {self.linear}")
             self._silent = False
         try:
+            self._running = True
             with Progress("contact: Newton's method") as self._progress:
                 return self._Iterate(maxit)
         except BaseException as error:
@@ -211,6 +228,8 @@ class ContactSolver(NewtonStep):
                 known = self._Known(error)
                 raise known from (None if known is error else error)
             raise
+        finally:
+            self._running = False
 
     def _Known(self, error):
         """The error with all that is known of it: which body is carried off, first of all."""
@@ -262,7 +281,7 @@ class ContactSolver(NewtonStep):
             Of `State`.
         """
         CheckState(state, "gf", "contacts", "residual", "history", "scale")
-        self.gf.vec.FV().NumPy()[:] = state["gf"]
+        FillVector("gf", self.gf.vec, state["gf"])
         for contact, part in zip(self.contacts, state["contacts"], strict=True):
             contact.SetState(part, self.gf)
         self.residual.SetState(state["residual"])
@@ -441,7 +460,7 @@ class ContactSolver(NewtonStep):
         if self._printing:
             print(entry)
         if self._callback:
-            self._callback(entry)
+            TellIterate(self._callback, entry, self.gf)
 
     # --- bodies that nothing holds -------------------------------------------------------------
 

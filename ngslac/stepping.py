@@ -13,8 +13,9 @@ from ngslac.arguments import (
     CheckNumber,
     CheckState,
 )
-from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.prescribed import CheckKept, Prescribed
+from ngslac.callback import TellStep
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
+from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
 from ngslac.snapshot import Snapshot
 from ngslac.solver import ContactSolver
@@ -84,6 +85,8 @@ class LoadStepper:
     >>> steps[-1].time
     1.0
     """
+
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
@@ -195,8 +198,7 @@ class LoadStepper:
         self._saved = Snapshot(self)
         self._progress.At(goal)
         if callback:
-            callback(step)
-            CheckKept("load", self.load, goal)
+            TellStep(callback, step, "load", self.load, gf=self.solver.gf)
             self._saved = Snapshot(self)  # which may have changed something
         return step
 

@@ -7,6 +7,7 @@ from functools import partial
 
 from fuzz_kinds import VALUES
 from fuzz_odd import LEGAL, ODD
+from fuzz_reentrant import REENTRANT, REENTRANT_LEGAL
 from fuzz_reference import REFERENCE_TARGETS
 from fuzz_strange import STRANGE, STRANGE_LEGAL
 from fuzz_targets import TARGETS
@@ -74,7 +75,7 @@ def AllCases(every=False):
         yield from Crossed(target, every)
     for name, (run, words) in ODD.items():
         yield Case("odd uses", name, run, words, False)
-    for name, (run, words) in STRANGE.items():
+    for name, (run, words) in (STRANGE | REENTRANT).items():
         yield Case("strange problems", name, run, words, False)
-    for name, run in (LEGAL | STRANGE_LEGAL).items():
+    for name, run in (LEGAL | STRANGE_LEGAL | REENTRANT_LEGAL).items():
         yield Case("legal uses", name, run, (), True)

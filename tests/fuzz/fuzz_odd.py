@@ -116,7 +116,7 @@ ODD = {
         ("rhs",),
     ),
     "rhs of a point that was never assembled": (
-        lambda w: Solve(w, rhs=LinearForm(w.v[1](0.5, 0.5))),
+        lambda w: Solve(w, rhs=PointLoad(w)),
         ("rhs",),
     ),
     "bulk with a load that is NaN": (
@@ -254,6 +254,12 @@ ODD = {
         }.items()
     },
 }
+
+
+def PointLoad(w):
+    f = LinearForm(w.X)
+    f += w.v[1](0.5, 0.5)
+    return f
 
 
 def ZeroBulk(w):

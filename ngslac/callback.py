@@ -1,0 +1,33 @@
+"""Calls back to the user, who may look at everything but not change what a solver works on."""
+
+import numpy as np
+
+__all__ = ["TellIterate", "TellStep"]
+
+
+def TellIterate(callback, entry, gf):
+    """Hand over a line of the iteration; the iterate stays as it is."""
+    kept = gf.vec.FV().NumPy().copy()
+    callback(entry)
+    if not np.array_equal(gf.vec.FV().NumPy(), kept):
+        raise ValueError(
+            "callback has changed gf in the middle of Solve, or refined its space: do that between "
+            "two calls of Solve"
+        )
+
+
+def TellStep(callback, step, name, parameter, **fields):
+    """Hand over a step; load or time stay where it ended: stepping would never end.
+
+    Its callback may change `fields`, as long as there are numbers in them.
+    """
+    value = parameter.Get()
+    callback(step)
+    if parameter.Get() != value:
+        raise ValueError(
+            f"callback has set the {name} from {value:g} to {parameter.Get():g} in the middle of "
+            "the steps: change it between two calls of Integrate"
+        )
+    for field, gf in fields.items():
+        if not np.all(np.isfinite(gf.vec.FV().NumPy())):
+            raise ValueError(f"callback has put NaN or infinite values into {field}")
