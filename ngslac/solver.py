@@ -44,6 +44,8 @@ NEWTON, LEAST = 30, 10
 STRAYED = 0.5
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
+# Iterations without a change of status in which a residual that falls no more is at a minimum.
+STILL = 4
 
 
 class ContactSolver(NewtonStep):
@@ -202,7 +204,7 @@ class ContactSolver(NewtonStep):
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
         self._path, self._exhausted = path, False
-        self._unbalanced, self._certain = "", False
+        self._unbalanced, self._certain, self.stuck = "", False, None
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
             self._rest = np.finfo(float).eps * np.max(np.abs(self._motion))  # which is none
@@ -393,6 +395,9 @@ class ContactSolver(NewtonStep):
             state, damping = self._Step(state)
             state = self._Confirmed(state)
             self._Record(state, damping)
+        still = not any(entry.changed for entry in self.history[-STILL:])
+        if self.globalization.stagnates and still and not self._onpath:
+            self.stuck = self.gf.vec.FV().NumPy().copy()
         raise self._NotConverged(state)
 
     def _NotConverged(self, state):

@@ -15,8 +15,10 @@ from ngslac.arguments import (
 )
 from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
+from ngslac.limitload import LimitLoad
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
+from ngslac.rigidbalance import CarriedOff
 from ngslac.snapshot import Snapshot
 from ngslac.solver import ContactSolver
 
@@ -25,6 +27,7 @@ __all__ = ["LoadStepper", "Step"]
 # Cuts after which an interior point method is tried where a smaller step was the better way, and
 # steps in which everything was tried until a load counts as one without equilibrium.
 PATIENCE, MOST_HOPELESS = 2, 3
+BISECTIONS = 14  # of the loads up to one that has no balance
 SAME = 1e-12  # relative difference of loads that are the same
 
 
@@ -205,6 +208,7 @@ class LoadStepper:
     def _Reach(self, target, callback, maxit, tol):
         done, cuts, hopeless = [], 0, 0
         full = target - self.load.Get()
+        limit = LimitLoad(self.solver, self.load, full)
         size = full if abs(full) <= self._size else np.copysign(self._size, full)
         least = 0.99 * abs(full) * 0.5**self.maxcuts
         while abs(target - self.load.Get()) > SAME * max(abs(target), abs(full)):
@@ -213,27 +217,39 @@ class LoadStepper:
             half = (goal - begin) / 2
             start, path = (
                 "predicted" if cuts == 0 else "last",
-                cuts == PATIENCE or abs(half) < least,
+                not limit.suspected and (cuts == PATIENCE or abs(half) < least),
             )
             try:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
                 cuts, hopeless = cuts + 1, hopeless + error.exhausted
-                if abs(half) >= least and hopeless <= MOST_HOPELESS and not error.certain:
+                self._Estimate(limit, goal, failed=True)
+                ends = error.certain or hopeless > MOST_HOPELESS or limit.Passed()
+                if abs(half) >= least and not ends:
                     if self.printing:
                         print("  halved")
-                    size = half
+                    size = limit.Size(half)
                     continue
                 tried = goal if error.certain else None
-                goal, last = self._Jump(target, error, maxit, tol, tried)
+                goal, last = self._Jump(target, error, limit, maxit, tol, tried)
             # What was hard before mostly is so for another while.
             size = size if cuts else 2 * size
             self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
             done.append(self._Accept(goal, last.number, cuts, callback))
             cuts = 0
+            if limit.expected is not None and target != goal:
+                self._Estimate(limit, target, failed=False)
+                size = limit.Size(size)
         return done
 
-    def _Jump(self, target, error, maxit, tol, tried):
+    def _Estimate(self, limit, goal, failed):
+        """Is there a limit of the load on the way from the last converged state to this one?"""
+        try:
+            limit.Estimate(goal, failed)
+        finally:
+            self._saved.Restore()
+
+    def _Jump(self, target, error, limit, maxit, tol, tried):
         """Leave a state from which no small step converges: it may snap to another one.
 
         `tried`: a load that is known to have no equilibrium, of which no part was tried, or None.
@@ -246,7 +262,7 @@ class LoadStepper:
                     return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
                 except ContactConvergenceError:
                     continue
-        known = type(error)(self._Diagnosis(error, tried), error.history)
+        known = type(error)(self._Diagnosis(error, limit, tried), error.history)
         known.exhausted, known.certain = error.exhausted, error.certain
         raise known from error
 
@@ -297,14 +313,29 @@ class LoadStepper:
                 values[contact.form.MultiplierDofs()] = 0
         return {} if fixed is None else {"motion": wanted - last.FV().NumPy()}
 
-    def _Diagnosis(self, error, tried):
+    def _Balanced(self, least):
+        """The largest load between the present one and one without balance that has a balance."""
+        most = self.load.Get()
+        try:
+            for _ in range(BISECTIONS):
+                self.load.Set(middle := (most + least) / 2)
+                carried = CarriedOff(self.solver)
+                most, least = (most, middle) if carried else (middle, least)
+        finally:
+            self._saved.Restore()
+        return most
+
+    def _Diagnosis(self, error, limit, tried):
         """What a user has to know of a step that fails however small, or for certain."""
         begin = f"{self.load.Get():g}"
-        if tried is None:
-            message = f"no step beyond load {begin} converges: {error}"
-        else:
-            message = f"the step from load {begin} to {tried:g} fails: {error}"
-            message += f". Smaller steps find how far beyond {begin} the load may grow"
+        if tried is not None:
+            balanced = f"; up to a load of {self._Balanced(tried):.4g} there is a balance"
+            return f"the step from load {begin} to {tried:g} fails: {error}" + balanced
+        if limit.known and not isinstance(error, FloatingBodyError):
+            return f"no step beyond load {begin} converges: {limit}"
+        message = f"no step beyond load {begin} converges: {error}"
+        if isinstance(error, FloatingBodyError):
+            return message
         contacts = self.solver.contacts
         status = np.concatenate([c.Table()["status"] for c in contacts])
         last = error.history[-1] if error.history else None
