@@ -351,7 +351,7 @@ class ContactSolver(NewtonStep):
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
             suits = loose or self._path or self._IsLinear()
-            if self._exhausted or left < LEAST or not suits:
+            if self._exhausted or self._unbalanced or left < LEAST or not suits:
                 raise error
             values[:], self._motion = start, motion
             self._exhausted = True

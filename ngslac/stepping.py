@@ -329,7 +329,7 @@ class LoadStepper:
         """What a user has to know of a step that fails however small, or for certain."""
         begin = f"{self.load.Get():g}"
         if tried is not None:
-            balanced = f"; up to a load of {self._Balanced(tried):.4g} there is a balance"
+            balanced = f"; up to a load of {self._Balanced(tried):.3g} there is one"
             return f"the step from load {begin} to {tried:g} fails: {error}" + balanced
         if limit.known and not isinstance(error, FloatingBodyError):
             return f"no step beyond load {begin} converges: {limit}"
