@@ -32,6 +32,7 @@ __all__ = [
     "FillVector",
     "IsFunction",
     "Shown",
+    "ShownPoint",
     "Wrong",
 ]
 
@@ -46,6 +47,11 @@ def Shown(value, longest=60):
         text = f"<{type(value).__name__}>"
     text = re.sub(r"<[\w.]*?(\w+) object at 0x\w+>", r"<\1>", text)
     return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def ShownPoint(point):
+    """A position in an error message, in any unit of length."""
+    return "(" + ", ".join(f"{x:.6g}" for x in point) + ")"
 
 
 def Wrong(kind, name, value, wanted):

@@ -3,6 +3,7 @@
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, x, y, z
 
+from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.rigidmotions import DofsOfMaterials
 
@@ -35,9 +36,8 @@ class BodyNames:
         alike = self._Alike(name)
         if len(alike) == 1:
             return f"'{name}'"
-        middle = ", ".join(f"{value:.3g}" for value in self.Middle(part))
         number = f"{alike.index(part) + 1} of {len(alike)}, " if part in alike else ""
-        return f"'{name}' ({number}around ({middle}))"
+        return f"'{name}' ({number}around {ShownPoint(self.Middle(part))})"
 
     def Material(self, part):
         """The first material of a body."""

@@ -16,6 +16,7 @@ from ngsolve import (
     z,
 )
 
+from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.errors import ContactConvergenceError
 from ngslac.rigidmotions import DofsOfMaterials
@@ -59,7 +60,7 @@ def InvertedMessage(form, gf, materials=None):
         return ""
     element = mesh[ElementId(VOL, int(numbers[0]))]
     corners = [mesh[v].point for v in element.vertices]
-    middle = tuple(float(x) for x in np.mean(corners, axis=0).round(6))
+    middle = ShownPoint(np.mean(corners, axis=0))
     count = f"{len(numbers)} elements turn" if len(numbers) > 1 else "an element turns"
     return f"{count} inside out (det F <= 0), the first in '{element.mat}' at {middle}"
 

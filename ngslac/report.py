@@ -3,6 +3,7 @@
 import numpy as np
 from ngsolve import H1
 
+from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 
 __all__ = ["ContactReport"]
@@ -68,7 +69,7 @@ class ContactReport:
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):
-        some = ", ".join(f"{m} at {tuple(self.where[m].round(6).tolist())}" for m in macros[:3])
+        some = ", ".join(f"{m} at {ShownPoint(self.where[m])}" for m in macros[:3])
         return some + (f" and {len(macros) - 3} more" if len(macros) > 3 else "")
 
     def __str__(self):
@@ -104,7 +105,7 @@ class ContactReport:
                 f"{self._Some(self.overlapping)}"
             )
         if len(self.shared):
-            points = ", ".join(str(tuple(round(x, 6) for x in p)) for p in self._corners)
+            points = ", ".join(map(ShownPoint, self._corners))
             lines.append(f"shared vertices  {len(self.shared)}, of slave and master: {points}")
         return "\n".join(lines)
 

@@ -22,7 +22,7 @@ def wedge(join):
 def test_at_the_tip():
     report = wedge(Glue)
     assert len(report.shared) == 1
-    assert "shared vertices  1, of slave and master: (0.0, 0.0)" in str(report)
+    assert "shared vertices  1, of slave and master: (0, 0)" in str(report)
 
 
 def test_none():

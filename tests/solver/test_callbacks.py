@@ -60,7 +60,9 @@ def test_what_a_callback_leaves_between_steps(problem):
 
 def test_states_of_another_size(problem):
     solver, other = problem.solver(), press(h=0.3, friction=0.3).solver()
-    with pytest.raises(ValueError, match=r"values of gf, which has .* before the space was refined"):
+    with pytest.raises(
+        ValueError, match=r"values of gf, which has .* before the space was refined"
+    ):
         solver.SetState(other.State())
 
 
