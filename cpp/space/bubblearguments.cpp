@@ -53,7 +53,7 @@ void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::
     if (name == "order")
       CheckOrder(value);
     else if (name == "slave" || name.rfind("dirichlet", 0) == 0)
-      if (name.find("bbnd") == string::npos && !value.is_none())
+      if (name.find("bbnd") == string::npos && (name == "slave" || !value.is_none()))
         CheckBoundaries(on, name, value, name != "slave");
   }
 }

@@ -113,6 +113,8 @@ NUMBERS = POSITIVE | {"-1", "0"}
 SCALARS = {"0", "2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"}
 DISPLACEMENTS = {"vector CF", "gf of a component"}
 GIVEN_FIELDS = ("gf", "gf of a component")
+# Patterns and regions without a boundary.
+NOWHERE = {"empty region", "name with a zero", "folder", "file in a missing folder"}
 ARRAYS = NUMBERS | {"array(3)", "[]", "vector", "vector of another mesh"}
 
 # What may be given, besides what the targets give themselves; "?" behind a kind adds None.
@@ -127,7 +129,7 @@ KINDS = {
     "flag": {"0", "True"},
     "word": set(),
     "pattern": set(),
-    "any-pattern": {"'nonsense'", "''", "'1'", "empty region", "name with a zero"},
+    "any-pattern": {"'nonsense'", "''", "'1'", "[]", *NOWHERE},
     "region": set(),
     "function": {"function", "a class"},
     "mesh": {"mesh", "another mesh"},

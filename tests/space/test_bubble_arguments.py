@@ -52,6 +52,11 @@ def test_what_is_no_order(wrong):
         BubbleVectorH1(square(), slave="left", order=wrong)
 
 
+def test_no_slave():
+    with pytest.raises(TypeError, match="slave = None must be a pattern or a Region"):
+        BubbleVectorH1(square(), slave=None)
+
+
 @pytest.mark.parametrize("name", ["slave", "dirichlet"])
 def test_what_is_no_pattern(name):
     flags = {"slave": "left"}
