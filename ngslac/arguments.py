@@ -5,7 +5,15 @@ import re
 from numbers import Integral, Real
 
 import numpy as np
-from ngsolve import BND, BaseVector, CoefficientFunction, GridFunction, ProductSpace, Region
+from ngsolve import (
+    BND,
+    VOL,
+    BaseVector,
+    CoefficientFunction,
+    GridFunction,
+    ProductSpace,
+    Region,
+)
 
 from ngslac._ngslac import HoldsProxy
 
@@ -19,6 +27,7 @@ __all__ = [
     "CheckFlag",
     "CheckFunction",
     "CheckInstance",
+    "CheckMoves",
     "CheckNumber",
     "CheckOnMesh",
     "CheckOnSpace",
@@ -272,3 +281,34 @@ def CheckDistinct(slave, master):
             f"boundaries {', '.join(shared)} are both slave and master: self-contact needs "
             "finite=True"
         )
+
+
+def CheckMoves(master, space, component):
+    """Raise ValueError where the master moves with another displacement than the slave does.
+
+    Parameters
+    ----------
+    master : Region
+    space, component : FESpace
+        The product space, and the displacement among its components.
+    """
+    body = Region(master.mesh, VOL, master.Neighbours(VOL).Mask())
+    if component.GetDofs(body).NumSet():
+        return
+    for other in _Parts(space):
+        moves = other.TrialFunction().dim == master.mesh.dim and other.GetDofs(body).NumSet()
+        if moves and other.type != "lacspace":
+            both = zip(master.mesh.GetBoundaries(), master.Mask(), strict=True)
+            names = "|".join(dict.fromkeys(name for name, inside in both if inside))
+            raise ValueError(
+                f"master = {names!r} has no degrees of freedom of u, but of another "
+                f"component of the product space, a {other.type}: it would count as a body at "
+                "rest. Take one space for the displacements of both bodies"
+            )
+
+
+def _Parts(space):
+    """Components of components; a VectorH1 is one, though it is made of scalar spaces."""
+    if isinstance(space.TrialFunction(), (list, tuple)):
+        return [part for component in space.components for part in _Parts(component)]
+    return [space]

@@ -9,6 +9,7 @@ from ngslac.arguments import (
     CheckDistinct,
     CheckFlag,
     CheckInstance,
+    CheckMoves,
     CheckNumber,
     CheckOnMesh,
     CheckOnSpace,
@@ -44,7 +45,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         side is that of the LACSpace. `lam` acts on the slave body; pressure is ``-lam.n >= 0`` with
         the outward slave normal n.
     master : str or Region
-        The other side. (NGSolve's ContactBoundary calls our slave its *master*.)
+        The other side; where `u` has no degrees of freedom there, a rigid body at rest.
+        (NGSolve's ContactBoundary calls our slave its *master*.)
     obstacle : float, CoefficientFunction or Parameter
         Instead of a master: the gap to a rigid obstacle along the outward slave normal (> 0 open),
         as a function on the slave surface in the reference configuration. The obstacle moves where
@@ -154,8 +156,10 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         self.stiffness = stiffness
         self.finite, self.tied = finite, tied
         self._scaled, self._paired = False, None
-        if region is not None and not finite:
-            CheckDistinct(self.space.slave, region)
+        if region is not None:
+            CheckMoves(region, self.form.fes, self.form.component)
+            if not finite:
+                CheckDistinct(self.space.slave, region)
         self._MakeFields()
 
     def _MakeFields(self):

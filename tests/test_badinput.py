@@ -5,6 +5,7 @@ import pytest
 from netgen.occ import Glue, MoveTo, OCCGeometry, Rectangle
 from ngsolve import (
     CF,
+    H1,
     GridFunction,
     Mesh,
     Parameter,
@@ -91,6 +92,30 @@ def test_glued_bodies():
     X = V * LACSpace(V, slave="interface")
     with raises("'interface' has material on both sides.*share no nodes"):
         contact(X, master="outside").Update()
+
+
+def test_each_body_with_a_space_of_its_own():
+    """The master would count as a body at rest, and nothing would tell."""
+    mesh = TwoBlocks(0.5)
+    upper = VectorH1(mesh, order=2, definedon="upper")
+    lower = VectorH1(mesh, order=2, definedon="lower", dirichlet="bottom")
+    for X in (
+        upper * lower * LACSpace(upper, slave="slave"),
+        (upper * lower) * LACSpace(upper, slave="slave"),
+    ):
+        trials = X.TrialFunction()
+        u = trials[0][0] if isinstance(trials[0], (list, tuple)) else trials[0]
+        with pytest.raises(ValueError, match="master = 'master' has no degrees of freedom of u"):
+            LACContact(u, trials[-1], master="master")
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_master_without_unknowns_is_a_rigid_body(finite):
+    mesh = TwoBlocks(0.5)
+    V = VectorH1(mesh, order=2, definedon="upper")
+    X = V * H1(mesh) * LACSpace(V, slave="slave")  # a temperature is no displacement
+    u, _, lam = X.TrialFunction()
+    LACContact(u, lam, master="master", finite=finite).Update()
 
 
 def test_surfaces_that_never_meet(X, mesh):
