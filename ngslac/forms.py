@@ -5,7 +5,7 @@ import numpy as np
 from ngslac._ngslac import MergeMatrices
 from ngslac.arguments import CheckVector
 from ngslac.errors import RefuseCopy
-from ngslac.problem import CheckBulk, CheckContacts
+from ngslac.problem import AssembleBulk, CheckBulk, CheckContacts
 
 __all__ = ["FormSum"]
 
@@ -77,7 +77,7 @@ class FormSum:
             On the product space.
         """
         CheckVector("x", x, self.contacts[0].nscalars)
-        self.a.AssembleLinearization(x)
+        AssembleBulk(self.a, x)
         for contact in self.contacts:
             contact.Prepare(self.a.mat)
             contact.AssembleLinearization(x)

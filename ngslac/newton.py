@@ -7,7 +7,7 @@ from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear import LinearSolver
-from ngslac.problem import CheckMatrix, MultiplierRows
+from ngslac.problem import AssembleBulk, CheckMatrix, MultiplierRows
 from ngslac.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]
@@ -31,7 +31,7 @@ class NewtonStep:
 
     def _Assemble(self):
         if not (self._islinear and self.a.mat.height == self.a.space.ndof):
-            self.a.AssembleLinearization(self.gf.vec)
+            AssembleBulk(self.a, self.gf.vec)
             self.linear.NewBulk()
             self.residual.linear = None
         for contact in self.contacts:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import BilinearForm, BitArray
 from ngsolve.la import SparseMatrixd
 
@@ -11,6 +12,7 @@ from ngslac.arrays import Multiply
 from ngslac.contact import LACContact
 
 __all__ = [
+    "AssembleBulk",
     "CheckBulk",
     "CheckContacts",
     "CheckFreeDofs",
@@ -138,6 +140,14 @@ def MultiplierRows(contacts):
         first = form.lamoffset * form.fes.dim
         rows[first : first + form.space.ndof * form.fes.dim] = True
     return rows
+
+
+def AssembleBulk(a, x):
+    """The derivative of the bulk form at a vector; what NGSolve says against it names the form."""
+    try:
+        a.AssembleLinearization(x)
+    except NgException as error:
+        raise NgException(f"a, the bulk form, cannot be assembled: {error}") from error
 
 
 def CheckMatrix(mat, rows):

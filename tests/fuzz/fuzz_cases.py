@@ -9,6 +9,7 @@ from fuzz_kinds import VALUES
 from fuzz_odd import LEGAL, ODD
 from fuzz_reentrant import REENTRANT, REENTRANT_LEGAL
 from fuzz_reference import REFERENCE_TARGETS
+from fuzz_solids import SOLIDS, SOLIDS_LEGAL
 from fuzz_strange import STRANGE, STRANGE_LEGAL
 from fuzz_targets import TARGETS
 from netgen.meshing import NgException
@@ -75,7 +76,7 @@ def AllCases(every=False):
         yield from Crossed(target, every)
     for name, (run, words) in ODD.items():
         yield Case("odd uses", name, run, words, False)
-    for name, (run, words) in (STRANGE | REENTRANT).items():
+    for name, (run, words) in (STRANGE | REENTRANT | SOLIDS).items():
         yield Case("strange problems", name, run, words, False)
-    for name, run in (LEGAL | STRANGE_LEGAL | REENTRANT_LEGAL).items():
+    for name, run in (LEGAL | STRANGE_LEGAL | REENTRANT_LEGAL | SOLIDS_LEGAL).items():
         yield Case("legal uses", name, run, (), True)

@@ -149,9 +149,6 @@ REENTRANT = {
 REENTRANT_LEGAL = {
     "callback that steps back": lambda w: Within(lambda p, *g: p.gf.vec.FV().NumPy().sum()),
     "problems in threads": lambda w: InThreads(lambda: Problem(P2).Converged()),
-    "problems in threads with a TaskManager": lambda w: InThreads(
-        lambda: Problem(P2).Converged(), 2
-    ),
     "one contact in threads": lambda w: InThreads(lambda: (w.contact.Table(), w.contact.Check())),
     "solvers that take turns": lambda w: Alternating(),
     "fields before the displacement": lambda w: Fields(False),

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from netgen.meshing import NgException
 from ngsolve import (
+    CF,
     BilinearForm,
     BitArray,
     GridFunction,
@@ -269,3 +271,10 @@ def test_results_do_not_depend_on_the_scale():
         forces.append(made.contact.Force())
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
     assert forces[2] == pytest.approx(forces[1], rel=1e-9)
+
+
+def test_a_bulk_that_cannot_be_assembled(problem):
+    (u, _), (v, _) = problem.X.TnT()
+    a = bulk(problem, CF(1j) * InnerProduct(u, v) * dx)
+    with raises("^a, the bulk form, cannot be assembled: ", NgException):
+        ContactSolver(a, problem.gf, problem.contact).Solve(printing=False)
