@@ -8,7 +8,7 @@ from ngsolve import BilinearForm, BitArray
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
-from ngslac.arrays import Multiply
+from ngslac.arrays import AsNumPy, Multiply
 from ngslac.contact import LACContact
 
 __all__ = [
@@ -77,8 +77,11 @@ def CheckStart(gf, space):
     return gf
 
 
-def CheckFreeDofs(freedofs, space):
-    """A BitArray with one bit for each dof of the space; those free by default for None."""
+def CheckFreeDofs(freedofs, space, contacts):
+    """A BitArray with one bit for each dof of the space; those free by default for None.
+
+    Multipliers that are not free would let the surfaces pass through each other.
+    """
     if freedofs is None:
         return freedofs
     CheckInstance("freedofs", freedofs, BitArray, "a BitArray such as X.FreeDofs(), or None")
@@ -89,6 +92,12 @@ def CheckFreeDofs(freedofs, space):
         )
     if not freedofs.NumSet():
         raise ValueError("freedofs has no bit set: nothing is free to move; take X.FreeDofs()")
+    held = AsNumPy(space.FreeDofs()) & ~AsNumPy(freedofs)
+    for form in (contact.form for contact in contacts):
+        if np.any(held[form.lamoffset : form.lamoffset + form.space.ndof]):
+            raise ValueError(
+                "freedofs takes dofs of lam away, which contact needs: clear those of displacements"
+            )
     return freedofs
 
 

@@ -193,7 +193,11 @@ class Residual:
         bulk = bulk - load
         scaled = scale * (bulk + contact_forces) * self.free
         if not np.all(np.isfinite(scaled)):
-            return State.Nothing("the residual holds NaN or infinite values")
+            parts = {"rhs": load, "a, the bulk form,": bulk, "contact": contact_forces}
+            wrong = (name for name, part in parts.items() if not np.all(np.isfinite(part)))
+            return State.Nothing(
+                f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
+            )
         self.forces, self.scaled = forces, scaled
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
@@ -241,5 +245,15 @@ class Residual:
 
 
 def Norm(values):
-    """Euclidean norm without BLAS, whose threads fight for the cores with those of NGSolve."""
-    return float(np.sqrt(np.sum(np.square(values))))
+    """Euclidean norm without BLAS, whose threads fight for the cores with those of NGSolve.
+
+    Squares of what is very large or very small are none: such values are scaled.
+    """
+    with np.errstate(over="ignore", under="ignore"):
+        square = float(np.sum(np.square(values)))
+    if 1e-280 < square < np.inf:
+        return float(np.sqrt(square))
+    largest = float(np.max(np.abs(values), initial=0))
+    if not 0 < largest < np.inf:
+        return largest
+    return largest * float(np.sqrt(np.sum(np.square(values / largest))))

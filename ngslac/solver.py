@@ -126,7 +126,7 @@ class ContactSolver(NewtonStep):
         space = CheckBulk(a).space
         self.a, self.gf, self.contacts = a, CheckStart(gf, space), CheckContacts(contacts, space)
         self.initial = CheckChoice("initial", initial, ("gap", "none"))
-        CheckFreeDofs(freedofs, space)
+        CheckFreeDofs(freedofs, space, self.contacts)
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver, preconditioner)

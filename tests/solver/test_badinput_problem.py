@@ -7,6 +7,7 @@ from ngsolve import (
     CF,
     BilinearForm,
     BitArray,
+    Grad,
     GridFunction,
     InnerProduct,
     LinearForm,
@@ -17,7 +18,15 @@ from ngsolve import (
 )
 from press import linear, mixed_press, numpy, press
 
-from ngslac import AugmentedLagrangianSolver, ContactSolver, FormSum, LACContact, LACSpace
+from ngslac import (
+    AugmentedLagrangianSolver,
+    ContactConvergenceError,
+    ContactSolver,
+    FormSum,
+    LACContact,
+    LACSpace,
+)
+from ngslac.residual import Norm
 
 
 def raises(text, kind=ValueError):
@@ -206,6 +215,38 @@ def test_free_dofs(problem):
         problem.solver(freedofs=[True])
     with raises("freedofs has 3 bits, the product space"):
         problem.solver(freedofs=BitArray(3))
+    bits = BitArray(problem.X.FreeDofs())
+    bits[int(problem.contact.form.MultiplierDofs()[0])] = False
+    with raises("freedofs takes dofs of lam away, which contact needs"):
+        problem.solver(freedofs=bits)
+
+
+def test_a_load_that_is_not_a_number(problem):
+    load = problem.gf.vec.CreateVector()
+    load[:] = np.nan
+    with raises("NaN or infinite values of rhs at the start", ContactConvergenceError):
+        problem.solver(rhs=load).Solve(printing=False)
+
+
+@pytest.mark.parametrize("size", [1e-140, 1e140])
+def test_forces_of_any_unit(problem, size):
+    (u, _), (v, _) = problem.X.TnT()
+    forces = []
+    for factor in (1, size):
+        contact = LACContact(*problem.X.TrialFunction(), master="master")
+        a, gf = BilinearForm(problem.X), GridFunction(problem.X)
+        a += factor * (InnerProduct(Grad(u), Grad(v)) * dx + u * v * ds("top|bottom"))
+        a += factor * 0.01 * v[1] * ds("top")
+        ContactSolver(a, gf, contact).Solve(printing=False)
+        forces.append(contact.Force()[1] / factor)
+    assert forces[1] == pytest.approx(forces[0], rel=1e-12)
+
+
+def test_sizes_whose_squares_are_no_numbers():
+    for size in (1e-200, 1.0, 1e200):
+        assert Norm(np.array([3 * size, -4 * size, 0])) == pytest.approx(5 * size, rel=1e-15)
+    assert Norm(np.array([1, np.inf])) == np.inf
+    assert np.isnan(Norm(np.array([1, np.nan])))
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan])
