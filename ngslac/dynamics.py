@@ -172,6 +172,10 @@ class TimeStepper:
         begin, end = CheckNumber("time.Get()", self.time.Get()), CheckNumber("end", end)
         if not end > begin:
             raise ValueError(f"end = {end} is not after the time {begin}")
+        if end - begin < 1e-12 * self.dt:
+            raise ValueError(
+                f"end = {end} is nearer to the time {begin} than any step of dt = {self.dt} is long"
+            )
         CheckFunction("callback", callback)
         CheckFlag("printing", printing)
         count = max(1, np.ceil((end - begin) / self.dt - 1e-9))

@@ -6,14 +6,13 @@ from math import exp, expm1, inf, pi
 from typing import ClassVar
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipkinc, ellipkm1
 
 from ._checks import finite, instance, nonnegative, points
 from ._means import _tanh_sinh, integral_mean, semi_ellipse
 from ._partial import Reversal
 from ._polygons import PolygonEdges
-from ._torsion import DEEPEST, SLIDES, e_prime, scaled_angle, scaled_moment
+from ._torsion import DEEPEST, SLIDES, depth_of, e_prime, scaled_angle, scaled_moment
 from .hertz3d import HertzPoint
 
 __all__ = ["TwistPoint", "TwistReversal"]
@@ -114,9 +113,7 @@ class TwistPoint:
             return cls(hertz=hertz, moment=0.0, friction=friction)
         value, part = abs(angle) / unit, 1.0
         if value < 2.0 * DEEPEST:  # K - E lies between depth and pi/2 depth
-            depth = brentq(
-                lambda y: scaled_angle(y) - value, 0.5 * value, value, xtol=1e-15 * value
-            )
+            depth = depth_of(scaled_angle, pi / 2, value, value)
             part = scaled_moment(depth)
         limit = cls(hertz=hertz, moment=0.0, friction=friction).limit
         return cls(hertz=hertz, moment=float(np.copysign(part * limit, angle)), friction=friction)
@@ -139,8 +136,7 @@ class TwistPoint:
         part = abs(self.moment) / self.limit
         if part >= SLIDES:
             return inf
-        least = part * 3.0 * pi / 32.0  # the relation for small moments, which is concave
-        return brentq(lambda y: scaled_moment(y) - part, 0.5 * least, DEEPEST, xtol=1e-15 * least)
+        return depth_of(scaled_moment, 32.0 / (3.0 * pi), part, DEEPEST)  # a concave function
 
     @property
     def ratio(self):

@@ -259,3 +259,11 @@ def test_twist_refuses(hertz, twist):
         twist.Traction([0.0, nan])
     with pytest.raises(ValueError, match=r"(?s)vertices = .*nonzero area"):
         twist.MeanTraction([[0, 0], [1, 1], [2, 2]])
+
+
+@pytest.mark.parametrize("angle", [1e-18, 1e-160, 1e-300])
+def test_tiny_angles(angle):
+    hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    twist = TwistPoint.FromAngle(hertz=hertz, angle=angle, friction=0.2)
+    assert twist.moment == pytest.approx(twist.stiffness * angle, rel=1e-12)
+    assert twist.angle == pytest.approx(angle, rel=1e-12)

@@ -212,6 +212,7 @@ def test_a_time_stepper_without_a_solver():
     ("flags", "error", "message"),
     [
         ({"end": 0.0}, ValueError, "end = 0.0 is not after the time 0.0"),
+        ({"end": 1e-300}, ValueError, "end = 1e-300 is nearer to the time 0.0 than any step"),
         ({"end": NAN}, ValueError, "end = nan must be"),
         ({"end": INF}, ValueError, "end = inf must be"),
         ({"end": None}, TypeError, "end = None must be"),
