@@ -10,7 +10,7 @@ from ngslac.arrays import AsBits
 from ngslac.bodynames import BodyNames
 from ngslac.rigidmotions import RigidMotions
 
-__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "JumpRows", "LostMessage"]
+__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "JumpRows", "LostMessage", "SlidingMessage"]
 
 TOLERANCE = 1e-8
 # Forces against a rigid motion, relative to those against others: more is a spring, if a weak one.
@@ -290,6 +290,15 @@ def FewMessage(contacts):
         f"{np.count_nonzero(c.Table()['area'])} macro-elements only: refine its slave surface, or "
         "take BubbleVectorH1 for displacements of order 1"
         for c in few
+    )
+
+
+def SlidingMessage(floating):
+    return (
+        "no equilibrium is found: "
+        + "; ".join(floating).replace(" floats (", " slides away (")
+        + ": friction is at its limit wherever contact holds it. Constrain it, or prescribe a "
+        "displacement in place of a force"
     )
 
 

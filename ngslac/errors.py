@@ -13,6 +13,8 @@ class ContactConvergenceError(RuntimeError):
     exhausted : bool
         Was all tried that finds the contact status? Then a smaller step of the same kind fails,
         too, as long as it is the load that has no equilibrium.
+    slides : bool
+        Did friction end at its limit wherever contact holds a body that the loads carry off?
     certain : bool
         Is there no equilibrium at this load for certain? Then nothing else is worth trying.
 
@@ -31,7 +33,8 @@ class ContactConvergenceError(RuntimeError):
 
     def __init__(self, message, history=()):
         super().__init__(message)
-        self.history, self.exhausted, self.certain = list(history), False, False
+        self.history, self.exhausted = list(history), False
+        self.slides = self.certain = False
 
 
 class FloatingBodyError(ContactConvergenceError):

@@ -23,6 +23,8 @@ LEAST, ROUNDING = 1e-5, 1e-9
 # Directions of friction in 3D: more of them than friction could carry, by half a per cent.
 DIRECTIONS = 32
 REMEDY = ". Constrain it, or prescribe a displacement in place of a force"
+# Coefficient of friction of surfaces on which nothing slides.
+ROUGH = 10.0
 # Part of the farthest motion that belongs to a body which moves, too.
 MOVING = 0.1
 
@@ -114,7 +116,7 @@ class RigidBalance:
             return ""
         self._jumps = [JumpRows(contact) @ columns for contact in self.contacts]
         self._loads = loads
-        motion = self._Winner(rough=False)
+        motion = self._Winner(0.0)
         return "" if motion is None else self._Told(motion)
 
     def _Columns(self):
@@ -130,8 +132,8 @@ class RigidBalance:
 
         Parameters
         ----------
-        rough : bool
-            Do surfaces hold any tangential traction?
+        rough : float
+            Coefficient of friction that all surfaces have at least.
         within : (m, k) array, optional
             Motions looked at, in place of all.
         """
@@ -152,15 +154,15 @@ class RigidBalance:
     def _Told(self, motion):
         """What is said of loads that win along a motion."""
         straight = self._Translations()
-        pulled = self._Winner(True, straight)
+        pulled = self._Winner(np.inf, straight)
         if pulled is not None:
             return self._Says(pulled, "is pulled away ({}): contact can only push")
-        tipped = self._Winner(True)
+        tipped = self._Winner(ROUGH)
         if tipped is not None:
             return self._Says(
                 tipped, "tips over ({}): no pressure balances the moment of the loads"
             )
-        slides = self._Winner(False, straight)
+        slides = self._Winner(0.0, straight)
         limit = "friction is at its limit" if self._Rubs() else "there is no friction"
         if slides is None:
             return self._Says(motion, "turns ({}): " + limit)
@@ -255,15 +257,15 @@ def Rays(contact, rough):
         return Blocks(tractions), np.full(tractions.shape[0] * 2 * d, np.inf)
     normal, around = table["normal"][:, :, None], Tangents(table["normal"])
     wedge = np.pi / DIRECTIONS if d == 3 else 0.0  # half of the angle between two directions
-    friction = np.maximum(table["friction"], 0.0) / np.cos(wedge)
+    friction = np.maximum(table["friction"], rough if np.isfinite(rough) else 0.0) / np.cos(wedge)
     pressed = friction[:, None, None] * around - normal
     # Tresca's bound, whatever the pressure: the sum of all directions is as long as one of them.
     bound = np.where(table["friction"] < 0, np.maximum(contact.form.Scalars("threshold"), 0), 0)
     held = bound[:, None, None] * around * (np.tan(wedge) if d == 3 else 1.0)
-    if rough:
+    if rough == np.inf:  # without pressure, too
         pressed, held = np.broadcast_to(-normal, around.shape), around
     bounds = np.ones((len(normal), 2 * around.shape[2]))
-    bounds[:, : None if rough else around.shape[2]] = np.inf
+    bounds[:, : None if rough == np.inf else around.shape[2]] = np.inf
     return Blocks(faces * np.concatenate([pressed, held], axis=2)), bounds.ravel()
 
 

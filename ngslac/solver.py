@@ -12,7 +12,7 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage
+from ngslac.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage, SlidingMessage
 from ngslac.callback import TellIterate
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.globalization import Globalization
@@ -44,6 +44,8 @@ NEWTON, LEAST = 30, 10
 STRAYED = 0.5
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
+# Iterations of another method where Newton's has found that loads carry a body off.
+SEARCH = 40
 # Iterations without a change of status in which a residual that falls no more is at a minimum.
 STILL = 4
 
@@ -204,7 +206,7 @@ class ContactSolver(NewtonStep):
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
         self._path, self._exhausted = path, False
-        self._unbalanced, self._certain, self.stuck = "", False, None
+        self._unbalanced, self._certain, self.stuck, self._slides = "", False, None, ""
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
             self._rest = np.finfo(float).eps * np.max(np.abs(self._motion))  # which is none
@@ -235,9 +237,10 @@ class ContactSolver(NewtonStep):
 
     def _Known(self, error):
         """The error with all that is known of it: which body is carried off, first of all."""
-        if self._unbalanced:
-            error = FloatingBodyError(self._unbalanced)
+        if self._unbalanced or self._slides:
+            error = FloatingBodyError(self._unbalanced or self._slides)
         error.history, error.certain = self.history, self._certain
+        error.slides = bool(self._slides)
         error.exhausted = self._exhausted or bool(self._unbalanced)
         return error
 
@@ -345,9 +348,11 @@ class ContactSolver(NewtonStep):
     def _Otherwise(self, error, maxit, start, motion, found):
         """The last line of another method, from the start again; else what Newton's found."""
         values = self.gf.vec.FV().NumPy()
-        self._exhausted = found is None and not self._MayHold()
+        self._slides = "" if found is not None else self._WhatSlides()
+        if self._slides:
+            maxit = min(maxit, len(self.history) + SEARCH)
         left = maxit - len(self.history)
-        self._CheckBalance(error, start, motion)
+        self._CheckBalance(error, start, motion, found is None)
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
             suits = loose or self._path or self._IsLinear()
@@ -363,13 +368,19 @@ class ContactSolver(NewtonStep):
             self._Record(self._Measure())
             return self._Accepted()
 
-    def _CheckBalance(self, error, start, motion):
-        """From the start again: raise the error if the loads have no equilibrium for certain."""
-        if self._exhausted:
-            return
+    def _CheckBalance(self, error, start, motion, lost=False):
+        """From the start again: raise the error if the loads have no equilibrium for certain.
+
+        `lost`: has nothing been found? Then bodies may be held by nothing.
+        """
         now, left = self.gf.vec.FV().NumPy().copy(), self._motion
         self.gf.vec.FV().NumPy()[:], self._motion = start, motion
-        self._unbalanced = CarriedOff(self)
+        self.residual.Follow()
+        for contact in self.contacts:
+            contact.Evaluate(self.gf)
+        self._exhausted = lost and not self._MayHold()
+        self._unbalanced = "" if self._exhausted else CarriedOff(self)
+        self._slides = "" if self._exhausted else self._slides
         self._certain = bool(self._unbalanced) and IsLinear(self)
         if self._certain:
             raise error
@@ -506,6 +517,16 @@ class ContactSolver(NewtonStep):
     def _MayHold(self):
         """Would contact hold all bodies, if all of it were closed?"""
         return self.initial == "gap" and not self._WhatFloats("closed")
+
+    def _WhatSlides(self):
+        """What loads carry off where the status has settled, with friction at its limit."""
+        settled = len(self.history) > STILL and not any(e.changed for e in self.history[-STILL:])
+        if not (settled and self._IsLinear()) or not any(
+            contact.holds_tangentially for contact in self.contacts
+        ):
+            return ""
+        floats = self._WhatFloats()
+        return SlidingMessage(floats) if floats and not self._AreIdle("now") else ""
 
     def _WhatFloats(self, holds="now"):
         return self._Bodies().Floating(self.contacts, holds)

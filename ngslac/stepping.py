@@ -222,7 +222,7 @@ class LoadStepper:
             try:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
-                cuts, hopeless = cuts + 1, hopeless + error.exhausted
+                cuts, hopeless = cuts + 1, hopeless + error.exhausted + error.slides
                 self._Estimate(limit, goal, failed=True)
                 ends = error.certain or hopeless > MOST_HOPELESS or limit.Passed()
                 if abs(half) >= least and not ends:

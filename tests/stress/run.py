@@ -22,6 +22,7 @@ import stress_finite3d
 import stress_floating2d
 import stress_holes  # noqa: F401
 import stress_lug  # noqa: F401
+import stress_nobalance  # noqa: F401
 import stress_random  # noqa: F401
 import stress_thin  # noqa: F401
 import stress_units  # noqa: F401
