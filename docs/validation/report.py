@@ -1,7 +1,7 @@
 """The validation report: every reference case, computed, with tables and pictures.
 
-Writes ``index.md`` and ``pictures/*.png`` to the folder ``--out``. All cases together take some
-ten minutes on two cores::
+Writes ``index.md`` and ``pictures/*.png`` to the folder ``--out``. All cases together take a
+quarter of an hour on two cores::
 
     python docs/validation/report.py --out docs/validation
 
