@@ -31,6 +31,7 @@ __all__ = [
     "CheckNumber",
     "CheckOnMesh",
     "CheckOnSpace",
+    "CheckParts",
     "CheckPoint",
     "CheckPositive",
     "CheckState",
@@ -198,6 +199,14 @@ def CheckState(state, *keys):
     CheckInstance("state", state, dict, wanted)
     if missing := [key for key in keys if key not in state]:
         raise ValueError(f"state lacks {', '.join(map(repr, missing))}: it must be {wanted}")
+    return state
+
+
+def CheckParts(state, **kinds):
+    """The values of a state are of these kinds, or of one of several; returns the state."""
+    for key, kind in kinds.items():
+        if not isinstance(state[key], kind):
+            raise Wrong(TypeError, f"state[{key!r}]", state[key], "what State() returned there")
     return state
 
 

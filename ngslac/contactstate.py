@@ -7,7 +7,7 @@ from netgen.meshing import NgException
 from ngsolve import GridFunction
 
 from ngslac._ngslac import ContactForm
-from ngslac.arguments import CheckOnSpace, CheckState
+from ngslac.arguments import CheckOnSpace, CheckParts, CheckState, Wrong
 
 __all__ = ["FIELDS", "IN_DOUBT", "REFERENCE", "ContactState"]
 
@@ -47,7 +47,10 @@ class ContactState:
         TypeError, ValueError, ngsolve.NgException
             The state is none, or that of another contact. Nothing is changed then.
         """
-        CheckState(state, "paired", "scaled")
+        CheckParts(CheckState(state, "paired", "scaled"), scaled=(bool, np.bool_))
+        for key in state:
+            if key != "scaled" and np.asarray(state[key]).dtype.kind not in "fiuO":
+                raise Wrong(TypeError, f"state[{key!r}]", state[key], "what State() returned there")
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
         if self._IsRefined():  # no way back

@@ -8,6 +8,7 @@ from ngslac.arguments import (
     CheckCount,
     CheckFlag,
     CheckFunction,
+    CheckParts,
     CheckState,
     FillVector,
 )
@@ -284,8 +285,20 @@ class ContactSolver(NewtonStep):
         ----------
         state : dict
             Of `State`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            It is none, or that of another problem. Nothing is changed then.
         """
         CheckState(state, "gf", "contacts", "residual", "history", "scale")
+        number = (np.ndarray, type(None))
+        CheckParts(state, contacts=list, residual=dict, history=list, scale=number)
+        if len(state["contacts"]) != len(self.contacts):
+            raise ValueError(
+                f"state is that of {len(state['contacts'])} contacts, the solver has "
+                f"{len(self.contacts)}"
+            )
         FillVector("gf", self.gf.vec, state["gf"])
         for contact, part in zip(self.contacts, state["contacts"], strict=True):
             contact.SetState(part, self.gf)

@@ -66,6 +66,15 @@ def test_states_of_another_size(problem):
         solver.SetState(other.State())
 
 
+@pytest.mark.parametrize("key", ["contacts", "history", "residual", "scale"])
+def test_states_with_wrong_parts(problem, key):
+    solver = problem.solver()
+    with pytest.raises(TypeError, match=rf"state\['{key}'\] = 'text' must be what State"):
+        solver.SetState(solver.State() | {key: "text"})
+    with pytest.raises(ValueError, match="state is that of 0 contacts, the solver has 1"):
+        solver.SetState(solver.State() | {"contacts": []})
+
+
 def test_the_solver_of_a_time_stepper_is_no_solver_for_another(problem):
     stepper = TimeStepper(problem.solver(), 1.0, dt=0.1)
     with pytest.raises(TypeError, match="solver is the one that a TimeStepper works with"):

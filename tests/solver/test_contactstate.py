@@ -44,6 +44,8 @@ def test_a_strided_state(stepper):
         ({"c": np.zeros(0)}, "'c'"),
         ({"paired": np.ones(3)}, r"state\['paired'\] has 3 entries"),
         ({"accepted": None}, "."),
+        ({"states": "text"}, r"state\['states'\] = 'text' must be what State\(\) returned there"),
+        ({"scaled": None}, r"state\['scaled'\] = None must be what State"),
     ],
 )
 def test_a_state_that_does_not_fit_changes_nothing(stepper, wrong, message):
