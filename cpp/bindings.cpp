@@ -156,10 +156,10 @@ void ExportContact(py::module & m) {
              return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
                                                      tied, finite, maxdist, penetration});
            }),
-           py::kw_only(), py::arg("u"), py::arg("lam"), py::arg("master") = nullopt,
-           py::arg("obstacle") = nullptr, py::arg("friction") = nullptr,
-           py::arg("tresca") = nullptr, py::arg("tied") = false, py::arg("finite") = false,
-           py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
+           py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
+           py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
+           py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("tied") = false,
+           py::arg("finite") = false, py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
@@ -261,7 +261,10 @@ PYBIND11_MODULE(_ngslac, m) {
       [](const BaseMatrix & bulk, std::vector<shared_ptr<ContactForm>> contacts) {
         auto scale = EquilibrationScale(bulk);
         for (auto & contact : contacts)
-          contact->AddScale(FlatVector<>(scale.Size(), scale.Data()));
+          if (!contact)
+            throw Exception("EquilibrationScale: None is no contact");
+          else
+            contact->AddScale(FlatVector<>(scale.Size(), scale.Data()));
         return ToNumPy(scale);
       },
       py::arg("bulk"), py::arg("contacts"));
@@ -274,9 +277,10 @@ PYBIND11_MODULE(_ngslac, m) {
          shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
         Array<shared_ptr<SparseMatrix<double>>> mats;
         for (auto & contact : contacts)
-          mats.Append(contact.index() == 0
-                          ? std::get<0>(contact)->Mat()
-                          : dynamic_pointer_cast<SparseMatrix<double>>(std::get<1>(contact)));
+          if (auto form = std::get_if<shared_ptr<ContactForm>>(&contact))
+            mats.Append(*form ? (*form)->Mat() : nullptr);
+          else
+            mats.Append(dynamic_pointer_cast<SparseMatrix<double>>(std::get<1>(contact)));
         if (mats.Contains(nullptr))
           throw Exception("MergeMatrices: a contact matrix must be sparse, real and scalar");
         FlatVector<> values(scale.size(), const_cast<double *>(scale.data()));

@@ -30,13 +30,6 @@ void ContactForm::CheckPaired() const {
                     "call Update() of the space and of the contact, and make a new solver");
 }
 
-void AppendState(Array<double> & flat, const MacroState & state) {
-  flat += Array<double>{state.pressure, state.gap, double(state.status)};
-  for (auto * v : {&state.traction, &state.slip})
-    for (int k : Range(3))
-      flat.Append((*v)(k));
-}
-
 shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
   int dim = ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension();
   if (setup.finite)

@@ -1,4 +1,5 @@
 #include "formbase.hpp"
+#include "macrostate.hpp"
 #include "selfcontact.hpp"
 
 namespace ngslac {
@@ -211,13 +212,6 @@ Array<double> Flat(const Array<Vec<D>> & vectors) {
       values.Append(v(k));
   return values;
 }
-
-constexpr int state_size = 9; // numbers in a MacroState
-
-MacroState StateAt(FlatArray<double> flat) {
-  return {flat[0], flat[1], Vec<3>(flat[3], flat[4], flat[5]), Vec<3>(flat[6], flat[7], flat[8]),
-          Status(int(flat[2]))};
-}
 } // namespace
 
 template <int D>
@@ -244,6 +238,7 @@ void FormBase<D>::SetHistory(const FormHistory & history) {
     if (!history.count(name) || history.at(name).Size() != values.Size())
       throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
                       ToString(values.Size()) + " numbers");
+  auto saved = StatesFrom(history.at("states")), committed = StatesFrom(history.at("accepted"));
   c = history.at("c");
   Memory() = history.at("memory");
   for (size_t m : Range(jump->Size())) {
@@ -252,15 +247,17 @@ void FormBase<D>::SetHistory(const FormHistory & history) {
       normal[m](k) = history.at("normal")[D * m + k];
       accepted.normal[m](k) = history.at("accepted_normal")[D * m + k];
     }
-    auto at = IntRange(state_size * m, state_size * (m + 1));
-    states[m] = StateAt(history.at("states").Range(at));
-    accepted.states[m] = StateAt(history.at("accepted").Range(at));
   }
+  states = std::move(saved);
+  accepted.states = std::move(committed);
 }
 
 template <int D>
 void FormBase<D>::Close(const BitArray & macros, BaseVector & bx) {
   CheckSize(bx.FV<double>().Size());
+  if (macros.Size() != jump->Size())
+    throw Exception("LACContact: " + ToString(macros.Size()) + " bits for " +
+                    ToString(jump->Size()) + " macro-elements");
   auto x = bx.FV<double>();
   Configure(x);
   for (size_t m : Range(jump->Size()))

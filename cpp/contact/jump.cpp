@@ -11,13 +11,15 @@ ProxyInfo::ProxyInfo(const CoefficientFunction & cf, const string & name) {
   fes = component = proxy->GetFESpace();
   evaluator = proxy->TraceEvaluator() ? proxy->TraceEvaluator() : proxy->Evaluator();
   offset = 0;
-  for (auto op = evaluator; auto inner = dynamic_pointer_cast<CompoundDifferentialOperator>(op);
-       op = inner->BaseDiffOp()) {
+  auto op = evaluator;
+  // No `for`: gcc destroys what its condition declares before the last expression uses it.
+  while (auto inner = dynamic_pointer_cast<CompoundDifferentialOperator>(op)) {
     auto product = dynamic_pointer_cast<CompoundFESpace>(component);
     if (!product)
       break;
     offset += product->GetRange(inner->Component()).First();
     component = (*product)[inner->Component()];
+    op = inner->BaseDiffOp();
   }
   if (!evaluator || !evaluator->SupportsVB(BND))
     throw Exception("LACContact: " + name +

@@ -8,12 +8,16 @@ constexpr double tolerance = 0.002;
 constexpr int most_divisions = 4;
 
 int Divisions(const Surface<3> & surface, size_t face) {
-  return min(most_divisions, max(1, int(ceil(sqrt(surface.Bulge(face) / tolerance)))));
+  // Compared before it is an integer: of a collapsed face it may be any number, or none.
+  double wanted = ceil(sqrt(surface.Bulge(face) / tolerance));
+  return wanted > 1 ? int(min(wanted, double(most_divisions))) : 1;
 }
 
-Facet MakeFacet(const Surface<3> & surface, size_t face, std::initializer_list<Vec<2>> corners) {
+Facet MakeFacet(const Surface<3> & surface, size_t face, bool whole,
+                std::initializer_list<Vec<2>> corners) {
   Facet facet;
   facet.face = face;
+  facet.whole = whole;
   facet.n = 0;
   for (auto & xi : corners) {
     facet.xi[facet.n] = xi;
@@ -40,15 +44,13 @@ void Divide(const Surface<3> & surface, size_t face, int k, FlatArray<Facet> fac
     for (int i : Range(trig ? k - j : k)) {
       auto a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
       if (!trig) {
-        facets[count++] = MakeFacet(surface, face, {a, b, c, d});
+        facets[count++] = MakeFacet(surface, face, k == 1, {a, b, c, d});
         continue;
       }
-      facets[count++] = MakeFacet(surface, face, {a, b, d});
+      facets[count++] = MakeFacet(surface, face, k == 1, {a, b, d});
       if (i + j + 2 <= k)
-        facets[count++] = MakeFacet(surface, face, {b, c, d});
+        facets[count++] = MakeFacet(surface, face, k == 1, {b, c, d});
     }
-  for (auto & facet : facets)
-    facet.whole = k == 1;
 }
 } // namespace
 

@@ -10,6 +10,19 @@ Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
   return values;
 }
 
+void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & free) {
+  if (free.Size() != n)
+    throw Exception("Condensation: " + ToString(free.Size()) + " bits of free dofs for " +
+                    ToString(n) + " rows");
+  if (d < 1 || multipliers.Size() % d)
+    throw Exception("Condensation: " + ToString(multipliers.Size()) +
+                    " multipliers are no blocks of " + ToString(d));
+  for (int i : multipliers)
+    if (i < 0 || size_t(i) >= n)
+      throw Exception("Condensation: there is no multiplier " + ToString(i) + " among " +
+                      ToString(n) + " rows");
+}
+
 /// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
 template <typename F>
 void ForEach(size_t count, F f) {
@@ -33,6 +46,7 @@ Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int>
     : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)) {
   static Timer timer("ngslac::Condense");
   RegionTimer reg(timer);
+  CheckGiven(mat->Height(), multipliers, d, *free);
   Supports(multipliers, d);
   auto inner = [&](int dof) { return free->Test(dof) && touching[dof].Size() == 1; };
   std::atomic<bool> fails = false;
@@ -216,6 +230,9 @@ FlatVector<> Condensation::Values(size_t row) const {
 
 shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
   size_t n = mat->Height();
+  if (bits && bits->Size() != n)
+    throw Exception("Condensation: " + ToString(bits->Size()) + " bits for " + ToString(n) +
+                    " rows");
   Array<int> number(n), dofs;
   number = -1;
   for (int i : Range(n))

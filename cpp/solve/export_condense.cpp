@@ -83,11 +83,12 @@ void ExportCondense(py::module & m) {
              py::gil_scoped_release release;
              return make_shared<TwoLevel>(system, coarse, inverse, dofs);
            }),
-           py::arg("system"), py::arg("coarse"), py::arg("inverse"), py::arg("dofs"));
+           py::arg("system"), py::arg("coarse").none(false), py::arg("inverse").none(false),
+           py::arg("dofs"));
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
       m, "TwoLevelProduct",
       "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
-      .def(py::init<shared_ptr<TwoLevel>>(), py::arg("preconditioner"));
+      .def(py::init<shared_ptr<TwoLevel>>(), py::arg("preconditioner").none(false));
   m.def(
       "VertexDofs",
       [](const FESpace & fes) {

@@ -6,9 +6,15 @@ TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
     : SquareOperator(system), order(system), coarse(acoarse), coarseinverse(inverse) {
   static Timer timer("ngslac::TwoLevel - setup");
   RegionTimer reg(timer);
+  if (coarsedofs.Size() != order.slot.Size() ||
+      coarseinverse->VHeight() != int(coarsedofs.NumSet()))
+    throw Exception("TwoLevel: the coarse system does not fit its dofs, or these the whole system");
   for (int i : Range(order.slot))
-    if (coarsedofs.Test(i))
+    if (coarsedofs.Test(i)) {
+      if (order.slot[i] < 0)
+        throw Exception("TwoLevel: dof " + ToString(i) + " of the coarse system is not free");
       coarseslots.Append(order.slot[i]);
+    }
   AllocateTriangles();
   std::atomic<bool> singular = false;
   ParallelForRange(order.Size(), [&](IntRange range) {

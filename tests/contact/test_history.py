@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form, moved, residual, vector, with_traction
-from ngsolve import CF, GridFunction, x, y
+from netgen.meshing import NgException
+from ngsolve import CF, BitArray, GridFunction, x, y
 
 ANGLE = 20.0
 T = np.array([np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE))])  # along the surface
@@ -196,3 +197,26 @@ def test_moment_is_the_work_of_a_rotation(mesh):
     turn = moved(contact, upper=CF((-y, x)), lower=(0, 0))
     work = -vector(contact, forces).InnerProduct(turn.vec)
     assert contact.Moment((0, 0)) == pytest.approx(work, rel=1e-10)
+
+
+@pytest.mark.parametrize("status", [3.0, -1.0, 0.5, np.nan, 1e300])
+@pytest.mark.parametrize("name", ["states", "accepted"])
+def test_a_status_that_there_is_not(mesh, name, status):
+    """Of a damaged file, or of another version: refused before anything is taken over."""
+    form = contact_form(mesh).form
+    history = form.History()
+    wrong = history | {"c": history["c"] + 1, name: history[name].copy()}
+    wrong[name][2] = status
+    with pytest.raises(NgException, match="status of a macro-element"):
+        form.SetHistory(wrong)
+    for key, values in form.History().items():
+        np.testing.assert_array_equal(values, history[key])
+    form.SetHistory(history)
+
+
+def test_as_many_bits_as_macro_elements(mesh):
+    contact = contact_form(mesh)
+    vec = vector(contact)
+    for bits in (BitArray(0), BitArray(contact.space.nmacros + 1)):
+        with pytest.raises(NgException, match=r"bits for .* macro-elements"):
+            contact.form.Close(bits, vec)

@@ -232,8 +232,8 @@ def test_matrix_is_merged_in_place_where_only_contact_changes():
     """As merged anew, after each change of status; another bulk makes another matrix."""
     problem = press3d(friction=0.05)
     solver = problem.solver(solver="saddle")
-    form, linear = problem.contact.form, solver.linear
     solver._Assemble()
+    form, linear = problem.contact.form, solver.linear
     first = linear._Merge(problem.a.mat, [form], solver.scale, None)
     numpy(problem.gf)[:] = 1e-3 * np.random.default_rng(0).standard_normal(len(numpy(problem.gf)))
     form.AssembleStep(problem.gf.vec, problem.gf.vec.CreateVector())

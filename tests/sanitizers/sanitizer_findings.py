@@ -1,0 +1,74 @@
+"""Reports of the sanitizers, read from what a process writes."""
+
+import re
+from dataclasses import dataclass
+
+__all__ = ["Finding", "Findings"]
+
+START = re.compile(
+    r"^[^/]*(?P<place>/\S+?:\d+)(?::\d+)?: runtime error: (?P<what>.*)$"  # after dots of pytest
+    r"|^(?:==\d+==ERROR|WARNING): (?P<tool>\w+Sanitizer): (?P<kind>[^(]*)"
+)
+FRAME = re.compile(r"^\s+#\d+ 0x[0-9a-f]+ (?:in )?(?P<frame>.*)$")
+OURS = re.compile(
+    r"/cpp/(surface|pairing|space|contact|solve)/|/cpp/\w+\.[ch]pp|/_?ngslac[^/]*\.so"
+)
+VARYING = re.compile(r"( on address |\bat pc\b).*|0x[0-9a-f]+|-?\d+(\.\d+)?(e[+-]?\d+)?")
+MOST = 12  # frames shown
+
+
+@dataclass
+class Finding:
+    """What a sanitizer complains of.
+
+    Attributes
+    ----------
+    what : str
+        In its words, without addresses and numbers.
+    frames : list of str
+        Of all stacks that it shows, innermost first.
+    place : str
+        File and line, where they are known.
+    """
+
+    what: str
+    frames: list[str]
+    place: str = ""
+
+    @property
+    def ours(self):
+        """Whether it goes through ngslac's compiled code."""
+        return any(OURS.search(line) for line in (self.place, *self.frames))
+
+    @property
+    def where(self):
+        """The first place in ngslac, or else the first one at all."""
+        lines = [self.place, *self.frames]
+        return next((line for line in lines if OURS.search(line)), next(filter(None, lines), ""))
+
+    def Text(self):
+        """For a terminal."""
+        owner = "ngslac" if self.ours else "elsewhere"
+        lines = [f"{owner}: {self.what}", self.place, *self.frames[:MOST]]
+        return "\n        ".join(filter(None, lines))
+
+    @property
+    def key(self):
+        """The same for the same error in another place of memory."""
+        return self.what, self.where.rsplit(" ", 1)[-1]
+
+
+def _Hidden(varying):
+    return "" if varying[1] else ".."
+
+
+def Findings(text):
+    """All reports in the output of a process, also of one that they have ended."""
+    found = []
+    for line in text.splitlines():
+        if start := START.match(line):
+            what = start["what"] or f"{start['tool']}: {start['kind']}"
+            found.append(Finding(VARYING.sub(_Hidden, what).strip(), [], start["place"] or ""))
+        elif found and (frame := FRAME.match(line)):
+            found[-1].frames.append(frame["frame"])
+    return found
