@@ -289,11 +289,11 @@ class ContactSolver(NewtonStep):
         Raises
         ------
         TypeError, ValueError
-            It is none, or that of another problem. Nothing is changed then.
+            It is none, or that of another problem.
         """
         CheckState(state, "gf", "contacts", "residual", "history", "scale")
-        number = (np.ndarray, type(None))
-        CheckParts(state, contacts=list, residual=dict, history=list, scale=number)
+        factors = (np.ndarray, type(None))
+        CheckParts(state, contacts=list, residual=dict, history=list, scale=factors)
         if len(state["contacts"]) != len(self.contacts):
             raise ValueError(
                 f"state is that of {len(state['contacts'])} contacts, the solver has "
