@@ -14,6 +14,13 @@ OURS = re.compile(
     r"/cpp/(surface|pairing|space|contact|solve)/|/cpp/\w+\.[ch]pp|/_?ngslac[^/]*\.so"
 )
 VARYING = re.compile(r"( on address |\bat pc\b).*|0x[0-9a-f]+|-?\d+(\.\d+)?(e[+-]?\d+)?")
+# Errors of the wheel. What it hands to Python, such as mesh[el].GetTrafo() or fes.GetFE(el), it has
+# from new char[], and gives back by delete: that is harmless, but not for ngslac to change.
+KNOWN = re.compile(
+    r"alloc-dealloc-mismatch.*"
+    r"class_<ngfem::(FiniteElement|ElementTransformation)[^\n]*::dealloc_without",
+    re.DOTALL,
+)
 MOST = 12  # frames shown
 
 
@@ -39,6 +46,11 @@ class Finding:
     def ours(self):
         """Whether it goes through ngslac's compiled code."""
         return any(OURS.search(line) for line in (self.place, *self.frames))
+
+    @property
+    def known(self):
+        """Whether it is an error of the wheel that is listed above."""
+        return bool(KNOWN.search("\n".join((self.what, *self.frames))))
 
     @property
     def where(self):
