@@ -14,7 +14,7 @@ SHORT, ROUNDS, STRAIGHT = 2.0**-6, 4, 0.2
 # Residual of a load, relative to the forces at work, that moves nothing.
 IDLE = 1e-6
 # Part of the way to the limit that a step goes, and of the step asked for that is near to it.
-SAFE, NEAR = 0.7, 0.02
+SAFE, NEAR = 0.7, 1 / 48
 # How far beyond a limit that is near the step goes which has to fail if it is one.
 BEYOND = 3.0
 # Solves that end at a tangent without resistance, of which the last one may be believed.
@@ -89,7 +89,7 @@ class LimitLoad:
     def Passed(self):
         """Does the short step that failed last confirm a limit?"""
         size = abs(self._goal - self._begin)
-        return size <= BEYOND * NEAR * abs(self.full) and self.known
+        return size <= 1.001 * BEYOND * NEAR * abs(self.full) and self.known
 
     @property
     def known(self):

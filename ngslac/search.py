@@ -1,5 +1,7 @@
 """Where Newton's method finds no contact status: another method does, and Newton's ends it."""
 
+import numpy as np
+
 from ngslac.bodies import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.interior import InteriorPoint
@@ -11,6 +13,8 @@ FAILURES = (ContactConvergenceError, LinearSolveError)
 # Residual from which Newton's method may end what the other one began, how many steps it gets for
 # that, and how much nearer it has to be the next time.
 NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
+# Number of residuals that are those of some steps before, up to a relative difference.
+STALLED, PERIOD, SAME = 8, 4, 1e-3
 # Part of a step so short that there is no way on, and how many of these are the end.
 TINY, MOST_TINY = 1e-3, 3
 
@@ -48,7 +52,7 @@ class StatusSearch:
 
     def _Follow(self, path):
         newton, state, near, tiny = self.newton, path.state, NEAR, 0
-        while len(newton.history) <= self.maxit and tiny < MOST_TINY:
+        while len(newton.history) <= self.maxit and tiny < MOST_TINY and not self._Stalls():
             state, damping = path.Step(state)
             tiny = tiny + 1 if damping < TINY else 0
             state = newton._Confirmed(state)
@@ -62,6 +66,16 @@ class StatusSearch:
                 state = newton._Measure()
             newton._Assemble()
         raise newton._NotConverged(state)
+
+    def _Stalls(self):
+        """Have the residuals for some time been those of one, or a few, steps before?"""
+        last = self.newton.history[-STALLED - PERIOD :]
+        if len(last) < STALLED + PERIOD or self.newton._motion is not None:
+            return False
+        sizes = np.array([(entry.equilibrium, entry.constraint) for entry in last])
+        now = sizes[PERIOD:]
+        before = (sizes[PERIOD - p : len(sizes) - p] for p in range(1, PERIOD + 1))
+        return any(np.all(np.abs(now - old) <= SAME * now.max(axis=0)) for old in before)
 
     def _Polish(self, state):
         """The end of Newton's method from here; None, and back, if it does not come to one."""

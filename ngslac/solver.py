@@ -342,7 +342,7 @@ class ContactSolver(NewtonStep):
                 state = self.residual.Measure(self.scale, honest=True)
             self._Record(state)
             last = self._Newton(state, min(maxit, NEWTON), maxit)
-            if not (self.residual.drowned and self._Strays()):
+            if not (self.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
                 return last
             found = self.gf.vec.FV().NumPy().copy()
             raise ContactConvergenceError("bodies move until their forces are rounding errors")
@@ -357,6 +357,16 @@ class ContactSolver(NewtonStep):
         tables = [(c.Table(), c.mesh.dim - 1) for c in self.contacts]
         slips = [np.linalg.norm(t["slip"], axis=1) / t["fullarea"] ** (1 / d) for t, d in tables]
         return bool(self._Bodies().floating) and np.max(np.concatenate(slips)) > STRAYED
+
+    def _IsPushedFrom(self, start):
+        """Do loads carry a body off from that solution? Contacts are as they are afterwards."""
+        values = self.gf.vec.FV().NumPy()
+        now = values.copy()
+        values[:] = start
+        carried = CarriedOff(self)
+        values[:] = now
+        self._Measure()
+        return bool(carried)
 
     def _Otherwise(self, error, maxit, start, motion, found):
         """The last line of another method, from the start again; else what Newton's found."""

@@ -257,7 +257,8 @@ class LoadStepper:
         begin = self.load.Get()
         useless = error.exhausted and self.solver._IsLinear()
         if not (useless or isinstance(error, FloatingBodyError)):
-            for goal in (begin + 0.25 * (target - begin), target):
+            near = [] if limit.known else [begin + 0.25 * (target - begin)]
+            for goal in (*near, target):
                 try:
                     return goal, self._Attempt(goal, 2 * maxit, tol, "free", False)
                 except ContactConvergenceError:

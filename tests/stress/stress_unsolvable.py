@@ -15,7 +15,7 @@ YOUNG = {"brick": 100.0, "base": 100.0}
 SLIDES = "friction"
 AWAY = "pull|away|lift|leaves|moves off"
 FREE = "float|held by nothing|holds it"
-COLLAPSE = "collapse|no equilibrium|snap|buckl|unstable|limit"
+COLLAPSE = "limit load .* collapses"
 
 
 def Says(*patterns):
@@ -212,12 +212,13 @@ def NoCrush(argument):
     steps, finite = argument
     mesh = Grids(Block("brick", (0, 0, 1, 0.5), 5, 3, quads=True),
                  Block("base", (-0.4, -0.8, 1.4, 0), 9, 4))  # fmt: skip
-    law = {"friction": 0.3} | ({"finite": True} if finite else {})
+    # With friction the slip of macro-elements crushed by a third depends on how it is averaged.
+    law = {"finite": True} if finite else {"friction": 0.3}
     p = Problem(mesh, PAIR, {"base": 1e4}, flags=HELD | {"dirichletx": "brick_top"}, law=law,
                 path=[(1.0, steps)])  # fmt: skip
     p.young["brick"] = 100.0
     Crushed(p, "brick")
-    p.says = COLLAPSE
+    p.says = Says(COLLAPSE, "brick")
     p.Traction("brick_top", p.load * CF((0, -60.0)))
     return p
 
@@ -237,6 +238,6 @@ def NoArch(steps):
                 path=[(1.0, steps)])  # fmt: skip
     p.young["arch"] = 100.0
     Crushed(p, "arch")
-    p.says = COLLAPSE
+    p.says = Says(COLLAPSE, "arch")
     p.Traction("tool_top", p.load * CF((0, -60.0)))
     return p
