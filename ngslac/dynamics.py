@@ -42,7 +42,7 @@ class TimeStepper:
     the kinetic energy: without that the velocities of touching surfaces, and with them the
     pressures, would swing from step to step. The surface layer that meets an obstacle loses its
     kinetic energy, a fraction of the order of element size over body size. With ``finite=True``
-    contact conserves energy up to the angle between its mean normal and that of the master.
+    contact conserves energy up to the angle between its direction and the normal of the master.
 
     A failed step leaves solution, velocity, time and history at the last converged step.
 

@@ -22,7 +22,7 @@ Array<int> DofsOf(const FaceShapes<D> & shapes, Array<int> & faces) {
 template <int D>
 Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
                     const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
-                    bool moving_rim, bool pushes) {
+                    bool pushes) {
   Coupling result;
   if (points.area[macro] == 0)
     return result;
@@ -35,22 +35,15 @@ Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
   };
   add(points);
   result.turning = DofsOf(slave, slaves);
-  result.dofs = DofsOf(master, masters);
+  result.turning += DofsOf(master, masters);
+  SortUnique(result.turning);
   if (pushes)
     result.masters = masters;
   if (start)
     add(*start);
-  result.dofs += DofsOf(slave, slaves);
-  if (start)
-    result.dofs += DofsOf(master, masters);
+  result.dofs = DofsOf(slave, slaves);
+  result.dofs += DofsOf(master, masters);
   SortUnique(result.dofs);
-  if (moving_rim && points.rim[macro].Size()) {
-    masters.SetSize0();
-    for (int r : points.rim[macro])
-      masters.Append(points.pairing->segments[points.pairing->rim[r].segment].master);
-    result.turning += DofsOf(master, masters);
-  }
-  SortUnique(result.turning);
   return result;
 }
 
@@ -185,8 +178,7 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
 
 #define INSTANTIATE(D)                                                                             \
   template Coupling CouplingOf(const FaceShapes<D> &, const FaceShapes<D> &,                       \
-                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool,       \
-                               bool);                                                              \
+                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool);      \
   template shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling>, const FaceShapes<D> &,   \
                                                      FlatArray<int>, size_t);
 INSTANTIATE(2)

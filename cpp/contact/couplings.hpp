@@ -9,12 +9,11 @@ struct Coupling {
   Array<int> masters; // faces that its forces act on; empty without forces
 };
 
-/// `start`: the points from which slip counts, null if it does not slide; `moving_rim` as in
-/// AddDerivatives.
+/// `start`: the points from which slip counts, null if it does not slide.
 template <int D>
 Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
                     const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
-                    bool moving_rim, bool pushes);
+                    bool pushes);
 
 /// A zero matrix of size n with the entries for all macro-elements.
 template <int D>

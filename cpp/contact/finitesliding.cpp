@@ -1,4 +1,5 @@
 #include "blocksum.hpp"
+#include "bodycompliance.hpp"
 #include "couplings.hpp"
 #include "formbase.hpp"
 #include "selfcontact.hpp"
@@ -37,6 +38,7 @@ class FiniteSliding : public FormBase<D> {
   shared_ptr<Motion<D>> now;               // of the last Configure
   shared_ptr<Motion<D>> accepted_motion;   // of the last Commit
   bool moving_rim = false;                 // does the matrix see that the overlap changes?
+  double share = 0.5;                      // of the master in the stiffness of both bodies
 
 public:
   using Base::Base;
@@ -50,6 +52,24 @@ public:
     if (history)
       fresh.SetHistory(*history);
     *this = std::move(fresh);
+  }
+
+  void SetStiffness(FlatVector<> diagonal, double factor) override {
+    Base::SetStiffness(diagonal, factor);
+    double of_slave = BodyCompliance<D>(u, *slave_shapes, *slave_reference, diagonal);
+    double of_master = BodyCompliance<D>(u, *master_shapes, *master_reference, diagonal);
+    bool known = of_slave + of_master > 0 && !this->selfcontact;
+    share = known ? of_slave / (of_slave + of_master) : 0.5;
+  }
+
+  FormHistory History() const override {
+    auto history = Base::History();
+    history["share"].Append(share);
+    return history;
+  }
+  void SetHistory(const FormHistory & history) override {
+    Base::SetHistory(history);
+    share = history.at("share")[0];
   }
 
   void Follow(const BaseVector & bx) override {
@@ -120,12 +140,14 @@ public:
     this->Evaluate(bx);
     for (size_t m : Range(jump->Size())) {
       double approach = last_gap[m] - states[m].gap;
-      Vec<D> slip;
-      for (int k : Range(D))
-        slip(k) = states[m].slip(k);
+      Vec<D> slip = 0.0; // of all the step, what came before a touch included
+      if (points->area[m] > 0 && Slides(m))
+        slip = now->slip[m] - InnerProduct(now->slip[m], normal[m]) * normal[m];
       double motion = sqrt(sqr(approach) + L2Norm2(slip));
-      reference[m] = this->TimeToTouch(states[m], approach, motion) * slip;
-      reference[m] += this->ElasticSlip(m, jump->normal[m], bx.FV<double>());
+      double time = this->TimeToTouch(states[m], approach, motion);
+      reference[m] =
+          (time > 1 ? 1 / time : time) * slip; // if it touches earlier, slip must not turn round
+      reference[m] += this->ElasticSlip(m, normal[m], bx.FV<double>());
       last_gap[m] = states[m].gap;
     }
     Accept();
@@ -142,8 +164,8 @@ protected:
   void Configure(FlatVector<> x) override {
     auto slave = slave_shapes->Displaced(*slave_reference, x);
     auto master = master_shapes->Displaced(*master_reference, x);
-    bool same = now && now->points == points && now->surfaces.slave.HasShapeOf(slave) &&
-                now->surfaces.master.HasShapeOf(master);
+    bool same = now && now->points == points && now->surfaces.share == share &&
+                now->surfaces.slave.HasShapeOf(slave) && now->surfaces.master.HasShapeOf(master);
     if (same && now->start == start)
       return;
     if (!same) {
@@ -151,7 +173,7 @@ protected:
       auto hits = reuse ? std::move(now->hits) : Array<RayHit<D>>();
       hits.SetSize(points->pairing->points.Size());
       now = make_shared<Motion<D>>(
-          Motion<D>{{*slave_shapes, *master_shapes, std::move(slave), std::move(master)},
+          Motion<D>{{*slave_shapes, *master_shapes, std::move(slave), std::move(master), share},
                     points,
                     start,
                     std::move(hits),
@@ -171,17 +193,20 @@ protected:
 
   FlatArray<double> Memory() const override { return last_gap; }
 
-  void AddForces(size_t m, const Vec<D> & normal, const Vec<D> & traction, Scatter & y,
+  MacroTraction<D> Parts(size_t m, const Vec<D> & traction) const {
+    return {traction, now->mean[m]};
+  }
+
+  void AddForces(size_t m, const Vec<D> &, const Vec<D> & traction, Scatter & y,
                  LocalHeap & lh) const override {
     if (points->area[m] > 0 && IsTraction(traction))
-      AddTraction<D>(now->surfaces, *points, m, now->hits, MacroTraction<D>(traction, normal), y,
-                     lh);
+      AddTraction<D>(now->surfaces, *points, m, now->hits, Parts(m, traction), y, lh);
   }
 
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     if (points->area[m] == 0 || !IsTraction(traction))
       return {Vec<D>(0.0), Vec<3>(0.0)};
-    return Resultant<D>(now->surfaces, *points, m, MacroTraction<D>(traction, normal[m]));
+    return Resultant<D>(now->surfaces, *points, m, Parts(m, traction));
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
@@ -318,9 +343,8 @@ private:
       tractions[m] = given ? (*given)[m] : this->Multiplier(m, x);
     Array<Coupling> couplings(jump->Size());
     ParallelFor(jump->Size(), [&](size_t m) {
-      couplings[m] =
-          CouplingOf<D>(*slave_shapes, *master_shapes, *points, Slides(m) ? start.get() : nullptr,
-                        m, moving_rim, IsTraction(tractions[m]));
+      couplings[m] = CouplingOf<D>(*slave_shapes, *master_shapes, *points,
+                                   Slides(m) ? start.get() : nullptr, m, IsTraction(tractions[m]));
     });
     mat = MatrixOf<D>(couplings, *master_shapes, lamdof, nscalars);
     AddBlocksInOrder(jump->Size(), *mat, this->BlockHeap(),
@@ -343,7 +367,7 @@ private:
     };
     auto & mean = now->mean[m];
     auto & normal = mean.normal;
-    MacroTraction<D> parts(traction, normal);
+    auto parts = Parts(m, traction);
     AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, moving_rim, rows, add, lh);
     if (!parts.IsZero())
       AddStiffness(normal, traction, parts.pressure, rows, forces);
@@ -397,10 +421,10 @@ private:
     for (int j : Range(rows.turning)) {
       Vec<D> turn = rows.normal.Col(rows.Position(rows.turning[j]));
       double pressing = -InnerProduct(traction, turn);
-      Vec<D> tangential = pressing * normal + pressure * turn;
+      Vec<D> tilt = rows.tilt.Col(rows.Position(rows.turning[j]));
+      Vec<D> even = pressing * normal + pressure * (turn + tilt);
       for (int i : Range(rows.dofs))
-        rows.stiffness(i, j) +=
-            pressing * rows.squeeze(i) - InnerProduct(tangential, rows.force.Col(i));
+        rows.stiffness(i, j) += pressing * rows.squeeze(i) - InnerProduct(even, rows.force.Col(i));
     }
     forces.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
   }

@@ -1,44 +1,9 @@
 #include "facepair.hpp"
 
 namespace ngslac {
-namespace {
-/// Numbers of things that belong to slave faces, macro-element by macro-element.
-template <int D, typename FACE>
-Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpace & space) {
-  TableCreator<int> creator(space.NMacros());
-  for (; !creator.Done(); creator++)
-    for (int i : Range(n))
-      creator.Add(space.MacroOfFace()[slave.Element(face(i))], i);
-  return creator.MoveTable();
-}
-} // namespace
-
-template <int D>
-shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
-                                      const Surface<D> & slave, const LACSpace & space,
-                                      FlatArray<double> area) {
-  auto & segments = pairing->segments;
-  auto of_segments =
-      OfMacros<D>(pairing->Size(), [&](int i) { return segments[i].slave; }, slave, space);
-  auto of_rim = OfMacros<D>(
-      pairing->rim.Size(), [&](int i) { return segments[pairing->rim[i].segment].slave; }, slave,
-      space);
-  Array<Mat<D, D - 1>> dual(space.NMacros());
-  for (size_t m : Range(dual))
-    if (area[m] > 0) {
-      auto & segment = segments[of_segments[m][0]];
-      Vec<D> x;
-      Mat<D, D - 1> dx;
-      slave.Evaluate(segment.slave, pairing->points[segment.first].slave, x, dx);
-      dual[m] = DualBasis<D>(dx);
-    }
-  return make_shared<MacroPoints<D>>(MacroPoints<D>{
-      pairing, std::move(of_segments), std::move(of_rim), Array<double>(area), std::move(dual)});
-}
-
 template <int D>
 MacroRows<D>::MacroRows(FlatArray<int> adofs, FlatArray<int> aturning)
-    : dofs(adofs), turning(aturning), data(3 * D + 2, adofs.Size()),
+    : dofs(adofs), turning(aturning), data(4 * D + 2, adofs.Size()),
       stiffness(adofs.Size(), aturning.Size()) {
   data = 0.0, stiffness = 0.0;
   size_t n = dofs.Size();
@@ -46,14 +11,15 @@ MacroRows<D>::MacroRows(FlatArray<int> adofs, FlatArray<int> aturning)
   force.AssignMemory(D, n, data.Data() + D * n);
   gap.AssignMemory(n, data.Data() + 2 * D * n);
   squeeze.AssignMemory(n, data.Data() + (2 * D + 1) * n);
-  slip.AssignMemory(D, n, data.Data() + (2 * D + 2) * n);
+  tilt.AssignMemory(D, n, data.Data() + (2 * D + 2) * n);
+  slip.AssignMemory(D, n, data.Data() + (3 * D + 2) * n);
 }
 
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                     FlatArray<RayHit<D>> hits) {
   double gap = 0;
-  Vec<D> normals = 0.0;
+  Vec<D> slave = 0.0, master = 0.0;
   for (int s : points.segments[macro]) {
     auto & segment = points.pairing->segments[s];
     for (size_t i : points.pairing->Points(s)) {
@@ -61,11 +27,12 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
       Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
       hits[i] = ray.Hit();
       gap += p.weight * ray.gap;
-      normals += p.weight * ray.normal;
+      slave += p.weight * ray.normal;
+      master += p.weight * now.master.Normal(segment.master, ray.dy);
     }
   }
-  double length = L2Norm(normals);
-  return {gap / points.area[macro], (1 / length) * normals, length};
+  double mean = 1 / points.area[macro];
+  return {mean * gap, mean * slave, mean * master, now.share};
 }
 
 namespace {
@@ -103,7 +70,7 @@ class FacePairDerivative {
   bool loaded, has_rim = false;
   int n1, n; // columns of the slave, of both
   int npoints = 0;
-  // normal, force, gap and squeeze as in MacroRows
+  // as in MacroRows, but the sums of both normals in place of normal and tilt
   FlatMatrix<> columns;
   FlatMatrix<> pressed; // forces by the dofs of the slave, since pressure turns with its normals
   FlatMatrix<> moved;   // forces on the master, which move along it
@@ -118,7 +85,7 @@ public:
                      const MacroTraction<D> & atraction, MacroRows<D> & arows, LocalHeap & lh)
       : now(anow), traction(atraction), rows(arows), faces(now, segment, rows, lh),
         loaded(!traction.IsZero()), n1(D * faces.slaves), n(faces.Size()),
-        columns(2 * D + 2, n, lh), pressed(faces.slaves + faces.masters, D * n1, lh),
+        columns(3 * D + 2, n, lh), pressed(faces.slaves + faces.masters, D * n1, lh),
         moved(faces.masters, D * n, lh), rim(0, 0, lh),
         jumps(most_points, faces.slaves + faces.masters, lh), turns(most_points, D * n1, lh),
         slopes((D - 1) * most_points, faces.masters, lh), shifts((D - 1) * most_points, D * n, lh) {
@@ -145,6 +112,7 @@ public:
     Respond(ray, on_slave.value, on_master.value, gradients, response);
     for (int l : Range(D))
       ngslac::Add(w, &turn(l * n1), &columns(l, 0), n1);
+    TurnMaster(ray, Gradients<D>(ray.dy, on_master, lh), response, w);
     ngslac::Add(w, &response(D - 1, 0), &columns(2 * D, 0), n);
     for (int i : Range(jump.Size()))
       for (int k : Range(D)) {
@@ -163,20 +131,24 @@ public:
     npoints++;
   }
 
-  /// The overlap grows where the image of the master's end moves outwards.
+  /// The overlap grows where the image of the master's end moves outwards; where the master goes on
+  /// with another face, that one's grows less, and nothing but the master's normal differs.
   void AddRim(const RimPoint<D> & end, const MacroGap<D> & mean, LocalHeap & lh) {
-    if (!has_rim && loaded) {
+    if (!has_rim && loaded && end.beyond < 0) {
       rim.AssignMemory(n, n, lh);
       rim = 0.0;
     }
-    has_rim = true;
+    has_rim = has_rim || end.beyond < 0;
     HeapReset hr(lh);
     auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
     Ray<D> ray(now.slave, slave, now.master, master, end.point);
     auto on_slave = now.slave_shapes.Calc(slave, end.point.slave, lh);
     auto on_master = now.master_shapes.Calc(master, ray.eta, lh);
     auto gradients = Gradients<D>(ray.dx, on_slave, lh);
-    Vec<D> direction = DualBasis<D>(ray.dx) * end.outwards;
+    // Where rays end they lie closer than where they start, if the slave is curved.
+    Mat<D - 1, D - 1> bend = now.slave.Hessian(slave, end.point.slave, ray.normal);
+    Mat<D, D - 1> ends = ray.dx - ray.gap * Mat<D, D - 1>(DualBasis<D>(ray.dx) * bend);
+    Vec<D> direction = DualBasis<D>(ends) * end.outwards;
     Vec<D> force = traction.At(ray.normal);
     FlatVector<> growth(n, lh), work(n, lh);
     for (int i : Range(faces.slaves)) {
@@ -192,8 +164,14 @@ public:
         work(n1 + D * i + k) = -force(k) * on_master.value(i);
       }
     growth *= end.point.weight;
+    Vec<D> beyond = end.beyond >= 0 ? NormalOf(end.beyond, end.eta) : mean.master;
+    Vec<D> master_jump = now.master.Normal(master, ray.dy) - beyond;
     for (int l : Range(D))
-      columns.Row(l) += ray.normal(l) * growth;
+      columns.Row(2 * D + 2 + l) += master_jump(l) * growth;
+    if (end.beyond >= 0)
+      return;
+    for (int l : Range(D))
+      columns.Row(l) += (ray.normal(l) - mean.slave(l)) * growth;
     columns.Row(2 * D) += (ray.gap - mean.gap) * growth;
     if (loaded)
       rim -= work * Trans(growth);
@@ -222,6 +200,28 @@ public:
   }
 
 private:
+  Vec<D> NormalOf(int face, Vec<D - 1> eta) const {
+    Vec<D> y;
+    Mat<D, D - 1> dy;
+    now.master.Evaluate(face, eta, y, dy);
+    return now.master.Normal(face, dy);
+  }
+
+  /// Adds the derivative of the master's normal where the ray meets it, times a factor.
+  void TurnMaster(const Ray<D> & ray, FlatMatrixFixWidth<D> gradients, FlatMatrix<> response,
+                  double factor) {
+    Vec<D> normal = now.master.Normal(faces.segment.master, ray.dy);
+    auto turn = columns.Rows(2 * D + 2, 3 * D + 2);
+    for (int i : Range(faces.masters))
+      for (int l : Range(D))
+        for (int k : Range(D))
+          turn(l, n1 + D * i + k) -= factor * normal(k) * gradients(i, l);
+    // Along the master its normal turns with the curvature.
+    Mat<D - 1, D - 1> bend = now.master.Hessian(faces.segment.master, ray.eta, normal);
+    Mat<D, D - 1> by_eta = factor * Mat<D, D - 1>(DualBasis<D>(ray.dy) * bend);
+    turn -= by_eta * response.Rows(0, D - 1);
+  }
+
   void Multiply() {
     auto points = Range(npoints), directions = Range((D - 1) * npoints);
     pressed += Trans(jumps.Rows(points)) * turns.Rows(points);
@@ -281,12 +281,16 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
         derivative.AddRim(pairing.rim[r], mean, lh);
     derivative.AddToRows(add, lh);
   });
-  rows.gap *= 1 / points.area[macro];
+  double weight = 1 / points.area[macro];
+  rows.gap *= weight;
   Mat<D, D> across = Id<D>() - mean.normal * Trans(mean.normal);
   across *= 1 / mean.length;
   for (int j : Range(rows.dofs)) {
-    Vec<D> turn = across * Vec<D>(rows.normal.Col(j));
-    rows.normal.Col(j) = turn;
+    Vec<D> slave = weight * Vec<D>(rows.normal.Col(j)), master = weight * Vec<D>(rows.tilt.Col(j));
+    Vec<D> tilt = now.share * (slave + master);
+    rows.tilt.Col(j) = tilt;
+    rows.normal.Col(j) = across * Vec<D>(slave - tilt);
+    rows.squeeze(j) -= InnerProduct(mean.tilt, rows.force.Col(j));
   }
 }
 
@@ -354,8 +358,6 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>>, const Surface<D> &, \
-                                                 const LACSpace &, FlatArray<double>);             \
   template struct MacroRows<D>;                                                                    \
   template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
                                FlatArray<RayHit<D>>);                                              \

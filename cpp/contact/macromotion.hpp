@@ -1,4 +1,5 @@
 #pragma once
+#include "direction.hpp"
 #include "faceshapes.hpp"
 #include "ray.hpp"
 #include "scatter.hpp"
@@ -10,6 +11,7 @@ struct MovingSurfaces {
   const FaceShapes<D> & slave_shapes;
   const FaceShapes<D> & master_shapes;
   Surface<D> slave, master;
+  double share; // of the master in the stiffness of both
 };
 
 /// Quadrature points on the slave surface with the master faces they see: of one pairing, fixed in
@@ -37,7 +39,8 @@ struct MacroRows {
   FlatMatrix<> normal;
   FlatMatrix<> force; // integral of slave minus master shape functions
   FlatVector<> gap;
-  FlatVector<> squeeze; // the force along the slave normals
+  FlatVector<> squeeze; // the force along the directions of the pressure
+  FlatMatrix<> tilt;    // of the pressure against the slave normals
   FlatMatrix<> slip;
   Matrix<> stiffness; // of the contact forces, a column for each turning dof
 
@@ -60,33 +63,46 @@ bool IsTraction(const Vec<D> & traction) {
   return false;
 }
 
+/// Where the slave normals meet the master: mean gap and contact direction of a macro-element.
+///
+/// From a point x of the slave with normal n the ray  x + g n  meets the master at y(eta); both eta
+/// and g follow the displacement. Weights are areas of the reference configuration. The direction
+/// lies between the means of both normals.
+template <int D>
+struct MacroGap {
+  double gap;
+  Vec<D> slave, master; // mean normals
+  Vec<D> normal, tilt;  // the contact direction; what turns the slave normals to it
+  double length;        // of what the direction is the unit vector of
+
+  MacroGap() = default;
+  MacroGap(double agap, const Vec<D> & aslave, const Vec<D> & amaster, double share)
+      : gap(agap), slave(aslave), master(amaster), tilt(share * (slave + master)) {
+    Vec<D> mean = slave - tilt;
+    length = L2Norm(mean);
+    normal = (1 / length) * mean;
+  }
+};
+
 /// The traction on the slave: the pressure acts along the normal of each point, so that the
-/// constant directions of macro-elements do not show on curved surfaces.
+/// constant directions of macro-elements do not show on curved surfaces, and so that it follows
+/// what the means do not hold; but the same tilt everywhere turns its mean to that of the contact.
 template <int D>
 struct MacroTraction {
   double pressure;
-  Vec<D> tangential;
+  Vec<D> even; // what is the same at all points
 
-  MacroTraction(const Vec<D> & traction, const Vec<D> & normal)
-      : pressure(-InnerProduct(traction, normal)), tangential(traction + pressure * normal) {}
-  Vec<D> At(const Vec<D> & normal) const { return tangential - pressure * normal; }
-  bool IsZero() const { return pressure == 0 && !IsTraction(tangential); }
+  MacroTraction(const Vec<D> & traction, const MacroGap<D> & mean)
+      : pressure(-InnerProduct(traction, mean.normal)),
+        even(traction + pressure * (mean.normal + mean.tilt)) {}
+  Vec<D> At(const Vec<D> & normal) const { return even - pressure * normal; }
+  bool IsZero() const { return pressure == 0 && !IsTraction(even); }
 };
 
 /// A block of the derivative of the contact forces at fixed pressure and tangential traction, for
 /// the dofs of a master face.
 using MasterBlock = std::function<void(FlatArray<int> master, FlatMatrix<> block)>;
 
-/// Where the slave normals meet the master: mean gap and normal of a macro-element.
-///
-/// From a point x of the slave with normal n the ray  x + g n  meets the master at y(eta); both eta
-/// and g follow the displacement. Weights are areas of the reference configuration.
-template <int D>
-struct MacroGap {
-  double gap;
-  Vec<D> normal;
-  double length; // of the mean of the points' normals, times the area
-};
 /// The hits of all points of the pairing that belong to the macro-element are set, too.
 template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
@@ -121,8 +137,10 @@ template <int D>
 void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh);
 
-/// How far the slave slid along the master since the points were paired: the mean of the tangential
-/// part of  x - y(eta)  with the eta of the pairing. Rigid motions of both bodies do not change it.
+/// How far the slave slid along the master since the points were paired: the mean of the part of
+/// x + g n - y  across the contact direction, with the gap g and the partner y of the pairing.
+/// Rigid motions of both bodies do not change it, and what comes nearer in that direction does not
+/// slip.
 template <int D>
 Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
 template <int D>

@@ -5,16 +5,51 @@ namespace {
 /// A pair of points that once faced each other.
 template <int D>
 struct OldPair {
-  Vec<D> apart, normal;
-  Mat<D, D - 1> dx;
+  Vec<D> apart; // since then
+  Vec<D> slave_normal, master_normal;
+  double gap; // of then
+  Mat<D, D - 1> dx, dy;
+  ContactDirection<D> direction;
 
-  OldPair(const MovingSurfaces<D> & now, const Segment & segment, const PairPoint<D> & p) {
-    Vec<D> x;
+  OldPair(const MovingSurfaces<D> & now, const Segment & segment, const PairPoint<D> & p)
+      : gap(p.gap) {
+    Vec<D> x, y;
     now.slave.Evaluate(segment.slave, p.slave, x, dx);
-    normal = now.slave.Normal(segment.slave, dx);
-    apart = x - now.master.Point(segment.master, p.master);
+    now.master.Evaluate(segment.master, p.master, y, dy);
+    slave_normal = now.slave.Normal(segment.slave, dx);
+    master_normal = now.master.Normal(segment.master, dy);
+    direction = ContactDirection<D>(slave_normal, master_normal, now.share);
+    apart = x + gap * slave_normal - y;
   }
-  Vec<D> Slip() const { return apart - InnerProduct(normal, apart) * normal; }
+  Vec<D> Slip() const { return direction.Across() * apart; }
+};
+
+/// Adds a factor times the derivative of the slip by the scalar functions of one side: they move
+/// the points apart by `moves` times their value, and by `swings` times the turn of the side's
+/// normal; that has the factor `turns` in the contact direction.
+template <int D>
+struct SlipSide {
+  double moves, swings, turns;
+  const Vec<D> & normal;
+  const Mat<D, D - 1> & tangents;
+
+  void Add(const OldPair<D> & old, const typename FaceShapes<D>::Values & shapes, double factor,
+           FlatMatrix<> columns, LocalHeap & lh) const {
+    auto gradients = Gradients<D>(tangents, shapes, lh);
+    auto & n = old.direction.normal;
+    Mat<D, D> across = old.direction.Across();
+    double along = InnerProduct(n, old.apart);
+    for (int i : Range(shapes.value)) {
+      // the normal turns by  -g  times the component of the displacement along it
+      Vec<D> turn = turns * Vec<D>(across * Vec<D>(gradients.Row(i)));
+      Vec<D> turning = along * turn + InnerProduct(turn, old.apart) * n;
+      turning -= swings * Vec<D>(across * Vec<D>(gradients.Row(i)));
+      for (int l : Range(D))
+        for (int k : Range(D))
+          columns(l, D * i + k) +=
+              factor * (moves * across(l, k) * shapes.value(i) + turning(l) * normal(k));
+    }
+  }
 };
 } // namespace
 
@@ -36,31 +71,23 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[s];
     FacePair<D> faces(now, segment, rows, lh);
-    FlatMatrix<> columns(D, faces.Size(), lh);
-    columns = 0.0;
+    FlatMatrix<> slave(D, D * faces.slaves, lh), master(D, D * faces.masters, lh);
+    slave = 0.0, master = 0.0;
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
       HeapReset hr(lh);
       OldPair<D> old(now, segment, p);
       sum += p.weight * old.Slip();
-      auto on_slave = now.slave_shapes.Calc(segment.slave, p.slave, lh);
-      auto on_master = now.master_shapes.Calc(segment.master, p.master, lh);
-      auto gradients = Gradients<D>(old.dx, on_slave, lh);
-      auto & n = old.normal;
-      Mat<D, D> across = Id<D>() - n * Trans(n);
-      across *= mean * p.weight;
-      for (int i : Range(faces.slaves)) {
-        Vec<D> g = gradients.Row(i);
-        Vec<D> turning = InnerProduct(n, old.apart) * g + InnerProduct(g, old.apart) * n;
-        turning *= mean * p.weight;
-        for (int l : Range(D))
-          for (int k : Range(D))
-            columns(l, D * i + k) += across(l, k) * on_slave.value(i) + turning(l) * n(k);
-      }
-      for (int i : Range(faces.masters))
-        for (int l : Range(D))
-          for (int k : Range(D))
-            columns(l, D * (faces.slaves + i) + k) -= across(l, k) * on_master.value(i);
+      auto & d = old.direction;
+      SlipSide<D> of_slave{1, old.gap, d.of_slave, old.slave_normal, old.dx};
+      SlipSide<D> of_master{-1, 0, d.of_master, old.master_normal, old.dy};
+      of_slave.Add(old, now.slave_shapes.Calc(segment.slave, p.slave, lh), mean * p.weight, slave,
+                   lh);
+      of_master.Add(old, now.master_shapes.Calc(segment.master, p.master, lh), mean * p.weight,
+                    master, lh);
     }
+    FlatMatrix<> columns(D, faces.Size(), lh);
+    columns.Cols(0, D * faces.slaves) = slave;
+    columns.Cols(D * faces.slaves, faces.Size()) = master;
     auto of_dofs = faces.OfDofs(columns, lh);
     for (int l : Range(D))
       for (int j : Range(faces.at))

@@ -21,12 +21,15 @@ struct Segment {
   size_t first_corner; // number of its first corner
 };
 
-/// A point where the master ends within a slave face, for integrals over a moving overlap.
+/// A point where a master face ends within a slave face, for integrals over moving segments: where
+/// the master ends, or goes on with another normal.
 template <int D>
 struct RimPoint {
   int segment;
   PairPoint<D> point;
   Vec<D - 1> outwards; // normal in reference coordinates, times length and quadrature weight
+  int beyond = -1;     // the master face that goes on there, if there is one
+  Vec<D - 1> eta = Vec<D - 1>(0.0); // the same point on that
 };
 
 struct PairingOptions {

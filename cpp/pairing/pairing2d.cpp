@@ -83,6 +83,8 @@ public:
         AddRim(-1, breaks[i - 1], result);
       if (!added && before && i > 1)
         AddRim(1, breaks[i - 1], result);
+      if (added && before && i > 1)
+        AddKink(result);
       before = added;
     }
     if (before && breaks.Size() > 1 && breaks.Last() < 1 - merge)
@@ -260,6 +262,17 @@ private:
     result.rim.Append(RimPoint<2>{int(result.segments.Size()) - 1,
                                   result.corners[result.corners.Size() - (side > 0 ? 1 : 2)],
                                   Vec<1>(side)});
+  }
+
+  /// Between the last two segments, where their masters meet at an angle.
+  void AddKink(Pairing<2> & result) const {
+    int last = result.segments.Size() - 1;
+    int here = result.segments[last - 1].master, beyond = result.segments[last].master;
+    size_t corners = result.corners.Size();
+    auto &end = result.corners[corners - 3], &begin = result.corners[corners - 2];
+    if (here != beyond && fabs(end.gap - begin.gap) <= 1e-6 * size &&
+        HaveKink(master, here, end.master, beyond, begin.master))
+      result.rim.Append(RimPoint<2>{last - 1, end, Vec<1>(1), beyond, begin.master});
   }
 
   /// Up to the i-th break point; false where there is no partner.

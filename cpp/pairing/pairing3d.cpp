@@ -70,7 +70,7 @@ public:
       }
       stretch = Stretch(map);
       for (auto & piece : pieces)
-        if (AddSegment(map, piece, result) && stretch == 1) // else slits are all that is free
+        if (AddSegment(map, piece, result))
           AddRim(map, piece, result);
     }
   }
@@ -346,11 +346,14 @@ private:
     return least >= -outside_tolerance && most <= 1 + outside_tolerance;
   }
 
-  bool IsCovered(Vec<2> point) const {
-    bool covered = false;
-    pieces_tree->Visit(BoxOf(Polygon{point}),
-                       [&](int i) { covered = covered || pieces[i].polygon.Contains(point); });
-    return covered;
+  /// The piece that covers a point, if there is one.
+  const Piece * Covering(Vec<2> point) const {
+    const Piece * found = nullptr;
+    pieces_tree->Visit(BoxOf(Polygon{point}), [&](int i) {
+      if (pieces[i].polygon.Contains(point) && (!found || &pieces[i] < found))
+        found = &pieces[i];
+    });
+    return found;
   }
 
   /// Does the search end there, and not the master?
@@ -359,7 +362,7 @@ private:
     return fabs(gap - options.maxdist) < tolerance || fabs(gap + penetration) < tolerance;
   }
 
-  /// Edges of the last segment beyond which the slave facet sees no master.
+  /// Edges of the last segment beyond which the slave facet sees no master, or another face of it.
   void AddRim(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
     static const IntegrationRule rule(ET_SEGM, 3);
     auto & polygon = piece.polygon;
@@ -372,18 +375,35 @@ private:
         continue;
       across *= distance * map.GetFacet().size / L2Norm(across);
       Vec<2> beyond = 0.5 * (a + b) + across;
-      if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)) ||
-          IsCovered(beyond))
+      if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)))
+        continue;
+      auto next = Covering(beyond);
+      if (next && next->master->face <= piece.master->face) // each edge counts once
+        continue;
+      if (!next && stretch != 1) // slits are all that is free
         continue;
       Vec<2> from = map.Reference(a).first, to = map.Reference(b).first;
       Vec<2> outwards(to(1) - from(1), from(0) - to(0));
       if (InnerProduct(outwards, map.Reference(beyond).first - 0.5 * (from + to)) < 0)
         outwards *= -1;
       for (auto & ip : rule)
-        if (auto ray = Ray(map, piece, a + ip(0) * (b - a), 0); isfinite(ray.gap))
-          result.rim.Append(
-              RimPoint<3>{int(result.segments.Size()) - 1, ray, ip.Weight() * outwards});
+        AddRimPoint(map, piece, a + ip(0) * (b - a), ip.Weight() * outwards, next, result);
     }
+  }
+
+  void AddRimPoint(const FacetMap & map, const Piece & piece, Vec<2> point, Vec<2> outwards,
+                   const Piece * next, Pairing<3> & result) const {
+    RimPoint<3> rim{int(result.segments.Size()) - 1, Ray(map, piece, point, 0), outwards};
+    if (!isfinite(rim.point.gap))
+      return;
+    if (next) {
+      auto other = Ray(map, *next, point, 0);
+      rim.beyond = next->master->face, rim.eta = other.master;
+      if (!(fabs(other.gap - rim.point.gap) <= 1e-2 * map.GetFacet().size) ||
+          !HaveKink(master, piece.master->face, rim.point.master, rim.beyond, rim.eta))
+        return;
+    }
+    result.rim.Append(rim);
   }
 
   /// False where all rays miss.

@@ -13,6 +13,18 @@ BoxTree<D> FaceTree(const Surface<D> & surface) {
   return BoxTree<D>(std::move(boxes));
 }
 
+/// Does the normal jump between two points of a surface?
+template <int D>
+bool HaveKink(const Surface<D> & surface, int face, Vec<D - 1> xi, int other, Vec<D - 1> eta) {
+  auto normal = [&](int f, Vec<D - 1> at) {
+    Vec<D> x;
+    Mat<D, D - 1> dx;
+    surface.Evaluate(f, at, x, dx);
+    return surface.Normal(f, dx);
+  };
+  return L2Norm2(normal(face, xi) - normal(other, eta)) > 1e-20;
+}
+
 /// Runs `pair(range, part)` on pieces of the slave faces in threads and joins the parts in order.
 template <int D, typename F>
 Pairing<D> InPieces(size_t nfaces, F pair) {

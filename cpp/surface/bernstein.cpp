@@ -94,6 +94,18 @@ void CalcLineDerivative(int degree, double s, FlatVector<> db) {
     db(i) = degree * ((i > 0 ? lower[i - 1] : 0) - (i < degree ? lower[i] : 0));
 }
 
+/// Second derivatives from the polynomials of two degrees less.
+void CalcLineSecondDerivative(int degree, double s, FlatVector<> ddb) {
+  ddb = 0.0;
+  if (degree < 2)
+    return;
+  ArrayMem<double, 12> lower(degree - 1);
+  CalcLine(degree - 2, s, FlatVector<>(degree - 1, lower.Data()));
+  for (int i : Range(degree - 1))
+    for (auto [k, factor] : {pair(i, 1), pair(i + 1, -2), pair(i + 2, 1)})
+      ddb(k) += factor * degree * (degree - 1) * lower[i];
+}
+
 int TrigNumber(int degree, int i, int j) {
   return j * (degree + 1) - j * (j - 1) / 2 + i;
 }
@@ -254,6 +266,63 @@ void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<3>> control,
                        Vec<3> & x, Mat<3, 2> & dx) {
   type == ET_TRIG ? EvaluateTrig(degree, control, xi, x, dx)
                   : EvaluateQuad(degree, control, xi, x, dx);
+}
+
+template <>
+Mat<1, 1> BernsteinHessian(ELEMENT_TYPE, int degree, FlatVector<> control, Vec<1> xi) {
+  ArrayMem<double, 12> memory(degree + 1);
+  FlatVector<> second(degree + 1, memory.Data());
+  CalcLineSecondDerivative(degree, xi(0), second);
+  return Mat<1, 1>(InnerProduct(second, control));
+}
+
+namespace {
+/// By a degree two less, whose control points are second differences.
+Mat<2, 2> TrigHessian(int degree, FlatVector<> control, Vec<2> xi) {
+  Mat<2, 2> result = 0.0;
+  if (degree < 2)
+    return result;
+  ArrayMem<double, 36> memory(NControlPoints(ET_TRIG, degree - 2));
+  FlatVector<> lower(memory.Size(), memory.Data());
+  CalcTrig(degree - 2, xi, lower);
+  for (int j : Range(degree - 1))
+    for (int i : Range(degree - 1 - j)) {
+      auto c = [&](int k, int l) { return control(TrigNumber(degree, i + k, j + l)); };
+      double factor = degree * (degree - 1) * lower(TrigNumber(degree - 2, i, j));
+      result(0, 0) += factor * (c(2, 0) - 2 * c(1, 0) + c(0, 0));
+      result(1, 1) += factor * (c(0, 2) - 2 * c(0, 1) + c(0, 0));
+      result(0, 1) += factor * (c(1, 1) - c(1, 0) - c(0, 1) + c(0, 0));
+    }
+  result(1, 0) = result(0, 1);
+  return result;
+}
+
+Mat<2, 2> QuadHessian(int degree, FlatVector<> control, Vec<2> xi) {
+  int n = degree + 1;
+  ArrayMem<double, 72> memory(6 * n);
+  FlatMatrix<> s(3, n, &memory[0]), t(3, n, &memory[3 * n]); // of each derivative
+  for (auto [line, at] : {pair(s, xi(0)), pair(t, xi(1))}) {
+    CalcLine(degree, at, line.Row(0));
+    CalcLineDerivative(degree, at, line.Row(1));
+    CalcLineSecondDerivative(degree, at, line.Row(2));
+  }
+  auto sum = [&](int k, int l) {
+    double value = 0;
+    for (int j : Range(n))
+      for (int i : Range(n))
+        value += s(k, i) * t(l, j) * control(j * n + i);
+    return value;
+  };
+  Mat<2, 2> result;
+  result(0, 0) = sum(2, 0), result(1, 1) = sum(0, 2);
+  result(0, 1) = result(1, 0) = sum(1, 1);
+  return result;
+}
+} // namespace
+
+template <>
+Mat<2, 2> BernsteinHessian(ELEMENT_TYPE type, int degree, FlatVector<> control, Vec<2> xi) {
+  return type == ET_TRIG ? TrigHessian(degree, control, xi) : QuadHessian(degree, control, xi);
 }
 
 template Array<Vec<1>> ControlSites(ELEMENT_TYPE, int);

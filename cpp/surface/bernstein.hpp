@@ -34,4 +34,8 @@ void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<R> xi, FlatVector<> basis,
 template <int D>
 void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<D>> control, Vec<D - 1> xi,
                        Vec<D> & x, Mat<D, D - 1> & dx);
+
+/// Second derivatives of the polynomial with these control values.
+template <int R>
+Mat<R, R> BernsteinHessian(ELEMENT_TYPE type, int degree, FlatVector<> control, Vec<R> xi);
 } // namespace ngslac

@@ -242,6 +242,16 @@ void Surface<D>::Evaluate(size_t face, Vec<D - 1> xi, Vec<D> & x, Mat<D, D - 1> 
 }
 
 template <int D>
+Mat<D - 1, D - 1> Surface<D>::Hessian(size_t face, Vec<D - 1> xi, Vec<D> direction) const {
+  auto points = Control(face);
+  ArrayMem<double, 36> memory(points.Size());
+  FlatVector<> along(points.Size(), memory.Data());
+  for (int i : Range(points))
+    along(i) = InnerProduct(direction, points[i]);
+  return BernsteinHessian<D - 1>(types[face], degree, along, xi);
+}
+
+template <int D>
 Vec<D> Surface<D>::Point(size_t face, Vec<D - 1> xi) const {
   Vec<D> x;
   Mat<D, D - 1> dx;

@@ -55,6 +55,8 @@ public:
   Vec<D> Point(size_t face, Vec<D - 1> xi) const;
   /// point and derivative with respect to the reference coordinates
   void Evaluate(size_t face, Vec<D - 1> xi, Vec<D> & x, Mat<D, D - 1> & dx) const;
+  /// second derivatives of the component of the point in a direction
+  Mat<D - 1, D - 1> Hessian(size_t face, Vec<D - 1> xi, Vec<D> direction) const;
   /// unit normal out of the body, for a derivative that Evaluate gave
   Vec<D> Normal(size_t face, const Mat<D, D - 1> & dx) const;
 

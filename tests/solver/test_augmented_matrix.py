@@ -62,10 +62,10 @@ def test_matrix_is_the_derivative(finite, friction):
     values[solver.residual.rows] *= 0.9  # the projection differs from the multipliers
     at = values.copy()
     random = np.random.default_rng(3).normal(size=len(at)) * ~solver.residual.rows
-    problem.contact.Follow(problem.gf)
 
     def forces(shift):
         values[:] = at + shift * random
+        problem.contact.Follow(problem.gf)  # the matrix sees where the faces of the master end
         residual = vec.CreateVector()
         residual[:] = 0
         form.BeginSolve()

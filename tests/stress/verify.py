@@ -52,12 +52,14 @@ class Verifier:
         pressure = state.pressure / self.largest
         shear = np.linalg.norm(state.shear, axis=1) / self.largest
         Require(-pressure[known].min(initial=0), ALGEBRA, f"{side.name}: tension")
-        Require(-gap[known].min(initial=0), tolerance, f"{side.name}: penetration")
+        gap = gap / np.where(state.whole, tolerance, WORK[side.dim])
+        Require(-gap[known].min(initial=0), 1, f"{side.name}: penetration")
         both = gap[known & (pressure > ALGEBRA)]
-        Require(both.max(initial=0), tolerance, f"{side.name}: pressure across a gap")
+        Require(both.max(initial=0), 1, f"{side.name}: pressure across a gap")
         bound = side.friction * np.maximum(pressure, 0)
-        # The mean normal errs where points are cut off at the end of the other surface.
-        allowed = np.where(state.whole, ALGEBRA, WORK[side.dim])
+        # The mean normal errs where points are cut off at the end of the other surface, or of any
+        # face of it where its normals count, too.
+        allowed = np.where(state.whole & (not side.finite), ALGEBRA, WORK[side.dim])
         beyond = ((shear - bound) / allowed)[known]
         Require(beyond.max(initial=0), 1, f"{side.name}: too much friction")
         if side.last is not None:

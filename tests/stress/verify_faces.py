@@ -101,9 +101,9 @@ class Faces:
             columns.append(Monomials(points, lowered) * self.powers[:, direction])
         return np.stack(columns, axis=1) @ self.inverse
 
-    def Normals(self, tangents):
-        """Outward normals, as long as the area stretch, of tangents (..., directions, dim)."""
-        sign = self.sign.reshape(-1, *[1] * (tangents.ndim - 2))
+    def Normals(self, tangents, faces=slice(None)):
+        """Outward normals, as long as the area stretch, of tangents (face, ..., direction, dim)."""
+        sign = self.sign[faces].reshape(-1, *[1] * (tangents.ndim - 2))
         if self.dim == 2:
             along = tangents[..., 0, :]
             return sign * np.stack([along[..., 1], -along[..., 0]], axis=-1)

@@ -24,7 +24,8 @@ class State:
     covered: np.ndarray  # part of the area that has a partner
     whole: np.ndarray  # do the corners of all faces have one, too?
     jump: np.ndarray
-    normals: np.ndarray  # at the points
+    normals: np.ndarray  # of the slave at the points
+    directions: np.ndarray  # in which the pressure acts there
     hits: object
 
     @property
@@ -67,6 +68,7 @@ class Side:
         self.obstacle = None if self.master else CF(other)
         friction = self.faces.Values(CF(self.law.get("friction") or 0))[..., 0]
         self.friction = self._Sum(self.shapes @ friction[..., None], scalar=True) / self.area
+        self.contact = problem.contacts[number]
         self.small = None if self.finite else self._Look(0 * self.faces.position)
         self.last = None
 
@@ -146,22 +148,42 @@ class Side:
             other = self.master.position
             distance, _ = self._Jump(start, other, hits)
         moved, met = self._Jump(u1, u2, hits)
+        directions = normals
+        if self.finite:  # turned by the same tilt all over a macro-element
+            tilt = self.share * (normals + self._MasterNormals(u2, hits)) * met[..., None]
+            tilt = self._Sum(tilt) / np.maximum(self._Sum(met.astype(float)), 1e-300)[:, None]
+            directions = normals - tilt[self.macro][:, None]
         area = self._Sum(met.astype(float))
         mean = 1 / np.maximum(area, 1e-300)
-        normal = self._Sum(normals * met[..., None])
+        normal = self._Sum(directions * met[..., None])
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
         apart = mean[:, None] * self._Sum(distance + moved)
         gap = -np.sum(apart * normal, axis=1)
         if self.finite:
             gap = mean * self._Sum(hits.gap.reshape(met.shape) * met)
         jump = mean[:, None] * self._Sum(moved)
-        slip = self._Slip(jump, u1, u2)
+        slip = self._Slip(jump, u1, u2, normals)
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
+        covered = area / self.area
         return State(
-            self._Traction(), normal, gap, slip, area / self.area, whole, jump, normals, hits
+            self._Traction(), normal, gap, slip, covered, whole, jump, normals, directions, hits
         )
 
-    def _Slip(self, jump, u1, u2):
+    @property
+    def share(self):
+        """Of the other body in the stiffness of both."""
+        return self.contact.form.History()["share"][0]
+
+    def _MasterNormals(self, displacement, hits):
+        """At what the points meet."""
+        met = hits.face >= 0
+        position = (self.master.position + displacement)[hits.face[met]]
+        slopes = np.einsum("prn,pnd->prd", self.master.Slopes(hits.place[met]), position)
+        result = np.zeros((len(met), self.dim))
+        result[met] = Unit(self.master.Normals(slopes[:, None], hits.face[met]))[:, 0]
+        return result.reshape(*self.weights.shape, self.dim)
+
+    def _Slip(self, jump, u1, u2, normals):
         """How far apart the points have moved that faced each other in the last state."""
         if not self.finite:
             return jump - (0 if self.last is None else self.last.jump)
@@ -169,9 +191,12 @@ class Side:
             return 0 * jump
         apart, met = self._Jump(self.faces.position + u1, self.master.position + u2, self.last.hits)
         # The points that faced each other were not at one place.
-        before = -self.last.hits.gap.reshape(met.shape)[..., None] * self.last.normals
+        moved = apart + self.last.hits.gap.reshape(met.shape)[..., None] * normals
+        other = self._MasterNormals(u2, self.last.hits)
+        across = Unit((1 - self.share) * normals - self.share * other)
+        moved -= np.sum(moved * across, axis=-1)[..., None] * across
         area = np.maximum(self._Sum(met.astype(float)), 1e-300)
-        return self._Sum((apart - before) * met[..., None]) / area[:, None]
+        return self._Sum(moved * met[..., None]) / area[:, None]
 
     def _Traction(self):
         traction = np.zeros((len(self.area), self.dim))
@@ -183,9 +208,9 @@ class Side:
         slave = self.faces.Values(test)
         jump, _ = self._Jump(slave, self.master.Values(test) if self.master else None, state.hits)
         traction = state.traction[self.macro][:, None]
-        if self.finite:  # pressure acts along the normals of the points
+        if self.finite:  # pressure acts along the directions of the points
             pressure, shear = state.pressure[self.macro], state.shear[self.macro]
-            traction = shear[:, None] - pressure[:, None, None] * state.normals
+            traction = shear[:, None] - pressure[:, None, None] * state.directions
         return np.sum(self.weights * np.sum(traction * jump, axis=-1))
 
     def CutOff(self, state):

@@ -1,0 +1,63 @@
+#include "bodycompliance.hpp"
+
+namespace ngslac {
+namespace {
+/// Adds the integrals of the shape functions of one face, a row for each component.
+template <int D>
+void AddIntegrals(const FaceShapes<D> & shapes, const Surface<D> & surface, int face,
+                  FlatMatrix<> sums, LocalHeap & lh) {
+  const IntegrationRule rule(surface.Type(face), 2 * surface.Degree());
+  FlatVector<> functions(shapes.Size(face), lh);
+  functions = 0.0;
+  for (auto & ip : rule) {
+    Vec<D - 1> xi;
+    for (int k : Range(D - 1))
+      xi(k) = ip(k);
+    Vec<D> x;
+    Mat<D, D - 1> dx;
+    surface.Evaluate(face, xi, x, dx);
+    shapes.AddValues(face, xi, ip.Weight() * Measure(dx), functions, lh);
+  }
+  auto dofs = shapes.Dofs(face);
+  for (int i : Range(functions))
+    for (int k : Range(D)) {
+      if (shapes.IsPlain(face))
+        sums(k, dofs[D * i + k]) += functions(i);
+      else
+        for (int j : Range(dofs))
+          sums(k, dofs[j]) += functions(i) * shapes.Conversion(face)(D * i + k, j);
+    }
+}
+} // namespace
+
+template <int D>
+double BodyCompliance(const ProxyInfo & u, const FaceShapes<D> & shapes, const Surface<D> & surface,
+                      FlatVector<> diagonal) {
+  Matrix<> integrals(D, diagonal.Size());
+  integrals = 0.0;
+  LocalHeap lh(10 * 1000 * 1000, "ngslac-compliance");
+  for (size_t face : Range(surface.Size())) {
+    HeapReset hr(lh);
+    AddIntegrals(shapes, surface, face, integrals, lh);
+  }
+  auto free = u.fes->GetFreeDofs();
+  double compliance = 0, squares = 0, sum = 0;
+  for (size_t i : Range(diagonal)) {
+    double square = L2Norm2(integrals.Col(i));
+    squares += square, sum += sqrt(square);
+    bool moves = !free || free->Test(i / u.fes->GetDimension());
+    if (moves && diagonal(i) > 0)
+      compliance += square / diagonal(i);
+  }
+  if (squares == 0)
+    return 0;
+  // The diagonal grows with the size of elements to the power D - 2.
+  double size = pow(squares / sum, 1.0 / (D - 1));
+  return compliance / squares * pow(size, D - 2);
+}
+
+template double BodyCompliance(const ProxyInfo &, const FaceShapes<2> &, const Surface<2> &,
+                               FlatVector<>);
+template double BodyCompliance(const ProxyInfo &, const FaceShapes<3> &, const Surface<3> &,
+                               FlatVector<>);
+} // namespace ngslac
