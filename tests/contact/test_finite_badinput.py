@@ -85,7 +85,7 @@ def test_surfaces_farther_than_maxdist(apart):
 
 def test_step_that_tears_the_bodies_apart():
     """No partner far away: the step fails with a reason, and the last one is restored."""
-    problem = Led(blocks2d(0.34), lambda t: (20 * t, -0.05 + 0 * t), order=1, friction=0.3)
+    problem = Led(blocks2d(0.34), lambda t: (80 * t, -0.05 + 0 * t), order=1, friction=0.3)
     problem.stepper.maxcuts = 2
     problem.run(1e-3, steps=1)
     before, table = problem.gf.vec.FV().NumPy().copy(), problem.table()
