@@ -12,8 +12,9 @@ __all__ = ["InteriorPoint"]
 
 # How often a step is halved until there is a residual.
 HALVINGS = 12
-# After a step as short as this the next one starts from the middle of what is allowed.
-SHORT = 0.1
+# After a step as short as this the next one starts from the middle of what is allowed: a few times,
+# else the products do not get smaller.
+SHORT, MOST_RETURNS = 0.1, 3
 
 
 class InteriorPoint:
@@ -35,7 +36,7 @@ class InteriorPoint:
     def __init__(self, newton, state):
         self.newton, self.vec = newton, newton.gf.vec
         self.values = self.vec.FV().NumPy()
-        self.rows = newton.residual.rows
+        self.rows, self.returns = newton.residual.rows, 0
         wanted = newton.linear.wanted
         self.linear = PrimalSolver(newton.linear, wanted if wanted in CHOLESKY else None)
         self.linear.Leave(self.rows)
@@ -80,7 +81,8 @@ class InteriorPoint:
         center = before * min(1.0, max((predicted / before) ** 3, 1e-6)) if before else 0.0
         steps, motion = self._Direction(state, mats, center, steps)
         trial, part = self._Take(state, steps, motion)
-        if part < SHORT:
+        if part < SHORT and self.returns < MOST_RETURNS:
+            self.returns += 1
             for spring in self.springs:
                 spring.law.Center(before)
         return trial, part
