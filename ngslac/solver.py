@@ -49,6 +49,8 @@ IDLE = 1e-9
 SEARCH = 40
 # Iterations without a change of status in which a residual that falls no more is at a minimum.
 STILL = 4
+# Forces without balance, relative to those at work, that are more than the search for a balance.
+PUSHED = 1e-4
 
 
 class ContactSolver(NewtonStep):
@@ -544,7 +546,9 @@ class ContactSolver(NewtonStep):
     def _WhatSlides(self):
         """What loads carry off where the status has settled, with friction at its limit."""
         settled = len(self.history) > STILL and not any(e.changed for e in self.history[-STILL:])
-        if not (settled and self._IsLinear()) or not any(
+        # Where both ends of a body slip apart next to nothing is left: there one of them sticks.
+        pushed = self.history and self.history[-1].equilibrium > PUSHED
+        if not (settled and pushed and self._IsLinear()) or not any(
             contact.holds_tangentially for contact in self.contacts
         ):
             return ""
