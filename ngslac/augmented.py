@@ -214,8 +214,7 @@ class AugmentedLagrangianSolver(ContactSolver):
         """There is no other method: what was found if it may be, else the error."""
         if found is not None and not self._Bodies().Lost(found):
             return self._Accepted()
-        self._exhausted = not self._MayHold()
-        self._CheckBalance(error, start, motion)
+        self._CheckBalance(error, start, motion, lost=True)
         raise error
 
     def _ContactMatrices(self):

@@ -55,6 +55,10 @@ class Globalization:
         merits = self._merits
         return len(merits) > LATE and min(merits[-LATE:]) < FELL * min(merits[:-LATE])
 
+    def Knows(self, state):
+        """Has an iterate of this solve had that contact status?"""
+        return state.status.tobytes() in self._seen
+
     def Watch(self, state, changed):
         """Look at a new iterate: does the status return, or nothing get better?"""
         number = len(self._merits)

@@ -61,8 +61,8 @@ class LimitLoad:
         """
         self._begin, self._goal, self._fold = self.load.Get(), goal, False
         self.expected = None
-        if self.solver._IsLinear():
-            return
+        if self.solver._IsLinear() or not self.solver.history:
+            return  # nothing bends, or no solve has come to a residual
         values = self.solver.gf.vec.FV().NumPy()
         before = values.copy()
         try:

@@ -19,6 +19,8 @@ LEAST_SIGHT = 1 / 8
 LOOSE, FIRM = 0.1, 1e-2
 # Of the diagonal of the scaled matrix: it keeps bodies where they are that nothing pushes.
 IDLE_SHIFT = 1e-6
+# What turns round sticks a little behind that point; how many of those that turn are looked at.
+TURN, MOST_TURNS = 1e-6, 3
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {2: 25_000, 3: 5_000}
 
@@ -68,6 +70,8 @@ class NewtonStep:
         found = None
         if self._closings and len(self.history) == 1:
             found = self.globalization.SearchStart(move)
+        elif self._loose and self._motion is None:
+            found = self._Stick(state, move)
         trial, damping = found or self.globalization.Search(move, self._motion is not None)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
@@ -75,6 +79,31 @@ class NewtonStep:
         if self._CloseWhatFloats():
             return self._Measure(), damping
         return trial, damping
+
+    def _Stick(self, state, move):
+        """The step up to where another macro-element sticks; None if none comes to rest.
+
+        Where all that holds a body slips nothing tells how far it moves: until a slip turns round.
+        If that has been tried, the body moves the other way: its equilibrium may be unstable.
+        """
+        before = self._Slips()
+        if not move(1.0).finite:
+            return None
+        change = self._Slips() - before
+        length = np.sum(change**2, axis=1)
+        turns = (state.status == 2) & (length > 0)
+        parts = -np.sum(before * change, axis=1)[turns] / length[turns]
+        if np.any(parts > 0):
+            for part in sorted(parts, key=lambda part: (part < 0, abs(part)))[:MOST_TURNS]:
+                trial = move(part * (1 + TURN))
+                sticks = trial.finite and np.any(trial.status == 1)
+                if sticks and not self.globalization.Knows(trial):
+                    return trial, part
+        return None
+
+    def _Slips(self):
+        """Of the macro-elements of all contacts (n, d)."""
+        return np.concatenate([contact.Table()["slip"] for contact in self.contacts])
 
     def _Trial(self, state, damping):
         """The State after a part of a step from another State."""
@@ -128,10 +157,12 @@ class NewtonStep:
 
         def solve(residual):
             rows = ~self.residual.rows
+            self._loose = False
             if not self._idle:
                 found = self.linear.SolveShifted(*given, residual, rows, accuracy)
                 singular = self.linear.nearly_singular or self.linear.shifts
                 if not (singular and self._AreIdle("now")):
+                    self._loose = bool(singular)
                     return found
             return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
 

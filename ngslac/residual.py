@@ -202,9 +202,12 @@ class Residual:
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
         reference = max(self.forces, self.reference, self.rounding / self.tol)
+        # Gaps know their rounding errors better: no sums over elements are in them.
+        pressing = max(self.forces, self.reference, 0.1 * self.rounding / self.tol)
         equilibrium, constraint = Norm(scaled[~self.rows]), Norm(scaled[self.rows])
         merit = float(np.hypot(equilibrium, constraint))
         reference = reference or max(equilibrium, constraint) or 1.0
+        pressing = pressing or reference
         if honest:
             start = vec.CreateVector()
             start.data = vec
@@ -213,7 +216,7 @@ class Residual:
         return State(
             bulk,
             equilibrium / reference,
-            constraint / reference,
+            constraint / pressing,
             merit,
             equilibrium,
             np.concatenate([t["status"] for t in tables]),

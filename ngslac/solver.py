@@ -151,6 +151,7 @@ class ContactSolver(NewtonStep):
         self._bodies, self._silent = None, True
         self._apart = False  # is the bulk known to leave the multipliers alone?
         self._islinear = None  # the bulk, as far as seen: then its matrix is kept
+        self.stuck = None  # where the last solve did, if it did
         self._turning = None  # materials of which it knows finite rotations, once that matters
 
     # --- the loop ------------------------------------------------------------------------------

@@ -98,6 +98,15 @@ def test_a_residual_that_falls_slowly_still_falls(rate, falls):
     assert tool.falls is falls
 
 
+def test_a_contact_status_of_before_is_known():
+    tool = Globalization()
+    tool.Watch(state(1.0, status=(1, 2)), changed=0)
+    assert tool.Knows(state(0.5, status=(1, 2)))
+    assert not tool.Knows(state(0.5, status=(2, 1)))
+    tool.Begin()
+    assert not tool.Knows(state(0.5, status=(1, 2)))
+
+
 def test_tiny_steps_in_a_row_mean_stagnation():
     tool = Globalization(patience=3)
     for part in (1e-3, 1e-3, 0.5, 1e-3, 1e-3):

@@ -17,7 +17,8 @@ SAMPLE = {
     "discinbowl-1.3-0.5-0", "pressfit-0.02-0.3-100.0", "leafpressed-0.3-1", "units-1.0-1e-06-1",
     "largeunits-1e-06-1000.0", "orders-1-patches-0", "kinds3d-tet-1-0", "tiedandloose-0.3-1",
     "movingfloor-0.4-5-0.05", "halfheld-2-1", "random-004", "random-005", "random-007",
-    "random-061", "random-067", "random-099", "leafonsupports-0.0-1", "plate-0.0",
+    "hotbar-8-0.05-2", "hotbar-2-0.15-2-True", "random-061", "random-067", "random-099",
+    "leafonsupports-0.0-1", "plate-0.0",
     "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side",
 }  # fmt: skip
 
