@@ -43,6 +43,23 @@ class EnergyBalance:
         """Kinetic and internal energy together."""
         return self.kinetic + self.internal
 
+    def Won(self, before):
+        """Energy that contact and time integration have brought in since another balance.
+
+        Parameters
+        ----------
+        before : EnergyBalance
+
+        Returns
+        -------
+        float
+            Relative to the largest energy or work at hand; not below 0.
+        """
+        contact = self.friction + self.impact - before.friction - before.impact
+        won = max(0.0, -contact) + max(0.0, before.algorithmic - self.algorithmic)
+        work = abs(self.external - before.external)
+        return won / (max(self.total, before.total, work) or 1.0)
+
     def After(self, time, kinetic, *, internal, external, friction, impact):
         """The balance after a step.
 

@@ -30,6 +30,10 @@ from ngslac.solver import ContactSolver
 
 __all__ = ["TimeStepper"]
 
+# Part of the energy that a step may bring in before a shorter one is tried: the time integration of
+# large deformation may, and the direction of contact in large sliding.
+MOST_WON = 0.02
+
 
 class TimeStepper:
     """Integrate the motion of bodies in contact; halve a step that fails, and grow again.
@@ -44,7 +48,9 @@ class TimeStepper:
     kinetic energy, a fraction of the order of element size over body size. With ``finite=True``
     contact conserves energy up to the angle between its direction and the normal of the master.
 
-    A failed step leaves solution, velocity, time and history at the last converged step.
+    A step that brings in more than 2 % of the energy, as those of large deformation may, is halved,
+    too, if it can be. A failed step leaves solution, velocity, time and history at the last
+    converged step.
 
     Parameters
     ----------
@@ -269,10 +275,11 @@ class TimeStepper:
             if printing:
                 print(f"step {len(self.steps) + 1}  time {goal:g}")
             try:
-                last = self._Attempt(goal, printing, maxit, tol)
+                smallest = (goal - now) / 2 < 0.99 * length * 0.5**self.maxcuts
+                last = self._Attempt(goal, printing, maxit, tol, smallest)
             except ContactConvergenceError as error:
                 cuts += 1
-                if (goal - now) / 2 < 0.99 * length * 0.5**self.maxcuts:
+                if smallest:
                     raise
                 if printing:
                     print(f"  {error}; halved")
@@ -292,7 +299,7 @@ class TimeStepper:
             size, cuts = 2 * size, 0
         return done
 
-    def _Attempt(self, goal, printing, maxit, tol):
+    def _Attempt(self, goal, printing, maxit, tol, last_chance):
         vec, now = self.gf.vec, self.time.Get()
         start = vec.FV().NumPy().copy()
         if self.form.SetStep(goal - now):
@@ -314,7 +321,11 @@ class TimeStepper:
         except BaseException:
             self._saved.Restore()
             raise
+        before = self.balance
         self._Accept(start, dt)
+        if not last_chance and (won := self.balance.Won(before)) > MOST_WON:
+            self._saved.Restore()
+            raise ContactConvergenceError(f"the step wins {100 * won:.2g} % of the energy")
         return last
 
     def _Accept(self, start, dt):

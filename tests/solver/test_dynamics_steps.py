@@ -3,10 +3,27 @@
 import numpy as np
 import pytest
 from motions import bar, elastic, on_ground, sliding, values
-from ngsolve import CF, H1, BilinearForm, GridFunction, Parameter, VectorH1, sqrt
+from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
+from ngsolve import (
+    CF,
+    H1,
+    BilinearForm,
+    Det,
+    Grad,
+    GridFunction,
+    Id,
+    Mesh,
+    Parameter,
+    Trace,
+    Variation,
+    VectorH1,
+    dx,
+    sqrt,
+)
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace
+from ngslac.balance import EnergyBalance
 from ngslac.dynamics import TimeStepper
 
 
@@ -102,3 +119,45 @@ def test_spaces_with_and_without_blocks(space):
     balance = stepper.balance
     assert balance.total + balance.friction + balance.impact == pytest.approx(0.17, rel=1e-3)
     assert balance.friction > 1e-3
+
+
+def test_steps_that_bring_in_energy_are_cut(capsys):
+    """A ball bounces off a block, in steps in which waves cross it nine times."""
+    ball, block = Circle((0, 1.1), 1.0).Face(), MoveTo(-3, -1).Rectangle(6, 1).Face()
+    ball.edges.name, block.edges.name = "ball", "free"
+    block.edges.Max(Y).name, block.edges.Min(Y).name = "top", "fix"
+    ball.faces.name, ball.faces.maxh, block.faces.maxh = "ball", 0.6, 1.0
+    shapes = OCCGeometry(Compound([block, ball]), dim=2)
+    mesh = Mesh(shapes.GenerateMesh()).Curve(2)
+    V = VectorH1(mesh, order=2, dirichlet="fix")
+    X = V * LACSpace(V, slave="ball")
+    (u, lam), _ = X.TnT()
+
+    def strain(u):
+        F = Id(2) + Grad(u)
+        C = F.trans * F
+        return 0.5 * (Trace(C - Id(2)) + 3 * Det(C) ** (-1 / 3) - 3)
+
+    a, gf = BilinearForm(X), GridFunction(X)
+    a += Variation(strain(u) * dx)
+    contact = LACContact(u, lam, master="top", finite=True)
+    energy = strain(gf.components[0])
+    stepper = TimeStepper(ContactSolver(a, gf, contact), 1.0, dt=12.0, rho_inf=0.8, energy=energy)
+    stepper.velocity.components[0].Set((0, -0.0115), definedon=mesh.Materials("ball"))
+    steps = stepper.Integrate(60.0)
+    begin = 0.5 * np.pi * 0.0115**2
+    totals = np.array([step.balance.total for step in steps])
+    assert totals.max() < 1.02 * begin
+    assert totals[-1] > 0.3 * begin
+    assert "of the energy; halved" in capsys.readouterr().out
+
+
+def test_energy_won_is_that_of_contact_and_time_integration():
+    before = EnergyBalance(0.0, 2.0, 1.0)
+    lost = before.After(1.0, 1.5, internal=0.2, external=0.0, friction=0.1, impact=0.2)
+    assert lost.Won(before) == pytest.approx(0, abs=1e-15)
+    by_contact = before.After(1.0, 3.0, internal=0.0, external=0.5, friction=0.1, impact=-0.6)
+    assert by_contact.Won(before) == pytest.approx(0.5 / 4)
+    by_time = before.After(1.0, 3.0, internal=0.0, external=0.0, friction=0.0, impact=0.0)
+    assert by_time.Won(before) == pytest.approx(1.0 / 4)
+    assert EnergyBalance().Won(EnergyBalance()) == 0.0
