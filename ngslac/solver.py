@@ -46,7 +46,7 @@ STRAYED = 0.5
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
 # Iterations of another method where Newton's has found that loads carry a body off.
-SEARCH = 40
+SEARCH = 30
 # Iterations without a change of status in which a residual that falls no more is at a minimum.
 STILL = 4
 # Forces without balance, relative to those at work, that are more than the search for a balance.

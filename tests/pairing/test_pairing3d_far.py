@@ -35,4 +35,4 @@ def test_faces_that_are_far_away_do_not_search_everywhere():
     spent = {name: now - before.get(name, 0) for name, now in seconds().items()}
     search = spent["Pair"] - spent["Facets"] - spent["Pair - tree"]
     assert contact.Table()["area"].sum() > 0
-    assert search < spent["Surface"]  # to read the faces once
+    assert search < 4 * spent["Surface"]  # to read the faces once

@@ -157,7 +157,9 @@ def NoCapstan(argument):
     p = Problem(mesh, [("belt_bottom", "drum_top")], {"belt": 1000.0, "drum": 1000.0},
                 flags={"dirichlet": "drum_bottom"}, law=Law(finite, friction),
                 nonlinear=bool(finite))  # fmt: skip
-    p.says = Says(f"turns|slides away|moves off|{SLIDES}", "belt")
+    # Of a belt that bends as it slides large ways no rigid motion tells.
+    friction_only = "exceed what friction can carry"
+    p.says = friction_only if finite else Says(f"turns|slides away|moves off|{SLIDES}", "belt")
     pull = 1.3 * np.exp(friction * np.pi)
     p.Traction("belt_left", p.load * CF((0, -1.0)))
     p.Traction("belt_right", p.load * CF((0, -pull)))
