@@ -1,10 +1,11 @@
 """NGSolve's status line and percentage follow a computation, and are as before after it."""
 
 import pytest
-from netgen.libngpy._meshing import _GetStatus
+from netgen.libngpy._meshing import _GetStatus, _PushStatus
 from press import press
 
 from ngslac import ContactConvergenceError, LoadStepper
+from ngslac.progress import Progress
 
 
 def test_load_steps():
@@ -32,3 +33,12 @@ def test_after_an_error():
     with pytest.raises(ContactConvergenceError):
         problem.solver().Solve(maxit=1, printing=False)
     assert _GetStatus() == before
+
+
+def test_one_that_was_never_left_is_forgotten():
+    before, names = _GetStatus(), set()
+    Progress("contact: interrupted").__enter__()
+    problem = press(friction=0.2)
+    problem.solver().Solve(printing=False, callback=lambda _: names.add(_GetStatus()[0]))
+    assert names == {"contact: Newton's method"}
+    _PushStatus(before[0])
