@@ -1,6 +1,6 @@
 """What NGSolve's status line and progress bar show of a long computation."""
 
-from weakref import ref
+import sys
 
 # NGSolve's own Krylov solvers report by the same functions.
 from netgen.libngpy._meshing import _GetStatus, _PushStatus, _SetThreadPercentage
@@ -8,8 +8,12 @@ from netgen.libngpy._meshing import _GetStatus, _PushStatus, _SetThreadPercentag
 __all__ = ["Progress"]
 
 
-def Nothing():
-    """There is no outermost one."""
+def IsRunning(frame):
+    """Is that frame of the interpreter one of those that lead here?"""
+    here = sys._getframe() if frame else None
+    while here is not None and here is not frame:
+        here = here.f_back
+    return here is not None
 
 
 class Progress:
@@ -22,24 +26,26 @@ class Progress:
         Of the quantity that `At` is told: 0 and 100 percent.
     """
 
-    # The outermost one. If an interrupt keeps it from leaving, it is gone when its frame is.
-    _running = staticmethod(Nothing)
+    # Where the outermost one was entered: an interrupt may keep it from leaving.
+    _frame = None
 
     def __init__(self, name, begin=0.0, end=1.0):
         self.name, self.begin, self.end = name, begin, end
 
     def __enter__(self):
-        self._outermost = Progress._running() is None
+        self._outermost = not IsRunning(Progress._frame)
         if self._outermost:
             self._before = _GetStatus()
             _PushStatus(self.name)
             _SetThreadPercentage(0)
-            Progress._running = ref(self)  # last: an interrupt before leaves it to the next one
+            Progress._frame = sys._getframe(
+                1
+            )  # last: an interrupt before leaves it to the next one
         return self
 
     def __exit__(self, *error):
         if self._outermost:
-            Progress._running = Nothing
+            Progress._frame = None
             _PushStatus(self._before[0])
             _SetThreadPercentage(self._before[1])
 

@@ -37,8 +37,15 @@ def test_after_an_error():
 
 def test_one_that_was_never_left_is_forgotten():
     before, names = _GetStatus(), set()
-    Progress("contact: interrupted").__enter__()
+
+    def interrupted():
+        left = Progress("contact: interrupted")
+        left.__enter__()
+        return left
+
+    left = interrupted()
     problem = press(friction=0.2)
     problem.solver().Solve(printing=False, callback=lambda _: names.add(_GetStatus()[0]))
     assert names == {"contact: Newton's method"}
+    assert left._outermost
     _PushStatus(before[0])
