@@ -21,6 +21,7 @@ from scipy.sparse import vstack
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
 from ngslac.bodies import ActiveRates, ActiveRows
+from ngslac.preconditioner import Cholesky, Factor
 
 __all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
 
@@ -83,9 +84,11 @@ class Mass:
         Mass per reference volume.
     free : (n,) bool
         Free scalar dofs.
+    inverse : str, optional
+        Name of the NGSolve solver for the mass matrix, as in ContactSolver.
     """
 
-    def __init__(self, contact, density, free):
+    def __init__(self, contact, density, free, inverse=None):
         form = contact.form
         space = form.fes
         self.u, self.v = Displacement(space, form)
@@ -98,7 +101,7 @@ class Mass:
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
         self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
-        self._inverse = None
+        self._inverse, self._solver = None, Cholesky(inverse)
 
     def _CheckPositive(self, order):
         """The masses of the materials, all finite and > 0."""
@@ -135,7 +138,7 @@ class Mass:
         """The accelerations of the free dofs under forces; 0 elsewhere."""
         if self._inverse is None:
             free = self.free.reshape(self.mat.height, -1).all(axis=1)
-            self._inverse = self.mat.Inverse(AsBits(free), inverse="sparsecholesky")
+            self._inverse = Factor(self.mat, AsBits(free), self._solver)
         x, y = self.mat.CreateRowVector(), self.mat.CreateColVector()
         y.FV().NumPy()[:] = forces * self.free
         x.data = self._inverse * y

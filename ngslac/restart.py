@@ -28,8 +28,9 @@ def SaveState(file, tool, *, also=None):
     NGSolve cannot store forms: the script that continues makes the same problem again, on the mesh
     of the file, and calls `LoadState`. What it computes then is what the uninterrupted computation
     would have computed: to the last bit, where the linear solver and the threads used can repeat
-    themselves (``inverse="umfpack"`` without a TaskManager; Pardiso's rounding errors differ from
-    run to run).
+    themselves: ``inverse="umfpack"`` without a TaskManager, or ``ngsolve.SetNumThreads(1)``, since
+    "sparsecholesky" starts threads of its own, whose order varies; Pardiso's rounding errors differ
+    from run to run.
 
     Parameters
     ----------
