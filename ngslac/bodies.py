@@ -10,7 +10,15 @@ from ngslac.arrays import AsBits
 from ngslac.bodynames import BodyNames
 from ngslac.rigidmotions import RigidMotions
 
-__all__ = ["Bodies", "CloseNearest", "FloatingMessage", "JumpRows", "LostMessage", "SlidingMessage"]
+__all__ = [
+    "Bodies",
+    "CloseNearest",
+    "FloatingMessage",
+    "JumpRows",
+    "LostMessage",
+    "OverloadMessage",
+    "SlidingMessage",
+]
 
 TOLERANCE = 1e-8
 # Forces against a rigid motion, relative to those against others: more is a spring, if a weak one.
@@ -299,6 +307,15 @@ def SlidingMessage(floating):
         + "; ".join(floating).replace(" floats (", " slides away (")
         + ": friction is at its limit wherever contact holds it. Constrain it, or prescribe a "
         "displacement in place of a force"
+    )
+
+
+def OverloadMessage(bodies):
+    names = [bodies.name(part) for part, _ in bodies.floating[:3]]
+    return (
+        "nearly all closed macro-elements slip: the load seems to exceed what friction can carry"
+        + (f" on body {' or '.join(names)}" if names else "")
+        + ". Prescribe a displacement in place of a force to follow the sliding"
     )
 
 

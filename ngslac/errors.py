@@ -15,6 +15,8 @@ class ContactConvergenceError(RuntimeError):
         too, as long as it is the load that has no equilibrium.
     slides : bool
         Did friction end at its limit wherever contact holds a body that the loads carry off?
+    rubs : bool
+        Did nearly all contact slip for many iterations, where bodies are held by it alone?
     certain : bool
         Is there no equilibrium at this load for certain? Then nothing else is worth trying.
 
@@ -34,7 +36,7 @@ class ContactConvergenceError(RuntimeError):
     def __init__(self, message, history=()):
         super().__init__(message)
         self.history, self.exhausted = list(history), False
-        self.slides = self.certain = False
+        self.slides = self.rubs = self.certain = False
 
 
 class FloatingBodyError(ContactConvergenceError):

@@ -4,7 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Iteration"]
+__all__ = ["Iteration", "MostlySlips"]
+
+# Part of the closed macro-elements that slips on the way to a state that friction does not hold.
+SLIPPED = 0.8
 
 
 @dataclass(frozen=True)
@@ -61,3 +64,9 @@ class Iteration:
             f"constraint {self.constraint:8.2e}  open {self.open}  stick {self.stick}  "
             f"slip {self.slip}  changed {self.changed}{damping}"
         )
+
+
+def MostlySlips(history):
+    """Does nearly all that is closed slip, all along the way after the start?"""
+    slipped = sum(entry.slip for entry in history[1:])
+    return slipped > SLIPPED * (slipped + sum(entry.stick for entry in history[1:]))

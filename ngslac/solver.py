@@ -18,7 +18,7 @@ from ngslac.callback import TellIterate
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.globalization import Globalization
 from ngslac.inverted import InvertedError, InvertedMessage, TurningMaterials
-from ngslac.iteration import Iteration
+from ngslac.iteration import Iteration, MostlySlips
 from ngslac.linear import LinearSolveError
 from ngslac.loads import CheckRhs
 from ngslac.newton import ChooseSolver, NewtonStep
@@ -45,8 +45,9 @@ NEWTON, LEAST = 30, 10
 STRAYED = 0.5
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
-# Iterations of another method where Newton's has found that loads carry a body off.
-SEARCH = 30
+# Iterations of another method where Newton's has found that loads carry a body off, or where it
+# found nearly all slipping for some time.
+SEARCH, RUBBED = 30, 10
 # Iterations without a change of status in which a residual that falls no more is at a minimum.
 STILL = 4
 # Forces without balance, relative to those at work, that are more than the search for a balance.
@@ -210,7 +211,8 @@ class ContactSolver(NewtonStep):
         self.tol, self._motion, self.linear.shifts = tol, None, 0
         self._printing, self._callback = printing, callback
         self._path, self._exhausted = path, False
-        self._unbalanced, self._certain, self.stuck, self._slides = "", False, None, ""
+        self._unbalanced, self._certain, self.stuck = "", False, None
+        self._slides, self._rubs = "", False
         if motion is not None and np.any(motion[self.constrained]):
             self._motion = np.where(self.constrained, motion, 0.0)
             self._rest = np.finfo(float).eps * np.max(np.abs(self._motion))  # which is none
@@ -244,7 +246,8 @@ class ContactSolver(NewtonStep):
         if self._unbalanced or self._slides:
             error = FloatingBodyError(self._unbalanced or self._slides)
         error.history, error.certain = self.history, self._certain
-        error.slides = bool(self._slides)
+        error.rubs = self._rubs
+        error.slides = bool(self._slides) or (self._rubs and self._IsLinear())
         error.exhausted = self._exhausted or bool(self._unbalanced)
         return error
 
@@ -375,7 +378,9 @@ class ContactSolver(NewtonStep):
         """The last line of another method, from the start again; else what Newton's found."""
         values = self.gf.vec.FV().NumPy()
         self._slides = "" if found is not None else self._WhatSlides()
-        if self._slides:
+        held = bool(self._Bodies().floating)  # by contact alone
+        self._rubs = held and len(self.history) > RUBBED and MostlySlips(self.history)
+        if self._slides or self._rubs:
             maxit = min(maxit, len(self.history) + SEARCH)
         left = maxit - len(self.history)
         self._CheckBalance(error, start, motion, found is None)

@@ -13,8 +13,10 @@ from ngslac.arguments import (
     CheckNumber,
     CheckState,
 )
+from ngslac.bodies import OverloadMessage
 from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
+from ngslac.iteration import MostlySlips
 from ngslac.limitload import LimitLoad
 from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
@@ -25,11 +27,10 @@ from ngslac.solver import ContactSolver
 __all__ = ["LoadStepper", "Step"]
 
 # Cuts after which an interior point method is tried where a smaller step was the better way, and
-# steps in which everything was tried until a load counts as one without equilibrium.
+# steps in which everything was tried, or nearly all slipped, until a load counts as one without
+# equilibrium.
 PATIENCE, MOST_HOPELESS = 2, 3
 BISECTIONS = 14  # of the loads up to one that has no balance
-# Part of the closed macro-elements that slips on the way to a state that friction does not hold.
-SLIPPED = 0.8
 SAME = 1e-12  # relative difference of loads that are the same
 
 
@@ -208,7 +209,7 @@ class LoadStepper:
         return step
 
     def _Reach(self, target, callback, maxit, tol):
-        done, cuts, hopeless = [], 0, 0
+        done, cuts, hopeless, rubs = [], 0, 0, 0
         full = target - self.load.Get()
         limit = LimitLoad(self.solver, self.load, full)
         size = full if abs(full) <= self._size else np.copysign(self._size, full)
@@ -225,8 +226,9 @@ class LoadStepper:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
                 cuts, hopeless = cuts + 1, hopeless + error.exhausted + error.slides
+                rubs = rubs + 1 if error.rubs else 0
                 self._Estimate(limit, goal, failed=True)
-                ends = error.certain or hopeless > MOST_HOPELESS or limit.Passed()
+                ends = error.certain or max(hopeless, rubs) > MOST_HOPELESS or limit.Passed()
                 if abs(half) >= least and not ends:
                     if self.printing:
                         print("  halved")
@@ -238,7 +240,7 @@ class LoadStepper:
             size = size if cuts else 2 * size
             self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
             done.append(self._Accept(goal, last.number, cuts, callback))
-            cuts = 0
+            cuts = rubs = 0
             if limit.expected is not None and target != goal:
                 self._Estimate(limit, target, failed=False)
                 size = limit.Size(size)
@@ -258,7 +260,7 @@ class LoadStepper:
         """
         begin = self.load.Get()
         useless = error.exhausted and self.solver._IsLinear()
-        if not (useless or isinstance(error, FloatingBodyError)):
+        if not (useless or error.rubs or isinstance(error, FloatingBodyError)):
             near = [] if limit.known else [begin + 0.25 * (target - begin)]
             for goal in (*near, target):
                 try:
@@ -336,21 +338,16 @@ class LoadStepper:
             return f"the step from load {begin} to {tried:g} fails: {error}" + balanced
         if limit.known and not isinstance(error, FloatingBodyError):
             return f"no step beyond load {begin} converges: {limit}"
-        message = f"no step beyond load {begin} converges: {error}"
+        reason = str(error).removesuffix("; take smaller steps")  # they were taken
+        message = f"no step beyond load {begin} converges: {reason}"
         if isinstance(error, FloatingBodyError):
             return message
         contacts = self.solver.contacts
         status = np.concatenate([c.Table()["status"] for c in contacts])
-        slipped = sum(entry.slip for entry in error.history[1:])
-        rubbed = slipped + sum(entry.stick for entry in error.history[1:])
         closed = int(np.sum(status > 0))
-        if slipped > SLIPPED * rubbed or (closed and np.all(status[status > 0] == 2)):
+        if MostlySlips(error.history) or (closed and np.all(status[status > 0] == 2)):
             if any(contact.holds_tangentially for contact in contacts):
-                message += (
-                    "; nearly all closed macro-elements slip: the load seems to exceed what "
-                    "friction can carry. Prescribe a displacement in place of a force to follow "
-                    "the sliding"
-                )
+                message += "; " + OverloadMessage(self.solver._Bodies())
         elif closed == 0 and not error.exhausted:
             message += "; all macro-elements are open"
         return message

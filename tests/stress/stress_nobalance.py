@@ -158,8 +158,8 @@ def NoCapstan(argument):
                 flags={"dirichlet": "drum_bottom"}, law=Law(finite, friction),
                 nonlinear=bool(finite))  # fmt: skip
     # Of a belt that bends as it slides large ways no rigid motion tells.
-    friction_only = "exceed what friction can carry"
-    p.says = friction_only if finite else Says(f"turns|slides away|moves off|{SLIDES}", "belt")
+    words = "exceed what friction can carry" if finite else f"turns|slides away|moves off|{SLIDES}"
+    p.says = Says(words, "belt")
     pull = 1.3 * np.exp(friction * np.pi)
     p.Traction("belt_left", p.load * CF((0, -1.0)))
     p.Traction("belt_right", p.load * CF((0, -pull)))
