@@ -7,7 +7,7 @@ import math
 import numpy as np
 import test_hertz_large
 import test_validation_halfring as halfring
-from _report_bounds import Exact, Extrapolated, Meshes, Neglected, Spread, Tolerance
+from _report_bounds import Both, Exact, Extrapolated, Meshes, Neglected, Spread, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import Bodies, Figure
 from problems_halfring import QuadMesh, RingMesh, RingModel
@@ -157,22 +157,21 @@ def Cylinder(quick):
 
 def FlatRing(quick):
     travel, steps = (1.0, 10) if quick else (1.71, 38)
-    itself, plane = (
-        flatring.Run(h=0.12, quarter=quarter, travel=travel, steps=steps)
+    runs = [
+        flatring.Run(h=h, quarter=quarter, travel=travel, steps=steps)
+        for h in (0.12, 0.18)
         for quarter in (False, True)
-    )
-    coarser = flatring.Run(h=0.18, quarter=False, travel=travel, steps=steps)
-    table = [{key: np.array(v) for key, v in r.figures.items()} for r in (itself, plane, coarser)]
+    ]
+    itself, table = runs[0], [{key: np.array(v) for key, v in r.figures.items()} for r in runs]
     before = table[0]["travel"] < 1.6
     worst = np.abs(table[0]["force"] / table[1]["force"] - 1)[before].argmax()
+
+    def Differ(step):
+        force = [figures["force"][step] for figures in table]
+        return *force[:2], Both(*(Meshes(force[k], force[k + 2], 1.5) for k in range(2)))
+
     rows = [
-        Row(
-            "force before the inside touches, where it differs most",
-            table[0]["force"][worst],
-            table[1]["force"][worst],
-            Meshes(table[0]["force"][worst], table[2]["force"][worst], 1.5),
-            "G R",
-        ),
+        Row("force before the inside touches, where it differs most", *Differ(worst), "G R"),
         Row(
             "forces above and below",
             table[0]["force_below"][-1],
@@ -182,15 +181,8 @@ def FlatRing(quick):
         ),
     ]
     if not quick:
-        rows.append(
-            Row(
-                "force at the end, where the inside carries most of it",
-                table[0]["force"][-1],
-                table[1]["force"][-1],
-                Meshes(table[0]["force"][-1], table[2]["force"][-1], 1.5),
-                "G R",
-            )
-        )
+        text = "force at the end, where the inside carries most of it"
+        rows.append(Row(text, *Differ(-1), "G R"))
     caption = "The ring at the end, and the force over the travel of the plates."
     return Outcome(rows, lambda file: flatring.Picture(itself.model, itself.figures, file), caption)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from _report_bounds import Exact, Rounding, Spread, Tolerance
+from _report_bounds import Exact, Spread, Tolerance
 from _report_case import Case, Outcome, Row
 
 from ngslac.demos import ironing, twistblocks
@@ -87,7 +87,7 @@ def Twist(quick):
     for name, value in full["balance"].items():
         text = f"balance of {name.replace('_', ', ')}: error over its size"
         rows.append(Row(text, value, 0, None if name == "torque_both" else Tolerance()))
-    rows.append(Row("symmetry of the pressures", full["symmetry_error"], 0, Rounding()))
+    rows.append(Row("symmetry of the pressures", full["symmetry_error"], 0, Tolerance()))
     caption = "Deformed states, tractions, and the torque over the angle."
     return Outcome(rows, lambda file: TwistPicture(elastic, file), caption)
 

@@ -157,6 +157,11 @@ def Meshes(fine, coarse, ratio, *, of="mesh sizes"):
     return Bound(float(size), "two meshes", f"{of} {ratio:.3g} : 1, {coarse:.5g}")
 
 
+def Both(one, other):
+    """For two computed results that are compared with each other."""
+    return Bound(one.size + other.size, one.origin, f"{one.why}; {other.why}", one.kind)
+
+
 def Extrapolated(to, last):
     return Bound(abs(last / to - 1), "extrapolation", f"from {last:.5g}")
 
