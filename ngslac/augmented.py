@@ -104,7 +104,7 @@ class AugmentedLagrangianSolver(ContactSolver):
         """Begin with the first augmentation, and with the multipliers of the solution."""
         self.factor, self.outer = self.augmentation or START, 0
         self._fixed = self._pull = None
-        self._inner, self._ceiling, self._slow = 0, LARGEST, False
+        self._tries, self._ceiling, self._slow = 0, LARGEST, False
 
     def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True):
         """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations.
@@ -139,7 +139,7 @@ class AugmentedLagrangianSolver(ContactSolver):
             self._ceiling = self.factor / np.sqrt(GROWTH)
             self.factor = max(self.factor / GROWTH, LEAST)
             self._BeginInner(state)
-        self._inner += 1
+        self._tries += 1
         values[rows] = self._fixed
 
     def _Struggles(self):
@@ -147,10 +147,10 @@ class AugmentedLagrangianSolver(ContactSolver):
         if self.augmentation is not None or self.factor <= LEAST:
             return False
         short = len(self.history) > 2 and max(e.damping for e in self.history[-2:]) <= SHORT
-        return self._inner > PATIENCE or (self._inner > PATIENCE // 2 and short)
+        return self._tries > PATIENCE or (self._tries > PATIENCE // 2 and short)
 
     def _BeginInner(self, state):
-        self._inner = 0
+        self._tries = 0
         self.globalization.Begin()
         self.globalization.Watch(state, 0)
 

@@ -263,3 +263,11 @@ def test_wrong_augmentation(augmentation):
 def test_unknown_inverse():
     with pytest.raises((ValueError, ContactConvergenceError)):
         augmented(press(), inverse="nothing").Solve(printing=False)
+
+
+def test_rows_that_are_condensed_have_a_size_of_their_own():
+    """Each as large as those of the matrix, also after inner iterations have been counted."""
+    problem = mixed_press(friction=None, condense=True, order=3)
+    scale = solved(augmented(problem)).scale
+    alone = mixed_press(friction=None, condense=True, order=3)
+    assert scale == pytest.approx(solved(alone.solver()).scale)
