@@ -19,15 +19,15 @@ except ModuleNotFoundError as error:
         "'pip install -e .' there, or start Python in another folder"
     ) from error
 
-from ngslac.augmented import AugmentedLagrangianSolver  # noqa: E402
-from ngslac.contact import LACContact  # noqa: E402
-from ngslac.dynamics import TimeStepper  # noqa: E402
+from ngslac.contact.contact import LACContact  # noqa: E402
 from ngslac.errors import ContactConvergenceError, FloatingBodyError  # noqa: E402
-from ngslac.forms import FormSum  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
-from ngslac.restart import LoadMesh, LoadState, SaveState  # noqa: E402
-from ngslac.solver import ContactSolver  # noqa: E402
-from ngslac.stepping import LoadStepper  # noqa: E402
+from ngslac.solve.augmented import AugmentedLagrangianSolver  # noqa: E402
+from ngslac.solve.forms import FormSum  # noqa: E402
+from ngslac.solve.solver import ContactSolver  # noqa: E402
+from ngslac.steps.load import LoadStepper  # noqa: E402
+from ngslac.steps.restart import LoadMesh, LoadState, SaveState  # noqa: E402
+from ngslac.steps.time import TimeStepper  # noqa: E402
 
 __all__ = [
     "AugmentedLagrangianSolver",

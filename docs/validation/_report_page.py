@@ -13,7 +13,7 @@ from pathlib import Path
 from _report_bounds import ORIGINS
 from _report_case import Outcome, Worst
 
-from ngslac.preconditioner import LU
+from ngslac.linear.factor import LU
 
 __all__ = ["Compute", "Page", "Shrink", "Versions"]
 

@@ -18,7 +18,7 @@ from ngsolve import Projector, TaskManager
 from phases import StopWatch
 
 from ngslac import ContactSolver, LoadStepper
-from ngslac.preconditioner import HasMKL, OneBLASThread
+from ngslac.linear.factor import HasMKL, OneBLASThread
 
 # Kind of run -> is there friction, number of load steps.
 KINDS = {"frictionless": (False, 1), "friction": (True, 1), "ten_steps": (True, 10)}

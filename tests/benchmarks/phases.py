@@ -33,14 +33,14 @@ from ngsolve import (
     dx,
 )
 
-import ngslac.linear
+import ngslac.linear.solver
 from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac._ngslac import ContactForm
-from ngslac.bodies import Bodies
+from ngslac.bodies.bodies import Bodies
 from ngslac.demos import HertzMesh, PointForce
 from ngslac.demos.hertz import FORCE, Problem, Stress
-from ngslac.linear import LinearSolver
-from ngslac.preconditioner import OneBLASThread
+from ngslac.linear.factor import OneBLASThread
+from ngslac.linear.solver import LinearSolver
 
 CALLS = {
     "pairing": [(ContactForm, "Update")],
@@ -49,7 +49,7 @@ CALLS = {
         for name in ("AddApply", "AssembleLinearization", "AssembleStep", "Evaluate")
     ],
     "bulk": [(BilinearForm, "AssembleLinearization"), (BilinearForm, "Apply")],
-    "merge": [(ngslac.linear, "MergeMatrices")],
+    "merge": [(ngslac.linear.solver, "MergeMatrices")],
     "solve": [(LinearSolver, "Solve")],
     "floating": [(Bodies, "__init__"), (Bodies, "Floating")],  # is a body held by nothing?
 }

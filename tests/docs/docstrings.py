@@ -16,11 +16,11 @@ from pathlib import Path
 import ngslac
 import ngslac.reference
 from ngslac import _ngslac
-from ngslac.balance import EnergyBalance, TimeStep
-from ngslac.iteration import Iteration
-from ngslac.report import ContactReport
-from ngslac.segments import Segments
-from ngslac.stepping import Step
+from ngslac.contact.report import ContactReport
+from ngslac.output.segments import Segments
+from ngslac.solve.iteration import Iteration
+from ngslac.steps.balance import EnergyBalance, TimeStep
+from ngslac.steps.load import Step
 
 __all__ = ["RESULTS", "CompiledNames", "Entries", "Name", "PublicNames", "Sections", "StubNames"]
 

@@ -64,7 +64,9 @@ def Public():
         for method in dir(thing) if inspect.isclass(thing) else ():
             found = getattr(thing, method)
             own = (getattr(found, "__module__", None) or "").startswith("ngslac.")
-            if method[0].isupper() and own and found.__module__ != "ngslac.newton":  # inner steps
+            if (
+                method[0].isupper() and own and found.__module__ != "ngslac.solve.newton"
+            ):  # inner steps
                 yield f"{name}.{method}", found
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from press import numpy
 
 from ngslac._ngslac import MergeMatrices
-from ngslac.augmented import AugmentedLagrangianSolver
-from ngslac.bodies import ToCSR
+from ngslac.bodies.bodies import ToCSR
+from ngslac.solve.augmented import AugmentedLagrangianSolver
 
 
 def augmented(problem, **flags):

@@ -26,8 +26,8 @@ from ngsolve import (
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.demos import TwoBlocks
-from ngslac.dynamics import TimeStepper
-from ngslac.restart import LoadMesh, LoadState
+from ngslac.steps.restart import LoadMesh, LoadState
+from ngslac.steps.time import TimeStepper
 
 # Pardiso's results depend on where its memory lies, so that two runs of the same script differ.
 INVERSE = "umfpack"

@@ -24,7 +24,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.demos import TwoBlocks
-from ngslac.dynamics import TimeStepper
+from ngslac.steps.time import TimeStepper
 
 
 def values(gf):

@@ -8,9 +8,9 @@ from press import linear, mixed_press, numpy, press
 from press3d import mixed_press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LACContact, LACSpace, LoadStepper
-from ngslac.augmented import AugmentedLagrangianSolver
 from ngslac.demos import TwoBlocks
 from ngslac.demos._plasticity import J2Plasticity, PlaneStrain
+from ngslac.solve.augmented import AugmentedLagrangianSolver
 
 # --- the same solution ---------------------------------------------------------------------------
 
@@ -130,7 +130,7 @@ def test_the_scale_of_the_contact_does_not_matter(case, stiffness):
 def test_augmentation_finds_its_size(case, first, monkeypatch):
     """As if the bulk's matrix told nothing about the stiffness of the surface."""
     for name in ("START", "RUBBING"):
-        monkeypatch.setattr("ngslac.augmented." + name, first)
+        monkeypatch.setattr("ngslac.solve.augmented." + name, first)
     make, flags = CASES[case]
     problem, other = make(**flags), make(**flags)
     solver = augmented(problem)
@@ -150,7 +150,7 @@ def test_an_augmentation_that_does_not_do_is_told(given, remedy):
 
 
 def test_augmentation_grows_where_the_contact_is_too_soft(monkeypatch):
-    monkeypatch.setattr("ngslac.augmented.START", 1e-2)
+    monkeypatch.setattr("ngslac.solve.augmented.START", 1e-2)
     problem, other = (mixed_press(friction=None) for _ in range(2))
     solver = solved(augmented(problem))
     assert solver.factor >= 10
@@ -167,7 +167,7 @@ def test_a_matrix_that_stays_is_factored_once():
 
 
 def test_each_solve_starts_with_the_same_augmentation(monkeypatch):
-    monkeypatch.setattr("ngslac.augmented.START", 1e-2)
+    monkeypatch.setattr("ngslac.solve.augmented.START", 1e-2)
     problem = mixed_press(friction=None)
     solver = solved(augmented(problem))
     first = solver.history

@@ -7,7 +7,7 @@ from press import mixed_press, numpy, press
 from press3d import mixed_press3d
 
 from ngslac._ngslac import MergeMatrices
-from ngslac.bodies import ToCSR
+from ngslac.bodies.bodies import ToCSR
 
 POSITIVE = {
     "2D": (mixed_press, {"friction": None}),

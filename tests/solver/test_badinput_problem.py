@@ -26,7 +26,7 @@ from ngslac import (
     LACContact,
     LACSpace,
 )
-from ngslac.residual import Norm
+from ngslac.solve.residual import Norm
 
 
 def raises(text, kind=ValueError):

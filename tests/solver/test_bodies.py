@@ -36,8 +36,8 @@ from press3d import brick, press3d
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
 from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
-from ngslac.bodies import AreApart, Bodies, ConnectedParts, Forces, LikelyParts, ToCSR
-from ngslac.rigidmotions import RigidMotions
+from ngslac.bodies.bodies import AreApart, Bodies, ConnectedParts, Forces, LikelyParts, ToCSR
+from ngslac.bodies.rigidmotions import RigidMotions
 
 PLANE = ["translation in x", "translation in y", "rotation"]
 BODIES = ["block", "base", "free", "fixed", "guided", "hung"]

@@ -11,9 +11,9 @@ from scipy.sparse import csr_matrix
 from ngslac import BubbleVectorH1
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.arrays import AsBits, AsNumPy, Multiply
-from ngslac.iterative import IterativeCondensed
-from ngslac.linear import LinearSolver
-from ngslac.preconditioner import IsSymmetric, OnVertices
+from ngslac.linear.factor import IsSymmetric, OnVertices
+from ngslac.linear.iterative import IterativeCondensed
+from ngslac.linear.solver import LinearSolver
 
 TIED = {"tied": True, "friction": None}
 PLANE = {

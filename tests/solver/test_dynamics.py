@@ -16,7 +16,7 @@ from ngsolve import (
 from ngsolve.meshes import MakeStructured3DMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.dynamics import TimeStepper
+from ngslac.steps.time import TimeStepper
 
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.6, 1.0])

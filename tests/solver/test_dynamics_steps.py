@@ -23,8 +23,8 @@ from ngsolve import (
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace
-from ngslac.balance import EnergyBalance
-from ngslac.dynamics import TimeStepper
+from ngslac.steps.balance import EnergyBalance
+from ngslac.steps.time import TimeStepper
 
 
 def test_a_failing_step_is_cut_and_grows_again(capsys):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ngslac.globalization import Globalization
-from ngslac.residual import State
+from ngslac.solve.globalization import Globalization
+from ngslac.solve.residual import State
 
 
 def state(merit, status=(1, 1), unbalance=0.0):

@@ -25,7 +25,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
-from ngslac.barrier import Barrier
+from ngslac.solve.barrier import Barrier
 
 
 def hooke(u, v, young=1.0, nu=0.3):

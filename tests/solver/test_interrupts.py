@@ -15,9 +15,9 @@ from ngslac import (
     LoadStepper,
     SaveState,
 )
-from ngslac.bodies import Bodies
-from ngslac.linear import LinearSolveError
-from ngslac.snapshot import Snapshot
+from ngslac.bodies.bodies import Bodies
+from ngslac.linear.solver import LinearSolveError
+from ngslac.solve.snapshot import Snapshot
 
 SAMPLES = 12
 

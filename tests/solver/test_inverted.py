@@ -19,7 +19,7 @@ from press import linear, neo_hooke, press
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.demos import TwoBlocks
-from ngslac.inverted import InvertedMessage, TurningMaterials
+from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 
 
 def contact_of(space):
@@ -48,7 +48,7 @@ def test_a_converged_step_with_such_elements_is_refused(monkeypatch):
     a, load, gf = BilinearForm(fes), Parameter(0), GridFunction(fes)
     a += linear(u, v)
     monkeypatch.setattr(
-        "ngslac.solver.InvertedMessage", lambda *_: "folded" if load.Get() > 0.6 else ""
+        "ngslac.solve.solver.InvertedMessage", lambda *_: "folded" if load.Get() > 0.6 else ""
     )
     push = {"top": CF((0, -0.01)) * load}
     stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=push, maxcuts=1)

@@ -18,7 +18,7 @@ from ngsolve import (
 from press import LAME, MU, mixed_press, numpy, press
 
 from ngslac import AugmentedLagrangianSolver, ContactSolver, LoadStepper
-from ngslac.residual import Residual
+from ngslac.solve.residual import Residual
 
 
 class Watched:

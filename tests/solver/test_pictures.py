@@ -13,7 +13,7 @@ from ngsolve import CF
 from press import press
 from press3d import press3d
 
-from ngslac.facepoints import FacePoints
+from ngslac.output.facepoints import FacePoints
 
 matplotlib.use("Agg")
 

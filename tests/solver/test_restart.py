@@ -11,7 +11,7 @@ from motions import on_ground, values
 from ngsolve import GridFunction, Parameter
 
 from ngslac import ContactConvergenceError
-from ngslac.restart import LoadState, SaveState
+from ngslac.steps.restart import LoadState, SaveState
 
 HERE = Path(__file__).parent
 

@@ -17,8 +17,8 @@ from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadMesh, LoadState, SaveState
 from ngslac.files import Replacing
-from ngslac.meshstate import MeshOf, MeshState
-from ngslac.statefile import ReadTree, WriteTree
+from ngslac.steps.meshstate import MeshOf, MeshState
+from ngslac.steps.statefile import ReadTree, WriteTree
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ from press3d import press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies
-from ngslac.rigidbalance import RigidBalance
-from ngslac.rigidmotions import RigidMotions, Turned
+from ngslac.bodies.bodies import Bodies
+from ngslac.bodies.rigidbalance import RigidBalance
+from ngslac.bodies.rigidmotions import RigidMotions, Turned
 
 
 def told(traction, make=press, **flags):

@@ -4,8 +4,8 @@ import numpy as np
 
 from ngslac._ngslac import Side
 from ngslac.arguments import CheckPoint
-from ngslac.report import ContactReport
-from ngslac.segments import Segments
+from ngslac.contact.report import ContactReport
+from ngslac.output.segments import Segments
 
 __all__ = ["ContactResults"]
 

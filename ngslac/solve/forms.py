@@ -5,7 +5,7 @@ import numpy as np
 from ngslac._ngslac import MergeMatrices
 from ngslac.arguments import CheckVector
 from ngslac.errors import RefuseCopy
-from ngslac.problem import AssembleBulk, CheckBulk, CheckContacts
+from ngslac.solve.problem import AssembleBulk, CheckBulk, CheckContacts
 
 __all__ = ["FormSum"]
 

@@ -7,9 +7,9 @@ from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
 from ngslac.errors import ContactConvergenceError
-from ngslac.primal import PrimalSolver
-from ngslac.problem import CheckInverse, CheckTolerance
-from ngslac.solver import ContactSolver
+from ngslac.linear.primal import PrimalSolver
+from ngslac.solve.problem import CheckInverse, CheckTolerance
+from ngslac.solve.solver import ContactSolver
 
 __all__ = ["AugmentedLagrangianSolver"]
 

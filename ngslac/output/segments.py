@@ -3,7 +3,7 @@
 import numpy as np
 
 from ngslac.files import Replacing
-from ngslac.vtkfile import VTUPath
+from ngslac.output.vtkfile import VTUPath
 
 __all__ = ["Segments"]
 

@@ -13,16 +13,16 @@ from ngslac.arguments import (
     CheckNumber,
     CheckState,
 )
-from ngslac.bodies import OverloadMessage
+from ngslac.bodies.bodies import OverloadMessage
+from ngslac.bodies.rigidbalance import CarriedOff
 from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
-from ngslac.iteration import MostlySlips
-from ngslac.limitload import LimitLoad
-from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
-from ngslac.rigidbalance import CarriedOff
-from ngslac.snapshot import Snapshot
-from ngslac.solver import ContactSolver
+from ngslac.solve.iteration import MostlySlips
+from ngslac.solve.snapshot import Snapshot
+from ngslac.solve.solver import ContactSolver
+from ngslac.steps.limitload import LimitLoad
+from ngslac.steps.prescribed import Prescribed
 
 __all__ = ["LoadStepper", "Step"]
 

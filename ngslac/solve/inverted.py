@@ -18,8 +18,8 @@ from ngsolve import (
 
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
+from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.errors import ContactConvergenceError
-from ngslac.rigidmotions import DofsOfMaterials
 
 __all__ = ["InvertedError", "InvertedMessage", "TurningMaterials"]
 

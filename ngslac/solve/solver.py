@@ -13,16 +13,18 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage, SlidingMessage
+from ngslac.bodies.bodies import Bodies, CloseNearest, FewMessage, FloatingMessage, SlidingMessage
+from ngslac.bodies.rigidbalance import CarriedOff, IsLinear
 from ngslac.callback import TellIterate
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
-from ngslac.globalization import Globalization
-from ngslac.inverted import InvertedError, InvertedMessage, TurningMaterials
-from ngslac.iteration import Iteration, MostlySlips
-from ngslac.linear import LinearSolveError
+from ngslac.linear.solver import LinearSolveError
 from ngslac.loads import CheckRhs
-from ngslac.newton import ChooseSolver, NewtonStep
-from ngslac.problem import (
+from ngslac.progress import Progress
+from ngslac.solve.globalization import Globalization
+from ngslac.solve.inverted import InvertedError, InvertedMessage, TurningMaterials
+from ngslac.solve.iteration import Iteration, MostlySlips
+from ngslac.solve.newton import ChooseSolver, NewtonStep
+from ngslac.solve.problem import (
     CheckBulk,
     CheckContacts,
     CheckFreeDofs,
@@ -31,11 +33,9 @@ from ngslac.problem import (
     CheckStart,
     CheckTolerance,
 )
-from ngslac.progress import Progress
-from ngslac.residual import Residual
-from ngslac.rigidbalance import CarriedOff, IsLinear
-from ngslac.search import FAILURES, StatusSearch
-from ngslac.snapshot import Snapshot
+from ngslac.solve.residual import Residual
+from ngslac.solve.search import FAILURES, StatusSearch
+from ngslac.solve.snapshot import Snapshot
 
 __all__ = ["ContactSolver"]
 

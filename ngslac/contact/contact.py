@@ -18,10 +18,10 @@ from ngslac.arguments import (
     Coefficient,
     Wrong,
 )
-from ngslac.contactstate import FIELDS, IN_DOUBT, REFERENCE, ContactState
+from ngslac.contact.results import ContactResults
+from ngslac.contact.state import FIELDS, IN_DOUBT, REFERENCE, ContactState
 from ngslac.errors import RefuseCopy
-from ngslac.pictures import ContactPictures
-from ngslac.results import ContactResults
+from ngslac.output.pictures import ContactPictures
 
 __all__ = ["LACContact"]
 

@@ -9,7 +9,7 @@ from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply
-from ngslac.contact import LACContact
+from ngslac.contact.contact import LACContact
 
 __all__ = [
     "AssembleBulk",

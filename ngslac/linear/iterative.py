@@ -1,8 +1,8 @@
 """Condensed Newton systems by a preconditioned iteration, which needs little memory."""
 
 from ngslac._ngslac import TwoLevel, TwoLevelProduct
-from ngslac.condensed import Condensed, IsNear, RightGMRes
-from ngslac.preconditioner import LU, Cholesky, OnVertices
+from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
+from ngslac.linear.factor import LU, Cholesky, OnVertices
 
 __all__ = ["IterativeCondensed"]
 

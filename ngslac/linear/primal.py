@@ -3,8 +3,8 @@
 import numpy as np
 
 from ngslac.arrays import AsBits
-from ngslac.linear import LinearSolver
-from ngslac.preconditioner import LU, Cholesky, Factor, IsSymmetric
+from ngslac.linear.factor import LU, Cholesky, Factor, IsSymmetric
+from ngslac.linear.solver import LinearSolver
 
 __all__ = ["PrimalSolver"]
 

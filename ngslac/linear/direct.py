@@ -7,8 +7,8 @@ from ngsolve import BaseMatrix
 from ngsolve.krylovspace import CGSolver
 
 from ngslac._ngslac import Condensation
-from ngslac.condensed import Condensed, IsNear, RightGMRes
-from ngslac.preconditioner import CHOLESKY, LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
+from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, LinearSolveError
 
 __all__ = ["DirectCondensed"]
 

@@ -16,17 +16,17 @@ from ngslac.arguments import (
     CheckState,
     FillVector,
 )
-from ngslac.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.loads import LoadVector
-from ngslac.obstacles import Obstacles
-from ngslac.prescribed import Prescribed
 from ngslac.progress import Progress
-from ngslac.residual import Residual
-from ngslac.snapshot import Snapshot
-from ngslac.solver import ContactSolver
+from ngslac.solve.residual import Residual
+from ngslac.solve.snapshot import Snapshot
+from ngslac.solve.solver import ContactSolver
+from ngslac.steps.balance import ContactWorks, EnergyBalance, TimeStep
+from ngslac.steps.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
+from ngslac.steps.obstacles import Obstacles
+from ngslac.steps.prescribed import Prescribed
 
 __all__ = ["TimeStepper"]
 

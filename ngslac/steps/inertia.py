@@ -20,8 +20,8 @@ from scipy.sparse import vstack
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
-from ngslac.bodies import ActiveRates, ActiveRows
-from ngslac.preconditioner import Cholesky, Factor
+from ngslac.bodies.bodies import ActiveRates, ActiveRows
+from ngslac.linear.factor import Cholesky, Factor
 
 __all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
 

@@ -10,9 +10,9 @@ from scipy.optimize import linprog
 from scipy.sparse import csc_matrix, csr_matrix, hstack, identity
 from scipy.sparse.linalg import norm
 
-from ngslac.bodies import JumpRows
+from ngslac.bodies.bodies import JumpRows
+from ngslac.bodies.rigidmotions import Turned
 from ngslac.loads import LoadVector
-from ngslac.rigidmotions import Turned
 
 __all__ = ["CarriedOff", "IsLinear", "RigidBalance"]
 

@@ -6,9 +6,9 @@ from ngsolve import BitArray
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import AsNumPy
-from ngslac.direct import DirectCondensed
-from ngslac.iterative import IterativeCondensed
-from ngslac.preconditioner import LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.direct import DirectCondensed
+from ngslac.linear.factor import LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.iterative import IterativeCondensed
 
 __all__ = ["LinearSolveError", "LinearSolver"]
 

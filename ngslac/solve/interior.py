@@ -3,10 +3,10 @@
 import numpy as np
 
 from ngslac.arrays import Multiply
-from ngslac.barrier import WIDE, Barrier, Tie
 from ngslac.errors import ContactConvergenceError
-from ngslac.preconditioner import CHOLESKY
-from ngslac.primal import PrimalSolver
+from ngslac.linear.factor import CHOLESKY
+from ngslac.linear.primal import PrimalSolver
+from ngslac.solve.barrier import WIDE, Barrier, Tie
 
 __all__ = ["InteriorPoint"]
 

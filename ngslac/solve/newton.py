@@ -6,9 +6,9 @@ from ngslac._ngslac import EquilibrationScale, VertexDofs
 from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
-from ngslac.linear import LinearSolver
-from ngslac.problem import AssembleBulk, CheckMatrix, MultiplierRows
-from ngslac.residual import State
+from ngslac.linear.solver import LinearSolver
+from ngslac.solve.problem import AssembleBulk, CheckMatrix, MultiplierRows
+from ngslac.solve.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]
 

@@ -5,7 +5,7 @@ from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, 
 
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
-from ngslac.rigidmotions import DofsOfMaterials
+from ngslac.bodies.rigidmotions import DofsOfMaterials
 
 __all__ = ["BodyNames"]
 

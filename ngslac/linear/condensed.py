@@ -6,7 +6,7 @@ from ngsolve.krylovspace import GMResSolver
 
 from ngslac._ngslac import Condensation
 from ngslac.arrays import Multiply
-from ngslac.preconditioner import IsSymmetric, LinearSolveError
+from ngslac.linear.factor import IsSymmetric, LinearSolveError
 
 __all__ = ["Condensed", "IsNear", "RightGMRes"]
 

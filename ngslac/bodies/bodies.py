@@ -7,8 +7,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import Side
 from ngslac.arrays import AsBits
-from ngslac.bodynames import BodyNames
-from ngslac.rigidmotions import RigidMotions
+from ngslac.bodies.names import BodyNames
+from ngslac.bodies.rigidmotions import RigidMotions
 
 __all__ = [
     "Bodies",

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ngslac.bodies import LostMessage
+from ngslac.bodies.bodies import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.interior import InteriorPoint
-from ngslac.linear import LinearSolveError
+from ngslac.linear.solver import LinearSolveError
+from ngslac.solve.interior import InteriorPoint
 
 __all__ = ["StatusSearch"]
 

@@ -7,15 +7,15 @@ from ngsolve import BaseVector, GridFunction, Parameter
 
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
-from ngslac.balance import EnergyBalance, TimeStep
-from ngslac.dynamics import TimeStepper
 from ngslac.files import PathOf
-from ngslac.iteration import Iteration
-from ngslac.meshstate import MeshOf, MeshState
-from ngslac.snapshot import Snapshot
-from ngslac.solver import ContactSolver
-from ngslac.statefile import ReadTree, WriteTree
-from ngslac.stepping import LoadStepper, Step
+from ngslac.solve.iteration import Iteration
+from ngslac.solve.snapshot import Snapshot
+from ngslac.solve.solver import ContactSolver
+from ngslac.steps.balance import EnergyBalance, TimeStep
+from ngslac.steps.load import LoadStepper, Step
+from ngslac.steps.meshstate import MeshOf, MeshState
+from ngslac.steps.statefile import ReadTree, WriteTree
+from ngslac.steps.time import TimeStepper
 
 __all__ = ["LoadMesh", "LoadState", "SaveState"]
 

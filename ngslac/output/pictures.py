@@ -14,9 +14,9 @@ from ngslac.arguments import (
     Wrong,
 )
 from ngslac.arrays import AsBits
-from ngslac.facepoints import FacePoints
-from ngslac.glyphs import Arrows, Bars, Dots, Ticks
-from ngslac.vtkfile import WriteVTK
+from ngslac.output.facepoints import FacePoints
+from ngslac.output.glyphs import Arrows, Bars, Dots, Ticks
+from ngslac.output.vtkfile import WriteVTK
 
 __all__ = ["ContactPictures"]
 

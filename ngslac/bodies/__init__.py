@@ -1,0 +1,1 @@
+"""What holds bodies: their rigid motions, contact, friction, and nothing else."""

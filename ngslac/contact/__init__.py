@@ -1,0 +1,1 @@
+"""What touches: the contact condition of two surfaces, and what is known of it."""

@@ -1,0 +1,1 @@
+"""Linear systems: merged, condensed, factored, iterated, and checked."""

@@ -1,0 +1,1 @@
+"""How contact is looked at: fields, pictures, files."""

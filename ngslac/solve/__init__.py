@@ -1,0 +1,1 @@
+"""One equilibrium: Newton's method with its safeguards, for bulk and contact together."""

@@ -1,0 +1,1 @@
+"""How a computation is driven: loads, time, and what is written down to go on later."""

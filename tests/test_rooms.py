@@ -1,0 +1,49 @@
+"""Imports run one way: from a room to those below it, and in no room in a circle."""
+
+import ast
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import ngslac
+
+HOME = Path(ngslac.__file__).parent
+# From the ground up; what stands beside the rooms is for all of them.
+FLOORS = ("", "linear", "output", "contact", "bodies", "solve", "steps", "reference", "demos")
+MODULES = {
+    ".".join(("ngslac", *path.relative_to(HOME).with_suffix("").parts)): path
+    for path in sorted(HOME.rglob("*.py"))
+    if path != HOME / "__init__.py"
+}
+
+
+def room(module):
+    _, *rooms, _ = module.split(".")
+    return rooms[0] if rooms else ""
+
+
+def imported(path):
+    """Modules of the package that a file imports, at its top or later."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            yield from (node.module, *(f"{node.module}.{name.name}" for name in node.names))
+        elif isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+
+
+ARROWS = {module: {*imported(path)} & set(MODULES) for module, path in MODULES.items()}
+
+
+def test_every_folder_is_a_room():
+    assert set(map(room, MODULES)) == set(FLOORS)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_run_downwards(module):
+    floor = FLOORS.index(room(module))
+    assert [m for m in ARROWS[module] if FLOORS.index(room(m)) > floor] == []
+
+
+def test_no_circle_of_imports():
+    assert len([*TopologicalSorter(ARROWS).static_order()]) == len(MODULES)
