@@ -16,7 +16,7 @@ from ngsolve import (
 )
 
 from ngslac import LACContact, LACSpace, SplitSlaveFaces
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 NAMES = "top"  # one of the boundaries, which the messages about patterns list
 

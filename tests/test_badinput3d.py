@@ -20,7 +20,7 @@ from ngsolve import (
 )
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace, SplitSlaveFaces
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 NAMES = "left_upper.*master|master.*left_upper"  # messages about patterns list the boundaries
 REMEDY = r"Remedy: SplitSlaveFaces\(mesh, slave\), BubbleVectorH1\(mesh, slave=...\)"

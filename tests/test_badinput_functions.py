@@ -6,7 +6,7 @@ import pytest
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx, x
 
 from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 
 class Problem:

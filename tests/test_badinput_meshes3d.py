@@ -10,8 +10,8 @@ from ngsolve import GridFunction, Mesh, VectorH1
 from test_badinput3d import contact, contact_on, raises
 
 from ngslac import LACSpace
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 
 
 def turned_mesh(body, turned):

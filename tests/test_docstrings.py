@@ -10,7 +10,7 @@ from ngsolve import Grad, InnerProduct, Sym, ds, dx
 
 import ngslac
 import ngslac.reference
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 sys.path.insert(0, str(Path(__file__).parent / "docs"))
 

@@ -13,9 +13,10 @@ from problems_sphere import RADIUS, SPHERES, PressBlock, PressSpheres
 from sector3d import SliceMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import HertzMesh, hertz3d
+from ngslac.demos import hertz3d
 from ngslac.demos._hertz3d_figures import Radius
 from ngslac.demos._hertz3d_pictures import PressurePicture
+from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzPoint
 
 STRESS = (2868.9, 2929.4)  # code_aster with LAC, modellings k to n

@@ -23,10 +23,11 @@ from scipy.optimize import brentq
 from test_materials import SOFT, STIFF, nominal_stress
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks, indentation, materials
+from ngslac.demos import indentation, materials
 from ngslac.demos._indentation_figures import PRANDTL
 from ngslac.demos._indentation_pictures import IndentationPicture
 from ngslac.demos._materials_pictures import MaterialsPicture
+from ngslac.meshes import TwoBlocks
 
 
 def Indentation(quick):

@@ -13,9 +13,10 @@ from ngsolve import CF
 from test_large_patch import CELLS, patch
 from test_patch import HELD, LAWS, MESHES, Patch, Stress
 
-from ngslac.demos import TwoBlocks, patch3d
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.demos import patch3d
 from ngslac.demos._patch3d_pictures import Write
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 CONDITION_3D = 1e4  # scaled by the diagonal, of order 3 on split tetrahedra: 9.8e3
 CODE_ASTER = "code_aster, test SSNP170 (manual V6.03.170)"

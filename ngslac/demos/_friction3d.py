@@ -33,10 +33,10 @@ from ngsolve import (
 )
 from ngsolve import Grad as Gradient
 
-from .. import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
-from ..reference import HertzPoint
-from ._geometry import CheckPositive
-from ._spheres import SphereOnBlock
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.meshes.spheres import SphereOnBlock
+from ngslac.reference import HertzPoint
 
 __all__ = ["OPEN", "SLIP", "STICK", "Model", "Sphere", "State"]
 

@@ -6,7 +6,8 @@ import numpy as np
 from ngsolve import BND, BitArray
 from ngsolve.webgui import Draw
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._pictures import INK, STYLE, Matplotlib, Save
 
 __all__ = ["CurvePicture", "TractionPicture", "Write"]

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from ngsolve import BND
 
-from ..reference._polygons import semi_ellipsoid_mean
+from ngslac.reference._polygons import semi_ellipsoid_mean
 
 __all__ = ["Macros", "StripMean"]
 

@@ -10,9 +10,9 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import ArcOfCircle, Face, OCCGeometry, Pnt, Segment, Wire
 from ngsolve import BND, Mesh
 
-from ._boxes import AddBody, Cells
-from ._geometry import CheckPositive
-from ._geometry3d import CheckNonMatching3D
+from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.meshes.geometry3d import CheckNonMatching3D
 
 __all__ = ["THICKNESS", "CylinderOnBlock"]
 

@@ -6,7 +6,8 @@ import numpy as np
 from ngsolve import BND, BitArray, BoundaryFromVolumeCF, InnerProduct, sqrt
 from ngsolve.webgui import Draw
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._hertz3d_figures import Radius
 from ._pictures import INK, STYLE, Matplotlib, Save
 

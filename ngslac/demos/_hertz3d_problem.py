@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from ngsolve import CF, Id, InnerProduct, Integrate, OuterProduct, Sym, Trace, VectorH1, ds, dx
 from ngsolve import Grad as Gradient
 
-from .. import BubbleVectorH1, SplitSlaveFaces
-from ..reference import HertzLine, HertzPoint
-from ._geometry3d import RotationMatrix
+from ngslac import BubbleVectorH1, SplitSlaveFaces
+from ngslac.meshes.geometry3d import RotationMatrix
+from ngslac.meshes.spheres import SphereOnBlock
+from ngslac.reference import HertzLine, HertzPoint
+
 from ._hertz3d_mesh import THICKNESS, CylinderOnBlock
-from ._spheres import SphereOnBlock
 
 __all__ = ["Displacements", "Form", "Problem", "Stress"]
 

@@ -7,7 +7,8 @@ import math
 import numpy as np
 from ngsolve import BND
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._multiplier_picture import MultiplierPicture
 from ._stress_picture import StressPicture
 

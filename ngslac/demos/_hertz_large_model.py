@@ -18,8 +18,16 @@ from ngsolve import (
     dx,
 )
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
-from ._geometry import Body, CheckPositive, Divisions, GenerateMesh, NonMatchingDivisions, Side
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.meshes.geometry import (
+    Body,
+    CheckPositive,
+    Divisions,
+    GenerateMesh,
+    NonMatchingDivisions,
+    Side,
+)
+
 from ._neohooke import Energy
 
 __all__ = ["RADIUS", "Approach", "CylinderMesh", "Model", "State"]

@@ -6,7 +6,8 @@ import numpy as np
 from ngsolve import Det, Id
 from ngsolve import Grad as Gradient
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._pictures import INK, STYLE, Matplotlib, SampleMesh, Save, Window
 
 __all__ = ["OverviewPicture", "Write"]

@@ -7,7 +7,14 @@ import math
 import numpy as np
 from netgen.occ import ArcOfCircle, Pnt, Segment
 
-from ._geometry import Body, CheckPositive, Divisions, GenerateMesh, NonMatchingDivisions, Side
+from ngslac.meshes.geometry import (
+    Body,
+    CheckPositive,
+    Divisions,
+    GenerateMesh,
+    NonMatchingDivisions,
+    Side,
+)
 
 __all__ = ["CLEARANCE", "HEIGHT", "LENGTH", "IroningMesh"]
 

@@ -6,7 +6,8 @@ import numpy as np
 from ngsolve import Det, Id, InnerProduct, sqrt
 from ngsolve import Grad as Gradient
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._ironing_reference import PUBLISHED, TIMES
 from ._pictures import INK, STYLE, Matplotlib, SampleMesh, Save, Window
 

@@ -6,7 +6,7 @@ import math
 
 from netgen.occ import ArcOfCircle, Pnt, Segment
 
-from ._geometry import (
+from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
     CheckPositive,

@@ -23,7 +23,8 @@ from ngsolve import (
     dx,
 )
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+
 from ._materials_meshes import CordMesh
 
 __all__ = ["RADIUS", "Result", "Rubber", "SqueezeForce"]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import VectorH1
 
-from .. import BubbleVectorH1, SplitSlaveFaces
-from ._blocks3d import TwoBlocks3D
-from ._geometry3d import RotationMatrix
+from ngslac import BubbleVectorH1, SplitSlaveFaces
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.geometry3d import RotationMatrix
 
 __all__ = ["BELOW", "HELD", "PARTITIONS", "Case"]
 

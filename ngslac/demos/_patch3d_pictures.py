@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from ngsolve.webgui import Draw
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._patch3d_case import BELOW
 from ._pictures import INK, STYLE, Matplotlib, Save
 

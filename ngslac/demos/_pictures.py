@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from ngsolve import BND, CF, ET, VOL, IntegrationRule, x, y
 
-from ..files import Replacing
+from ngslac.files import Replacing
 
 __all__ = ["INK", "STYLE", "Matplotlib", "Sample", "SampleMesh", "Save", "Window"]
 

@@ -25,9 +25,10 @@ from ngsolve import (
     z,
 )
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
-from ._boxes import AddBody, StructuredBox
-from ._geometry3d import CheckNonMatching3D
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.geometry3d import CheckNonMatching3D
+
 from ._neohooke import Energy
 
 __all__ = ["DEPTH", "HEIGHT", "Model", "State", "TwistMesh"]

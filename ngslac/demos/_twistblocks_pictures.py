@@ -6,7 +6,8 @@ import numpy as np
 from ngsolve import BND, CF, ET, BitArray, IntegrationRule, x, y, z
 from ngsolve.webgui import Draw
 
-from ..vtkfile import WriteVTK
+from ngslac.output.vtkfile import WriteVTK
+
 from ._pictures import INK, STYLE, Matplotlib, Save
 from ._twistblocks_figures import MEAN_DISTANCE
 from ._twistblocks_model import WIDTH

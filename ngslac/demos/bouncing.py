@@ -33,12 +33,13 @@ from ngsolve import (
 )
 from ngsolve import Grad as Gradient
 
-from .. import ContactSolver, LACContact, LACSpace
-from ..dynamics import TimeStepper
+from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.steps.time import TimeStepper
+
 from ._bouncing_figures import Figures, Report
 from ._bouncing_picture import Picture
 from ._command import CommandParser, RunCommand
-from ._geometry import CheckPositive
 from ._pictures import Matplotlib
 
 __all__ = ["Model", "Problem", "Results", "Run", "State", "main"]

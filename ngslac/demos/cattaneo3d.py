@@ -21,7 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..reference import CattaneoMindlinPoint
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.reference import CattaneoMindlinPoint
+
 from ._command import RunCommand
 from ._friction3d import Model, Sphere
 from ._friction3d_figures import (
@@ -33,7 +35,6 @@ from ._friction3d_figures import (
     Table,
 )
 from ._friction3d_pictures import Write
-from ._geometry import CheckPositive
 from ._pictures import INK, Matplotlib
 
 __all__ = ["Problem", "Results", "Run", "main"]

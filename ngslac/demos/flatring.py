@@ -34,9 +34,10 @@ from ngsolve import (
     log,
 )
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.meshes.geometry import CheckPositive
+
 from ._command import CommandParser, RunCommand
-from ._geometry import CheckPositive
 from ._pictures import Matplotlib, Save
 
 __all__ = ["Model", "Results", "Run", "main"]

@@ -33,11 +33,12 @@ from ngsolve import (
 )
 from ngsolve import Grad as Gradient
 
-from .. import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
-from ..reference import HertzLine
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
+from ngslac.meshes.hertz import HertzMesh
+from ngslac.reference import HertzLine
+
 from ._command import CommandParser, RunCommand
 from ._hertz_figures import Figures, Macros, Report, Spans, Write
-from ._meshes import HertzMesh
 from ._pictures import Matplotlib
 
 __all__ = ["Problem", "Results", "Run", "State", "main"]

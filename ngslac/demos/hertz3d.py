@@ -21,7 +21,8 @@ import numpy as np
 from ngsolve import BilinearForm, GridFunction, Parameter, Sym, TaskManager
 from ngsolve import Grad as Gradient
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+
 from ._command import CommandParser, RunCommand
 from ._hertz3d_figures import Figures, Report
 from ._hertz3d_macros import Macros

@@ -15,9 +15,10 @@ import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from .. import ContactConvergenceError
+from ngslac import ContactConvergenceError
+from ngslac.meshes.geometry import CheckPositive
+
 from ._command import CommandParser, WriteJSON
-from ._geometry import CheckPositive
 from ._hertz_large_figures import Figures, Report
 from ._hertz_large_model import Model
 from ._hertz_large_pictures import OverviewPicture, Write

@@ -29,7 +29,8 @@ from ngsolve import (
     dx,
 )
 
-from .. import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+
 from ._command import CommandParser, RunCommand
 from ._indentation_figures import Figures, Measure, Report
 from ._indentation_mesh import IndentationMesh

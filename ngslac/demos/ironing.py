@@ -27,7 +27,8 @@ from ngsolve import (
     dx,
 )
 
-from .. import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
+
 from ._command import CommandParser, RunCommand
 from ._ironing_figures import Figures, Report
 from ._ironing_mesh import IroningMesh

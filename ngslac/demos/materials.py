@@ -38,7 +38,8 @@ from ngsolve import (
     y,
 )
 
-from .. import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver, LACContact, LACSpace
+
 from ._command import CommandParser, WriteJSON
 from ._materials_meshes import DiscInRing
 from ._materials_rubber import RADIUS, Result, Rubber, SqueezeForce

@@ -40,7 +40,8 @@ from ngsolve import (
 )
 from ngsolve import Grad as Gradient
 
-from .. import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver, LACContact, LACSpace
+
 from ._command import CommandParser, RunCommand
 from ._patch3d_case import HELD, PARTITIONS, Case
 from ._patch3d_pictures import Write

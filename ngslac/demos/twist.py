@@ -19,12 +19,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..reference import TwistPoint
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.reference import TwistPoint
+
 from ._command import RunCommand
 from ._friction3d import Model, Sphere
 from ._friction3d_figures import Faces, Parser, Row, Summary, Table
 from ._friction3d_pictures import Write
-from ._geometry import CheckPositive
 from ._pictures import INK, Matplotlib
 
 __all__ = ["Problem", "Results", "Run", "main"]

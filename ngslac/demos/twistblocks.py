@@ -18,7 +18,8 @@ import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from .. import ContactConvergenceError
+from ngslac import ContactConvergenceError
+
 from ._command import CommandParser, RunCommand
 from ._pictures import Matplotlib
 from ._twistblocks_figures import Figures, Report

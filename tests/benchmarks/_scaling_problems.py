@@ -25,7 +25,7 @@ from ngsolve import (
 )
 
 from ngslac import LACContact, LACSpace
-from ngslac.demos import CheckNonMatching, HertzMesh, SphereOnBlock, TwoBlocks3D
+from ngslac.meshes import CheckNonMatching, HertzMesh, SphereOnBlock, TwoBlocks3D
 
 NU = 0.3
 YOUNG = {"cylinder": 210e3, "sphere": 210e3, "upper": 2000.0, "block": 70e3, "lower": 4000.0}

@@ -34,7 +34,7 @@ from ngsolve import (
 from phases import StopWatch
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks3D
+from ngslac.meshes import TwoBlocks3D
 
 YOUNG, NU, FRICTION = 2000.0, 0.3, 0.3
 PRESSURE, SHEAR = 25.0, (3.0, 1.0)  # on the top of the slave, area 1

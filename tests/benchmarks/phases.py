@@ -37,10 +37,10 @@ import ngslac.linear.solver
 from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac._ngslac import ContactForm
 from ngslac.bodies.bodies import Bodies
-from ngslac.demos import HertzMesh, PointForce
 from ngslac.demos.hertz import FORCE, Problem, Stress
 from ngslac.linear.factor import OneBLASThread
 from ngslac.linear.solver import LinearSolver
+from ngslac.meshes import HertzMesh, PointForce
 
 CALLS = {
     "pairing": [(ContactForm, "Update")],

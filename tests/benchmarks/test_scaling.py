@@ -15,7 +15,7 @@ from _scaling_runs import KINDS, ContactRun, ElasticRun, Growth, Row
 from ngsolve import CF, GetNumThreads, Integrate, SetNumThreads, VectorH1, ds
 
 from ngslac import ContactSolver, LoadStepper
-from ngslac.demos import HertzMesh
+from ngslac.meshes import HertzMesh
 
 SMALLEST = {name: min(sizes) for name, sizes in SIZES.items()}
 

@@ -4,7 +4,7 @@ import numpy as np
 from ngsolve import CF, H1, GridFunction, VectorH1
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 SPACES = {
     "P1": lambda mesh: VectorH1(mesh, order=1),

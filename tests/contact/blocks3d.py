@@ -4,7 +4,7 @@ from blocks import matrix, mixed_state, random_state, residual, statuses, vector
 from ngsolve import CF, H1, GridFunction, VectorH1, VectorValued
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 __all__ = [
     "ROTATION",

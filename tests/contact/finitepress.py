@@ -18,8 +18,8 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 MU, LAME = 40.0, 60.0
 

@@ -5,8 +5,8 @@ import pytest
 from ngsolve import CF, GridFunction, VectorH1, x, y
 
 from ngslac import LACContact, LACSpace
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 
 def Residual(contact, gf):

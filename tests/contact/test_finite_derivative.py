@@ -11,8 +11,8 @@ from finiteform import FiniteForm
 from ngsolve import H1, VectorH1, VectorValued
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 TOL = 1e-8
 LAWS = {

@@ -16,7 +16,7 @@ from blocks3d import (
 )
 from ngsolve import CF, H1, GridFunction, Parameter, TaskManager, x, y, z
 
-from ngslac.demos._geometry3d import RotationMatrix
+from ngslac.meshes.geometry3d import RotationMatrix
 
 LAWS = {
     "frictionless": {},

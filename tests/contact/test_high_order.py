@@ -6,8 +6,8 @@ from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
 
 from ngslac import LACContact, LACSpace
 from ngslac._ngslac import MergeMatrices
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 
 @pytest.mark.parametrize("finite", [False, True])

@@ -5,7 +5,7 @@ import pytest
 from blocks3d import C, block_mesh, contact_form, moved, residual, vector, with_traction
 from ngsolve import CF, GridFunction, x, y, z
 
-from ngslac.demos._geometry3d import RotationMatrix
+from ngslac.meshes.geometry3d import RotationMatrix
 
 SLOPE, AZIMUTH = 20.0, 30.0
 TURN = ((0.3, -1.0, 0.6), 50.0)

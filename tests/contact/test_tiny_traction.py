@@ -5,7 +5,7 @@ import pytest
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
 
 from ngslac import LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 
 @pytest.mark.parametrize("finite", [False, True])

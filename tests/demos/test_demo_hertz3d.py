@@ -11,11 +11,11 @@ import pytest
 from ngsolve import BND, CF, ET, VOL, Integrate, Mesh, VectorH1
 from scipy.integrate import dblquad
 
-from ngslac.demos._geometry3d import CheckNonMatching3D
 from ngslac.demos._hertz3d_figures import Comparison
 from ngslac.demos._hertz3d_macros import Macros, StripMean
 from ngslac.demos._hertz3d_mesh import THICKNESS, CylinderOnBlock
 from ngslac.demos.hertz3d import Problem, Run, main
+from ngslac.meshes.geometry3d import CheckNonMatching3D
 from ngslac.reference import HertzLine, HertzPoint
 
 SOLID = dict(young1=210e3, nu1=0.3, young2=70e3, nu2=0.3)

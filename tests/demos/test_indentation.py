@@ -21,9 +21,9 @@ from ngsolve import Mesh as NGSolveMesh
 
 from ngslac import ContactConvergenceError
 from ngslac.demos import indentation
-from ngslac.demos._geometry import Body, Side
 from ngslac.demos._indentation_figures import PRANDTL, OnsetPressure
 from ngslac.demos._indentation_mesh import IndentationMesh
+from ngslac.meshes.geometry import Body, Side
 
 COARSE = {"h": 0.4, "steps": 10}
 

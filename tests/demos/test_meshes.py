@@ -24,7 +24,7 @@ from ngsolve import (
     y,
 )
 
-from ngslac.demos import CheckNonMatching, HertzMesh, PointForce, TwoBlocks
+from ngslac.meshes import CheckNonMatching, HertzMesh, PointForce, TwoBlocks
 
 HALF = {"slave", "master", "arc", "top", "bottom", "side", "sym"}
 SIDES = {"top", "bottom", "left_upper", "right_upper", "left_lower", "right_lower"}

@@ -22,9 +22,9 @@ from ngsolve import (
     z,
 )
 
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._boxes import KINDS, AddBody, StructuredBox
-from ngslac.demos._geometry3d import CheckNonMatching3D, RotationMatrix
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.boxes import KINDS, AddBody, StructuredBox
+from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 
 SIDES = {"left", "right", "front", "back", "bottom", "top"}
 OUTER = {f"{s}_{b}" for s in ("left", "right", "front", "back") for b in ("upper", "lower")}

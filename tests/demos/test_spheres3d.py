@@ -7,8 +7,8 @@ import pytest
 from measures3d import Area, Connectivity, Determinants, Samples, Volume
 from ngsolve import CF, InnerProduct, Integrate, VectorH1, x, y, z
 
-from ngslac.demos._geometry3d import CheckNonMatching3D, RotationMatrix
-from ngslac.demos._spheres import SphereOnBlock, TwoSpheres
+from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
+from ngslac.meshes.spheres import SphereOnBlock, TwoSpheres
 
 TURN = ((1.0, 2.0, -0.5), 67.0)
 MODELS = {"quarter": 1, "half": 2, "full": 4}

@@ -21,7 +21,7 @@ from ngslac import (
     LoadStepper,
     SplitSlaveFaces,
 )
-from ngslac.demos import TwoBlocks3D
+from ngslac.meshes import TwoBlocks3D
 
 __all__ = ["SOLIDS", "SOLIDS_LEGAL"]
 

@@ -41,7 +41,7 @@ from ngslac import (
     SplitSlaveFaces,
     TimeStepper,
 )
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 __all__ = ["STRANGE", "STRANGE_LEGAL"]
 

@@ -32,7 +32,7 @@ from ngslac import (
     SaveState,
     TimeStepper,
 )
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 __all__ = ["World"]
 

@@ -10,7 +10,7 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos._boxes import AddBody, Cells
+from ngslac.meshes.boxes import AddBody, Cells
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import re
 from ngsolve import VectorH1
 
 from ngslac import LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 
 def test_positions_in_a_report_have_any_unit():

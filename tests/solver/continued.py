@@ -25,7 +25,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 from ngslac.steps.restart import LoadMesh, LoadState
 from ngslac.steps.time import TimeStepper
 

@@ -23,7 +23,7 @@ from ngsolve import (
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 from ngslac.steps.time import TimeStepper
 
 

@@ -22,7 +22,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 MU, LAME = 40.0, 60.0
 

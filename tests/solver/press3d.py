@@ -26,8 +26,8 @@ from ngsolve import (
 from press import LAME, MU, Press, numpy
 
 from ngslac import LACContact, LACSpace
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._boxes import AddBody, StructuredBox
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.boxes import AddBody, StructuredBox
 
 __all__ = ["brick", "linear3d", "mixed_press3d", "neo_hooke3d", "numpy", "press3d", "solved"]
 

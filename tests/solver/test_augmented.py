@@ -8,8 +8,8 @@ from press import linear, mixed_press, numpy, press
 from press3d import mixed_press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
 from ngslac.demos._plasticity import J2Plasticity, PlaneStrain
+from ngslac.meshes import TwoBlocks
 from ngslac.solve.augmented import AugmentedLagrangianSolver
 
 # --- the same solution ---------------------------------------------------------------------------

@@ -25,7 +25,7 @@ from ngsolve import (
 from scipy.spatial.transform import Rotation
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 TOL = 1e-9
 

@@ -18,7 +18,7 @@ from ngsolve import (
 from press import linear, neo_hooke, press
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 
 

@@ -19,7 +19,7 @@ from ngsolve import (
 from press import linear
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 from ngslac.steps.limitload import LimitLoad
 
 LIMIT = 2 / (3 * np.sqrt(3))  # of F - F^3, a stress over mu, where F^2 = 1/3

@@ -6,7 +6,7 @@ from motions import bar, elastic, on_ground, values
 from ngsolve import CF, BilinearForm, GridFunction, Parameter, VectorH1, sin
 
 from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 SPEED, GAP = 1.0, 0.12  # no multiple of the step: there a rounding error tells what touches
 

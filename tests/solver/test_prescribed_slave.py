@@ -21,8 +21,8 @@ from ngsolve import (
 )
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 PUSH = 0.02
 SOLVERS = ["direct", "saddle"]

@@ -18,7 +18,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import TwoBlocks, TwoBlocks3D
+from ngslac.meshes import TwoBlocks, TwoBlocks3D
 
 BLOCKS = {
     2: lambda: TwoBlocks(0.5, shape="oblique", overhang=0.1, aligned=False, structured=True),

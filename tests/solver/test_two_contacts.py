@@ -7,7 +7,7 @@ from ngsolve.nonlinearsolvers import NewtonSolver
 from press import linear, numpy
 
 from ngslac import ContactSolver, FormSum, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 
 def pile(traction=(0.1, -1.0), bulk=linear):

@@ -8,7 +8,7 @@ from ngsolve.nonlinearsolvers import NewtonSolver
 from press3d import linear3d, numpy
 
 from ngslac import ContactSolver, FormSum, LACContact, LACSpace
-from ngslac.demos._boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import AddBody, StructuredBox
 
 BODIES = {"top": (2, "hex"), "middle": (3, "prism"), "base": (2, "tet")}  # divisions, shape
 TRACTION = (0.1, 0.05, -1.0)

@@ -6,7 +6,7 @@ from netgen.occ import Box, OCCGeometry, Pnt, Sphere
 from ngsolve import BND, H1, VOL, Mesh, VectorH1, VectorValued
 
 from ngslac import BubbleVectorH1
-from ngslac.demos._boxes import KINDS, AddBody, Cells, StructuredBox
+from ngslac.meshes.boxes import KINDS, AddBody, Cells, StructuredBox
 
 __all__ = [
     "KINDS",

@@ -24,7 +24,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngsolve.webgui import Draw
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 
 @pytest.fixture

@@ -18,8 +18,8 @@ from ngsolve import (
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 SINGLE = {
     "quad": lambda: MakeStructured2DMesh(quads=True, nx=5, ny=3),

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Compound, Face, OCCGeometry, Rectangle, Segment, Wire
 from ngsolve import Mesh
 
-from ngslac.demos._boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 
 __all__ = ["Block", "Block3D", "Grids", "Grids3D", "Outline", "Part", "Plate", "Rotated", "Sketch"]
 

@@ -10,7 +10,7 @@ from ngsolve import BND, CF, GridFunction, Integrate, Mesh, TaskManager, VectorH
 from ngsolve.meshes import MakeStructured3DMesh
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.demos._boxes import KINDS, AddBody, StructuredBox
+from ngslac.meshes.boxes import KINDS, AddBody, StructuredBox
 
 
 def surface(mesh, slave=".*", obstacle=0.0):

@@ -9,7 +9,7 @@ import pytest
 from netgen.occ import OCCGeometry
 from ngsolve import CF, Integrate, x, y, z
 
-from ngslac.demos import CheckNonMatching3D
+from ngslac.meshes import CheckNonMatching3D
 
 pytestmark = pytest.mark.slow
 

@@ -19,7 +19,7 @@ from ngsolve import H1, BilinearForm, Grad, Mesh, VectorH1, ds, dx
 from scipy.linalg import eigh
 
 from ngslac import BubbleVectorH1, LACSpace
-from ngslac.demos._boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import AddBody, StructuredBox
 
 __all__ = ["RIM", "Body3D", "Cube", "Parents", "Slab", "Space3D"]
 

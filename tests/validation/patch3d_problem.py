@@ -23,8 +23,8 @@ from ngsolve import (
 )
 from ngsolve import Grad as Gradient
 
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._geometry3d import CheckNonMatching3D, RotationMatrix
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 
 HELD = "bottom|left_upper"
 FREE = "top|(right|front|back)_upper|(left|right|front|back)_lower|(master|slave)_rim"

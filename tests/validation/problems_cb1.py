@@ -7,7 +7,7 @@ half is computed. Hooke's law of Green's strain (GROT_GDEP), dead load at the to
 from ngsolve import VectorH1
 from problems_large import Model, SaintVenant
 
-from ngslac.demos import HertzMesh
+from ngslac.meshes import HertzMesh
 
 YOUNG = {"cylinder": 210e3, "block": 70e3}  # MPa
 FORCE = 17.5e3  # N/mm, half of it

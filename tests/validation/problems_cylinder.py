@@ -25,7 +25,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import HertzMesh
+from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzLine
 
 RADIUS = 50.0

@@ -9,7 +9,7 @@ from elasticity import Displacements
 from elasticity3d import Field, Pair3D, Solid
 from ngsolve import CF, x, y, z
 
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 OPEN, STICK, SLIP = 0, 1, 2
 PRESSURE = 25.0

@@ -39,7 +39,7 @@ from ngsolve import (
 )
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
-from ngslac.demos._boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import AddBody, StructuredBox
 
 OUTSIDE = 0.1  # of the master beyond the slave
 COORDINATES = (x, y, z)

@@ -15,7 +15,7 @@ from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import VectorH1
 from problems_large import Model, SaintVenant
 
-from ngslac.demos._geometry import Body, GenerateMesh, Side
+from ngslac.meshes.geometry import Body, GenerateMesh, Side
 
 YOUNG = {"pin": 210e3, "sheet": 70e3}  # MPa
 FORCE = 10e3  # N/mm

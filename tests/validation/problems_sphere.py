@@ -11,11 +11,11 @@ from elasticity3d import Pair3D, Solid
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, TaskManager
 
-from ngslac.demos._boxes import AddBody, Cells, StructuredBox
-from ngslac.demos._geometry3d import CheckNonMatching3D
 from ngslac.demos._hertz3d_figures import Comparison
 from ngslac.demos._hertz3d_macros import Macros
-from ngslac.demos._spheres import TwoSpheres
+from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.geometry3d import CheckNonMatching3D
+from ngslac.meshes.spheres import TwoSpheres
 from ngslac.reference import HertzPoint
 
 RADIUS = 50.0

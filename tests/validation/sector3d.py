@@ -8,7 +8,7 @@ import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, Mesh
 
-from ngslac.demos._boxes import AddBody, Cells
+from ngslac.meshes.boxes import AddBody, Cells
 
 __all__ = ["SectorMesh", "SliceMesh"]
 

@@ -14,7 +14,7 @@ from elasticity import Displacements, Material, Pair
 from ngsolve import BND, CF, InnerProduct, Integrate, dx, x, y
 from scipy.special import roots_legendre
 
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 from ngslac.reference import ElasticSignorini
 
 __all__ = ["EXACT", "Errors", "Measure", "Rates", "Solved"]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from largepatch_problem import LargePatch
 
-from ngslac.demos import TwoBlocks
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._geometry3d import RotationMatrix
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.geometry3d import RotationMatrix
 
 TOL = 1e-10
 # Without friction a block of width 1 becomes as wide as one of width 1.25 / 1.15.

@@ -27,8 +27,8 @@ from ngsolve import (
 from scipy.optimize import brentq
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import TwoBlocks
 from ngslac.demos.materials import Rubber, SqueezeForce, Thermal, ThermalPressure
+from ngslac.meshes import TwoBlocks
 
 # ---------------------------------------------------------------- hyperelasticity
 

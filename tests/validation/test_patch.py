@@ -12,7 +12,7 @@ import pytest
 from elasticity import Displacements, Material, Pair
 from ngsolve import CF, H1, FESpace, TaskManager, VectorH1, VectorValued, x, y
 
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 TOL = 1e-12
 HELD = "bottom|left_upper"

@@ -28,7 +28,7 @@ from patch3d_problem import (
     TractionError,
 )
 
-from ngslac.demos._blocks3d import TwoBlocks3D
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 TOL = 1e-11
 SHAPES = ["tet", "hex", "prism", "prism_side", "pyramid"]

@@ -10,8 +10,8 @@ from ngsolve import CF, GridFunction, x, y, z
 from patch3d_problem import HELD, LAWS, OBLIQUE, Blocks, Linear, Patch, Stress, TractionError
 
 from ngslac import ContactSolver
-from ngslac.demos._blocks3d import TwoBlocks3D
-from ngslac.demos._geometry3d import RotationMatrix
+from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.meshes.geometry3d import RotationMatrix
 
 TOL = 1e-11
 SHAPES = ["tet", "hex", "prism", "prism_side", "pyramid"]

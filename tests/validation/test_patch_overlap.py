@@ -6,7 +6,7 @@ from elasticity import Displacements, Material, Pair
 from ngsolve import CF, GridFunction, InnerProduct, Integrate, ds, x, y
 
 from ngslac import ContactSolver, FloatingBodyError
-from ngslac.demos import TwoBlocks
+from ngslac.meshes import TwoBlocks
 
 TOL = 1e-12
 KINDS = ["P1", "P1split", "P1bubble", "P2", "P3"]

@@ -16,7 +16,7 @@ from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Integrate, S
 from sector3d import SliceMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import HertzMesh
+from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzLine
 
 FORCE, SIZE, THICKNESS = 17.5e3, 1.0, 2.0

@@ -27,7 +27,7 @@ from ngsolve import (
 )
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
-from ngslac.demos._boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import AddBody, StructuredBox
 from ngslac.reference import GRECO_SLAB
 
 OPEN, STICK, SLIP = 0, 1, 2

@@ -118,14 +118,14 @@ def Load(file):
 
 def Hertz(h):
     """The LAC paper's problem: a cylinder on a block, half model; NGSolve mesh."""
-    from ngslac.demos import HertzMesh
+    from ngslac.meshes import HertzMesh
 
     return HertzMesh(h)
 
 
 def Sphere(h):
     """Quarter of half a sphere on a block, graded; NGSolve mesh."""
-    from ngslac.demos import SphereOnBlock
+    from ngslac.meshes import SphereOnBlock
 
     sizes = {"zone": 8.0, "width": 60.0, "height": 60.0, "ratio": 1.13}
     return SphereOnBlock(h, **sizes, grading=0.2, maxh=12.0)
@@ -133,7 +133,7 @@ def Sphere(h):
 
 def Patch(h):
     """Two cubes whose tetrahedra do not match, the lower ones larger by 1.31; NGSolve mesh."""
-    from ngslac.demos import TwoBlocks3D
+    from ngslac.meshes import TwoBlocks3D
 
     n = max(2, round(1 / h))
     mesh = TwoBlocks3D("tet", n_slave=n, n_master=max(1, round(n / 1.31)), unstructured=True)

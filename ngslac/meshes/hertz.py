@@ -9,7 +9,7 @@ import numpy as np
 from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import BBND, CF, InnerProduct, LinearForm, SymbolicLFI
 
-from ._geometry import (
+from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
     CheckPositive,

@@ -10,9 +10,9 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Box, OCCGeometry, Pnt
 from ngsolve import Mesh
 
-from ._boxes import SIDES, AddBody, Cells, StructuredBox
-from ._geometry import CheckPositive
-from ._geometry3d import CheckNonMatching3D, RotationMatrix
+from ngslac.meshes.boxes import SIDES, AddBody, Cells, StructuredBox
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 
 __all__ = ["TwoBlocks3D"]
 
@@ -106,7 +106,7 @@ def TwoBlocks3D(
 
     Examples
     --------
-    >>> from ngslac.demos._blocks3d import TwoBlocks3D
+    >>> from ngslac.meshes.blocks3d import TwoBlocks3D
     >>> mesh = TwoBlocks3D("hex", "tet", 2, 3)
     >>> mesh.GetMaterials(), mesh.ne
     (('upper', 'lower'), 58)

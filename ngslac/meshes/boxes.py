@@ -94,7 +94,7 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     Examples
     --------
     >>> import numpy as np
-    >>> from ngslac.demos._boxes import StructuredBox
+    >>> from ngslac.meshes.boxes import StructuredBox
     >>> box = StructuredBox(np.linspace(0, 1, 3), [0, 1], [0, 1], "prism")
     >>> len(box.points), len(box.cells), len(box.faces)
     (12, 4, 14)
@@ -137,7 +137,7 @@ def AddBody(ngmesh, name, box):
     --------
     >>> from netgen.meshing import Mesh as NetgenMesh
     >>> from ngsolve import Integrate, Mesh
-    >>> from ngslac.demos._boxes import AddBody, StructuredBox
+    >>> from ngslac.meshes.boxes import AddBody, StructuredBox
     >>> ngmesh = NetgenMesh(dim=3)
     >>> AddBody(ngmesh, "brick", StructuredBox([0, 1, 2], [0, 1], [0, 1], "hex"))
     >>> ngmesh.Compress()

@@ -28,7 +28,7 @@ def RotationMatrix(rotation):
 
     Examples
     --------
-    >>> from ngslac.demos._geometry3d import RotationMatrix
+    >>> from ngslac.meshes.geometry3d import RotationMatrix
     >>> RotationMatrix(("z", 90)).round(12) @ [1, 0, 0]
     array([0., 1., 0.])
     """
@@ -80,7 +80,7 @@ def CheckNonMatching3D(mesh, *, slave="slave", master="master", tol=1e-4):
 
     Examples
     --------
-    >>> from ngslac.demos._blocks3d import CheckNonMatching3D, TwoBlocks3D
+    >>> from ngslac.meshes.blocks3d import CheckNonMatching3D, TwoBlocks3D
     >>> round(CheckNonMatching3D(TwoBlocks3D("hex", "hex", 2, 3)), 6)
     0.707107
     """
@@ -154,7 +154,7 @@ def GenerateMesh3D(solids, *, order=1, scale=1.0, rotation=None, **options):
     Examples
     --------
     >>> from netgen.occ import Box
-    >>> from ngslac.demos._geometry3d import GenerateMesh3D
+    >>> from ngslac.meshes.geometry3d import GenerateMesh3D
     >>> def Solids(distance):
     ...     return [Box((0, 0, 0), (1, 1, 1)), Box((0, 0, -1 - distance), (1, 1, -distance))]
     >>> mesh = GenerateMesh3D(Solids, maxh=1.0, rotation=("z", 30))

@@ -12,7 +12,7 @@ from netgen.meshing import Pnt as MeshPnt
 from netgen.occ import ArcOfCircle, Glue, Pnt, Segment
 from ngsolve import Mesh
 
-from ._geometry import (
+from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
     CheckPositive,

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
 
-from ._geometry import CheckPositive
-from ._geometry3d import CheckNonMatching3D, GenerateMesh3D
+from ngslac.meshes.geometry import CheckPositive
+from ngslac.meshes.geometry3d import CheckNonMatching3D, GenerateMesh3D
 
 __all__ = ["SphereOnBlock", "TwoSpheres"]
 
@@ -78,7 +78,7 @@ def SphereOnBlock(
 
     Examples
     --------
-    >>> from ngslac.demos._spheres import SphereOnBlock
+    >>> from ngslac.meshes.spheres import SphereOnBlock
     >>> mesh = SphereOnBlock(2.0, radius=50, zone=6.5)
     >>> mesh.GetMaterials()
     ('sphere', 'block')
@@ -152,7 +152,7 @@ def TwoSpheres(
 
     Examples
     --------
-    >>> from ngslac.demos._spheres import TwoSpheres
+    >>> from ngslac.meshes.spheres import TwoSpheres
     >>> TwoSpheres(4.0, zone=13.0).GetMaterials()
     ('upper', 'lower')
     """
