@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import flatring
 import numpy as np
 import test_hertz_large
 import test_validation_halfring as halfring
@@ -15,7 +16,7 @@ from problems_large import Small
 from problems_pin import FORCE, PinMesh, PinModel
 from test_validation_pin import BEHIND, PUSHED
 
-from ngslac.demos import flatring, hertz_large
+from ngslac.demos import hertz_large
 from ngslac.demos._hertz_large_figures import EnergyError
 from ngslac.demos._hertz_large_pictures import OverviewPicture
 
@@ -157,12 +158,10 @@ def Cylinder(quick):
 
 def FlatRing(quick):
     travel, steps = (1.0, 10) if quick else (1.71, 38)
-    runs = [
-        flatring.Run(h=h, quarter=quarter, travel=travel, steps=steps)
-        for h in (0.12, 0.18)
-        for quarter in (False, True)
-    ]
-    itself, table = runs[0], [{key: np.array(v) for key, v in r.figures.items()} for r in runs]
+    rings = [flatring.Ring(h, quarter=quarter) for h in (0.12, 0.18) for quarter in (False, True)]
+    for ring in rings:
+        ring.Press(travel, steps)
+    table = [{key: np.array(v) for key, v in ring.Figures().items()} for ring in rings]
     before = table[0]["travel"] < 1.6
     worst = np.abs(table[0]["force"] / table[1]["force"] - 1)[before].argmax()
 
@@ -184,7 +183,16 @@ def FlatRing(quick):
         text = "force at the end, where the inside carries most of it"
         rows.append(Row(text, *Differ(-1), "G R"))
     caption = "The ring at the end, and the force over the travel of the plates."
-    return Outcome(rows, lambda file: flatring.Picture(itself.model, itself.figures, file), caption)
+
+    def Draw(left, right):
+        Bodies(left, rings[0].mesh, rings[0].displacement)
+        for name, style in (("force", "o-"), ("force_inside", "s")):
+            values = np.where(table[0][name] > 0, table[0][name], np.nan)
+            right.semilogy(table[0]["travel"], values, style, ms=3, label=name.replace("_", " "))
+        right.set(xlabel="travel / R", ylabel="force / (G R)")
+        right.legend()
+
+    return Outcome(rows, Figure(Draw, columns=2), caption)
 
 
 CASES = [
@@ -229,7 +237,7 @@ CASES = [
         "contact with a rigid plane through the middle, which is a problem of two bodies. At the "
         "end a small difference of the travel makes a large one of the force.",
         "The computation with the plane.",
-        "python -m ngslac.demos.flatring --out results",
+        "python tutorials/examples/flatring.py --out results",
         FlatRing,
     ),
 ]

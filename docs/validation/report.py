@@ -5,7 +5,8 @@ quarter of an hour on two cores::
 
     python docs/validation/report.py --out docs/validation
 
-Cases are entries of the modules ``_cases_*``; what they solve is in `ngslac.demos` and the tests.
+Cases are entries of the modules ``_cases_*``; what they solve is in
+``tutorials/examples`` and the tests.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ("validation", "solver", "contact", "demos")
-for folder in (Path(__file__).parent, *(ROOT / "tests" / name for name in TESTS)):
+FOLDERS = (Path(__file__).parent, ROOT / "tutorials/examples", *(ROOT / "tests" / n for n in TESTS))
+for folder in FOLDERS:
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
 

@@ -111,12 +111,13 @@ def test_cases_are_described(name):
         assert (root / file).exists()
 
 
-def test_demos_and_validation_tests_are_covered():
-    """Each demo, and each file of tests/validation, appears in a command or is imported."""
+def test_examples_and_validation_tests_are_covered():
+    """Each example, and each file of tests/validation, appears in a command or is imported."""
     text = "\n".join(path.read_text() for path in DOCS.glob("_cases_*.py"))
     root = DOCS.parents[1]
     files = [path.stem for path in (root / "tests/validation").glob("test_*.py")]
     demos = [p.stem for p in (root / "ngslac/demos").glob("[a-z]*.py")]
+    demos += [p.stem for p in (root / "tutorials/examples").glob("*.py") if p.stem != "command"]
     same = {"test_convergence": "signorini", "test_patch_overlap": "test_patch"}
     same |= {"test_patch3d": "patch3d", "test_patch3d_overlap": "patch3d"}
     same |= {"test_validation_twist": "twist", "test_validation_cattaneo3d": "cattaneo3d"}

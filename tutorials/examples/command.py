@@ -5,7 +5,7 @@ import json
 import math
 from pathlib import Path
 
-__all__ = ["Count", "Options", "Positive", "Start"]
+__all__ = ["Count", "NotNegative", "Options", "Positive", "Start"]
 
 
 class Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
@@ -26,6 +26,14 @@ def Positive(text):
     value = float(text)
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is no finite number > 0")
+    return value
+
+
+def NotNegative(text):
+    """A finite number >= 0."""
+    value = float(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no finite number >= 0")
     return value
 
 

@@ -2,14 +2,14 @@
 
 import json
 
+import flatring
 import numpy as np
 import pytest
-
-from ngslac.demos import flatring
+from commandline import Help, Refused
 
 
 def figures(h, quarter):
-    found = flatring.Run(h=h, quarter=quarter).figures
+    found = flatring.Run(h=h, quarter=quarter)
     return {name: np.array(values) for name, values in found.items()}
 
 
@@ -50,11 +50,20 @@ def test_comes_nearer_to_the_plane_on_a_finer_mesh():
     assert itself["force"][-1] == pytest.approx(plane["force"][-1], rel=0.03)
 
 
-def test_command_line(tmp_path, capsys):
+def test_flatring_command(tmp_path, capsys):
     pytest.importorskip("matplotlib")
-    file = tmp_path / "figures.json"
+    file = tmp_path / "new" / "figures.json"
     flatring.main(["--travel", "0.2", "--steps", "2", "--json", str(file), "--out", str(tmp_path)])
     found = json.loads(file.read_text())
     assert found["steps"] == found["converged_steps"] == 2
-    assert (tmp_path / "flatring.png").stat().st_size > 5000
+    assert found["travel"] == pytest.approx([0.1, 0.2])
+    for name in ("flatring.png", "flatring_inside.vtu", "flatring_outside.vtu"):
+        assert (tmp_path / name).stat().st_size > 3000
     assert "force on the plate" in capsys.readouterr().out
+
+
+def test_flatring_help_and_bad_values(capsys):
+    assert "(default: 0.12)" in Help(capsys, flatring.main)
+    assert "--h: 0 is no finite number > 0" in Refused(capsys, flatring.main, "--h", "0")
+    assert "--steps" in Refused(capsys, flatring.main, "--steps", "few")
+    assert "thickness = 2" in Refused(capsys, flatring.main, "--thickness", "2")
