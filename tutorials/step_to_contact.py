@@ -19,14 +19,12 @@ from ngsolve import (
     BitArray,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Integrate,
     Mesh,
     Parameter,
     Sym,
     TaskManager,
-    Trace,
     VectorH1,
     VTKOutput,
     ds,
@@ -35,6 +33,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import Stress
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results")
 folder.mkdir(parents=True, exist_ok=True)
@@ -93,17 +92,12 @@ print(f"{mesh.ne} elements, {V.ndof} displacements, {Q.nmacros} macro-elements")
 E, nu = mesh.MaterialCF({"bracket": 210e3, "plate": 70e3}), 0.3
 
 
-def Stress(u):
-    strain = Sym(Grad(u))
-    return E / (1 + nu) * (strain + nu / (1 - 2 * nu) * Trace(strain) * Id(3))
-
-
 # Two loads, each with a factor that goes from 0 to 1: the bolt presses on the boss (on the plate it
 # would act below, at the fixed side), and a force pulls at the back of the bracket.
 bolt_force, pull_force = np.array([0, 0, -12000.0]), np.array([1000.0, 250.0, 0])
 bolt, pull = Parameter(0), Parameter(0)
 a = BilinearForm(fes)
-a += InnerProduct(Stress(u), Sym(Grad(v))) * dx
+a += InnerProduct(Stress(Sym(Grad(u)), E, nu), Sym(Grad(v))) * dx
 a += -bolt / areas["washer"] * CF(tuple(bolt_force)) * v * ds("washer")
 a += -pull / areas["back"] * CF(tuple(pull_force)) * v * ds("back")
 
@@ -136,7 +130,7 @@ with TaskManager():
 
 # ---- 6. Files for ParaView ------------------------------------------------------------------
 shift = gf.components[0]
-fields = {"displacement": shift, "stress": Stress(shift)}
+fields = {"displacement": shift, "stress": Stress(Sym(Grad(shift)), E, nu)}
 VTKOutput(mesh, [*fields.values()], [*fields], str(folder / "volume"), order=2).Do()
 fields = {name: getattr(contact, name) for name in ("pressure", "gap", "status", "traction")}
 foot = BitArray([element.mat == "slave" for element in mesh.Elements(BND)])

@@ -10,7 +10,9 @@ from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import (
     CF,
     BilinearForm,
+    Grad,
     GridFunction,
+    Id,
     Integrate,
     Parameter,
     Variation,
@@ -19,6 +21,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import NeoHooke
 from ngslac.meshes.geometry import (
     Body,
     CheckPositive,
@@ -27,8 +30,6 @@ from ngslac.meshes.geometry import (
     NonMatchingDivisions,
     Side,
 )
-
-from ._neohooke import Energy
 
 __all__ = ["RADIUS", "Approach", "CylinderMesh", "Model", "State"]
 
@@ -157,7 +158,7 @@ class Model:
         X = V * LACSpace(V, slave="slave")
         u, lam = X.TrialFunction()
         self.a, self.solution = BilinearForm(X), GridFunction(X)
-        self.a += Variation(Energy(u, young, nu).Compile() * dx("cylinder"))
+        self.a += Variation(NeoHooke(Id(2) + Grad(u), young, nu).Compile() * dx("cylinder"))
         self.contact = LACContact(u, lam, master="master", friction=friction or None, finite=True)
         self.load = Parameter(0.0)
         free = X.FreeDofs() & ~X.GetDofs(mesh.Materials("plate"))
@@ -165,7 +166,7 @@ class Model:
         motion = {"middle": CF((0, -depth * self.load))}
         self.stepper = LoadStepper(solver, self.load, prescribe=motion)
         self.depth, self.states = depth, []
-        self.stored = Energy(self.displacement, young, nu)
+        self.stored = NeoHooke(Id(2) + Grad(self.displacement), young, nu)
 
     @property
     def displacement(self):

@@ -10,7 +10,9 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (
     CF,
     BilinearForm,
+    Grad,
     GridFunction,
+    Id,
     IfPos,
     Integrate,
     Mesh,
@@ -26,10 +28,9 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import NeoHooke
 from ngslac.meshes.boxes import AddBody, StructuredBox
 from ngslac.meshes.geometry3d import CheckNonMatching3D
-
-from ._neohooke import Energy
 
 __all__ = ["DEPTH", "HEIGHT", "Model", "State", "TwistMesh"]
 
@@ -120,7 +121,9 @@ class Model:
         self.young = mesh.MaterialCF(YOUNG)
         self.a = BilinearForm(X)
         bodies = mesh.Materials("upper") if rigid else mesh.Materials(".*")
-        self.a += Variation(Energy(u, self.young, POISSON).Compile() * dx(definedon=bodies))
+        self.a += Variation(
+            NeoHooke(Id(3) + Grad(u), self.young, POISSON).Compile() * dx(definedon=bodies)
+        )
         self.bodies, self.solution = bodies, GridFunction(X)
         self.contact = LACContact(u, lam, master="master", friction=friction or None, finite=True)
         self.load, self.angle = Parameter(0.0), math.radians(angle)
@@ -170,7 +173,9 @@ class Model:
             torque=contact.Moment((0, 0, 0))[2],
             top=self._Reaction("top"),
             bottom=self._Reaction("master|bottom|side_lower" if self.Rigid() else "bottom"),
-            energy=Integrate(Energy(u, self.young, POISSON), self.mesh, definedon=self.bodies),
+            energy=Integrate(
+                NeoHooke(Id(3) + Grad(u), self.young, POISSON), self.mesh, definedon=self.bodies
+            ),
             dissipated=-work,
             table=table | {"reference": self.reference},
             vector=self.solution.vec.CreateVector(copy=True),

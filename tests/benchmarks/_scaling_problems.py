@@ -11,20 +11,19 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     IfPos,
     InnerProduct,
     Integrate,
     LinearForm,
     Parameter,
     Sym,
-    Trace,
     VectorH1,
     ds,
     dx,
 )
 
 from ngslac import LACContact, LACSpace
+from ngslac.materials import Stress
 from ngslac.meshes import CheckNonMatching, HertzMesh, SphereOnBlock, TwoBlocks3D
 
 NU = 0.3
@@ -158,7 +157,7 @@ class Problem:
         (u, lam), (v, _) = model.fes.TnT()
         load = Parameter(0.0)
         a = BilinearForm(model.fes)
-        a += InnerProduct(Stress(model.mesh, u), Sym(Grad(v))) * dx
+        a += Bulk(model.mesh, u, v)
         a += self._Loading(model.mesh, v, load)
         contact = LACContact(u, lam, master="master", friction=self.friction or None)
         return a, contact, load, GridFunction(model.fes)
@@ -168,7 +167,7 @@ class Problem:
         V = VectorH1(mesh, order=2, **self.Supports(both=True))
         u, v = V.TnT()
         a, f = BilinearForm(V), LinearForm(V)
-        a += InnerProduct(Stress(mesh, u), Sym(Grad(v))) * dx
+        a += Bulk(mesh, u, v)
         f += v[mesh.dim - 1] * ds("slave") - v[mesh.dim - 1] * ds("master")
         return a, f.Assemble()
 
@@ -182,8 +181,7 @@ def _Refined(mesh, times):
     return mesh
 
 
-def Stress(mesh, u):
-    """Stress of linear elasticity (plane strain)."""
+def Bulk(mesh, u, v):
+    """Linear elasticity, in 2D in plane strain."""
     young = mesh.MaterialCF({name: YOUNG[name] for name in mesh.GetMaterials()})
-    strain = Sym(Grad(u))
-    return young / (1 + NU) * (strain + NU / (1 - 2 * NU) * Trace(strain) * Id(mesh.dim))
+    return InnerProduct(Stress(Sym(Grad(u)), young, NU), Sym(Grad(v))) * dx

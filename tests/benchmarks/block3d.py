@@ -21,12 +21,10 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Parameter,
     Sym,
     TaskManager,
-    Trace,
     VectorH1,
     ds,
     dx,
@@ -34,6 +32,7 @@ from ngsolve import (
 from phases import StopWatch
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks3D
 
 YOUNG, NU, FRICTION = 2000.0, 0.3, 0.3
@@ -63,10 +62,9 @@ def Problem(n):
     V = VectorH1(mesh, order=2, dirichlet="bottom")
     fes = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = fes.TnT()
-    strain, load = Sym(Grad(u)), Parameter(0)
-    stress = YOUNG / (1 + NU) * (strain + NU / (1 - 2 * NU) * Trace(strain) * Id(3))
+    load = Parameter(0)
     a = BilinearForm(fes)
-    a += InnerProduct(stress, Sym(Grad(v))) * dx
+    a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, NU), Sym(Grad(v))) * dx
     a += load * (PRESSURE * v[2] - SHEAR[0] * v[0] - SHEAR[1] * v[1]) * ds("top")
     return a, load, LACContact(u, lam, master="master", friction=FRICTION), GridFunction(fes)
 

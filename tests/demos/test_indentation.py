@@ -10,10 +10,8 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Sym,
-    Trace,
     VectorH1,
     dx,
 )
@@ -23,6 +21,7 @@ from ngslac import ContactConvergenceError
 from ngslac.demos import indentation
 from ngslac.demos._indentation_figures import PRANDTL, OnsetPressure
 from ngslac.demos._indentation_mesh import IndentationMesh
+from ngslac.materials import Stress
 from ngslac.meshes.geometry import Body, Side
 
 COARSE = {"h": 0.4, "steps": 10}
@@ -99,9 +98,7 @@ def punch_stiffness(problem, halfwidth):
     mesh = NGSolveMesh(OCCGeometry(Body(sides, "block"), dim=2).GenerateMesh(maxh=8, grading=0.2))
     V = VectorH1(mesh, order=3, dirichletx="sym|bottom", dirichlety="bottom|punch")
     u, v = V.TnT()
-    shear = problem.young / (2 * (1 + problem.poisson))
-    lame = 2 * shear * problem.poisson / (1 - 2 * problem.poisson)
-    stress = 2 * shear * Sym(Grad(u)) + lame * Trace(Sym(Grad(u))) * Id(2)
+    stress = Stress(Sym(Grad(u)), problem.young, problem.poisson)
     a = BilinearForm(InnerProduct(stress, Sym(Grad(v))) * dx).Assemble()
     gf = GridFunction(V)
     gf.Set((0, 1), definedon=mesh.Boundaries("punch"))

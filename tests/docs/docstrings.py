@@ -1,8 +1,8 @@
 """What the public names are, and what their docstrings say, in numpy's style.
 
-Public are the names of `ngslac` and of `ngslac.reference`, the classes of what their methods
-return, and all methods and properties of these classes without an underscore. The arguments of
-compiled classes are read from the stubs.
+Public are the names of `ngslac`, `ngslac.materials` and `ngslac.reference`, the classes of what
+their methods return, and all methods and properties of these classes without an underscore. The
+arguments of compiled classes are read from the stubs.
 """
 
 import ast
@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 
 import ngslac
+import ngslac.materials
 import ngslac.reference
 from ngslac import _ngslac
 from ngslac.contact.report import ContactReport
@@ -190,7 +191,8 @@ def _Members(cls, name):
 def PublicNames():
     """All of them."""
     things = {name: getattr(ngslac, name) for name in ngslac.__all__ if name[0] != "_"}
-    things |= {name: getattr(ngslac.reference, name) for name in ngslac.reference.__all__}
+    for room in (ngslac.materials, ngslac.reference):
+        things |= {name: getattr(room, name) for name in room.__all__}
     things |= {cls.__name__: cls for cls in RESULTS}
     names = []
     for name, thing in things.items():

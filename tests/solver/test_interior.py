@@ -11,7 +11,6 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Integrate,
     Mesh,
@@ -25,13 +24,12 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
+from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
 
 
 def hooke(u, v, young=1.0, nu=0.3):
-    strain = Sym(Grad(u))
-    stress = young / (1 + nu) * (strain + nu / (1 - 2 * nu) * Trace(strain) * Id(u.dim))
-    return InnerProduct(stress, Sym(Grad(v)))
+    return InnerProduct(Stress(Sym(Grad(u)), young, nu), Sym(Grad(v)))
 
 
 def problem(mesh, pairs, bulk, dirichlet="", tied=(), **given):

@@ -8,12 +8,10 @@ from ngsolve import (
     VOL,
     BilinearForm,
     GridFunction,
-    Id,
     InnerProduct,
     IntegrationRule,
     LinearForm,
     Sym,
-    Trace,
     VectorH1,
     ds,
     dx,
@@ -21,20 +19,20 @@ from ngsolve import (
 from ngsolve import Grad as Gradient
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
+from ngslac.materials import Stress
 
 __all__ = ["Displacements", "Material", "Pair", "Samples"]
 
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elasticity in plane strain; `young` may be a coefficient function."""
+    """Linear elasticity, in 2D in plane strain; `young` may be a coefficient function."""
 
     young: object = 2000.0
     nu: object = 0.3
 
     def Stress(self, strain):
-        mu = self.young / (2 * (1 + self.nu))
-        return 2 * mu * (strain + self.nu / (1 - 2 * self.nu) * Trace(strain) * Id(2))
+        return Stress(strain, self.young, self.nu)
 
     def Strain(self, stress):
         """The strain (2, 2) of a stress given as numpy array; for numbers only."""

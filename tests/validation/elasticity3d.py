@@ -2,7 +2,7 @@
 
 import numpy as np
 from elasticity import Material, Pair
-from ngsolve import CF, ET, VOL, Id, InnerProduct, IntegrationRule, Trace, ds, dx, specialcf
+from ngsolve import CF, ET, VOL, InnerProduct, IntegrationRule, ds, dx, specialcf
 from ngsolve import Grad as Gradient
 
 __all__ = ["Field", "Pair3D", "Solid", "StressError"]
@@ -12,10 +12,6 @@ POINTS = [(0.02, 0.03, 0.05), (0.9, 0.05, 0.02), (0.31, 0.3, 0.2), (0.05, 0.1, 0
 
 class Solid(Material):
     """Linear elasticity in three dimensions."""
-
-    def Stress(self, strain):
-        mu = self.young / (2 * (1 + self.nu))
-        return 2 * mu * (strain + self.nu / (1 - 2 * self.nu) * Trace(strain) * Id(3))
 
     def Strain(self, stress):
         """The strain (3, 3) of a stress given as numpy array; for numbers only."""

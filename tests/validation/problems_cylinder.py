@@ -11,13 +11,11 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Integrate,
     Parameter,
     Sym,
     TaskManager,
-    Trace,
     VectorH1,
     ds,
     dx,
@@ -25,6 +23,7 @@ from ngsolve import (
 )
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import Stress
 from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzLine
 
@@ -118,11 +117,8 @@ def Bulk(problem, X, normal, shear):
     (u, _), (v, _) = X.TnT()
     mesh = X.mesh
     young = mesh.MaterialCF(dict(zip(("cylinder", "block"), problem.young, strict=True)))
-    mu = young / (2 * (1 + problem.nu))
-    strain = Sym(Grad(u))
-    sigma = 2 * mu * (strain + problem.nu / (1 - 2 * problem.nu) * Trace(strain) * Id(2))
     a = BilinearForm(X)
-    a += InnerProduct(sigma, Sym(Grad(v))) * dx
+    a += InnerProduct(Stress(Sym(Grad(u)), young, problem.nu), Sym(Grad(v))) * dx
     share = 0.5 if problem.half else 1.0
     a += normal * share * problem.force * v[1] * ds(definedon=mesh.BBoundaries("load"))
     if not problem.half:

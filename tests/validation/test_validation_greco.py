@@ -12,12 +12,10 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Parameter,
     Sym,
     TaskManager,
-    Trace,
     VectorH1,
     ds,
     dx,
@@ -32,6 +30,7 @@ from ngslac import (
     LoadStepper,
     SplitSlaveFaces,
 )
+from ngslac.materials import Stress
 from ngslac.reference import GRECO_SLAB
 
 CELLS = 32
@@ -65,10 +64,7 @@ def Space(order, stabilize, length):
 def Bulk(X, load, stress):
     """Elasticity with both pressures; `stress` is one pascal in the unit of the computation."""
     (u, _), (v, _) = X.TnT()
-    mu = stress * GRECO_SLAB.young / (2 * (1 + GRECO_SLAB.nu))
-    factor = GRECO_SLAB.nu / (1 - 2 * GRECO_SLAB.nu)
-    strain = Sym(Grad(u))
-    sigma = 2 * mu * (strain + factor * Trace(strain) * Id(2))
+    sigma = Stress(Sym(Grad(u)), stress * GRECO_SLAB.young, GRECO_SLAB.nu)
     a = BilinearForm(X)
     a += InnerProduct(sigma, Sym(Grad(v))) * dx
     a += load * stress * GRECO_SLAB.top_pressure * v[1] * ds("top")

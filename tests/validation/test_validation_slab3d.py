@@ -15,18 +15,17 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
-    Id,
     InnerProduct,
     Mesh,
     Parameter,
     Sym,
-    Trace,
     VectorH1,
     ds,
     dx,
 )
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
+from ngslac.materials import Stress
 from ngslac.meshes.boxes import AddBody, StructuredBox
 from ngslac.reference import GRECO_SLAB
 
@@ -85,9 +84,7 @@ def Solve(kind, order, stabilize, *, steps=1, length=1.0, stress=1.0):
     X = V * LACSpace(V, slave="bottom")
     (u, lam), (v, _) = X.TnT()
     load, gf = Parameter(0.0), GridFunction(X)
-    mu = stress * GRECO_SLAB.young / (2 * (1 + GRECO_SLAB.nu))
-    strain = Sym(Grad(u))
-    sigma = 2 * mu * (strain + GRECO_SLAB.nu / (1 - 2 * GRECO_SLAB.nu) * Trace(strain) * Id(3))
+    sigma = Stress(Sym(Grad(u)), stress * GRECO_SLAB.young, GRECO_SLAB.nu)
     a = BilinearForm(X)
     a += InnerProduct(sigma, Sym(Grad(v))) * dx
     a += load * stress * GRECO_SLAB.top_pressure * v[2] * ds("top")

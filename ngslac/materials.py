@@ -1,0 +1,141 @@
+"""Laws of elastic materials, as coefficient functions of a strain or of a deformation gradient."""
+
+from __future__ import annotations
+
+from ngsolve import CoefficientFunction, Det, Id, Trace, log
+
+from ngslac.arguments import CheckChoice, CheckNumber, CheckPositive, Coefficient, Wrong
+
+__all__ = ["NeoHooke", "Stress"]
+
+
+def Stress(strain, young, nu, *, plane="strain"):
+    """Stress of linear elasticity, in 3D, in plane strain or in plane stress.
+
+    ``E/(1+nu) (strain + c tr(strain) I)`` with ``c = nu/(1-2 nu)`` in 3D and in plane strain, where
+    the strain across the plane is 0, and ``c = nu/(1-nu)`` in plane stress, where the stress across
+    the plane is 0.
+
+    Parameters
+    ----------
+    strain : ngsolve.CoefficientFunction, shape (2, 2) or (3, 3)
+        Small strain, such as ``Sym(Grad(u))``; tension is positive.
+    young : float or ngsolve.CoefficientFunction
+        Young's modulus E > 0, force per area. A coefficient function gives each body its own,
+        ``mesh.MaterialCF({"upper": 210e3, "lower": 70e3})``.
+    nu : float or ngsolve.CoefficientFunction
+        Poisson's ratio, between -1 and 1/2, both excluded.
+    plane : {"strain", "stress"}
+        What vanishes across the plane of a (2, 2) strain.
+
+    Returns
+    -------
+    ngsolve.CoefficientFunction
+        Stress of the shape of `strain`, force per area; tension is positive.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If `strain` has another shape, or a number is outside its range; if plane stress is asked of
+        a (3, 3) strain.
+
+    Examples
+    --------
+    Half a percent of tension across, held in the other direction:
+
+    >>> from netgen.occ import unit_square
+    >>> from ngsolve import CF, Mesh
+    >>> from ngslac.materials import Stress
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=1))
+    >>> point = mesh(0.5, 0.5)
+    >>> strain = CF((0, 0, 0, 0.005), dims=(2, 2))
+    >>> [round(s, 6) for s in Stress(strain, 200.0, 0.25)(point)]
+    [0.4, 0.0, 0.0, 1.2]
+    >>> [round(s, 6) for s in Stress(strain, 150.0, 0.25, plane="stress")(point)]
+    [0.2, 0.0, 0.0, 0.8]
+    """
+    dim = _Order("strain", strain)
+    if CheckChoice("plane", plane, ("strain", "stress")) == "stress" and dim == 3:
+        raise ValueError("plane = 'stress' needs a strain of shape (2, 2), got (3, 3)")
+    young, nu = _Moduli(young, nu)
+    share = nu / (1 - nu) if plane == "stress" else nu / (1 - 2 * nu)
+    return young / (1 + nu) * (strain + share * Trace(strain) * Id(dim))
+
+
+def NeoHooke(F, young, nu):
+    """Strain energy of a neo-Hookean body, in 3D or in plane strain.
+
+    ``mu/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F (all of its three
+    stretches), J = det F, the shear modulus mu = E/(2 (1+nu)) and the bulk modulus
+    K = E/(3 (1-2 nu)) (J. C. Simo, C. Miehe, Comput. Methods Appl. Mech. Engrg. 98 (1992) 41-104,
+    without plasticity).
+
+    Parameters
+    ----------
+    F : ngsolve.CoefficientFunction, shape (2, 2) or (3, 3)
+        Deformation gradient, ``Id(mesh.dim) + Grad(u)``. In 2D the third stretch is 1.
+    young : float or ngsolve.CoefficientFunction
+        Young's modulus E > 0 at small strains, force per area.
+    nu : float or ngsolve.CoefficientFunction
+        Poisson's ratio at small strains, between -1 and 1/2, both excluded.
+
+    Returns
+    -------
+    ngsolve.CoefficientFunction
+        Energy per volume of the reference configuration; NaN where J <= 0. For a bilinear form:
+        ``Variation(NeoHooke(F, young, nu) * dx)``.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If `F` has another shape, or a number is outside its range.
+
+    Examples
+    --------
+    >>> from netgen.occ import unit_square
+    >>> from ngsolve import Grad, GridFunction, Id, Integrate, Mesh, VectorH1, x
+    >>> from ngslac.materials import NeoHooke
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=1))
+    >>> u = GridFunction(VectorH1(mesh, order=2))
+    >>> u.Set((1e-4 * x, 0))
+    >>> E, nu = 1000.0, 0.3
+    >>> modulus = E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
+    >>> energy = Integrate(NeoHooke(Id(2) + Grad(u), E, nu), mesh)
+    >>> abs(energy / (0.5e-8 * modulus) - 1) < 1e-3
+    True
+    """
+    dim = _Order("F", F)
+    young, nu = _Moduli(young, nu)
+    shear, bulk = young / (2 * (1 + nu)), young / (3 * (1 - 2 * nu))
+    J = Det(F)
+    # In plane strain the third stretch is 1.
+    distortion = J ** (-2 / 3) * (Trace(F.trans * F) + 3 - dim) - 3
+    return shear / 2 * distortion + bulk / 4 * (J * J - 1 - 2 * log(J))
+
+
+def _Order(name, tensor):
+    """The number of rows of a tensor of second order."""
+    wanted = "a coefficient function of shape (2, 2) or (3, 3)"
+    if not isinstance(tensor, CoefficientFunction):
+        raise Wrong(TypeError, name, tensor, wanted)
+    if tuple(tensor.dims) not in ((2, 2), (3, 3)):
+        raise ValueError(f"{name} must be {wanted}, got shape {tuple(tensor.dims)}")
+    return tensor.dims[0]
+
+
+def _Moduli(young, nu):
+    """Both constants, checked: a number for its range, a function for its values' kind."""
+    return _Constant("young", young, CheckPositive), _Constant("nu", nu, _CheckPoisson)
+
+
+def _CheckPoisson(name, value):
+    return CheckNumber(name, value, "a number between -1 and 1/2", lambda nu: -1 < nu < 0.5)
+
+
+def _Constant(name, value, check):
+    given = isinstance(value, CoefficientFunction)
+    return Coefficient(name, value) if given else check(name, value)
