@@ -5,20 +5,17 @@ from __future__ import annotations
 import math
 
 import flatring
+import hertz_large
 import numpy as np
-import test_hertz_large
 import test_validation_halfring as halfring
 from _report_bounds import Both, Exact, Extrapolated, Meshes, Neglected, Spread, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import Bodies, Figure
+from problems_flattened import EnergyError, Penalty
 from problems_halfring import QuadMesh, RingMesh, RingModel
 from problems_large import Small
 from problems_pin import FORCE, PinMesh, PinModel
 from test_validation_pin import BEHIND, PUSHED
-
-from ngslac.demos import hertz_large
-from ngslac.demos._hertz_large_figures import EnergyError
-from ngslac.demos._hertz_large_pictures import OverviewPicture
 
 
 def Pin(quick):
@@ -117,23 +114,27 @@ def _Strain(force, modulus, radius=1.0):
     return math.sqrt(4 * force * radius / (math.pi * modulus)) / (2 * radius)
 
 
-def _OfSteps(figures):
+def _OfSteps(curves, error):
     """Change of the work if it is summed over pairs of steps; None if they are too few."""
-    curves = [figures[name][-15::2] for name in ("approach", "force", "energy")]
-    if len(curves[0]) < 8:
+    half = [curve[-15::2] for curve in curves]
+    if len(half[0]) < 8:
         return None
-    return Meshes(1 + figures["energy_error"], 1 + EnergyError(*curves), 2, of="steps")
+    return Meshes(1 + error, 1 + EnergyError(*half), 2, of="steps")
 
 
 def Cylinder(quick):
-    results = hertz_large.Run(h=0.2 if quick else 0.1, steps=8 if quick else 15)
-    figures = results.figures
-    small = hertz_large.Run(h=0.05 if quick else 0.02, depth=0.02, steps=2).figures
+    h = 0.2 if quick else 0.1
+    cylinder = hertz_large.Cylinder(h)
+    cylinder.Press(8 if quick else 15)
+    figures = cylinder.Figures()
+    small = hertz_large.Run(h=0.05 if quick else 0.02, depth=0.02, steps=2)
     depth, steps = 0.3, 6 if quick else 10
-    soft, stiff = (test_hertz_large.Penalty(results.problem.h, depth, steps, f) for f in (200, 800))
+    soft, stiff = (Penalty(h, depth, steps, factor) for factor in (200, 800))
     limit = stiff + (stiff - soft) / 3
-    modulus = results.problem.young / (1 - results.problem.nu**2)
+    modulus = hertz_large.YOUNG / (1 - cylinder.nu**2)
     strains = [Neglected(_Strain(force, modulus), "strains of a/(2 R)") for force in small["hertz"]]
+    curves = [figures[name] for name in ("approach", "force", "energy")]
+    error = EnergyError(*curves)
     at = "force at an approach of"
     rows = [
         Row(f"{at} 1 % of the radius", small["force"][0], small["hertz"][0], strains[0], "N/mm"),
@@ -147,13 +148,22 @@ def Cylinder(quick):
         ),
         Row(
             "work of the plates over strain energy",
-            1 + figures["energy_error"],
+            1 + error,
             1,
-            _OfSteps(figures),
+            _OfSteps(curves, error),
         ),
     ]
-    caption = "Sections at rest, half way and at the end; forces and pressures."
-    return Outcome(rows, lambda file: OverviewPicture(results, file), caption)
+    caption = "The section at the end, the forces and the pressures."
+
+    def Draw(left, middle, right):
+        Bodies(left, cylinder.mesh, cylinder.displacement, window=(0, 1.3, -0.15, 1.05))
+        for name, style in (("force", "-"), ("hertz", "k--")):
+            middle.plot([0, *figures["approach"]], [0, *figures[name]], style, label=name)
+        middle.set(xlabel="approach [mm]", ylabel="force [N/mm]")
+        middle.legend()
+        cylinder.contact.Plot("pressure", axes=right)
+
+    return Outcome(rows, Figure(Draw, columns=3), caption)
 
 
 def FlatRing(quick):
@@ -226,8 +236,8 @@ CASES = [
         "large one is compared with a penalty method, extrapolated to an infinite penalty, and "
         "the work with the energy.",
         "Johnson (1985), equation 5.56 for the approach; a penalty on the plane, by NGSolve alone "
-        "(`tests/demos/test_hertz_large.py`).",
-        "python -m ngslac.demos.hertz_large --h 0.1 --steps 15 --out results",
+        "(`tests/validation/test_validation_hertz_large.py`).",
+        "python tutorials/examples/hertz_large.py --h 0.1 --steps 15 --out results",
         Cylinder,
     ),
     Case(

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from netgen.occ import Axis, Compound, Edge, Face, OCCGeometry, Pnt, Wire, Z
+from netgen.occ import Axis, Compound, Edge, Face, OCCGeometry, Pnt, Segment, Wire, Z
 from ngsolve import CF, Integrate, Mesh
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "Label",
     "MovePoints",
     "NonMatchingDivisions",
+    "Polygon",
     "Side",
 ]
 
@@ -75,6 +76,25 @@ def Body(sides, name):
     face.name = name
     Label(face, sides)
     return face
+
+
+def Polygon(points, names, name, **counts):
+    """Return a polygon as the body ``name``.
+
+    Parameters
+    ----------
+    points : sequence of (x, y)
+        Corners, counter-clockwise.
+    names : sequence of str
+        Of the sides; the first one is between the first two corners.
+    name : str
+        Of the body.
+    **counts : int
+        Name of a side -> its number of equal parts.
+    """
+    corners = [Pnt(*point, 0) for point in points]
+    sides = zip(corners, [*corners[1:], corners[0]], names, strict=True)
+    return Body([Side(Segment(p, q), side, counts.get(side)) for p, q, side in sides], name)
 
 
 def Label(shape, sides):

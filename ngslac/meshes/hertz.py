@@ -16,6 +16,7 @@ from ngslac.meshes.geometry import (
     Divisions,
     GenerateMesh,
     NonMatchingDivisions,
+    Polygon,
     Side,
 )
 
@@ -177,16 +178,12 @@ def _CylinderArcs(zone, ns, side):
 def _Block(width, height, end, nm, half):
     """The block below y = 0, its master edge from the symmetry line (or -end) to end."""
     left = 0 if half else -width
-    points = [Pnt(left, -height, 0), Pnt(width, -height, 0), Pnt(width, 0, 0), Pnt(end, 0, 0)]
+    points = [(left, -height), (width, -height), (width, 0), (end, 0)]
     names = ["bottom", "side", "top", "master"]
     if half:
-        points += [Pnt(0, 0, 0)]
+        points += [(0, 0)]
         names += ["sym"]
     else:
-        points += [Pnt(-end, 0, 0), Pnt(left, 0, 0)]
+        points += [(-end, 0), (left, 0)]
         names += ["top", "side"]
-    edges = [
-        Side(Segment(p, q), name, nm if name == "master" else None)
-        for p, q, name in zip(points, [*points[1:], points[0]], names, strict=True)
-    ]
-    return Body(edges, "block")
+    return Polygon(points, names, "block", master=nm)
