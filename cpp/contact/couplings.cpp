@@ -1,5 +1,5 @@
 #include "couplings.hpp"
-#include "indexmap.hpp"
+#include "linear/indexmap.hpp"
 #include <unordered_map>
 
 namespace ngslac {

@@ -1,7 +1,7 @@
-#include "blocksum.hpp"
 #include "bodycompliance.hpp"
 #include "couplings.hpp"
 #include "formbase.hpp"
+#include "linear/blocksum.hpp"
 #include "selfcontact.hpp"
 
 namespace ngslac {

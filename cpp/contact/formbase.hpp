@@ -2,8 +2,8 @@
 #include "coefficients.hpp"
 #include "compliance.hpp"
 #include "contactform.hpp"
-#include "eliminate.hpp"
-#include "scatter.hpp"
+#include "linear/eliminate.hpp"
+#include "linear/scatter.hpp"
 
 namespace ngslac {
 template <int D>

@@ -1,19 +1,6 @@
 #include "jump.hpp"
 
 namespace ngslac {
-shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && table) {
-  size_t n = table.Size();
-  Array<int> sizes(n);
-  ParallelFor(n, [&](size_t i) {
-    QuickSort(table[i]);
-    sizes[i] = std::unique(table[i].begin(), table[i].end()) - table[i].begin();
-  });
-  auto mat = make_shared<SparseMatrix<double>>(sizes, n);
-  ParallelFor(n, [&](size_t i) { mat->GetRowIndices(i) = table[i].Range(0, sizes[i]); });
-  mat->SetZero();
-  return mat;
-}
-
 template <int D>
 shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,
                                               size_t ndof) {

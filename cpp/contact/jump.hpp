@@ -70,9 +70,6 @@ private:
   Array<JumpEntry<D>> entries;
 };
 
-/// A zero matrix with the columns of each row in any order, maybe several times.
-shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && columns);
-
 /// A zero matrix with the entries that contact needs: the multipliers of a macro-element couple
 /// with each other and with the displacements of both sides.
 template <int D>

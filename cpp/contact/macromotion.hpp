@@ -1,8 +1,8 @@
 #pragma once
 #include "direction.hpp"
 #include "faceshapes.hpp"
+#include "linear/scatter.hpp"
 #include "ray.hpp"
-#include "scatter.hpp"
 
 namespace ngslac {
 /// Both surfaces in one configuration, and how they move with the dofs.

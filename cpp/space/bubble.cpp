@@ -1,5 +1,5 @@
 #include "bubble.hpp"
-#include "split.hpp"
+#include "mesh/split.hpp"
 
 #include <prolongation.hpp>
 

@@ -1,6 +1,6 @@
 #include "bubblearguments.hpp"
-#include "patterns.hpp"
-#include "split.hpp"
+#include "mesh/patterns.hpp"
+#include "mesh/split.hpp"
 
 namespace ngslac {
 namespace {

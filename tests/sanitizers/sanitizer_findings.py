@@ -11,7 +11,7 @@ START = re.compile(
 )
 FRAME = re.compile(r"^\s+#\d+ 0x[0-9a-f]+ (?:in )?(?P<frame>.*)$")
 OURS = re.compile(
-    r"/cpp/(surface|pairing|space|contact|solve)/|/cpp/\w+\.[ch]pp|/_?ngslac[^/]*\.so"
+    r"/cpp/(linear|mesh|surface|pairing|space|contact)/|/cpp/\w+\.[ch]pp|/_?ngslac[^/]*\.so"
 )
 VARYING = re.compile(r"( on address |\bat pc\b).*|0x[0-9a-f]+|-?\d+(\.\d+)?(e[+-]?\d+)?")
 # Errors of the wheel. What it hands to Python, such as mesh[el].GetTrafo() or fes.GetFE(el), it has

@@ -1,8 +1,21 @@
 #include "eliminate.hpp"
 #include "indexmap.hpp"
-#include "jump.hpp"
 
 namespace ngslac {
+/// A zero matrix with the columns of each row in any order, maybe several times.
+static shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && table) {
+  size_t n = table.Size();
+  Array<int> sizes(n);
+  ParallelFor(n, [&](size_t i) {
+    QuickSort(table[i]);
+    sizes[i] = std::unique(table[i].begin(), table[i].end()) - table[i].begin();
+  });
+  auto mat = make_shared<SparseMatrix<double>>(sizes, n);
+  ParallelFor(n, [&](size_t i) { mat->GetRowIndices(i) = table[i].Range(0, sizes[i]); });
+  mat->SetZero();
+  return mat;
+}
+
 template <int D>
 shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double> & mat,
                                                       FlatArray<int> multipliers,

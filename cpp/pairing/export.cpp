@@ -19,7 +19,7 @@ static Points ToPoints(const Polygon & polygon) {
 }
 
 /// The plane geometry of the pairing, for its tests. Polygons are lists of corners.
-void ExportPolygon(py::module & m) {
+void ExportPairing(py::module & m) {
   m.def(
       "PolygonIntersection",
       [](const Points & p, const Points & q, double tolerance) {

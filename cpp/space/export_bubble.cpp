@@ -1,7 +1,5 @@
 #include "bubble.hpp"
 #include "bubblearguments.hpp"
-#include "fingerprint.hpp"
-#include "split.hpp"
 
 #include <python_comp.hpp>
 
@@ -20,33 +18,7 @@ static void SetSlaveFlag(py::object slave, Flags * flags, py::list /* info */) {
   flags->SetFlag("slave", numbers);
 }
 
-static bool HoldsProxy(CoefficientFunction & function) {
-  bool holds = false;
-  function.TraverseTree(
-      [&](CoefficientFunction & part) { holds = holds || dynamic_cast<ProxyFunction *>(&part); });
-  return holds;
-}
-
-void ExportMeshTools(py::module & m) {
-  m.def(
-      "SplitSlaveFaces",
-      [](shared_ptr<MeshAccess> mesh, const Region & slave, const string & hexes) {
-        return SplitSlaveFaces(mesh, slave, hexes);
-      },
-      py::arg("mesh"), py::arg("slave"), py::arg("hexes") = "pyramids",
-      "New mesh with the slave faces split; see ngslac.SplitSlaveFaces");
-
-  m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
-        "A number that differs for spaces that number the dofs of their elements in different "
-        "ways.");
-
-  m.def(
-      "IsAssembled", [](LinearForm & form) { return form.IsAssembled(); }, py::arg("form"),
-      "Was a LinearForm ever assembled?");
-
-  m.def("HoldsProxy", &HoldsProxy, py::arg("function"),
-        "Does a function hold a trial or test function, which has no values?");
-
+void ExportBubble(py::module & m) {
   auto space = ExportFESpace<BubbleVectorH1FESpace, VectorH1FESpace>(m, "BubbleVectorH1");
   space.def_static("__special_treated_flags__", [] {
     py::dict special = py::type::of<FESpace>().attr("__special_treated_flags__")();

@@ -16,7 +16,7 @@ FlatVector<> View(const Numbers & values, const Condensation & self) {
 }
 } // namespace
 
-void ExportCondense(py::module & m) {
+void ExportLinear(py::module & m) {
   py::class_<Condensation, shared_ptr<Condensation>, BaseMatrix>(
       m, "Condensation",
       "Newton system without multipliers: each macro-element's multiplier and one inner node of "
@@ -89,20 +89,5 @@ void ExportCondense(py::module & m) {
       m, "TwoLevelProduct",
       "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
       .def(py::init<shared_ptr<TwoLevel>>(), py::arg("preconditioner").none(false));
-  m.def(
-      "VertexDofs",
-      [](const FESpace & fes) {
-        auto bits = make_shared<BitArray>(fes.GetNDof());
-        bits->Clear();
-        Array<DofId> dofs;
-        for (size_t v : Range(fes.GetMeshAccess()->GetNV())) {
-          fes.GetDofNrs(NodeId(NT_VERTEX, v), dofs);
-          for (auto dof : dofs)
-            if (IsRegularDof(dof))
-              bits->SetBit(dof);
-        }
-        return bits;
-      },
-      py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
 }
 } // namespace ngslac

@@ -1,0 +1,122 @@
+#include "contactform.hpp"
+#include "linear/merge.hpp"
+#include "tonumpy.hpp"
+
+namespace ngslac {
+namespace {
+using History = std::map<string, py::array_t<double, py::array::c_style | py::array::forcecast>>;
+
+FormHistory FromNumPy(const History & history) {
+  FormHistory copy;
+  for (auto & [name, values] : history)
+    copy[name] = FlatArray<double>(values.size(), const_cast<double *>(values.data()));
+  return copy;
+}
+} // namespace
+
+void ExportContact(py::module & m) {
+  py::enum_<Side>(m, "Side")
+      .value("slave", Side::slave)
+      .value("master", Side::master)
+      .value("both", Side::both);
+  py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
+      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                       shared_ptr<CoefficientFunction> friction,
+                       shared_ptr<CoefficientFunction> tresca, bool tied, bool finite,
+                       double maxdist, double penetration) {
+             return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
+                                                     tied, finite, maxdist, penetration});
+           }),
+           py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
+           py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
+           py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("tied") = false,
+           py::arg("finite") = false, py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
+      .def(
+          "Update",
+          [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
+            auto copy = history ? FromNumPy(*history) : FormHistory();
+            py::gil_scoped_release release;
+            self.Update(gf, history ? &copy : nullptr);
+          },
+          py::arg("gf") = nullptr, py::arg("history") = nullopt)
+      .def("CheckPaired", &ContactForm::CheckPaired)
+      .def(
+          "SetStiffness",
+          [](ContactForm & self, const BaseMatrix & bulk, double factor) {
+            auto diagonal = ScalarDiagonal(bulk);
+            self.SetStiffness(FlatVector<>(diagonal.Size(), diagonal.Data()), factor);
+          },
+          py::arg("bulk"), py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
+      .def("SetConstant", &ContactForm::SetConstant, py::arg("c"))
+      .def("Follow", &ContactForm::Follow, py::call_guard<py::gil_scoped_release>())
+      .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())
+      .def("AssembleLinearization", &ContactForm::AssembleLinearization,
+           py::call_guard<py::gil_scoped_release>())
+      .def("AssembleStep", &ContactForm::AssembleStep, py::call_guard<py::gil_scoped_release>())
+      .def("BeginSolve", &ContactForm::BeginSolve)
+      .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
+      .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
+      .def("Restore", &ContactForm::Restore)
+      .def("History",
+           [](ContactForm & self) {
+             py::dict history;
+             for (auto & [name, values] : self.History())
+               history[name.c_str()] = ToNumPy(values);
+             return history;
+           })
+      .def("SetHistory",
+           [](ContactForm & self, const History & history) { self.SetHistory(FromNumPy(history)); })
+      .def(
+          "AssembleAugmented",
+          [](ContactForm & self, const BaseVector & x, BaseVector & residual, double factor)
+              -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual, factor); },
+          py::arg("x"), py::arg("residual"), py::arg("factor") = 1.0,
+          py::call_guard<py::gil_scoped_release>())
+      .def(
+          "AssembleSprings",
+          [](ContactForm & self, const BaseVector & x,
+             py::array_t<double, py::array::c_style | py::array::forcecast> stiffness)
+              -> shared_ptr<BaseMatrix> {
+            FlatArray<double> values(stiffness.size(), stiffness.mutable_data());
+            py::gil_scoped_release release;
+            return self.AssembleSprings(x, values);
+          },
+          py::arg("x"), py::arg("stiffness"))
+      .def("UpdateMultipliers", &ContactForm::UpdateMultipliers, py::arg("x"),
+           py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
+      .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
+      .def("JumpMatrix",
+           [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
+             return self.JumpMatrix(side);
+           })
+      .def("Vectors", [](ContactForm & self, string name) { return ToNumPy(self.Vectors(name)); })
+      .def("Scalars", [](ContactForm & self, string name) { return ToNumPy(self.Scalars(name)); })
+      .def("States",
+           [](ContactForm & self) {
+             Array<double> values;
+             for (auto & s : self.States())
+               AppendState(values, s);
+             return ToNumPy(values);
+           })
+      .def("MultiplierDofs",
+           [](ContactForm & self) { return ToNumPy(Array<int>(self.MultiplierDofs())); })
+      .def("Segments",
+           [](ContactForm & self) {
+             auto table = self.Segments();
+             return py::make_tuple(ToNumPy(table.values), ToNumPy(table.corners),
+                                   ToNumPy(table.first));
+           })
+      .def("Overlaps", [](ContactForm & self) { return ToNumPy(self.Overlaps()); })
+      .def_property_readonly("nsegments", &ContactForm::NSegments)
+      .def_property_readonly("space", &ContactForm::Space)
+      .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })
+      .def_property_readonly("offset", [](ContactForm & self) { return self.U().offset; })
+      .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
+      .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
+      .def_property_readonly("paired", &ContactForm::IsPaired)
+      .def_property_readonly("current", &ContactForm::IsCurrent)
+      .def_property_readonly(
+          "mat", [](ContactForm & self) -> shared_ptr<BaseMatrix> { return self.Mat(); });
+}
+} // namespace ngslac

@@ -1,0 +1,27 @@
+#include <python_comp.hpp>
+
+namespace ngslac {
+namespace py = pybind11;
+
+void ExportMesh(py::module & m);
+void ExportPairing(py::module & m);
+void ExportSpace(py::module & m);
+void ExportBubble(py::module & m);
+void ExportQueries(py::module & m);
+void ExportLinear(py::module & m);
+void ExportContact(py::module & m);
+void ExportSystem(py::module & m);
+} // namespace ngslac
+
+PYBIND11_MODULE(_ngslac, m) {
+  using namespace ngslac;
+  py::module_::import("ngsolve"); // its types must be registered first
+  ExportMesh(m);
+  ExportPairing(m);
+  ExportSpace(m);
+  ExportBubble(m);
+  ExportQueries(m);
+  ExportLinear(m);
+  ExportContact(m);
+  ExportSystem(m);
+}

@@ -1,0 +1,42 @@
+#include "fingerprint.hpp"
+
+#include <python_comp.hpp>
+
+namespace ngslac {
+static bool HoldsProxy(CoefficientFunction & function) {
+  bool holds = false;
+  function.TraverseTree(
+      [&](CoefficientFunction & part) { holds = holds || dynamic_cast<ProxyFunction *>(&part); });
+  return holds;
+}
+
+/// What spaces, forms and functions of NGSolve know, but do not tell Python.
+void ExportQueries(py::module & m) {
+  m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
+        "A number that differs for spaces that number the dofs of their elements in different "
+        "ways.");
+
+  m.def(
+      "IsAssembled", [](LinearForm & form) { return form.IsAssembled(); }, py::arg("form"),
+      "Was a LinearForm ever assembled?");
+
+  m.def("HoldsProxy", &HoldsProxy, py::arg("function"),
+        "Does a function hold a trial or test function, which has no values?");
+
+  m.def(
+      "VertexDofs",
+      [](const FESpace & fes) {
+        auto bits = make_shared<BitArray>(fes.GetNDof());
+        bits->Clear();
+        Array<DofId> dofs;
+        for (size_t v : Range(fes.GetMeshAccess()->GetNV())) {
+          fes.GetDofNrs(NodeId(NT_VERTEX, v), dofs);
+          for (auto dof : dofs)
+            if (IsRegularDof(dof))
+              bits->SetBit(dof);
+        }
+        return bits;
+      },
+      py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
+}
+} // namespace ngslac
