@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 
+import ironing
 import numpy as np
 from _report_bounds import Exact, Spread, Tolerance
 from _report_case import Case, Outcome, Row
+from _report_pictures import Bodies, Figure
 
-from ngslac.demos import ironing, twistblocks
-from ngslac.demos._ironing_pictures import OverviewPicture
-from ngslac.demos._ironing_reference import DECK, DECK_SMOOTH, PUBLISHED, TIMES
+from ngslac.demos import twistblocks
 from ngslac.demos._twistblocks_figures import MEAN_DISTANCE
 from ngslac.demos._twistblocks_pictures import OverviewPicture as TwistPicture
+from ngslac.reference.ironing import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
 CODE_ASTER = PUBLISHED["code_aster 2020"]
 
@@ -25,13 +26,13 @@ def _Others(force, k, time):
 
 
 def Ironing(quick):
-    size = (
-        {"h": 0.5, "steps": 16, "stroke": 1.5} if quick else {"h": 0.3, "steps": 44, "stroke": 5.0}
-    )
-    rough = ironing.Run(**size)
+    h, steps, stroke = (0.5, 16, 1.5) if quick else (0.3, 44, 5.0)
+    model = ironing.Ironing(h)
+    model.Iron(steps, stroke)
+    rough = model.Figures()
 
-    def At(results, key, time):
-        return float(np.interp(time, results.figures["time"], results.figures[f"{key}_force"]))
+    def At(figures, key, time):
+        return float(np.interp(time, figures["time"], figures[f"{key}_force"]))
 
     rows = []
     for time in (0.6, 1.0) if quick else (0.6, 1.0, 1.5):
@@ -43,14 +44,19 @@ def Ironing(quick):
         for k, (key, force) in enumerate(zip(("vertical", "horizontal"), forces, strict=True)):
             text = f"{key} force at t = {time:g}, test deck"
             rows.append(Row(text, At(rough, key, time), force, _Others(force, k, time), "N/mm"))
-    smooth = None if quick else ironing.Run(**size | {"steps": 30, "stroke": 0.5}, friction=0.0)
+    smooth = None if quick else ironing.Run(h=h, steps=30, stroke=0.5, friction=0.0)
     for time, force in {} if quick else DECK_SMOOTH.items():
         text = f"frictionless: vertical force at t = {time:g}, test deck"
         rows.append(Row(text, At(smooth, "vertical", time), force, unit="N/mm"))
-    done = rough.figures["converged_steps"] / rough.figures["steps"]
+    done = rough["converged_steps"] / steps
     rows.append(Row("share of the steps that converged", done, 1, Exact()))
-    caption = "Deformed states, and the forces of this computation beside the published ones."
-    return Outcome(rows, lambda file: OverviewPicture(rough, file), caption)
+    caption = "The end, and the forces of this computation (lines) beside the published ones."
+
+    def Draw(left, right):
+        Bodies(left, model.mesh, model.displacement)
+        ironing.DrawForces(right, rough)
+
+    return Outcome(rows, Figure(Draw, columns=2), caption)
 
 
 def Twist(quick):
@@ -102,7 +108,7 @@ CASES = [
         "curve read from a figure and the numbers of its test decks.",
         "Fischer and Wriggers, Comput. Methods Appl. Mech. Engrg. 195 (2006); code_aster, tests "
         "SSNP153 and CONT003.",
-        "python -m ngslac.demos.ironing --h 0.3 --steps 44 --stroke 5 --out results",
+        "python tutorials/examples/ironing.py --h 0.3 --steps 44 --stroke 5 --out results",
         Ironing,
     ),
     Case(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from notebooks import Errors, Execute, Pictures
 
-from ngslac.demos._ironing_reference import DECK, PUBLISHED, TIMES
+from ngslac.reference.ironing import DECK, PUBLISHED, TIMES
 
 pytestmark = pytest.mark.slow
 
@@ -50,7 +50,7 @@ def test_steps_of_the_stroke(sliding):
     assert np.all(slipping[sliding_all] >= 4)
 
 
-def test_published_forces_are_those_of_the_demo(sliding):
+def test_published_forces_are_those_of_the_package(sliding):
     values = sliding[0]
     at = [TIMES.index(time) for time in values["times"]]
     assert list(values["published"]) == list(PUBLISHED)

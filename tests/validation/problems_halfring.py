@@ -9,6 +9,7 @@ rests on two places that move outwards. x counts from the plane of symmetry.
 from itertools import pairwise
 
 import numpy as np
+from driven import RigidMotion
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
@@ -16,7 +17,6 @@ from ngsolve import Mesh, VectorH1
 from problems_large import Hencky, Model
 
 from ngslac import BubbleVectorH1
-from ngslac.demos._ironing_motion import RigidMotion
 
 YOUNG = {"inner": 1e5, "outer": 1e3, "block": 300.0}  # MPa
 RADII = (90.0, 95.0, 100.0)

@@ -7,10 +7,9 @@ and the logarithmic strain gives a stiffer block than that.
 """
 
 import pytest
+from ironing import Quadratic
 from problems_cb1 import FORCE, PUBLISHED, CylinderModel
 from problems_large import Hencky
-
-from ngslac.demos._ironing_figures import Quadratic
 
 AXIS = (0.0, 0.0)
 

@@ -8,9 +8,8 @@ own mesh they are met to within what code_aster's own variants differ by.
 
 import numpy as np
 import pytest
+from ironing import Quadratic
 from problems_halfring import PA, PB, QuadMesh, RingMesh, RingModel
-
-from ngslac.demos._ironing_figures import Quadratic
 
 # SSNP165 by the friction: time -> DY of PA, DY of PB. Variants a and b: logarithmic strain, contact
 # in nodes, inertia (negligible before the ring buckles).
