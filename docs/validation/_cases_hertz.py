@@ -5,30 +5,28 @@ from __future__ import annotations
 import numpy as np
 from _report_bounds import Exact, Means, Meshes, Neglected, Rounding, Spread, Tolerance
 from _report_case import Case, Outcome, Row
-from _report_pictures import INK, Figure, Profile
+from _report_pictures import INK, Bodies, Figure, Profile
+from hertz import Exact as Hertz
+from hertzline import Pressed, Values
 from problems_cb1 import PUBLISHED, CylinderModel
 from test_validation_nafems import DISPLACEMENT, FRICTION
 from test_validation_nafems import Outcome as Benchmark
-
-from ngslac.demos import hertz
-from ngslac.demos._multiplier_picture import MultiplierPicture
 
 # An independent program with the same multipliers: p(0) with friction.
 INDEPENDENT = {0.1: 3640.0, 0.2: 3641.7}
 HALF_PLANES = 1.018  # what friction 0.2 does to p(0) of half-planes, from coupled equations
 
 
-def L2(results):
+def L2(macros):
     """Error of the pressure against the means of Hertz', relative in L2."""
-    macros, exact = results.states[-1].macros, results.problem.Hertz()
-    means = exact.MeanPressure(macros["start"], macros["end"])
+    means = Hertz().MeanPressure(macros["start"], macros["end"])
     size = macros["end"] - macros["start"]
     return float(np.sqrt(size @ (macros["pressure"] - means) ** 2 / (size @ means**2)))
 
 
-def MeansError(results):
+def MeansError(macros):
     """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    macros, exact = results.states[-1].macros, results.problem.Hertz()
+    exact = Hertz()
     means = exact.MeanPressure(macros["start"], macros["end"])
     size = macros["end"] - macros["start"]
     # Half of the contact: the square of a semi-ellipse with axes 1 and a has the integral 2a/3.
@@ -36,17 +34,17 @@ def MeansError(results):
     return float(np.sqrt(whole / (size @ means**2) - 1))
 
 
-def Peak(results):
-    return results.states[-1].macros["pressure"][0]
+def Peak(problem):
+    return problem.states[-1]["pressure"][0]
 
 
 def Hertz2D(quick):
     h = 1.0 if quick else 0.25
-    smooth = hertz.Run(h=h, friction=0.0, steps=1)
+    smooth = Pressed(h=h, friction=0.0, steps=1).states[-1]
     steps = 2 if quick else 10
-    rough, rougher = (hertz.Run(h=k * max(h, 0.5), friction=0.2, steps=steps) for k in (1, 2))
-    exact, figures, macros = smooth.problem.Hertz(), smooth.figures, rough.states[-1].macros
-    largest = [abs(r.states[-1].macros["traction"]).max() for r in (rough, rougher)]
+    rough, rougher = (Pressed(h=k * max(h, 0.5), friction=0.2, steps=steps) for k in (1, 2))
+    exact, figures, macros = Hertz(), Values(smooth), rough.states[-1]
+    largest = [abs(r.states[-1]["traction"]).max() for r in (rough, rougher)]
     half_planes = Neglected((exact.halfwidth / 50) ** 2, "(a/R)^2")
     meshes = Meshes(Peak(rough), Peak(rougher), 2)
     rows = [
@@ -54,26 +52,29 @@ def Hertz2D(quick):
         Row("half width", figures["contact_edge_estimate"], exact.halfwidth, half_planes, "mm"),
         Row("error of the pressure in L2", L2(smooth), 0, Means(MeansError(smooth))),
         Row("contact force over load", figures["force_ratio"], 1, Tolerance()),
-        Row("friction 0.2: p(0) over p0", rough.figures["p0_ratio"], HALF_PLANES, half_planes),
+        Row("friction 0.2: p(0) over p0", Values(macros)["p0_ratio"], HALF_PLANES, half_planes),
         Row("friction 0.2: p(0)", Peak(rough), INDEPENDENT[0.2], meshes, "MPa"),
         Row("friction 0.2: largest traction", largest[0], 247.0, Meshes(*largest, 2), "MPa"),
-        Row("friction 0.2: contact force over load", rough.figures["force_ratio"], 1, Tolerance()),
+        Row("friction 0.2: contact force over load", macros["force_ratio"], 1, Tolerance()),
     ]
 
-    def Draw(file):
-        window = {"window": (0, 9, -6.2, 2.8), "limit": 9}
-        MultiplierPicture(
-            rough.mesh,
-            rough.displacement,
-            macros,
-            file,
-            exact=exact.Pressure,
-            friction=0.2,
-            **window,
-        )
+    def Draw(bodies, left, right):
+        Bodies(bodies, rough.mesh, rough.displacement, window=(0, 9, -6.2, 2.8))
+        spans, x = (macros["start"], macros["end"]), np.linspace(0, 9, 500)
+        Profile(left, *spans, macros["pressure"], macros["status"])
+        left.plot(x, exact.Pressure(x), color=INK, lw=0.8, label="Hertz, no friction")
+        Profile(right, *spans, macros["traction"], macros["status"])
+        bound = -0.2 * macros["pressure"]
+        right.step(macros["end"], bound, where="pre", color=INK, lw=0.8, label="-0.2 p")
+        left.set_ylabel("pressure [MPa]")
+        right.set_ylabel("tangential traction [MPa]")
+        for ax in (left, right):
+            ax.set_xlim(0, 9)
+            ax.set_xlabel("x [mm]")
+            ax.legend()
 
     caption = "Friction 0.2: deformed interface, pressure against Hertz', tangential traction."
-    return Outcome(rows, Draw, caption)
+    return Outcome(rows, Figure(Draw, columns=3, size=(12, 3.8)), caption)
 
 
 def Nafems(quick):
@@ -119,14 +120,14 @@ def Nafems(quick):
 
 def Frame(quick):
     options = {"h": 1.0 if quick else 0.5, "friction": 0.2, "steps": 1 if quick else 3}
-    before = hertz.Run(**options, half=False)
+    before = Pressed(**options, full=True)
     changes = {"rotated by 37 degrees": {"angle": 37.0}}
     changes["in metres and pascals"] = {"length": 1e-3, "stress": 1e6}
     rows, curves = [], {}
-    first = before.states[-1].macros
+    first = before.states[-1]
     for name, change in changes.items():
-        after = hertz.Run(**options, half=False, **change)
-        last = after.states[-1].macros
+        after = Pressed(**options, full=True, **change)
+        last = after.states[-1]
         for key in ("pressure", "traction"):
             error = np.abs(last[key] - first[key]).max() / first["pressure"].max()
             rows.append(Row(f"{name}: change of the {key} over p0", error, 0, Rounding()))
@@ -158,7 +159,7 @@ CASES = [
         "Johnson, Contact Mechanics (1985), section 4.2, as `HertzLine`; with friction a program "
         "of others with the same multipliers (3641.7 MPa; 240 to 254 MPa on several meshes), "
         "and the coupled equations of half-planes (`tests/validation/problems_punch.py`).",
-        "python -m ngslac.demos.hertz --h 0.25 --friction 0",
+        "python tutorials/examples/hertz.py --h 0.25 --friction 0",
         Hertz2D,
     ),
     Case(

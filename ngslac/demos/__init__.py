@@ -2,5 +2,5 @@
 
 Every demo is a module with a function ``Run``, started from the command line by::
 
-    python -m ngslac.demos.hertz --h 0.5 --out results
+    python -m ngslac.demos.hertz3d --out results
 """

@@ -22,22 +22,18 @@ from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
+from _scaling_problems import HERTZ_FORCE, Bulk
 from ngsolve import (
     BilinearForm,
-    Grad,
     GridFunction,
-    InnerProduct,
-    Sym,
     TaskManager,
     VectorH1,
-    dx,
 )
 
 import ngslac.linear.solver
 from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac._ngslac import ContactForm
 from ngslac.bodies.bodies import Bodies
-from ngslac.demos.hertz import FORCE, Problem, Stress
 from ngslac.linear.factor import OneBLASThread
 from ngslac.linear.solver import LinearSolver
 from ngslac.meshes import HertzMesh, PointForce
@@ -130,10 +126,10 @@ class StopWatch:
 # ---------------------------------------------------------------- the two problems
 
 
-def Bulk(space, mesh, u, v):
+def BulkForm(space, mesh, u, v):
     """The elastic energy's derivative."""
     form = BilinearForm(space)
-    form += InnerProduct(Stress(Problem(), mesh, Sym(Grad(u))), Sym(Grad(v))) * dx
+    form += Bulk(mesh, u, v)
     return form
 
 
@@ -142,26 +138,26 @@ def ContactStep(mesh, friction, inverse):
     V = VectorH1(mesh, order=2, dirichletx="sym", dirichlety="bottom")
     X = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
-    bulk = Bulk(X, mesh, u, v)
+    bulk = BulkForm(X, mesh, u, v)
     contact = LACContact(u, lam, master="master", friction=friction or None)
-    load = PointForce(X, (0, -STEP * FORCE / 2), component=0)
+    load = PointForce(X, (0, -STEP * HERTZ_FORCE), component=0)
     gf = GridFunction(X)
     watch = StopWatch()
     with watch.Running():
         contact.Update(gf)
         last = ContactSolver(bulk, gf, contact, rhs=load, inverse=inverse).Solve(printing=False)
-    return last.number, float(contact.Force()[1] / (STEP * FORCE / 2)), watch.seconds
+    return last.number, float(contact.Force()[1] / (STEP * HERTZ_FORCE)), watch.seconds
 
 
 def ElasticSolve(mesh, inverse):
     """Assemble and solve linear elasticity; returns the seconds and the relative residual."""
     V = VectorH1(mesh, order=2, dirichletx="sym", dirichlety="bottom|slave")
     u, v = V.TnT()
-    load = PointForce(V, (0, -STEP * FORCE / 2))
+    load = PointForce(V, (0, -STEP * HERTZ_FORCE))
     gf = GridFunction(V)
     start = time.perf_counter()
     with OneBLASThread():
-        form = Bulk(V, mesh, u, v).Assemble()
+        form = BulkForm(V, mesh, u, v).Assemble()
         gf.vec.data = form.mat.Inverse(V.FreeDofs(), inverse=inverse) * load
     seconds = time.perf_counter() - start
     residual = load.CreateVector()

@@ -142,14 +142,14 @@ def test_snippets_share_their_names_and_errors_have_lines(tmp_path):
 def test_commands_are_found(tmp_path, monkeypatch, capsys):
     file = tmp_path / "page.md"
     file.write_text(
-        "```bash\ncd x && python -m ngslac.demos.hertz --out results\npip install x\n```\n"
+        "```bash\ncd x && python tutorials/examples/hertz.py --out results\npip install x\n```\n"
         "and `python tests/benchmarks/scaling.py`\n"
     )
     assert Commands(file) == [
-        ("ngslac.demos.hertz", "--out results"),
         ("tests/benchmarks/scaling.py", ""),
+        ("tutorials/examples/hertz.py", "--out results"),
     ]
-    Parse("ngslac.demos.hertz", "--out results", monkeypatch)
+    Parse("tutorials/examples/hertz.py", "--out results", monkeypatch)
     with pytest.raises(SystemExit):
-        Parse("ngslac.demos.hertz", "--no-such-option", monkeypatch)
+        Parse("tutorials/examples/hertz.py", "--no-such-option", monkeypatch)
     assert "unrecognized" in capsys.readouterr().err

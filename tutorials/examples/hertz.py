@@ -1,0 +1,209 @@
+"""The frictional Hertz problem of the LAC paper: a cylinder is pressed on a block.
+
+Plane strain, small strains. Cylinder of diameter 100 mm (E = 210 GPa) on a block of side 200 mm
+(E = 70 GPa), nu = 0.3, friction 0.2, loaded by a force of 35 kN/mm at its top in equal steps.
+Half of it is computed. Start it with::
+
+    python tutorials/examples/hertz.py --out results
+
+Hertz' solution (Johnson, Contact Mechanics, 1985, section 4.2) has no friction. Friction raises the
+pressure at the origin by about 1.6 %.
+"""
+
+import math
+import time
+
+import numpy as np
+from command import Count, NotNegative, Options, Positive, Start
+from ngsolve import (
+    BND,
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Parameter,
+    Sym,
+    TaskManager,
+    VectorH1,
+    VTKOutput,
+    ds,
+    dx,
+)
+
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
+from ngslac.materials import Stress
+from ngslac.meshes import HertzMesh
+from ngslac.reference import HertzLine
+
+YOUNG = {"cylinder": 210e3, "block": 70e3}  # MPa
+NU, RADIUS, FORCE = 0.3, 50.0, 35e3  # the latter in mm and N/mm
+
+
+def Exact(t=1.0):
+    """Hertz' solution at the load factor t."""
+    one, two = YOUNG["cylinder"], YOUNG["block"]
+    return HertzLine(force=FORCE * t, radius1=RADIUS, young1=one, nu1=NU, young2=two, nu2=NU)
+
+
+def Displacements(order=2, h=0.5, stabilize="none", full=False, **placed):
+    """Their space, held at the bottom and on the line of symmetry.
+
+    Order 1 has macro-elements of two faces, unless `stabilize` is "bubble" or "split".
+    """
+    mesh = HertzMesh(h, order=max(2, order), half=not full, **placed)
+    flags = {"order": order, "dirichletx": "bottom|sym", "dirichlety": "bottom"}
+    if stabilize == "bubble":
+        return BubbleVectorH1(mesh, slave="slave", **flags)
+    return VectorH1(SplitSlaveFaces(mesh, "slave") if stabilize == "split" else mesh, **flags)
+
+
+class Hertz:
+    """Bodies, load and solver; `states` has an entry for each load step.
+
+    One millimetre is `length` and one MPa `stress` in the units of the computation, and the full
+    model can be turned by `angle` in degrees: the states, in mm and MPa, do not depend on these.
+    """
+
+    def __init__(self, friction=0.2, full=False, length=1.0, stress=1.0, angle=0.0, **options):
+        if angle and not full:
+            raise ValueError(f"angle = {angle}: the half model cannot be turned, use full=True")
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        self.frame = np.array([[c, s], [-s, c]])  # directions along the block, and up
+        self.length, self.unit, self.friction, self.states = length, stress, friction, []
+        self.load = FORCE * length * stress * (1 if full else 0.5)
+        V = Displacements(full=full, scale=length, angle=angle, **options)
+        self.mesh = V.mesh
+        X = V * LACSpace(V, slave="slave")
+        (u, lam), (v, _) = X.TnT()
+        t, self.gf = Parameter(0.0), GridFunction(X)
+        self.displacement = self.gf.components[0]
+        young = self.mesh.MaterialCF({name: E * stress for name, E in YOUNG.items()})
+        right, up = (CF(tuple(direction)) for direction in self.frame)
+        a = BilinearForm(X)
+        a += InnerProduct(Stress(Sym(Grad(u)), young, NU), Sym(Grad(v))) * dx
+        a += t * self.load * InnerProduct(up, v) * ds(definedon=self.mesh.BBoundaries("load"))
+        if full:  # springs against rolling, without force by symmetry
+            axis = ds(definedon=self.mesh.BBoundaries("load|foot"))
+            a += YOUNG["cylinder"] * stress * InnerProduct(right, u) * InnerProduct(right, v) * axis
+        self.stress = Stress(Sym(Grad(self.displacement)), young, NU)
+        self.contact = LACContact(u, lam, master="master", friction=friction or None)
+        self.stepper = LoadStepper(ContactSolver(a, self.gf, self.contact), t)
+        self.spans = self._Spans(X.components[1].macros)
+
+    def _Spans(self, macros):
+        """First and last x of each macro-element, from the ends of its faces."""
+        spans = np.full((max(macros) + 1, 2), (np.inf, -np.inf))
+        for el, macro in zip(self.mesh.Elements(BND), macros, strict=True):
+            if macro >= 0:
+                points = np.array([self.mesh.vertices[v.nr].point for v in el.vertices])
+                x = points @ self.frame[0] / self.length
+                spans[macro] = min(spans[macro, 0], x.min()), max(spans[macro, 1], x.max())
+        return spans
+
+    def Press(self, steps, printing=False):
+        """Apply the load in equal steps."""
+        with TaskManager():
+            self.stepper.Integrate(steps=steps, callback=self._Record, printing=printing)
+
+    def _Record(self, step):
+        """Macro-elements in the order of x, in mm and MPa."""
+        table = self.contact.Table()
+        traction, normal = (table[name] @ self.frame.T for name in ("traction", "normal"))
+        tangential = normal[:, 0] * traction[:, 1] - normal[:, 1] * traction[:, 0]
+        columns = {
+            "start": self.spans[:, 0],
+            "end": self.spans[:, 1],
+            "pressure": table["pressure"] / self.unit,
+            "traction": tangential / self.unit,
+            "status": table["status"].astype(int),
+        }
+        order = np.argsort(self.spans[:, 0])
+        state = {name: column[order] for name, column in columns.items()}
+        force = self.frame[1] @ self.contact.Force() / (self.load * step.time)
+        self.states.append(
+            state | {"time": step.time, "iterations": step.iterations, "force_ratio": float(force)}
+        )
+
+
+def AtOrigin(state):
+    """Which macro-elements touch the axis."""
+    near = 1e-3 * (state["end"] - state["start"])
+    return (state["start"] <= near) & (state["end"] >= -near)
+
+
+def Figures(state):
+    """What is compared with Hertz: the pressure at the origin, the edge of the contact, the force.
+
+    The pressure of a macro-element is a mean: it is compared with the mean of Hertz' pressure.
+    """
+    start, end, first = state["start"], state["end"], AtOrigin(state)
+    exact = Exact(state["time"]).MeanPressure(start[first], end[first])
+    return {
+        "p0_ratio": float(np.mean(state["pressure"][first] / exact)),
+        "contact_edge": float(end[state["status"] > 0].max(initial=0)),
+        "force_ratio": state["force_ratio"],
+    }
+
+
+def Write(problem, folder):
+    """Pressure and traction as a picture; the bodies and their surface for ParaView."""
+    from matplotlib import pyplot as plt
+
+    folder.mkdir(parents=True, exist_ok=True)
+    figure, (upper, lower) = plt.subplots(2, sharex=True, figsize=(6, 5), layout="constrained")
+    problem.contact.Plot("pressure", axes=upper, label="computed")
+    x = np.linspace(0, 9, 500)
+    upper.plot(x, Exact().Pressure(x), "k", lw=0.8, label="Hertz, no friction")
+    problem.contact.Plot("traction", axes=lower, label="computed")
+    last = problem.states[-1]
+    bound, edges = -problem.friction * last["pressure"], [last["start"][0], *last["end"]]
+    lower.stairs(bound, edges, baseline=None, color="k", lw=0.8, label="friction x pressure")
+    upper.set(xlim=(0, 9), xlabel="", ylabel="pressure [MPa]")
+    lower.set(xlabel="x [mm]", ylabel="tangential traction [MPa]")
+    upper.legend()
+    lower.legend()
+    figure.savefig(folder / "hertz.png", dpi=150)
+    plt.close(figure)
+    problem.contact.WriteVTU(folder / "hertz_slave", displacement=problem.displacement)
+    fields = {"displacement": problem.displacement, "stress": problem.stress}
+    VTKOutput(problem.mesh, [*fields.values()], [*fields], str(folder / "hertz"), order=2).Do()
+
+
+def Run(steps=10, out=None, quiet=True, **options):
+    """Press the cylinder down; the options are those of `Hertz`. Returns the numbers of the end."""
+    start = time.perf_counter()
+    problem = Hertz(**options)
+    problem.Press(steps, printing=not quiet)
+    iterations = [state["iterations"] for state in problem.states]
+    figures = Figures(problem.states[-1]) | {
+        "newton_iterations": iterations,
+        "newton_max": max(iterations),
+        "ndof": len(problem.gf.vec),
+        "seconds": time.perf_counter() - start,
+    }
+    if out:
+        Write(problem, out)
+    if not quiet:
+        print(f"{figures['ndof']} unknowns, Newton iterations {iterations}")
+        print(f"pressure at the origin {figures['p0_ratio']:.4f} of Hertz' {Exact().peak:.1f} MPa")
+        print(f"contact up to {figures['contact_edge']:.3f} mm, Hertz {Exact().halfwidth:.3f} mm")
+        print(f"contact force {figures['force_ratio']:.12f} of the load")
+    return figures
+
+
+def main(argv=None):
+    """Run the example from the command line."""
+    parser = Options(__doc__)
+    add = parser.add_argument
+    add("--order", type=int, choices=(1, 2, 3), default=2, help="order of the displacement")
+    add("--h", type=Positive, default=0.5, help="edge length in the contact zone, in mm")
+    add("--friction", type=NotNegative, default=0.2, help="coefficient of friction")
+    add("--steps", type=Count, default=10, help="load steps")
+    add("--stabilize", choices=("split", "bubble", "none"), default="none", help="of order 1")
+    add("--full", action="store_true", help="the full model in place of the half")
+    return Start(Run, parser, argv)
+
+
+if __name__ == "__main__":
+    main()
