@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import test_validation_hertz_slice3d as slice3d
+from _hertz3d_pictures import PressurePicture
 from _report_bounds import Element, Means, Meshes, Neglected, Spread, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import INK, Figure, Profile
 from elasticity3d import Solid
+from hertzmeans import Means as HertzMeans
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Integrate, Sym, VectorH1, dx
+from problems_hertz3d import Problem, Run
 from problems_sphere import RADIUS, SPHERES, PressBlock, PressSpheres
 from sector3d import SliceMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.demos import hertz3d
-from ngslac.demos._hertz3d_figures import Radius
-from ngslac.demos._hertz3d_pictures import PressurePicture
 from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzPoint
 
@@ -26,10 +26,10 @@ AXISYMMETRIC = 1.125  # force over Hertz' for two half spheres
 
 def Sphere(quick):
     sizes = (4,) if quick else (6, 8)
-    exact = hertz3d.Problem().Hertz()
+    exact = Problem().Hertz()
     rows, coarser, radius = [], None, exact.contact_radius
     for n in sizes:
-        results = hertz3d.Run(h=radius / n)
+        results = Run(h=radius / n)
         figures, text = results.figures, f"{n} faces along the radius"
         peak, wide = figures["p0_ratio"] * exact.peak, figures["contact_radius_ratio"] * radius
         meshes = Meshes(peak, coarser[1], n / coarser[0]) if coarser else None
@@ -46,16 +46,16 @@ def Sphere(quick):
 
 def MeansError(results):
     """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    exact, macros = results.problem.Hertz(), results.macros
-    shape = macros.Shape(Radius(exact))
+    exact, area = results.problem.Hertz(), results.faces.area
+    shape = HertzMeans(results.faces, exact) / exact.peak
     # Integral of the square over that of the pressure, for the peak 1.
     ratio = 8 / (3 * np.pi) if hasattr(exact, "halfwidth") else 3 / 4
-    return np.sqrt(ratio * (macros.area @ shape) / (macros.area @ shape**2) - 1)
+    return np.sqrt(ratio * (area @ shape) / (area @ shape**2) - 1)
 
 
 def Cylinder(quick):
     h = 0.8 if quick else 0.4
-    results, coarser = (hertz3d.Run(shape="cylinder", h=k * h) for k in (1, 2))
+    results, coarser = (Run(shape="cylinder", h=k * h) for k in (1, 2))
     exact, figures = results.problem.Hertz(), results.figures
     peaks = [each.figures["p0_ratio"] * exact.peak for each in (results, coarser)]
     rows = [
@@ -152,7 +152,7 @@ def Spheres(quick):
 
     def Draw(*axes):
         for ax, solution in zip(axes, (wide, last), strict=True):
-            low, high = solution.macros.extent.T
+            low, high = solution.faces.extent.T
             ax.plot(0.5 * (low + high), solution.pressure, "o", ms=3, label="macro-elements")
             r = np.linspace(0, high.max(), 300)
             ax.plot(r, solution.hertz.Pressure(r), color=INK, lw=0.9, label="Hertz for this force")
@@ -174,7 +174,7 @@ CASES = [
         "of order 2. The contact radius (2.5 mm) is a twentieth of the sphere's. The edge of "
         "the contact crosses macro-elements, which are open or closed as a whole.",
         "Johnson, Contact Mechanics (1985), sections 3.4 and 4.2, as `HertzPoint`.",
-        "python -m ngslac.demos.hertz3d --h 0.3125 --out results",
+        "python tutorials/examples/hertz3d.py --h 0.3125 --out results",
         Sphere,
     ),
     Case(

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from elasticity import Displacements
 from elasticity3d import Pair3D, Solid
+from macros3d import Comparison
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, TaskManager
+from slavefaces import SlaveFaces
 
-from ngslac.demos._hertz3d_figures import Comparison
-from ngslac.demos._hertz3d_macros import Macros
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 from ngslac.meshes.geometry3d import CheckNonMatching3D
 from ngslac.meshes.spheres import TwoSpheres
@@ -31,7 +31,7 @@ class Solution:
 
     pair: Pair3D
     hertz: HertzPoint
-    macros: Macros
+    faces: SlaveFaces
     pressure: np.ndarray
     status: np.ndarray
 
@@ -39,15 +39,15 @@ class Solution:
     def Of(cls, pair, **bodies):
         force = 4 * abs(float(pair.contact.Force()[2]))
         table = pair.contact.Table()
-        macros = Macros(pair.mesh, pair.Q.macros)
+        faces = SlaveFaces(pair.mesh, pair.Q.macros)
         hertz = HertzPoint(force=force, **bodies)
         vertical = -table["traction"] @ (0, 0, 1.0) * np.sign(table["normal"][:, 2])
-        pressure = vertical * table["area"] / macros.area
-        return cls(pair, hertz, macros, pressure, table["status"])
+        pressure = vertical * table["area"] / faces.area
+        return cls(pair, hertz, faces, pressure, table["status"])
 
     @property
     def figures(self):
-        return Comparison(self.macros, self.hertz, self.pressure, self.status)
+        return Comparison(self.faces, self.hertz, self.pressure, self.status)
 
 
 # ---------------------------------------------------------------- two spheres (T04)

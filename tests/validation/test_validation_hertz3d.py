@@ -16,10 +16,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hertzmeans import Radius
+from macros3d import Comparison
+from problems_hertz3d import Problem, Run
 from problems_sphere import SPHERES, PressBlock, PressSpheres
 
-from ngslac.demos._hertz3d_figures import Comparison, Radius
-from ngslac.demos.hertz3d import Problem, Run
 from ngslac.reference import HertzPoint
 
 # Without friction each load is a problem of its own; the edge of the contact crosses the mesh in
@@ -43,7 +44,7 @@ def Loads(results):
     """Hertz' solution, size of the faces over the contact radius, figures and state per load."""
     for state in results.states:
         hertz = results.problem.Hertz(state.time)
-        figures = Comparison(results.macros, hertz, state.pressure, state.status)
+        figures = Comparison(results.faces, hertz, state.pressure, state.status)
         yield hertz, results.problem.h / Radius(hertz), figures, state
 
 
@@ -53,10 +54,10 @@ def RootMeanSquare(results, name, exact, order):
     return float(np.sqrt(np.mean(np.square(errors))))
 
 
-def EdgeMisfit(macros, hertz, status):
+def EdgeMisfit(faces, hertz, status):
     """How far closed macro-elements lie outside of the contact, and open ones inside."""
     radius, closed = Radius(hertz), status > 0
-    low, high = macros.extent.T
+    low, high = faces.extent.T
     outside, inside = low[closed] - radius, radius - high[~closed]
     return max(outside.max(initial=0.0), inside.max(initial=0.0))
 
@@ -76,7 +77,7 @@ def test_peak_pressure(case):
 def test_contact_radius(case):
     results = Sphere(*case)
     for hertz, _, _, state in Loads(results):
-        assert EdgeMisfit(results.macros, hertz, state.status) <= 1e-12
+        assert EdgeMisfit(results.faces, hertz, state.status) <= 1e-12
     assert RootMeanSquare(results, "contact_radius_ratio", 1, order=2) <= 0.8
 
 
@@ -110,7 +111,7 @@ def test_twelve_elements_along_the_radius():
     assert figures["p0_ratio"] == pytest.approx(1, abs=0.006)
     assert figures["p0_ratio_fit"] == pytest.approx(1, abs=0.015)
     assert figures["contact_radius_ratio"] == pytest.approx(1, abs=0.006)
-    assert EdgeMisfit(results.macros, results.problem.Hertz(), state.status) <= 1e-12
+    assert EdgeMisfit(results.faces, results.problem.Hertz(), state.status) <= 1e-12
     assert figures["profile_error"] <= 0.05
     assert figures["oscillation"] <= 0.03
 
@@ -133,8 +134,8 @@ def test_newton_iterations(case):
 def test_linear_tetrahedra(stabilize, h, peak):
     """They are much less accurate, most of all with macro-elements made of stars of faces.
 
-    Where macro-elements are single faces the demo makes the master finer than the slave; otherwise
-    the kinks of its deformation show in the pressures.
+    Where macro-elements are single faces the example makes the master finer than the slave;
+    otherwise the kinks of its deformation show in the pressures.
     """
     results = Run(h=h, order=1, stabilize=stabilize)
     figures = results.figures
@@ -165,7 +166,7 @@ def test_rigid_sphere_on_hexahedra(elements, space, peak, fit, profile):
     assert abs(figures["p0_ratio_fit"] - 1) <= fit
     assert figures["profile_error"] <= profile
     assert figures["oscillation"] <= 0.12
-    assert EdgeMisfit(solution.macros, solution.hertz, solution.status) <= 1e-12
+    assert EdgeMisfit(solution.faces, solution.hertz, solution.status) <= 1e-12
 
 
 def test_refinement_of_hexahedra():
@@ -193,12 +194,12 @@ def test_cylinder_of_prisms(options, peak, profile):
     assert abs(figures["p0_ratio"] - 1) <= peak
     assert figures["profile_error"] <= profile
     status = results.states[-1].status
-    assert EdgeMisfit(results.macros, results.problem.Hertz(), status) <= 0.1 * options["h"]
+    assert EdgeMisfit(results.faces, results.problem.Hertz(), status) <= 0.1 * options["h"]
 
 
 def test_cylinder_has_the_same_pressure_along_its_axis():
     results = Cylinder(h=0.8)
-    along = results.macros.corners[..., 0].mean(axis=1)
+    along = results.faces.corners[..., 0].mean(axis=1)
     order = np.argsort(along)
     rows = results.states[-1].pressure[order].reshape(-1, 2)
     assert np.abs(rows[:, 1] - rows[:, 0]).max() <= 1e-3 * rows.max()

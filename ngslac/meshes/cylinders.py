@@ -50,7 +50,7 @@ def CylinderOnBlock(
 
     Examples
     --------
-    >>> from ngslac.demos._hertz3d_mesh import CylinderOnBlock
+    >>> from ngslac.meshes import CylinderOnBlock
     >>> CylinderOnBlock(1.0).GetMaterials()
     ('cylinder', 'block')
     """
