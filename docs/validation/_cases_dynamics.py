@@ -7,16 +7,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+import bouncing
 import continued
 import numpy as np
 from _report_bounds import Exact, Rounding, Step, Tolerance
 from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, INK, ORANGE, Figure
+from _report_pictures import BLUE, INK, ORANGE, Figure, FromFolder
 from motions import bar, sliding, two_bars
 
 from ngslac import SaveState
-from ngslac.demos import bouncing
-from ngslac.demos._bouncing_picture import Picture
 
 
 def Impact(quick):
@@ -88,9 +87,9 @@ def Sliding(quick):
 
 
 def Bouncing(quick):
-    size = {"h": 0.25, "dt": 0.04, "end": 1.6} if quick else {"h": 0.17, "dt": 0.02, "end": 1.6}
-    results = bouncing.Run(**size, friction=0.2, gravity=0.0, velocity=(2.0, -1.0))
-    figures = results.figures
+    ring = bouncing.Ring(h=0.25 if quick else 0.17, friction=0.2, gravity=0.0)
+    ring.Throw(1.6, 0.04 if quick else 0.02)
+    figures = ring.Figures()
     gone = figures["friction"] + figures["impact"] + figures["algorithmic"]
     rows = [
         Row(
@@ -118,7 +117,8 @@ def Bouncing(quick):
         ),
     ]
     caption = "Instants of the motion, and where the energy goes."
-    return Outcome(rows, lambda file: Picture(results, file), caption)
+    draw = FromFolder(lambda folder: bouncing.Write(ring, folder), "bouncing.png")
+    return Outcome(rows, draw, caption)
 
 
 def Restart(quick):
@@ -183,7 +183,7 @@ CASES = [
         "An elastic ring is thrown at the ground so fast that it slips as long as it touches: "
         "friction slows it down and turns it. Large deformation and rotation, no gravity.",
         "Balances of momentum and energy; friction 0.2 as ratio of the impulses.",
-        "python -m ngslac.demos.bouncing --gravity 0 --friction 0.2 --end 1.6 --picture ring.png",
+        "python tutorials/examples/bouncing.py --gravity 0 --friction 0.2 --end 1.6 --out results",
         Bouncing,
     ),
     Case(
