@@ -8,11 +8,10 @@ import ironing
 import numpy as np
 from _report_bounds import Exact, Spread, Tolerance
 from _report_case import Case, Outcome, Row
-from _report_pictures import Bodies, Figure
+from _report_pictures import ORANGE, Bodies, Figure
+from problems_twistblocks import Measured
+from twistblocks import MEAN_DISTANCE, DrawTorque
 
-from ngslac.demos import twistblocks
-from ngslac.demos._twistblocks_figures import MEAN_DISTANCE
-from ngslac.demos._twistblocks_pictures import OverviewPicture as TwistPicture
 from ngslac.reference.ironing import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
 CODE_ASTER = PUBLISHED["code_aster 2020"]
@@ -61,10 +60,9 @@ def Ironing(quick):
 
 def Twist(quick):
     turn = 22.5
-    rigid = twistblocks.Run(
-        n=2, steps=2 if quick else 4, angle=45 if quick else 4 * turn, rigid=True
-    )
-    elastic = rigid if quick else twistblocks.Run(n=4, steps=8, angle=120.0)
+    count = 2 if quick else 4
+    rigid = Measured(count, 2, angle=count * turn, rigid=True)
+    elastic = rigid if quick else Measured(8, 4, angle=120.0)
     middles = 0.25 * math.sqrt(2) / MEAN_DISTANCE
     half = math.radians(turn / 2)
     steady, full = rigid.figures, elastic.figures
@@ -94,8 +92,17 @@ def Twist(quick):
         text = f"balance of {name.replace('_', ', ')}: error over its size"
         rows.append(Row(text, value, 0, None if name == "torque_both" else Tolerance()))
     rows.append(Row("symmetry of the pressures", full["symmetry_error"], 0, Tolerance()))
-    caption = "Deformed states, tractions, and the torque over the angle."
-    return Outcome(rows, lambda file: TwistPicture(elastic, file), caption)
+    caption = "Pressures and tractions at the end from above, and the torque over the angle."
+
+    def Draw(left, right):
+        blocks, table = elastic.blocks, elastic.table
+        points = left.scatter(*table["x"][:, :2].T, c=table["pressure"], s=60)
+        left.figure.colorbar(points, ax=left, label="pressure [MPa]")
+        left.quiver(*table["x"][:, :2].T, *table["traction"][:, :2].T, color=ORANGE)
+        left.set_aspect("equal")
+        DrawTorque(right, blocks.Figures(), blocks.friction)
+
+    return Outcome(rows, Figure(Draw, columns=2), caption)
 
 
 CASES = [
@@ -119,8 +126,9 @@ CASES = [
         "0.3826 times friction, force and width; faces that count by their middles alone have "
         "0.924 of it if there are four. Forces and moments balance; the tractions act on both "
         "sides of a gap that vanishes on average, hence the error of the last moment.",
-        "The torque of a flat punch; balances of forces, moments and energy.",
-        "python -m ngslac.demos.twistblocks --n 4 --steps 8 --angle 120 --out results",
+        "The torque of a flat punch; balances of forces, moments and work "
+        "(`tests/validation/test_validation_twistblocks.py`).",
+        "python tutorials/examples/twistblocks.py --n 4 --steps 8 --angle 120 --out results",
         Twist,
     ),
 ]

@@ -1,0 +1,125 @@
+"""Twisting blocks, measured: balances of forces, moments and work, torques, symmetry."""
+
+import numpy as np
+from ironing import Quadratic
+from ngsolve import CF, GridFunction, x, y, z
+from twistblocks import Blocks
+
+
+def FrictionTorque(table, friction):
+    """Torque of the friction on macro-elements that all slip about the z axis.
+
+    Their tractions are friction times pressure, at right angles to the distance from the axis;
+    that is taken at the middle of each (N mm for MPa and mm).
+    """
+    distance = np.linalg.norm(table["x"][:, :2], axis=1)
+    return friction * float(table["area"] * table["pressure"] @ distance)
+
+
+def TangentialTorque(table):
+    """Torque of the tangential tractions alone, taken at the middles of the macro-elements.
+
+    The face of the slave is not quite parallel to the plane in each macro-element, and the pressure
+    acts along its normal. What is missing to the whole torque vanishes with the mesh size.
+    """
+    traction, normal = table["traction"], table["normal"]
+    tangential = traction - np.sum(traction * normal, axis=1)[:, None] * normal
+    return float(table["area"] @ np.cross(table["x"], tangential)[:, 2])
+
+
+def SymmetryError(table, reference, n):
+    """Largest change of the pressures under a quarter turn, relative to the largest of them."""
+    number = np.lexsort((reference[:, 0].round(9), reference[:, 1].round(9)))
+    pressure = table["pressure"][number].reshape(n, n)
+    return float(np.abs(pressure - np.rot90(pressure)).max() / np.abs(pressure).max())
+
+
+class Measured:
+    """The blocks, turned, with what is measured after each step.
+
+    Parameters
+    ----------
+    steps : int
+        Of the turn.
+    n : int
+        Faces of the upper block in each direction.
+    **options
+        Others of `Blocks`.
+    """
+
+    def __init__(self, steps, n, **options):
+        self.blocks, self.n = Blocks(n, **options), n
+        self.blocks.contact.Update()
+        self.reference = self.blocks.contact.Table()["x"].copy()
+        self.place = GridFunction(self.blocks.displacement.space)
+        self.place.Set(CF((x, y, z)))
+        self.rows, self.table = [], None
+        self.blocks.Turn(steps, self._Measure)
+        self.figures = self._Figures()
+
+    def _Measure(self, _):
+        contact, history = self.blocks.contact, self.blocks.stepper.solver.history
+        self.table = table = contact.Table()
+        rigid = self.blocks.bodies.Mask().NumSet() == 1
+        friction = FrictionTorque(table, self.blocks.friction)
+        torque = contact.Moment((0, 0, 0))[2]
+        self.rows.append(
+            {
+                "quadratic": Quadratic([max(h.equilibrium, h.constraint) for h in history]),
+                "balance": self._Balance("lower_.*" if rigid else "lower_bottom"),
+                "symmetry_error": SymmetryError(table, self.reference, self.n),
+                "sideways": float(np.abs(contact.Force()[:2]).max()),
+                "friction_ratio": -torque / friction,
+                "tangential_share": TangentialTorque(table) / torque,
+                # By friction in this step, N mm.
+                "dissipated": -float(table["area"] @ np.sum(table["traction"] * table["slip"], 1)),
+            }
+        )
+
+    def _Balance(self, held):
+        """Errors of the balances: forces and moments on the upper block, and on both."""
+        (top, turn), (bottom, back) = self._Reaction("upper_top"), self._Reaction(held)
+        force, torque = self.blocks.contact.Force(), self.blocks.contact.Moment((0, 0, 0))[2]
+        size, moment = np.linalg.norm(force), max(abs(torque), 1e-12)
+        return {
+            "force_upper": float(np.linalg.norm(top + force) / size),
+            "force_both": float(np.linalg.norm(top + bottom) / size),
+            "torque_upper": abs(turn + torque) / moment,
+            "torque_both": abs(turn + back) / moment,
+        }
+
+    def _Reaction(self, boundary):
+        """Force and moment about the z axis that hold a boundary, from the whole residual."""
+        solver, V = self.blocks.stepper.solver, self.place.space
+        residual = solver.gf.vec.CreateVector()
+        solver.a.Apply(solver.gf.vec, residual)
+        self.blocks.contact.AddApply(solver.gf.vec, residual)
+        held = np.array(list(V.GetDofs(V.mesh.Boundaries(boundary))), dtype=bool)
+        values = np.where(held, residual.FV().NumPy()[: V.ndof], 0.0)
+        current = self.place.vec.FV().NumPy() + self.blocks.displacement.vec.FV().NumPy()
+        parts = [slice(r.start, r.stop) for r in (V.Range(k) for k in range(3))]
+        vertices = V.mesh.nv  # their functions add up to 1
+        force = np.array([values[p][:vertices].sum() for p in parts])
+        right, back = parts[0], parts[1]
+        return force, float(current[right] @ values[back] - current[back] @ values[right])
+
+    def _Figures(self):
+        """Those of the example and the measured ones, of the steps that turn."""
+        turned = self.rows[2:]
+        figures = {name: values[2:] for name, values in self.blocks.Figures().items()}
+        figures |= {name: [row[name] for row in turned] for name in turned[0]}
+        balances = figures["balance"]
+        step = np.radians(self.blocks.angle / len(turned))
+        work = -TangentialTorque(self.table) * step
+        return figures | {
+            "iterations": self.blocks.Figures()["iterations"],
+            "cuts": sum(self.blocks.Figures()["cuts"]),
+            "quadratic_steps": sum(row["quadratic"] for row in self.rows),
+            "balance": {name: max(b[name] for b in balances) for name in balances[0]},
+            "symmetry_error": max(figures["symmetry_error"]),
+            "sideways": max(figures["sideways"]),
+            # Work of friction over that of the tangential torque in the last step, from its end
+            # values. In steady slip by the angle h the tractions are those of the chord of the
+            # way, h/2 from the tangent, and the ratio is tan(h/2) / (h/2).
+            "dissipation_ratio": figures["dissipated"][-1] / work,
+        }
