@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import materials
 import numpy as np
 from _report_bounds import Meshes, Neglected, Tolerance
 from _report_case import Case, Outcome, Row
+from _report_pictures import FromFolder
 from ngsolve import (
     CF,
     BilinearForm,
@@ -23,10 +25,9 @@ from scipy.optimize import brentq
 from test_materials import SOFT, STIFF, nominal_stress
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import indentation, materials
+from ngslac.demos import indentation
 from ngslac.demos._indentation_figures import PRANDTL
 from ngslac.demos._indentation_pictures import IndentationPicture
-from ngslac.demos._materials_pictures import MaterialsPicture
 from ngslac.meshes import TwoBlocks
 
 
@@ -80,8 +81,8 @@ def RigidPlastic():
 
 
 def Rubber(quick):
-    results = materials.Run()
-    rubber, thermal = (results[name].figures for name in ("rubber", "thermal"))
+    results = {"rubber": materials.Rubber(), "thermal": materials.Thermal()}
+    rubber, thermal = (result.figures for result in results.values())
     small = materials.Rubber(h=2.0 if quick else 1.0, squeeze=0.005, steps=1).figures["force"]
     hot = materials.Thermal(h=6.0 if quick else 3.0).figures
     exact = materials.SqueezeForce(0.005)
@@ -100,7 +101,8 @@ def Rubber(quick):
             text = f"cord: {key.replace('_', ' ')} at a quarter, against order 3"
             rows.append(Row(text, rubber[key], fine[key]))
     caption = "Force of the cord over the squeeze; pressure in the rubber; hoop stress of the disc."
-    return Outcome(rows, lambda file: MaterialsPicture(results, file), caption)
+    draw = FromFolder(lambda folder: materials.Write(results, folder), "materials.png")
+    return Outcome(rows, draw, caption)
 
 
 def Series(quick):
@@ -178,7 +180,7 @@ CASES = [
         "cold ring around it.",
         "Johnson (1985), equation 5.57, for small squeezes; Lamé's thick-walled cylinders; order "
         "3 on a finer mesh.",
-        "python -m ngslac.demos.materials --picture materials.png",
+        "python tutorials/examples/materials.py --out results",
         Rubber,
     ),
     Case(

@@ -7,6 +7,7 @@ meshed on their own do not.
 from ngslac.meshes.blocks import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.cords import CordMesh, DiscInRing
 from ngslac.meshes.cylinders import CylinderOnBlock
 from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
@@ -18,7 +19,9 @@ __all__ = [
     "Cells",
     "CheckNonMatching",
     "CheckNonMatching3D",
+    "CordMesh",
     "CylinderOnBlock",
+    "DiscInRing",
     "HertzMesh",
     "PointForce",
     "RotationMatrix",

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from materials import Rubber, SqueezeForce, Thermal, ThermalPressure
 from ngsolve import (
     CF,
     BilinearForm,
@@ -27,7 +28,6 @@ from ngsolve import (
 from scipy.optimize import brentq
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos.materials import Rubber, SqueezeForce, Thermal, ThermalPressure
 from ngslac.meshes import TwoBlocks
 
 # ---------------------------------------------------------------- hyperelasticity
@@ -131,7 +131,7 @@ def test_pressure_in_the_rubber_meets_the_contact(squeezed):
 
     The Cauchy stress normal to the plate is the deviatoric part less the hydrostatic pressure.
     """
-    mesh, gf = squeezed.mesh, squeezed.displacement
+    mesh, gf = squeezed.contact.mesh, squeezed.displacement
     F = Grad(gf) + Id(2)
     B, J = F * F.trans, Det(F)
     deviatoric = B[1, 1] - (Trace(B) + 1) / 3
@@ -171,7 +171,7 @@ def test_disc_that_is_not_hot_enough_does_not_touch():
 
 
 def test_slave_and_master_meshes_differ():
-    mesh = Thermal(h=12.0).mesh
+    mesh = Thermal(h=12.0).contact.mesh
     counts = [sum(1 for _ in mesh.Boundaries(name).Elements()) for name in ("slave", "master")]
     assert counts[1] > 1.2 * counts[0]
 

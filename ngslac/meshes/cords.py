@@ -1,4 +1,4 @@
-"""Meshes of the materials demo: a cord under a plate, and a disc in a ring."""
+"""Meshes of round bodies: a cord under a plate, and a disc in a ring."""
 
 from __future__ import annotations
 
