@@ -51,8 +51,7 @@ def CarriedOff(solver):
         return ""
     forces = solver.gf.vec.CreateVector()
     forces.FV().NumPy()[:] = state.bulk
-    if a.condense:  # bodies do not know what is condensed
-        forces.data += a.harmonic_extension_trans * forces
+    solver.bulk.Condense(forces)  # bodies do not know what is condensed
     own = slice(bodies.first, bodies.first + bodies.count)
     finite = any(contact.finite for contact in solver.contacts)
     displacement = solver.gf.vec.FV().NumPy()[own] if finite else None
@@ -66,12 +65,12 @@ def IsLinear(solver):
     vec, forces = solver.gf.vec, []
     at, moved = vec.CreateVector(), vec.CreateVector()
     way = np.random.default_rng(3).standard_normal(len(vec.FV().NumPy()))
-    way *= 0.1 * solver._Bodies().size * (solver.linear.free | solver._inner)
+    way *= 0.1 * solver._Bodies().size * (solver.linear.free | solver.bulk.inner)
     for part in range(3):
         at.data = vec
         at.FV().NumPy()[:] += part * way
         solver.a.Apply(at, moved)
-        forces.append(moved.FV().NumPy() - LoadVector(solver.residual.rhs, at))
+        forces.append(moved.FV().NumPy() - LoadVector(solver.bulk.rhs, at))
     bend = np.linalg.norm(forces[2] - 2 * forces[1] + forces[0])
     return bool(bend <= STRAIGHT * np.linalg.norm(forces[2] - forces[0]))
 

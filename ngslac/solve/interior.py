@@ -101,7 +101,7 @@ class InteriorPoint:
     def _Solve(self, residual):
         newton = self.newton
         # What nothing pushes in the end stays where it is.
-        return self.linear.SolveShifted(newton.a.mat, [], newton.scale, residual, ~self.rows)
+        return self.linear.SolveShifted(newton.bulk.mat, [], newton.scale, residual, ~self.rows)
 
     def _Motion(self, state, mats):
         """How displacements answer to the tractions shown, with these matrices of the springs."""

@@ -7,7 +7,7 @@ from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import Multiply, ScalarDofs
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear.solver import LinearSolver
-from ngslac.solve.problem import AssembleBulk, CheckMatrix, MultiplierRows
+from ngslac.solve.problem import CheckMatrix, MultiplierRows
 from ngslac.solve.residual import State
 
 __all__ = ["ChooseSolver", "NewtonStep"]
@@ -28,23 +28,22 @@ LARGE = {2: 25_000, 3: 5_000}
 class NewtonStep:
     """The steps of a ContactSolver, which derives from it.
 
-    Uses its ``a``, ``gf``, ``contacts``, ``linear``, ``residual`` and ``globalization``.
+    Uses its ``bulk``, ``gf``, ``contacts``, ``linear``, ``residual`` and ``globalization``.
     """
 
     def _Assemble(self):
-        if not (self._islinear and self.a.mat.height == self.a.space.ndof):
-            AssembleBulk(self.a, self.gf.vec)
+        bulk = self.bulk
+        if bulk.Assemble():
             self.linear.NewBulk()
-            self.residual.linear = None
         for contact in self.contacts:
-            contact.Prepare(self.a.mat)
+            contact.Prepare(bulk.mat)
         if not self._apart:
-            CheckMatrix(self.a.mat, MultiplierRows(self.contacts))
+            CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             self._apart = True
         forms = [contact.form for contact in self.contacts]
-        self.scale = EquilibrationScale(self.a.mat, forms)
+        self.scale = EquilibrationScale(bulk.mat, forms)
         if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
-            self.scale[self._inner] = np.median(self.scale[self.linear.free])
+            self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
 
     def _Linearize(self, state):
         """The residual of the next linear system, whose matrices are assembled."""
@@ -114,27 +113,11 @@ class NewtonStep:
 
     def _Moved(self, before, after, motion, damping):
         """Learn from a part of a motion between two States, which was taken."""
-        if after.honest:
-            self._islinear = self._MovedLinearly(before, after, -damping * motion)
-            self.residual.linear = self.a.mat if self._islinear else None
+        self.bulk.Learn(before, after, -damping * motion, self.scale, self.residual)
         if self._motion is not None:
             self._motion = (1 - damping) * self._motion
             if np.max(np.abs(self._motion)) <= self._rest:
                 self._motion = None
-
-    def _MovedLinearly(self, before, after, correction):
-        """Did the bulk's residual change as its matrix says, to rounding? None: too short to tell.
-
-        What convergence says is confirmed by the bulk form itself.
-        """
-        if self.a.condense:
-            return False  # the matrix holds the Schur complement only
-        expected = Multiply([self.a.mat], correction)
-        deviation = np.linalg.norm(self.scale * (before.bulk - after.bulk - expected))
-        size = np.linalg.norm(self.scale * expected)
-        if size < max(1e-5 * self.residual.forces, self.residual.rounding):
-            return self._islinear is not False
-        return bool(deviation <= 1e-10 * size)
 
     def _Accuracy(self, state):
         """Relative residual that an iterative solution needs for the next step to be a Newton step.
@@ -148,12 +131,12 @@ class NewtonStep:
             return most
         size = max(state.equilibrium, state.constraint)
         enough = 0.03 * self.tol / size
-        last = self._islinear and not self.history[-1].slip
+        last = self.bulk.islinear and not self.history[-1].slip
         return min(most, enough if last else max(enough, 0.1 * size))
 
     def _Correction(self, residual, accuracy=0.0):
         forms = [contact.form for contact in self.contacts]
-        given = self.a.mat, forms, self.scale
+        given = self.bulk.mat, forms, self.scale
 
         def solve(residual):
             rows = ~self.residual.rows
@@ -179,18 +162,15 @@ class NewtonStep:
         mats : list[BaseMatrix]
             What the contacts add to the bulk's matrix.
         """
-        a = self.a
-        if a.condense:
-            residual.data += a.harmonic_extension_trans * residual
+        bulk = self.bulk
+        bulk.Condense(residual)
         if self._motion is not None:
-            residual.FV().NumPy()[:] -= Multiply((a.mat, *mats), -self._motion)
+            residual.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -self._motion)
         correction = self.gf.vec.CreateVector()
         correction.FV().NumPy()[:] = solve(residual.FV().NumPy())
         if self._motion is not None:
             correction.FV().NumPy()[:] -= self._motion
-        if a.condense:
-            correction.data += a.harmonic_extension * correction
-            correction.data += a.inner_solve * residual
+        bulk.Extend(correction, residual)
         return correction.FV().NumPy().copy()
 
     def _ContactMatrices(self):

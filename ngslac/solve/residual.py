@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BaseVector
 
-from ngslac.loads import CheckNoMultiplierLoad, LoadVector
+from ngslac.loads import CheckNoMultiplierLoad
 
 __all__ = ["Residual", "State"]
 
@@ -66,52 +65,26 @@ class State:
         return cls(None, np.inf, np.inf, np.inf, np.inf, None, None, reason)
 
 
-@dataclass
-class Honest:
-    """Where the bulk form itself was applied, what it gave, and the merit there."""
-
-    vec: BaseVector
-    bulk: BaseVector
-    merit: float
-
-
 class Residual:
     """Measures both kinds of rows, scaled and relative to the forces at work.
 
     Parameters
     ----------
-    a, gf, contacts, rhs :
-        As in ContactSolver.
+    bulk : Bulk
+    contacts : list[LACContact]
     free : (n,) bool
         Scalar dofs whose rows count: all free ones, also those that are condensed.
-
-    Attributes
-    ----------
-    linear : BaseMatrix or None
-        The derivative of a bulk that seems to be linear: a product with it takes the place of the
-        element loop from the last honest residual on. What looks converged has to be confirmed. A
-        matrix has to be set twice: a first step often is a rigid motion, which tells little.
     """
 
-    def __init__(self, a, gf, contacts, rhs, free):
-        self.a, self.gf, self.contacts, self.rhs, self.free = a, gf, contacts, rhs, free
+    def __init__(self, bulk, contacts, free):
+        self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.reference = 0.0
-        self._linear = self._proposed = self._last = None
-
-    @property
-    def linear(self):
-        return self._linear
 
     @property
     def drowned(self):
         """Are the forces so small, or the motions so large, that rounding sets the tolerance?"""
         return 0 < max(self.forces, self.converged) < self.rounding / self.tol
-
-    @linear.setter
-    def linear(self, mat):
-        self._linear = mat if mat is self._proposed else None
-        self._proposed = mat
 
     def State(self):
         """What the next solve depends on, as a dict."""
@@ -120,7 +93,7 @@ class Residual:
     def SetState(self, state):
         """Go on from a `State`."""
         vars(self).update(state)
-        self._linear = self._proposed = self._last = None
+        self.bulk.Forget()
 
     def Begin(self, scale, tol):
         """Start a solve with these factors and tolerance; returns the first State."""
@@ -151,12 +124,12 @@ class Residual:
     def Confirm(self, state, scale):
         """The honest State of gf in place of the State measured last.
 
-        Where the bulk turns out not to be linear, `linear` is None afterwards, and gf is that of
-        the last honest residual if this was smaller.
+        Where the bulk turns out not to be linear, gf is that of the last honest residual if this
+        was smaller.
         """
         if state.honest:
             return state
-        vec, last, change = self.gf.vec, self._last, self._Change()
+        last, change = self.bulk.last, self.bulk.Change()
         honest = self.Measure(scale, honest=True)
         if honest.finite:
             size, deviation = (
@@ -165,28 +138,27 @@ class Residual:
             )
             if deviation <= max(LINEAR * size, 1e-2 * LINEAR * self.forces, self.rounding):
                 return honest
-        self.linear = None
+        self.bulk.Refute()
         if not honest.merit <= last.merit:
-            vec.data = last.vec
+            self.gf.vec.data = last.vec
             honest = self.Measure(scale)
         return honest
 
     def Measure(self, scale, honest=False):
         """The State of gf; `honest`: by the bulk form itself, even if it seems to be linear."""
         vec = self.gf.vec
-        honest = honest or self.linear is None or self._last is None
         contact_residual = vec.CreateVector()
         contact_residual[:] = 0
         try:
             self.Follow()
-            residual = self._Bulk(honest)
+            residual, honest = self.bulk.Apply(honest)
             for contact in self.contacts:
                 contact.AddApply(vec, contact_residual)
                 contact.form.Evaluate(vec)
         except NgException as error:
             return State.Nothing(str(error))
         bulk, contact_forces = residual.FV().NumPy(), contact_residual.FV().NumPy()
-        load = LoadVector(self.rhs, vec)
+        load = self.bulk.load
         # Forces at work: reactions, contact forces and loads all count.
         forces = max(Norm((scale * f)[~self.rows]) for f in (bulk, contact_forces, load))
         self._gapshifts = {"rhs": load[self.rows], "a, the bulk form,": bulk[self.rows]}
@@ -209,9 +181,7 @@ class Residual:
         reference = reference or max(equilibrium, constraint) or 1.0
         pressing = pressing or reference
         if honest:
-            start = vec.CreateVector()
-            start.data = vec
-            self._last = Honest(start, residual, merit)
+            self.bulk.Remember(residual, merit)
         tables = [contact.Table() for contact in self.contacts]
         return State(
             bulk,
@@ -229,22 +199,6 @@ class Residual:
         allowed = self.tol * max(self.forces, self.reference, self.rounding / self.tol)
         for name, shift in self._gapshifts.items():
             CheckNoMultiplierLoad(name, Norm(scale[self.rows] * shift), allowed)
-
-    def _Bulk(self, honest):
-        """The residual of the bulk form at gf, before `rhs` is taken off."""
-        residual = self.gf.vec.CreateVector()
-        if honest:
-            self.a.Apply(self.gf.vec, residual)
-        else:
-            residual.data = self._last.bulk + self._Change()
-        return residual
-
-    def _Change(self):
-        """What a linear bulk adds to its last honest residual."""
-        moved, change = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        moved.data = self.gf.vec - self._last.vec
-        change.data = self.linear * moved
-        return change
 
 
 def Norm(values):

@@ -1,7 +1,6 @@
 """Generalised Newton method with active set for bulk plus contact."""
 
 import numpy as np
-from ngsolve import BitArray
 
 from ngslac.arguments import (
     CheckChoice,
@@ -18,8 +17,8 @@ from ngslac.bodies.rigidbalance import CarriedOff, IsLinear
 from ngslac.callback import TellIterate
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.linear.solver import LinearSolveError
-from ngslac.loads import CheckRhs
 from ngslac.progress import Progress
+from ngslac.solve.bulk import Bulk
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.inverted import InvertedError, InvertedMessage, TurningMaterials
 from ngslac.solve.iteration import Iteration, MostlySlips
@@ -37,7 +36,7 @@ from ngslac.solve.residual import Residual
 from ngslac.solve.search import FAILURES, StatusSearch
 from ngslac.solve.snapshot import Snapshot
 
-__all__ = ["ContactSolver"]
+__all__ = ["ContactSolver", "OnBulk"]
 
 # Newton steps before another method is tried, and what that has to have left to be tried.
 NEWTON, LEAST = 30, 10
@@ -130,20 +129,16 @@ class ContactSolver(NewtonStep):
         initial="gap",
     ):
         space = CheckBulk(a).space
-        self.a, self.gf, self.contacts = a, CheckStart(gf, space), CheckContacts(contacts, space)
+        self.gf, self.contacts = CheckStart(gf, space), CheckContacts(contacts, space)
         self.initial = CheckChoice("initial", initial, ("gap", "none"))
         CheckFreeDofs(freedofs, space, self.contacts)
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         self.linear = ChooseSolver(a, self.contacts, scalars, inverse, solver, preconditioner)
-        self._inner = np.zeros_like(self.linear.free)
-        if a.condense:  # these are free, but not in the matrix
-            inner = BitArray(space.FreeDofs())
-            inner &= ~space.FreeDofs(True)
-            self._inner = AsNumPy(ScalarDofs(inner, space))
-        free = self.linear.free | self._inner
+        self.bulk = Bulk(a, gf, rhs)
+        free = self.linear.free | self.bulk.inner
         self.constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
-        self.residual = Residual(a, gf, self.contacts, CheckRhs(rhs, space), free)
+        self.residual = Residual(self.bulk, self.contacts, free)
         self.globalization = Globalization()
         self.history, self._closings, self._motion, self._onpath = [], 0, None, False
         self._running = False
@@ -151,7 +146,6 @@ class ContactSolver(NewtonStep):
         self.scale = None  # of the rows, once there is a matrix
         self._bodies, self._silent = None, True
         self._apart = False  # is the bulk known to leave the multipliers alone?
-        self._islinear = None  # the bulk, as far as seen: then its matrix is kept
         self.stuck = None  # where the last solve did, if it did
         self._turning = None  # materials of which it knows finite rotations, once that matters
 
@@ -240,6 +234,11 @@ class ContactSolver(NewtonStep):
             raise
         finally:
             self._running = False
+
+    @property
+    def a(self):
+        """The bulk form."""
+        return self.bulk.a
 
     def _Known(self, error):
         """The error with all that is known of it: which body is carried off, first of all."""
@@ -332,7 +331,7 @@ class ContactSolver(NewtonStep):
 
     def StartAfresh(self):
         """Keep no matrix and no factorisation: the next solve makes its own."""
-        self._islinear = None
+        self.bulk.StartAfresh()
         self.linear.Forget()
 
     def _Iterate(self, maxit):
@@ -474,7 +473,7 @@ class ContactSolver(NewtonStep):
 
     def _IsLinear(self):
         """Is nothing but the contact law nonlinear?"""
-        return bool(self._islinear) and not any(contact.finite for contact in self.contacts)
+        return bool(self.bulk.islinear) and not any(contact.finite for contact in self.contacts)
 
     def _Settles(self):
         """Does a whole step lead to equilibrium? Then all of the motion is in it."""
@@ -485,12 +484,11 @@ class ContactSolver(NewtonStep):
     def _Confirmed(self, state):
         """The state, by the bulk's own residual where it looks converged or hopeless."""
         if self._Converged(state) or self.globalization.stagnates:
-            linear = self.residual.linear
+            linear = self.bulk.islinear
             state = self.residual.Confirm(state, self.scale)
             if not state.finite:
                 raise ContactConvergenceError(state.reason)
-            if linear is not None and self.residual.linear is None:
-                self._islinear = False  # assemble anew, and iterate on
+            if linear and not self.bulk.islinear:  # assemble anew, and iterate on
                 self.globalization.Begin()
         return state
 
@@ -566,5 +564,27 @@ class ContactSolver(NewtonStep):
 
     def _Bodies(self):
         if self._bodies is None:
-            self._bodies = Bodies(self.a.mat, self.contacts[0], self.linear.free)
+            self._bodies = Bodies(self.bulk.mat, self.contacts[0], self.linear.free)
         return self._bodies
+
+
+def OnBulk(solver, bulk, bodies):
+    """The same solver for another bulk on its space, and what stands for the bodies.
+
+    Parameters
+    ----------
+    solver : ContactSolver
+        Shares contacts and linear solver with the new one.
+    bulk : Bulk
+    bodies : Bodies or None
+        None: they are found in the matrix of the bulk.
+
+    Returns
+    -------
+    ContactSolver
+    """
+    other = object.__new__(type(solver))
+    vars(other).update(vars(solver))
+    other.bulk, other._bodies = bulk, bodies
+    other.residual = Residual(bulk, solver.contacts, solver.residual.free)
+    return other

@@ -20,9 +20,9 @@ from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.loads import LoadVector
 from ngslac.progress import Progress
-from ngslac.solve.residual import Residual
+from ngslac.solve.bulk import Bulk
 from ngslac.solve.snapshot import Snapshot
-from ngslac.solve.solver import ContactSolver
+from ngslac.solve.solver import ContactSolver, OnBulk
 from ngslac.steps.balance import ContactWorks, EnergyBalance, TimeStep
 from ngslac.steps.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.steps.obstacles import Obstacles
@@ -122,10 +122,7 @@ class TimeStepper:
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.prescribe = prescribe
-        self.solver = object.__new__(type(solver))
-        vars(self.solver).update(vars(solver))
-        self.solver.a, self.solver._bodies, self.solver._islinear = self.form, Inert(), None
-        self.solver.residual = Residual(self.form, solver.gf, solver.contacts, self._Load, free)
+        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._Load), Inert())
         self.velocity = GridFunction(solver.gf.space, name="velocity")
         self._obstacles = Obstacles(solver.contacts)
         self.balance, self.steps = None, []
@@ -240,7 +237,7 @@ class TimeStepper:
         self._obstacles.state = state["obstacles"]
         if state["dt"]:
             self.form.SetStep(state["dt"])
-        self.solver._islinear = None
+        self.solver.bulk.StartAfresh()
 
     def _Begin(self):
         """Forces and energies of the present state, which the user may have changed."""
@@ -303,7 +300,7 @@ class TimeStepper:
         vec, now = self.gf.vec, self.time.Get()
         start = vec.FV().NumPy().copy()
         if self.form.SetStep(goal - now):
-            self.solver._islinear = None
+            self.solver.bulk.StartAfresh()
         dt = self.form.dt
         inertial = start + dt * self._Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
@@ -380,7 +377,7 @@ class TimeStepper:
         static = self.static
         zero, result = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         zero[:] = 0
-        load = LoadVector(static.residual.rhs, zero)
+        load = LoadVector(static.bulk.rhs, zero)
         static.a.Apply(zero, result)
         loads = (load - result.FV().NumPy()) * self.mass.rows
         static.a.Apply(self.gf.vec, result)
@@ -391,7 +388,7 @@ class TimeStepper:
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
         memory -= scheme.weight * scheme.force * self._balanced[0]
-        load = LoadVector(self.static.residual.rhs, vec)
+        load = LoadVector(self.static.bulk.rhs, vec)
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec
 

@@ -115,7 +115,7 @@ def test_a_linear_bulk_is_assembled_once(monkeypatch):
     solver = problem.solver()
     assembled = []
     assemble = problem.a.AssembleLinearization
-    solver.a = type("Bulk", (), {
+    solver.bulk.a = type("Bulk", (), {
         "AssembleLinearization": lambda self, vec: (assembled.append(1), assemble(vec))[1],
         "__getattr__": lambda self, name: getattr(problem.a, name),
     })()  # fmt: skip

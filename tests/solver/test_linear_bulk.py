@@ -18,7 +18,8 @@ from ngsolve import (
 from press import LAME, MU, mixed_press, numpy, press
 
 from ngslac import AugmentedLagrangianSolver, ContactSolver, LoadStepper
-from ngslac.solve.residual import Residual
+from ngslac.solve.bulk import Bulk
+from ngslac.solve.solver import OnBulk
 
 
 class Watched:
@@ -41,7 +42,7 @@ class Watched:
 
 def watched(problem, kind=ContactSolver, **flags):
     solver = kind(problem.a, problem.gf, problem.contact, **flags)
-    solver.a = solver.residual.a = Watched(problem.a)
+    solver.bulk.a = Watched(problem.a)
     return solver
 
 
@@ -54,33 +55,31 @@ def equilibrium(problem):
     return np.abs((numpy(bulk) + numpy(contact))[free]).max() / np.abs(numpy(contact)).max()
 
 
-class Distrustful(Residual):
+class Distrustful(Bulk):
     """Never takes a bulk for linear: applies the form to every trial state."""
 
-    linear = property(lambda self: None, lambda self, value: None)
+    def Apply(self, honest):
+        return super().Apply(True)
 
 
-def distrustful(solver):
-    names = ("a", "gf", "contacts", "rhs", "free")
-    return Distrustful(*(getattr(solver.residual, name) for name in names))
+def distrustful(problem):
+    return OnBulk(problem.solver(), Distrustful(problem.a, problem.gf, None), None)
 
 
 def solved(problem):
-    solver = problem.solver()
-    solver.residual = distrustful(solver)
-    solver.Solve(printing=False)
+    distrustful(problem).Solve(printing=False)
     return numpy(problem.gf)
 
 
 # --- the residual ------------------------------------------------------------------------------
 
 
-def trust(residual, mat):
-    residual.linear = None
-    residual.linear = mat
-    assert residual.linear is None  # one step is not enough
-    residual.linear = mat
-    assert residual.linear is mat
+def trust(bulk, mat):
+    bulk.Propose(None)
+    bulk.Propose(mat)
+    assert bulk.product is None  # one step is not enough
+    bulk.Propose(mat)
+    assert bulk.product is mat
 
 
 def trusting(problem, step=1e-3):
@@ -89,7 +88,7 @@ def trusting(problem, step=1e-3):
     solver.Solve(printing=False)
     problem.a.AssembleLinearization(problem.gf.vec)
     solver.residual.Begin(solver.scale, 1e-10)
-    trust(solver.residual, problem.a.mat)
+    trust(solver.bulk, problem.a.mat)
     random = np.random.default_rng(1).standard_normal(len(numpy(problem.gf)))
     problem.gf.vec.FV().NumPy()[:] += step * random * solver.residual.free
     return solver.residual, solver.scale
@@ -109,10 +108,10 @@ def test_the_product_is_the_residual():
 def test_confirmation_keeps_a_linear_bulk():
     problem = mixed_press()
     residual, scale = trusting(problem)
-    before, linear = numpy(problem.gf), residual.linear
+    before, linear = numpy(problem.gf), residual.bulk.product
     confirmed = residual.Confirm(residual.Measure(scale), scale)
     assert confirmed.honest
-    assert residual.linear is linear
+    assert residual.bulk.product is linear
     assert np.array_equal(numpy(problem.gf), before)
 
 
@@ -122,13 +121,13 @@ def test_confirmation_finds_that_a_bulk_is_not_linear(step):
     problem = mixed_press(nonlinear=True)
     residual, scale = trusting(problem, step)
     solution = numpy(problem.gf)
-    problem.gf.vec.data = residual._last.vec
+    problem.gf.vec.data = residual.bulk.last.vec
     start = numpy(problem.gf)
     problem.gf.vec.FV().NumPy()[:] = solution
     confirmed = residual.Confirm(residual.Measure(scale), scale)
     assert confirmed.honest
     assert confirmed.finite
-    assert residual.linear is None
+    assert residual.bulk.product is None
     assert np.array_equal(numpy(problem.gf), start)  # a random step from a solution is worse
 
 
@@ -140,12 +139,12 @@ def test_a_better_state_is_kept_although_the_bulk_is_not_linear():
     residual, scale = solver.residual, solver.scale
     problem.a.AssembleLinearization(problem.gf.vec)
     start = residual.Begin(scale, 1e-10)
-    trust(residual, problem.a.mat)
+    trust(solver.bulk, problem.a.mat)
     correction = solver._Correction(solver._Linearize(start))
     problem.gf.vec.FV().NumPy()[:] -= correction
     after = numpy(problem.gf)
     confirmed = residual.Confirm(residual.Measure(scale), scale)
-    assert residual.linear is None
+    assert residual.bulk.product is None
     assert np.array_equal(numpy(problem.gf), after)
     assert 0 < confirmed.merit < start.merit
 
@@ -177,7 +176,7 @@ def test_a_condensed_bulk_is_always_applied():
     problem = mixed_press(condense=True, order=4, h=0.3)
     solver = watched(problem)
     last = solver.Solve(printing=False)
-    assert solver.residual.linear is None
+    assert solver.bulk.product is None
     assert solver.a.applied >= last.number + 1
 
 
@@ -238,7 +237,7 @@ def test_a_law_that_yields_in_a_later_iteration():
         trusted.clear()
         problem.load.Set(load)
         solver.Solve(
-            printing=False, callback=lambda _: trusted.append(solver.residual.linear is not None)
+            printing=False, callback=lambda _: trusted.append(solver.bulk.product is not None)
         )
     assert trusted[1]
     assert not trusted[-1]
@@ -263,8 +262,7 @@ def test_prescribed_displacements_of_a_linear_bulk():
     assert both - first <= 5  # two to compare starts, at the start, behind the motion, in the end
     other = press(friction=0.5, spring=0, flags={"dirichlet": "bottom|top"})
     other.load.Set(0.0)
-    solver = other.solver()
-    solver.residual = distrustful(solver)
+    solver = distrustful(other)
     motion = {"top": other.load * CF((0.02, -0.02))}
     stepper = LoadStepper(solver, other.load, prescribe=motion)
     for end in (0.3, 1.0):
@@ -279,8 +277,8 @@ def test_the_merit_of_a_changed_load():
         each.solver_ = each.solver()
         each.solver_.Solve(printing=False)
         each.load.Set(1.7)
-    other.solver_.residual.linear = None
-    assert problem.solver_.residual.linear is not None
+    other.solver_.residual.bulk.product = None
+    assert problem.solver_.residual.bulk.product is not None
     assert problem.solver_.Merit() == pytest.approx(other.solver_.Merit(), rel=1e-10)
     assert problem.solver_.Merit() > 1e-3
 
@@ -292,7 +290,7 @@ def test_no_trust_is_left_after_a_failure():
     problem.load.Set(np.nan)
     with pytest.raises(Exception, match="NaN"):
         solver.Solve(printing=False)
-    assert solver.residual.linear is None
+    assert solver.bulk.product is None
     problem.load.Set(1.0)
     solver.Solve(printing=False)
     assert equilibrium(problem) < 1e-10

@@ -1,0 +1,178 @@
+"""The bulk form with its loads: matrix, residual, and whether it is linear."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BaseVector, BitArray
+
+from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
+from ngslac.loads import CheckRhs, LoadVector
+from ngslac.solve.problem import AssembleBulk
+
+__all__ = ["Bulk"]
+
+# Deviation from the straight line, relative to the way along it, that is rounding.
+LINEAR = 1e-10
+# Change of the residual, relative to the forces at work, that tells nothing.
+TINY = 1e-5
+
+
+@dataclass
+class Honest:
+    """Where the form itself was applied, what it gave, and the merit there."""
+
+    vec: BaseVector
+    residual: BaseVector
+    merit: float
+
+
+class Bulk:
+    """What is solved besides contact, at the solution.
+
+    A form whose residual changes along Newton's steps as its matrix says seems to be linear: its
+    matrix is kept, and a product with it takes the place of the element loop. What looks converged
+    then has to be confirmed.
+
+    Parameters
+    ----------
+    a : BilinearForm
+        Or what has its verbs.
+    gf : GridFunction
+    rhs :
+        As in ContactSolver.
+
+    Attributes
+    ----------
+    islinear : bool or None
+        As far as seen; None: not at all.
+    inner : (n,) bool
+        Free dofs that are condensed: they are not in the matrix.
+    product : BaseMatrix or None
+        A product with it takes the place of the form.
+    last : Honest or None
+        The last residual that came from the form itself.
+    """
+
+    def __init__(self, a, gf, rhs):
+        self.a, self.gf, self.rhs = a, gf, CheckRhs(rhs, a.space)
+        self.inner = np.zeros(len(gf.vec.FV().NumPy()), dtype=bool)
+        if a.condense:
+            inner = BitArray(a.space.FreeDofs())
+            inner &= ~a.space.FreeDofs(True)
+            self.inner = AsNumPy(ScalarDofs(inner, a.space))
+        self.StartAfresh()
+
+    @property
+    def mat(self):
+        """The derivative of the form where it was assembled last."""
+        return self.a.mat
+
+    @property
+    def load(self):
+        """The loads that are not in the form, as array (n,)."""
+        return LoadVector(self.rhs, self.gf.vec)
+
+    def StartAfresh(self):
+        """Know nothing of the form."""
+        self.islinear = None
+        self.Forget()
+
+    def Forget(self):
+        """Know no residual of before: the next one comes from the form."""
+        self.last, self.product, self._proposed = None, None, None
+
+    def Assemble(self):
+        """Make the matrix at the solution; False if that of before still holds."""
+        if self.islinear and self.mat.height == self.a.space.ndof:
+            return False
+        AssembleBulk(self.a, self.gf.vec)
+        self.Propose(None)
+        return True
+
+    def Propose(self, mat):
+        """Use a matrix in place of the form if that is proposed twice.
+
+        A first step often is a rigid motion, which tells little.
+        """
+        self.product = mat if mat is self._proposed else None
+        self._proposed = mat
+
+    # --- residual ------------------------------------------------------------------------------
+
+    def Apply(self, honest):
+        """The residual before loads are taken off, and whether it comes from the form itself.
+
+        Parameters
+        ----------
+        honest : bool
+            It has to.
+
+        Returns
+        -------
+        BaseVector, bool
+        """
+        if not honest and self.product is not None and self.last is not None:
+            residual = self.gf.vec.CreateVector()
+            residual.data = self.last.residual + self.Change()
+            return residual, False
+        residual = self.gf.vec.CreateVector()
+        self.a.Apply(self.gf.vec, residual)
+        return residual, True
+
+    def Remember(self, residual, merit):
+        """Take an honest residual as the one from which products go on."""
+        start = self.gf.vec.CreateVector()
+        start.data = self.gf.vec
+        self.last = Honest(start, residual, merit)
+
+    def Change(self):
+        """What a linear form adds to its last honest residual."""
+        moved, change = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        moved.data = self.gf.vec - self.last.vec
+        change.data = self.product * moved
+        return change
+
+    # --- is it linear? -------------------------------------------------------------------------
+
+    def Learn(self, before, after, motion, scale, residual):
+        """See from a motion (n,) between two States whether the form is linear.
+
+        Parameters
+        ----------
+        before, after : State
+        motion, scale : (n,) array
+        residual : Residual
+            Tells the forces at work, and rounding errors.
+        """
+        if after.honest:
+            self.islinear = self._MovedLinearly(before, after, motion, scale, residual)
+            self.Propose(self.mat if self.islinear else None)
+
+    def _MovedLinearly(self, before, after, motion, scale, residual):
+        """Did the residual change as the matrix says? What is too short tells nothing."""
+        if self.a.condense:
+            return False  # the matrix holds the Schur complement only
+        expected = Multiply([self.mat], motion)
+        deviation = np.linalg.norm(scale * (before.bulk - after.bulk - expected))
+        size = np.linalg.norm(scale * expected)
+        if size < max(TINY * residual.forces, residual.rounding):
+            return self.islinear is not False
+        return bool(deviation <= LINEAR * size)
+
+    def Refute(self):
+        """It is not linear: be honest from now on."""
+        self.islinear = False
+        self.Propose(None)
+
+    # --- condensation --------------------------------------------------------------------------
+
+    def Condense(self, residual):
+        """Add the forces on condensed dofs to those on the others."""
+        if self.a.condense:
+            residual.data += self.a.harmonic_extension_trans * residual
+
+    def Extend(self, correction, residual):
+        """Add to a correction what condensed dofs follow by."""
+        if self.a.condense:
+            correction.data += self.a.harmonic_extension * correction
+            correction.data += self.a.inner_solve * residual
