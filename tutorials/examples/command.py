@@ -3,7 +3,10 @@
 import argparse
 import json
 import math
+from importlib.util import find_spec
 from pathlib import Path
+
+from ngslac import ContactConvergenceError
 
 __all__ = ["Count", "NotNegative", "Options", "Positive", "Start"]
 
@@ -49,10 +52,14 @@ def Start(run, parser, arguments=None):
     """Call ``run(**options)``, which returns a dict of numbers; write and return them."""
     options = vars(parser.parse_args(arguments))
     file = options.pop("json")
+    if options["out"] and not find_spec("matplotlib"):  # said before the work, not after it
+        parser.error("--out: the pictures need matplotlib: pip install matplotlib")
     try:
         figures = run(**options)
     except KeyboardInterrupt:
         raise SystemExit("interrupted") from None
+    except ContactConvergenceError as error:
+        raise SystemExit(str(error)) from None
     except ValueError as error:
         parser.error(str(error))
     if file:

@@ -24,7 +24,6 @@ from ngsolve import BilinearForm, Grad, GridFunction, Id, Parameter, Variation, 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
 from ngslac.meshes import geometry
-from ngslac.meshes.geometry import Polygon, Side
 from ngslac.reference.ironing import PUBLISHED, TIMES
 
 YOUNG, POISSON = {"die": 6896.0, "slab": 689.6}, 0.32  # MPa
@@ -47,10 +46,10 @@ def IroningMesh(h=0.2, order=2):
     corners = [Pnt(x, y, 0) for x, y in ((left, low), (right, low), (right, high), (left, high))]
     arc = ArcOfCircle(corners[0], Pnt(middle, CLEARANCE, 0), corners[1])
     sides = zip(corners[1:], [*corners[2:], corners[0]], ("flank", "top", "flank"), strict=True)
-    lines = [Side(Segment(p, q), name, flank) for p, q, name in sides]
-    die = geometry.Body([Side(arc, "foot", foot), *lines], "die")
+    lines = [geometry.Side(Segment(p, q), name, flank) for p, q, name in sides]
+    die = geometry.Body([geometry.Side(arc, "foot", foot), *lines], "die")
     points = [(0, -HEIGHT), (LENGTH, -HEIGHT), (LENGTH, 0), (0, 0)]
-    slab = Polygon(points, ("bottom", "side", "master", "side"), "slab", master=count)
+    slab = geometry.Polygon(points, ("bottom", "side", "master", "side"), "slab", master=count)
     return geometry.GenerateMesh([die, slab], order=order, maxh=HEIGHT / 4, grading=0.3)
 
 
@@ -118,10 +117,8 @@ class Ironing:
         """Each number of the steps as a list, and what the steps did."""
         figures = {name: [row[name] for row in self.rows] for name in self.rows[0]}
         reached = np.abs(np.subtract.outer(self.wanted, figures["time"])) < 1e-9
-        return figures | {
-            "converged_steps": int(reached.any(axis=1).sum()),
-            "quadratic": all(map(Quadratic, figures["residuals"])),
-        }
+        quadratic = all(map(Quadratic, figures["residuals"]))
+        return figures | {"converged_steps": int(reached.any(1).sum()), "quadratic": quadratic}
 
 
 def DrawForces(axes, figures):
@@ -156,6 +153,8 @@ def Run(steps=80, stroke=STROKE, out=None, quiet=True, **options):
     try:
         ironing.Iron(steps, stroke, quiet)
     except ContactConvergenceError as error:
+        if not ironing.rows:
+            raise
         failure = str(error)
     figures = ironing.Figures() | {"steps": steps, "failure": failure}
     if out:
