@@ -291,8 +291,8 @@ private:
       normal = jump->normal; // before any Evaluate
       return;
     }
-    slave->CheckFinite(*u.fes->GetMeshAccess());
-    master->CheckFinite(*u.fes->GetMeshAccess());
+    slave->CheckFinite();
+    master->CheckFinite();
     auto paired = this->PairAt(std::move(slave), std::move(master));
     if (this->selfcontact)
       KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));

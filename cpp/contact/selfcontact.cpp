@@ -30,8 +30,6 @@ Array<double> Thicknesses(const Surface<D> & surface, const MeshAccess & ma) {
   Array<double> thickness(surface.Size());
   ParallelFor(surface.Size(), [&](size_t f) {
     auto face = ma.GetElement(ElementId(BND, surface.Element(f)));
-    Array<int> volumes;
-    ma.GetFacetElements(face.Facets()[0], volumes);
     auto v = face.Vertices();
     auto point = [&](int i) { return ma.GetPoint<D>(v[i]); };
     Mat<D, D - 1> sides;
@@ -39,7 +37,7 @@ Array<double> Thicknesses(const Surface<D> & surface, const MeshAccess & ma) {
       sides.Col(k) = point(k + 1) - point(0);
     Vec<D> normal = surface.Normal(f, sides);
     thickness[f] = 0;
-    for (int other : ma.GetElement(ElementId(VOL, volumes[0])).Vertices())
+    for (int other : ma.GetElement(ElementId(VOL, surface.MeshFaces().Behind(f)[0])).Vertices())
       thickness[f] =
           max(thickness[f], fabs(InnerProduct(normal, Vec<D>(ma.GetPoint<D>(other) - point(0)))));
   });

@@ -1,21 +1,14 @@
 #include "split.hpp"
+#include "faces.hpp"
 #include "splitters.hpp"
-
-#include <set>
 
 namespace ngslac {
 namespace {
-void CheckArguments(MeshAccess & ma, const Region & slave, const string & hexes) {
+void CheckMesh(const MeshAccess & ma) {
   if (ma.GetDimension() != 2 && ma.GetDimension() != 3)
     throw Exception("SplitSlaveFaces: the mesh must be two- or three-dimensional");
-  if (slave.Mesh().get() != &ma)
-    throw Exception("SplitSlaveFaces: the slave region belongs to another mesh");
-  if (slave.VB() != BND)
-    throw Exception("SplitSlaveFaces: the slave region must be one of boundaries");
   if (ma.GetCommunicator().Size() > 1)
     throw Exception("SplitSlaveFaces: split the mesh before it is distributed");
-  if (hexes != "pyramids" && hexes != "hexes")
-    throw Exception("SplitSlaveFaces: hexes must be 'pyramids' or 'hexes', not '" + hexes + "'");
 }
 
 void CheckElements(const netgen::Mesh & mesh) {
@@ -27,20 +20,6 @@ void CheckElements(const netgen::Mesh & mesh) {
   if (!linear)
     throw Exception("SplitSlaveFaces: the mesh has elements of second order; "
                     "use linear ones and mesh.Curve(2)");
-}
-
-// The boundary elements of the region.
-BitArray SlaveElements(const MeshAccess & ma, const Region & slave) {
-  BitArray elements(ma.GetNE(BND));
-  elements.Clear();
-  for (auto i : Range(ma.GetNE(BND)))
-    if (slave.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
-      elements.SetBit(i);
-  if (!elements.NumSet())
-    throw Exception(string("SplitSlaveFaces: the slave region has no ") +
-                    (ma.GetDimension() == 2 ? "edges" : "faces") + "; the boundaries are " +
-                    BoundaryNames(ma));
-  return elements;
 }
 
 // Netgen's assignment of meshes leaves identified points behind.
@@ -65,35 +44,23 @@ void UpdateMesh(netgen::Mesh & mesh) {
 }
 } // namespace
 
-string BoundaryNames(const MeshAccess & ma) {
-  std::set<string> names;
-  for (auto i : Range(ma.GetNBoundaries()))
-    names.insert(string(ma.GetMaterial(BND, i)));
-  string all;
-  for (auto & name : names)
-    all += (all.empty() ? "'" : ", '") + name + "'";
-  return all;
-}
-
 shared_ptr<MeshAccess> SplitSlaveFaces(shared_ptr<MeshAccess> ma, const Region & slave,
                                        const string & hexes) {
   static Timer timer("ngslac::SplitSlaveFaces");
   RegionTimer reg(timer);
 
-  if (!ma)
-    throw Exception("SplitSlaveFaces: no mesh");
-  CheckArguments(*ma, slave, hexes);
+  CheckMesh(*ma);
   auto source = ma->GetNetgenMesh();
   CheckElements(*source);
-  auto elements = SlaveElements(*ma, slave);
+  Faces faces(slave);
 
   auto copy = make_shared<netgen::Mesh>();
   *copy = *source;
   CopyIdentifications(*source, *copy);
   if (ma->GetDimension() == 2)
-    SplitEdges(*copy, elements);
+    SplitEdges(*copy, faces.Elements());
   else
-    SplitFaces(*copy, elements, hexes == "hexes");
+    SplitFaces(*copy, faces.Elements(), hexes == "hexes");
   UpdateMesh(*copy);
 
   auto result = make_shared<MeshAccess>(copy);

@@ -12,7 +12,4 @@ using namespace ngcomp;
 // in 3D: "pyramids" or "hexes".
 shared_ptr<MeshAccess> SplitSlaveFaces(shared_ptr<MeshAccess> mesh, const Region & slave,
                                        const string & hexes = "pyramids");
-
-// Quoted names of all boundaries, for messages.
-string BoundaryNames(const MeshAccess & ma);
 } // namespace ngslac

@@ -235,11 +235,10 @@ private:
 };
 } // namespace
 
-void SplitEdges(netgen::Mesh & mesh, const BitArray & slave) {
+void SplitEdges(netgen::Mesh & mesh, FlatArray<int> slave) {
   EdgeSplitter splitter(mesh);
-  for (auto i : Range(slave.Size()))
-    if (slave.Test(i))
-      splitter.Mark(SegmentIndex::FromNr0(i));
+  for (int i : slave)
+    splitter.Mark(SegmentIndex::FromNr0(i));
   splitter.Split();
 }
 } // namespace ngslac

@@ -338,11 +338,10 @@ private:
 };
 } // namespace
 
-void SplitFaces(netgen::Mesh & mesh, const BitArray & slave, bool hexes) {
+void SplitFaces(netgen::Mesh & mesh, FlatArray<int> slave, bool hexes) {
   FaceSplitter splitter(mesh);
-  for (auto i : Range(slave.Size()))
-    if (slave.Test(i))
-      splitter.Mark(SurfaceElementIndex::FromNr0(i));
+  for (int i : slave)
+    splitter.Mark(SurfaceElementIndex::FromNr0(i));
   if (hexes)
     splitter.ChooseHexPattern();
   splitter.Split();

@@ -6,13 +6,13 @@
 namespace ngslac {
 using namespace ngcomp;
 
-// Splitting of slave faces in place. The bits of `slave` are numbered like the boundary elements;
+// Splitting of slave faces, which are boundary elements of these numbers, in place;
 // the caller updates the topology of the mesh.
 
 // Two-dimensional meshes.
-void SplitEdges(netgen::Mesh & mesh, const BitArray & slave);
+void SplitEdges(netgen::Mesh & mesh, FlatArray<int> slave);
 
 // Three-dimensional meshes. `hexes`: a quadrilateral between hexahedra alone is divided into
 // quadrilaterals, and these hexahedra into hexahedra.
-void SplitFaces(netgen::Mesh & mesh, const BitArray & slave, bool hexes);
+void SplitFaces(netgen::Mesh & mesh, FlatArray<int> slave, bool hexes);
 } // namespace ngslac

@@ -1,9 +1,10 @@
 #include "arguments.hpp"
-#include "mesh/patterns.hpp"
-#include "mesh/split.hpp"
+#include "mesh/boundaries.hpp"
+#include "mesh/faces.hpp"
 
 namespace ngslac {
 namespace {
+/// Of boundaries that have faces.
 Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
   bool pattern = std::holds_alternative<string>(slave);
   Region region =
@@ -15,13 +16,8 @@ Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string
   if (region.VB() != BND)
     throw py::value_error(
         "LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
-  Array<double> numbers;
-  for (int i : Range(region.Mask().Size()))
-    if (region.Mask().Test(i))
-      numbers.Append(i);
-  for (size_t i : Range(ma.GetNE(BND)))
-    if (region.Mask().Test(ma.GetElIndex(ElementId(BND, i))))
-      return numbers;
+  if (Faces(region).Size())
+    return NumbersOf(region);
   throw py::value_error(
       "LACSpace: slave=" + (pattern ? "'" + std::get<string>(slave) + "'" : string("Region")) +
       " matches no boundary face; the boundaries are: " + BoundaryNames(ma));

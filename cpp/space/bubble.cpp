@@ -1,5 +1,6 @@
 #include "bubble.hpp"
-#include "mesh/split.hpp"
+#include "mesh/boundaries.hpp"
+#include "mesh/faces.hpp"
 
 #include <prolongation.hpp>
 
@@ -17,17 +18,14 @@ void CheckFlagsForBubbles(const Flags & flags) {
 }
 
 BitArray SlaveRegions(shared_ptr<MeshAccess> ma, const Flags & flags) {
-  BitArray slave(ma->GetNBoundaries());
-  slave.Clear();
+  BitArray slave;
   string given;
   if (flags.StringFlagDefined("slave")) {
     string pattern = flags.GetStringFlag("slave");
     slave = Region(ma, BND, pattern).Mask();
     given = "pattern '" + pattern + "'";
   } else if (flags.NumListFlagDefined("slave")) {
-    for (double nr : flags.GetNumListFlag("slave"))
-      if (nr >= 1 && nr <= slave.Size())
-        slave.SetBit(size_t(nr) - 1);
+    slave = BoundariesOf(*ma, flags.GetNumListFlag("slave"));
     given = "given region";
   } else
     throw Exception("BubbleVectorH1: say which boundaries get bubbles, slave='...'; there are " +
@@ -66,11 +64,8 @@ DocInfo BubbleH1FESpace::GetDocu() {
 }
 
 void BubbleH1FESpace::UpdateDofTables() {
-  for (auto i : Range(ma->GetNE(BND))) {
-    ElementId ei(BND, i);
-    if (size_t index = ma->GetElIndex(ei); index >= slave.Size() || !slave.Test(index))
-      continue;
-    auto el = ma->GetElement(ei);
+  for (int i : Faces(ma, slave)) {
+    auto el = ma->GetElement(ElementId(BND, i));
     // Where the space is not defined, a node must stay without dofs.
     if (ma->GetDimension() == 2) {
       if (auto edge = el.Edges()[0]; used_edge[edge])

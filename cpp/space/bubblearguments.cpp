@@ -1,6 +1,5 @@
 #include "bubblearguments.hpp"
-#include "mesh/patterns.hpp"
-#include "mesh/split.hpp"
+#include "mesh/boundaries.hpp"
 
 namespace ngslac {
 namespace {

@@ -1,5 +1,6 @@
 #include "bubble.hpp"
 #include "bubblearguments.hpp"
+#include "mesh/boundaries.hpp"
 
 #include <python_comp.hpp>
 
@@ -10,12 +11,7 @@ static void SetSlaveFlag(py::object slave, Flags * flags, py::list /* info */) {
     flags->SetFlag("slave", py::cast<string>(slave));
     return;
   }
-  auto region = py::cast<Region>(slave);
-  Array<double> numbers;
-  for (auto i : Range(region.Mask().Size()))
-    if (region.Mask().Test(i))
-      numbers.Append(i + 1);
-  flags->SetFlag("slave", numbers);
+  flags->SetFlag("slave", NumbersOf(py::cast<Region>(slave)));
 }
 
 void ExportBubble(py::module & m) {

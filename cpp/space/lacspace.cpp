@@ -1,4 +1,5 @@
 #include "lacspace.hpp"
+#include "mesh/boundaries.hpp"
 #include <h1lofe.hpp>
 
 namespace ngslac {
@@ -39,10 +40,7 @@ LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
   type = "lacspace";
   name = "LACSpace";
   order = 0;
-  slave = BitArray(ma->GetNRegions(BND));
-  slave.Clear();
-  for (double index : flags.GetNumListFlag("slave"))
-    slave.SetBit(int(index));
+  slave = BoundariesOf(*ma, flags.GetNumListFlag("slave"));
   for (double macro : flags.GetNumListFlag("macros"))
     given_macros.Append(int(macro));
   components = int(flags.GetNumFlag("components", ma->GetDimension()));

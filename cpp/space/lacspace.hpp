@@ -9,7 +9,7 @@ namespace ngslac {
 /// that the product of both spaces exists.
 class LACSpace : public FESpace {
 public:
-  /// flags: "slave" (numbers of the boundaries), "macros" (optional partition of the first mesh),
+  /// flags: "slave" (see NumbersOf), "macros" (optional partition of the first mesh),
   /// "components" (default: the space dimension)
   LACSpace(shared_ptr<FESpace> displacement, const Flags & flags);
 

@@ -126,8 +126,7 @@ Vec<3> FaceCenter(const MeshAccess & ma, int face) {
   bool moves = std::any_of(faces.begin(), faces.end(), [&](int s) { return tr.movable[s]; });
   stringstream text;
   text << "LACSpace: no macro-element can be made of " << faces.Size() << " face(s) of boundary '"
-       << ma->GetMaterial(ElementId(BND, tr.faces[faces[0]])) << "', the first at "
-       << FaceCenter(*ma, tr.faces[faces[0]]);
+       << tr.faces.Name(faces[0]) << "', the first at " << FaceCenter(*ma, tr.faces[faces[0]]);
   if (std::all_of(faces.begin(), faces.end(), [&](int s) { return tr.bare[s]; }))
     throw Exception(text.str() + ": V, a space of type " + fes.GetClassName() +
                     ", has no dofs there. Remedy: a space with traces on the boundary, such as "
@@ -210,7 +209,7 @@ BitArray Connected(const Traces & tr, const Groups & groups) {
     connected.SetBit(s);
     found.Append(s);
   };
-  for (int s : Range(tr.faces))
+  for (int s : Range(tr.faces.Size()))
     if (groups.of_face[s] >= 0)
       add(s);
   for (size_t i = 0; i < found.Size(); i++)

@@ -1,5 +1,5 @@
 #include "traces.hpp"
-#include "surface/surface.hpp"
+#include "mesh/areavector.hpp"
 
 namespace ngslac {
 namespace {
@@ -32,11 +32,10 @@ class FaceSums {
   double area = 0;
 
 public:
-  FaceSums(const FESpace & afes, ElementId aei, LocalHeap & lh)
-      : fes(afes), ei(aei), dim(afes.GetMeshAccess()->GetDimension()) {
-    auto & ma = *fes.GetMeshAccess();
+  FaceSums(const FESpace & afes, const Faces & faces, int face, LocalHeap & lh)
+      : fes(afes), ei(faces.Id(face)), dim(afes.GetMeshAccess()->GetDimension()) {
     // Where no outside is known the normals of the mesh have to do.
-    sign = (dim == 2 ? Orientation<2>(ma, ei, lh) : Orientation<3>(ma, ei, lh)) < 0 ? -1 : 1;
+    sign = (dim == 2 ? faces.Outward<2>(face, lh) : faces.Outward<3>(face, lh)) < 0 ? -1 : 1;
     fes.GetDofNrs(ei, dofs);
     int n = fes.GetDimension() * dofs.Size();
     shape.SetSize(dim, n), integral.SetSize(n, dim), maximum.SetSize(n), along.SetSize(n);
@@ -103,22 +102,22 @@ private:
   }
 };
 
-Table<int> VertexNeighbours(const MeshAccess & ma, FlatArray<int> faces) {
+Table<int> VertexNeighbours(const MeshAccess & ma, const Faces & faces) {
   TableCreator<int> vertex_creator(ma.GetNV());
   for (; !vertex_creator.Done(); vertex_creator++)
-    for (int s : Range(faces))
-      for (auto v : ma.GetElement(ElementId(BND, faces[s])).Vertices())
+    for (int s : Range(faces.Size()))
+      for (auto v : ma.GetElement(faces.Id(s)).Vertices())
         vertex_creator.Add(v, s);
   auto at_vertex = vertex_creator.MoveTable();
   TableCreator<int> creator(faces.Size());
   for (; !creator.Done(); creator++)
-    for (int s : Range(faces))
-      for (auto v : ma.GetElement(ElementId(BND, faces[s])).Vertices())
+    for (int s : Range(faces.Size()))
+      for (auto v : ma.GetElement(faces.Id(s)).Vertices())
         for (int t : at_vertex[v])
           if (t != s)
             creator.Add(s, t);
   auto neighbours = creator.MoveTable();
-  for (int s : Range(faces)) // in an order that does not depend on that of the vertices
+  for (int s : Range(faces.Size())) // in an order that does not depend on that of the vertices
     QuickSort(neighbours[s]);
   return neighbours;
 }
@@ -162,28 +161,25 @@ void ClearRim(const FESpace & fes, const Traces & tr, BitArray & dofs_to_clear) 
   }
 }
 
-Array<FaceTraces> AllTraces(const FESpace & fes, FlatArray<int> faces) {
+Array<FaceTraces> AllTraces(const FESpace & fes, const Faces & faces) {
   Array<FaceTraces> all(faces.Size());
   LocalHeap heap(10 * 1000 * 1000, "ngslac-partition", true);
   ParallelForRange(faces.Size(), [&](IntRange range) {
     LocalHeap lh = heap.Split();
     for (auto s : range) {
       HeapReset hr(lh);
-      all[s] = FaceSums(fes, ElementId(BND, faces[s]), lh).Result();
+      all[s] = FaceSums(fes, faces, s, lh).Result();
     }
   });
   return all;
 }
 
-void SetFaces(const MeshAccess & ma, const BitArray & boundaries, Traces & tr) {
-  tr.slave_of_face.SetSize(ma.GetNE(BND));
-  tr.slave_of_face = -1;
-  for (int i : Range(ma.GetNE(BND)))
-    if (boundaries.Test(ma.GetElIndex(ElementId(BND, i)))) {
-      tr.slave_of_face[i] = tr.faces.Size();
-      tr.faces.Append(i);
-    }
-  tr.neighbours = VertexNeighbours(ma, tr.faces);
+Array<int> NumbersOnSlave(const Faces & faces, size_t all) {
+  Array<int> numbers(all);
+  numbers = -1;
+  for (int s : Range(faces.Size()))
+    numbers[faces[s]] = s;
+  return numbers;
 }
 
 void SetMeans(FlatArray<FaceTraces> all, size_t ndof, Traces & tr) {
@@ -238,9 +234,10 @@ bool Reach::Reaches(const Vec<3> & normal) const {
 
 Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
   auto ma = fes.GetMeshAccess();
-  Traces tr;
+  Traces tr{Faces(ma, boundaries)};
   tr.dim = ma->GetDimension();
-  SetFaces(*ma, boundaries, tr);
+  tr.slave_of_face = NumbersOnSlave(tr.faces, ma->GetNE(BND));
+  tr.neighbours = VertexNeighbours(*ma, tr.faces);
   auto free = FreeScalars(fes);
   tr.inner_dofs = free;
   ClearRim(fes, tr, tr.inner_dofs);

@@ -1,5 +1,5 @@
 #pragma once
-#include <comp.hpp>
+#include "mesh/faces.hpp"
 
 namespace ngslac {
 using namespace ngcomp;
@@ -21,9 +21,11 @@ public:
 
 /// The slave surface, and the traces of the displacement's basis functions on it. Scalar dofs.
 struct Traces {
+  explicit Traces(Faces && slave) : faces(std::move(slave)) {}
+
   int dim;
-  Array<int> faces;         // boundary element numbers
-  Array<int> slave_of_face; // inverse of it
+  Faces faces;
+  Array<int> slave_of_face; // of each boundary element of the mesh, -1 elsewhere
   Array<Vec<3>> normals;    // of each slave face, outward
   Table<int> neighbours;    // slave faces that share a vertex
   Table<int> dof_faces;     // slave faces on which the trace of a dof lives

@@ -3,28 +3,6 @@
 
 namespace ngslac {
 namespace {
-/// A point inside of a volume element.
-template <int D>
-Vec<D> InnerPoint(const MeshAccess & ma, int volume, LocalHeap & lh) {
-  auto & trafo = ma.GetTrafo(ElementId(VOL, volume), lh);
-  auto type = trafo.GetElementType();
-  Vec<3> center = 0.0;
-  auto vertices = ElementTopology::GetVertices(type);
-  int nv = ElementTopology::GetNVertices(type);
-  for (int i : Range(nv))
-    for (int k : Range(3))
-      center(k) += vertices[i][k] / nv;
-  Vec<D> x;
-  trafo.CalcPoint(IntegrationPoint(center(0), center(1), center(2), 0), x);
-  return x;
-}
-
-Array<int> VolumesAt(const MeshAccess & ma, ElementId face) {
-  Array<int> volumes;
-  ma.GetFacetElements(ma.GetElement(face).Facets()[0], volumes);
-  return volumes;
-}
-
 /// The middle of a mesh that is far from 0, else 0; rounded so that differences have no errors.
 template <int D>
 Vec<D> OriginOf(const MeshAccess & ma) {
@@ -43,14 +21,6 @@ Vec<D> OriginOf(const MeshAccess & ma) {
   return origin;
 }
 
-template <int R>
-Vec<R> Center(ELEMENT_TYPE type) {
-  Vec<R> center = 0.0;
-  auto corners = Corners<R>(type);
-  for (auto & c : corners)
-    center += (1.0 / corners.Size()) * c;
-  return center;
-}
 } // namespace
 
 template <>
@@ -67,24 +37,8 @@ FlatArray<Vec<2>> Corners(ELEMENT_TYPE type) {
 }
 
 template <int D>
-int Orientation(const MeshAccess & ma, ElementId face, LocalHeap & lh) {
-  HeapReset hr(lh);
-  auto volumes = VolumesAt(ma, face);
-  if (volumes.Size() != 1)
-    return 0;
-  auto & trafo = ma.GetTrafo(face, lh);
-  auto center = Center<D - 1>(trafo.GetElementType());
-  MappedIntegrationPoint<D - 1, D> middle(ToIntegrationPoint(center), trafo);
-  Vec<D> inwards = InnerPoint<D>(ma, volumes[0], lh) - middle.GetPoint();
-  return InnerProduct(AreaVector(middle.GetJacobian()), inwards) < 0 ? 1 : -1;
-}
-
-template int Orientation<2>(const MeshAccess &, ElementId, LocalHeap &);
-template int Orientation<3>(const MeshAccess &, ElementId, LocalHeap &);
-
-template <int D>
-Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement,
-                    int order) {
+Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order)
+    : faces(region) {
   static Timer timer("ngslac::Surface");
   RegionTimer reg(timer);
   auto ma = region.Mesh();
@@ -98,22 +52,20 @@ Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displ
     quad_sites = ControlSites<D - 1>(ET_QUAD, degree);
 
   first.Append(0);
-  for (size_t i : Range(ma->GetNE(BND)))
-    if (ElementId ei(BND, i); region.Mask().Test(ma->GetElIndex(ei))) {
-      elements.Append(i);
-      types.Append(ma->GetElType(ei));
-      first.Append(first.Last() + NControlPoints(types.Last(), degree));
-    }
+  for (size_t f : Range(Size())) {
+    types.Append(ma->GetElType(faces.Id(f)));
+    first.Append(first.Last() + NControlPoints(types.Last(), degree));
+  }
   control.SetSize(first.Last());
-  orientation.SetSize(elements.Size());
+  orientation.SetSize(Size());
 
   LocalHeap heap(1000 * 1000, "ngslac-surface", true);
-  ParallelForRange(elements.Size(), [&](IntRange range) {
+  ParallelForRange(Size(), [&](IntRange range) {
     LocalHeap lh = heap.Split();
     for (auto f : range)
       AddFace(f, *ma, displacement.get(), lh);
   });
-  CheckFinite(*ma);
+  CheckFinite();
 }
 
 template <int D>
@@ -138,12 +90,11 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   }
   auto & [points, tocontrol] = known[types[face] == ET_QUAD];
 
-  ElementId ei(BND, elements[face]);
-  auto & trafo = ma.GetTrafo(ei, lh);
-  orientation[face] = Orientation<D>(ma, ei, lh);
+  auto & trafo = ma.GetTrafo(faces.Id(face), lh);
+  orientation[face] = faces.Outward<D>(face, lh);
   if (orientation[face] == 0)
-    throw Exception("boundary '" + string(ma.GetMaterial(ei)) + "' has " +
-                    (VolumesAt(ma, ei).Size()
+    throw Exception("boundary '" + faces.Name(face) + "' has " +
+                    (faces.Behind(face).Size()
                          ? "material on both sides: contact needs two surfaces that share no nodes "
                            "(mesh the bodies separately, do not glue them)"
                          : "no body behind it: contact acts on bodies (mesh the volume as well)"));
@@ -165,11 +116,11 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
 }
 
 template <int D>
-void Surface<D>::CheckFinite(const MeshAccess & ma) const {
+void Surface<D>::CheckFinite() const {
   for (size_t f : Range(Size()))
     for (auto & c : Control(f))
       if (!isfinite(L2Norm2(c)))
-        throw Exception("boundary '" + string(ma.GetMaterial(ElementId(BND, elements[f]))) +
+        throw Exception("boundary '" + faces.Name(f) +
                         "': the configuration to pair in holds NaN or infinite coordinates");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-#include <comp.hpp>
+#include "mesh/areavector.hpp"
+#include "mesh/faces.hpp"
 #include <gprim/geom3d.hpp>
 #include <gprim/geomobjects.hpp>
 
@@ -18,12 +19,14 @@ public:
   /// at least.
   Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order);
 
-  size_t Size() const { return elements.Size(); }
+  size_t Size() const { return faces.Size(); }
+  /// the faces of the mesh that these are
+  const Faces & MeshFaces() const { return faces; }
   /// Positions count from there: near 0 unless the mesh is far away, where displacements that are
   /// small would be lost among the digits of its coordinates. The same for all surfaces of a mesh.
   Vec<D> Origin() const { return origin; }
   /// number of the boundary element of the mesh
-  int Element(size_t face) const { return elements[face]; }
+  int Element(size_t face) const { return faces[face]; }
   ELEMENT_TYPE Type(size_t face) const { return types[face]; }
   int Degree() const { return degree; }
   /// control points of a face, which may be moved
@@ -37,7 +40,7 @@ public:
                       [](auto & a, auto & b) { return L2Norm2(a - b) == 0; });
   }
   /// Throws where control points are NaN or infinite.
-  void CheckFinite(const MeshAccess & ma) const;
+  void CheckFinite() const;
   /// reference coordinates of the control points
   FlatArray<Vec<D - 1>> Sites(size_t face) const {
     return types[face] == ET_QUAD ? quad_sites : simplex_sites;
@@ -64,7 +67,7 @@ private:
   void AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement, LocalHeap & lh);
 
   Vec<D> origin;
-  Array<int> elements;
+  Faces faces;
   Array<ELEMENT_TYPE> types;
   Array<signed char> orientation; // +1: the normal of the reference orientation is the outward one
   int degree;
@@ -90,25 +93,4 @@ Vec<R> ReferencePoint(const IntegrationPoint & ip) {
   return xi;
 }
 
-/// Perpendicular to the face, as long as the area element is large.
-inline Vec<2> AreaVector(const Mat<2, 1> & dx) {
-  return Vec<2>(dx(1, 0), -dx(0, 0));
-}
-inline Vec<3> AreaVector(const Mat<3, 2> & dx) {
-  return Cross(Vec<3>(dx.Col(0)), Vec<3>(dx.Col(1)));
-}
-
-/// +1 where the area vector of a boundary element points out of the body, -1 where it points into
-/// it: meshes may have the corners of their boundary elements in any order. 0 where there is not
-/// exactly one volume element behind the face.
-template <int D>
-int Orientation(const MeshAccess & ma, ElementId face, LocalHeap & lh);
-
-/// Factor of the area element.
-inline double Measure(const Mat<2, 1> & dx) {
-  return L2Norm(dx.Col(0));
-}
-inline double Measure(const Mat<3, 2> & dx) {
-  return L2Norm(AreaVector(dx));
-}
 } // namespace ngslac
