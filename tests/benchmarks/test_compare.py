@@ -10,12 +10,12 @@ from ngsolve import GetNumThreads, SetNumThreads
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 
-import command
 import compare
 import contactboundary
 import lac
 import meshes
 import metrics
+import peercommand
 
 from ngslac.reference import HertzLine, HertzPoint
 
@@ -165,7 +165,7 @@ def Solved(script, files, problem, *options, tmp_path):
     """The row that a peer writes, run in this process."""
     file = tmp_path / "row.json"
     argv = [problem, str(files[problem]), "--json", str(file), *options]
-    assert command.Main(script.Solve, peer="peer", options=script.Options, argv=argv) == 0
+    assert peercommand.Main(script.Solve, peer="peer", options=script.Options, argv=argv) == 0
     row = json.loads(file.read_text())
     assert {"version", "dofs", "iterations", "settings", "cpu"} <= row.keys()
     assert row["seconds"] > 0
@@ -212,13 +212,13 @@ def test_sphere_with_bubbles(files, tmp_path):
 
 def test_failures_of_a_peer(files, tmp_path, capsys):
     def Absent(mesh, arguments, watch):
-        raise command.NotInstalledError("no module abc: pip install abc")
+        raise peercommand.NotInstalledError("no module abc: pip install abc")
 
     argv = ["patch", str(files["patch"]), "--json", str(tmp_path / "row.json")]
-    assert command.Main(Absent, peer="abc", argv=argv) == 3
+    assert peercommand.Main(Absent, peer="abc", argv=argv) == 3
     assert capsys.readouterr().out == "no module abc: pip install abc\n"
     argv[0] = "sphere"
-    assert command.Main(lac.Solve, peer="abc", argv=argv) == 1
+    assert peercommand.Main(lac.Solve, peer="abc", argv=argv) == 1
     assert "a mesh of the problem patch" in capsys.readouterr().err
     assert not (tmp_path / "row.json").exists()
 

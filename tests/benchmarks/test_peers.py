@@ -15,9 +15,9 @@ import getfem_peer
 import kratos
 import kratos_files
 from boundary import BODIES, SHIFT, Opposite, PressureForces
-from command import Main
 from meshes import EDGES, HELD
 from metrics import LINE_FORCE, PATCH_PRESSURE, SPHERE_LOAD
+from peercommand import Main
 from tinypeers import TinyMesh
 
 PROBLEMS = tuple(BODIES)

@@ -12,9 +12,9 @@ sys.path.insert(0, str(Path(__file__).parent / "peers"))
 import calculix
 import calculix_files
 from boundary import BODIES, SHIFT
-from command import Main
 from meshes import HELD
 from metrics import LINE_FORCE, PATCH_PRESSURE, SPHERE_LOAD, SPHERE_PEAK
+from peercommand import Main
 from tinypeers import TinyMesh
 
 CASES = [(problem, order) for problem in BODIES for order in (1, 2)]

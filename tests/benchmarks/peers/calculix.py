@@ -29,8 +29,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from boundary import Lowered
 from calculix_files import ReadContact, ReadDisplacement, Solid, WriteInput
-from command import Main, NotInstalledError
 from metrics import YOUNG, LineErrors, PatchErrors, SphereErrors
+from peercommand import Main, NotInstalledError
 
 __all__ = ["Solve"]
 
@@ -38,7 +38,7 @@ STIFFNESS = {"hertz": 10.0, "sphere": 10.0, "patch": 1e4}
 
 
 def Solve(mesh, arguments, watch):
-    """Solve a problem; see `command.Main`."""
+    """Solve a problem; see `peercommand.Main`."""
     program = shutil.which("ccx")
     if not program:
         raise NotInstalledError("ccx not found: install CalculiX (apt-get install calculix-ccx)")

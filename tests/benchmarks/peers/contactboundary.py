@@ -16,7 +16,7 @@ import importlib.metadata
 import sys
 
 import numpy as np
-from command import Main, NotInstalledError
+from peercommand import Main, NotInstalledError
 
 try:
     from elastic import (
@@ -150,7 +150,7 @@ class Contact:
 
 
 def Solve(peermesh, arguments, watch):
-    """Solve a problem; see `command.Main`."""
+    """Solve a problem; see `peercommand.Main`."""
     if MISSING:
         raise NotInstalledError(f"{MISSING}: pip install ngsolve")
     if arguments.friction and (peermesh.dim == 3 or arguments.variant == "nitsche"):

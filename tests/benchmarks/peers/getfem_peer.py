@@ -18,7 +18,6 @@ import sys
 
 import numpy as np
 from boundary import BODIES, SHIFT, Lowered, Opposite
-from command import Main, NotInstalledError
 from meshes import HELD
 from metrics import (
     LINE_FORCE,
@@ -31,6 +30,7 @@ from metrics import (
     PatchErrors,
     SphereErrors,
 )
+from peercommand import Main, NotInstalledError
 
 try:
     import getfem
@@ -51,7 +51,7 @@ HELD_REGION, CONTACT_REGION, LOAD_REGION = 10, 2, 3
 
 
 def Solve(mesh, arguments, watch):
-    """Solve a problem; see `command.Main`."""
+    """Solve a problem; see `peercommand.Main`."""
     if getfem is None:
         raise NotInstalledError("no module getfem: apt-get install python3-getfem++")
     getfem.util_trace_level(1)

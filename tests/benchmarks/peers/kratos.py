@@ -17,9 +17,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from boundary import Lowered
-from command import Main, NotInstalledError
 from kratos_files import Materials, NodalForces, Parameters, WriteMesh
 from metrics import LineErrors, PatchErrors, SphereErrors
+from peercommand import Main, NotInstalledError
 
 try:
     import KratosMultiphysics as Kratos
@@ -52,7 +52,7 @@ INSTALL = "pip install " + " ".join(
 
 
 def Solve(mesh, arguments, watch):
-    """Solve a problem; see `command.Main`."""
+    """Solve a problem; see `peercommand.Main`."""
     if MISSING:
         raise NotInstalledError(f"{MISSING}: {INSTALL}")
     if arguments.order != 1:

@@ -18,7 +18,7 @@ from __future__ import annotations
 import inspect
 import sys
 
-from command import Main, NotInstalledError
+from peercommand import Main, NotInstalledError
 
 try:
     from elastic import (
@@ -56,7 +56,7 @@ __all__ = ["Solve"]
 
 
 def Solve(peermesh, arguments, watch):
-    """Solve a problem; see `command.Main`."""
+    """Solve a problem; see `peercommand.Main`."""
     if MISSING:
         raise NotInstalledError(f"{MISSING}: install ngslac (pip install -e .)")
     mesh = Read(arguments)
