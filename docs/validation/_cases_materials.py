@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import indentation
 import materials
 import numpy as np
 from _report_bounds import Meshes, Neglected, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import FromFolder
+from indentation import PRANDTL, Depths
 from ngsolve import (
     CF,
     BilinearForm,
@@ -25,17 +27,18 @@ from scipy.optimize import brentq
 from test_materials import SOFT, STIFF, nominal_stress
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.demos import indentation
-from ngslac.demos._indentation_figures import PRANDTL
-from ngslac.demos._indentation_pictures import IndentationPicture
 from ngslac.meshes import TwoBlocks
 
 
 def Indentation(quick):
-    options = {"h": 0.4, "steps": 8, "back": 8} if quick else {}
-    results = indentation.Run(**options)
-    figures, h = results.figures, results.figures["h"]
-    coarser = indentation.Run(**options | {"h": 2 * h}).figures
+    h, steps = (0.4, 8) if quick else (0.2, 16)
+    problems = [indentation.Indentation(h=size) for size in (h, 2 * h)]
+    for problem in problems:
+        problem.Cycle(0.08, steps, steps)
+    figures, coarser = (
+        problem.Figures() | {"onset_pressure": indentation.Onset(h=problem.h)}
+        for problem in problems
+    )
 
     def Of(name):
         return Meshes(figures[name], coarser[name], 2)
@@ -69,15 +72,15 @@ def Indentation(quick):
     if not quick:
         rows.append(Row("mean pressure over yield stress, soft block", *RigidPlastic()))
     caption = "Force over depth, mean pressure over the width, plastic strain and imprint."
-    return Outcome(rows, lambda file: IndentationPicture(results, file), caption)
+    draw = FromFolder(lambda folder: indentation.Write(problems[0], folder), "indentation.png")
+    return Outcome(rows, draw, caption)
 
 
 def RigidPlastic():
     """Mean pressure where elasticity plays no role, and Prandtl's."""
-    problem = indentation.Problem(h=0.4, steps=8, yield_stress=8.0, hardening=1.6)
-    results = indentation.Model(problem)
-    indentation.Advance(results, problem.Depths()[0])
-    return results.curve[-1]["mean_pressure"] / problem.yield_stress, PRANDTL
+    problem = indentation.Indentation(h=0.4, yield_stress=8.0, hardening=1.6)
+    last = problem.Advance(Depths(steps=8)[0])[-1]
+    return last["mean_pressure"] / problem.yield_stress, PRANDTL
 
 
 def Rubber(quick):
@@ -169,7 +172,7 @@ CASES = [
         "to Prandtl's of the rigid plastic body, which a block reaches only if it is soft enough.",
         "Johnson (1985), sections 6.1, 6.2 and 6.4: 1.79 Y at the onset, (2 + pi) k when fully "
         "plastic.",
-        "python -m ngslac.demos.indentation --picture indentation.png",
+        "python tutorials/examples/indentation.py --out results",
         Indentation,
     ),
     Case(

@@ -12,6 +12,7 @@ from ngslac.meshes.cylinders import CylinderOnBlock
 from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 from ngslac.meshes.hertz import HertzMesh, PointForce
+from ngslac.meshes.indentation import IndentationMesh
 from ngslac.meshes.spheres import SphereOnBlock, TwoSpheres
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "CylinderOnBlock",
     "DiscInRing",
     "HertzMesh",
+    "IndentationMesh",
     "PointForce",
     "RotationMatrix",
     "SphereOnBlock",

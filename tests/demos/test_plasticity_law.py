@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from ngsolve import CF, Parameter
 from ngsolve.meshes import MakeStructured2DMesh
-
-from ngslac.demos._plasticity import J2Plasticity
+from plasticity import J2Plasticity
 
 MATERIALS = [
     {"yield_stress": 35.0},

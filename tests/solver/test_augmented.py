@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from augmentedpress import augmented, same, solved
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Variation, VectorH1, ds, dx
+from plasticity import J2Plasticity, PlaneStrain
 from press import linear, mixed_press, numpy, press
 from press3d import mixed_press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LACContact, LACSpace, LoadStepper
-from ngslac.demos._plasticity import J2Plasticity, PlaneStrain
 from ngslac.meshes import TwoBlocks
 from ngslac.solve.augmented import AugmentedLagrangianSolver
 

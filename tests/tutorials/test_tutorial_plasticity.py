@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from indentation import PRANDTL, OnsetPressure
 from notebooks import Errors, Execute, Pictures
-
-from ngslac.demos._indentation_figures import PRANDTL, OnsetPressure
 
 pytestmark = pytest.mark.slow
 

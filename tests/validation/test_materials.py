@@ -1,7 +1,7 @@
 """Materials under contact, each with a number from elsewhere: large strains, rubber, heat.
 
 The materials are forms of NGSolve; the contact knows nothing of them. Plasticity:
-tests/demos/test_indentation.py.
+tests/examples/test_example_indentation.py.
 """
 
 from itertools import pairwise

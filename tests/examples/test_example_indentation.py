@@ -1,10 +1,12 @@
-"""Elastoplastic indentation by a cylinder: the demo against Johnson's numbers."""
+"""Elastoplastic indentation by a cylinder: the example against Johnson's numbers."""
 
-import dataclasses
 import json
 
+import indentation
 import numpy as np
 import pytest
+from commandline import Help, Refused
+from indentation import PRANDTL, Depths, Indentation, OnsetPressure
 from netgen.occ import OCCGeometry, Pnt, Segment
 from ngsolve import (
     BilinearForm,
@@ -18,72 +20,73 @@ from ngsolve import (
 from ngsolve import Mesh as NGSolveMesh
 
 from ngslac import ContactConvergenceError
-from ngslac.demos import indentation
-from ngslac.demos._indentation_figures import PRANDTL, OnsetPressure
-from ngslac.demos._indentation_mesh import IndentationMesh
 from ngslac.materials import Stress
+from ngslac.meshes import IndentationMesh
 from ngslac.meshes.geometry import Body, Side
 
-COARSE = {"h": 0.4, "steps": 10}
+SOFT = {"h": 0.4, "yield_stress": 8.0, "hardening": 1.6}
 
 
 @pytest.fixture(scope="module")
 def results():
-    return indentation.Run()
+    problem = Indentation()
+    problem.Cycle()
+    return problem
 
 
-def test_onset_of_yield(results):
+@pytest.fixture(scope="module")
+def figures(results):
+    return results.Figures()
+
+
+def test_onset_of_yield():
     """Johnson 1985, section 6.1: 1.79 for the Poisson ratio 0.3; the finite block takes 1 %."""
     assert OnsetPressure(0.3) == pytest.approx(1.79, abs=0.005)
-    assert results.figures["onset_pressure"] == pytest.approx(OnsetPressure(0.3), rel=0.015)
+    assert indentation.Onset() == pytest.approx(OnsetPressure(0.3), rel=0.015)
 
 
-def test_fully_plastic_mean_pressure(results):
+def test_fully_plastic_mean_pressure(results, figures):
     """From Hertz' pressure at the first yield it rises towards Prandtl's."""
     mean = [row["mean_pressure"] / 35.0 for row in results.loading if row["closed"] > 8]
     assert 0.9 * PRANDTL < mean[-1] < PRANDTL
     assert np.all(np.diff(mean) > -0.03)  # the width is known to a tenth of an element
     assert np.mean(mean[-3:]) > 1.02 * np.mean(mean[:3])
-    assert results.figures["scaled_width"] > 75
+    assert figures["scaled_width"] > 75
 
 
 def test_rigid_plastic_limit():
     """A block so soft that elasticity plays no role: Prandtl's pressure, from above."""
-    problem = indentation.Problem(h=0.4, steps=8, yield_stress=8.0, hardening=1.6)
-    results = indentation.Model(problem)
-    indentation.Advance(results, problem.Depths()[0])
-    last = results.curve[-1]
+    last = Indentation(**SOFT).Advance(Depths(steps=8)[0])[-1]
     assert last["scaled_width"] > 350
     assert last["mean_pressure"] / 8.0 == pytest.approx(PRANDTL, rel=0.04)
 
 
-def test_forces_balance(results):
-    assert results.figures["balance"] < 1e-9
+def test_forces_balance(results, figures):
+    assert figures["balance"] < 1e-9
     assert np.all(np.diff([row["force"] for row in results.loading]) > 0)
 
 
-def test_quadratic_convergence(results):
+def test_quadratic_convergence(results, figures):
     before, after = results.residuals[-2:]
     assert after < max(1e3 * before**2, 1e-13)
     assert after < 1e-3 * before
-    assert results.figures["cuts"] <= 2
+    assert figures["cuts"] <= 2
 
 
-def test_imprint_stays(results):
-    figures = results.figures
+def test_imprint_stays(results, figures):
     assert figures["released"]
     # Where the cylinder lets go is where the surface stays.
     assert figures["permanent_depth"] == pytest.approx(figures["imprint_depth"], rel=0.005)
     assert 0.7 < figures["permanent_depth"] / 0.08 < 0.85
 
 
-def test_unloading_and_loading_again_are_elastic(results):
+def test_unloading_and_loading_again_are_elastic(results, figures):
     """Johnson 1985, section 6.4, but for a little yield where the edge of the contact was."""
-    assert results.figures["reloading_force_ratio"] == pytest.approx(1, abs=2e-3)
+    assert figures["reloading_force_ratio"] == pytest.approx(1, abs=2e-3)
     path = sorted((row["depth"], row["force"]) for row in results.unloading)
     for row in results.reloading:
         force = np.interp(row["depth"], *np.transpose(path))
-        assert row["force"] == pytest.approx(force, abs=0.02 * results.figures["peak_force"])
+        assert row["force"] == pytest.approx(force, abs=0.02 * figures["peak_force"])
 
 
 def punch_stiffness(problem, halfwidth):
@@ -109,40 +112,36 @@ def punch_stiffness(problem, halfwidth):
     return 2 * InnerProduct(residual, gf.vec)
 
 
-def test_unloading_slope_is_that_of_an_elastic_punch(results):
+def test_unloading_slope_is_that_of_an_elastic_punch(results, figures):
     """At the first moment of unloading the contact keeps its width."""
-    expected = punch_stiffness(results.problem, results.figures["halfwidth"])
-    assert results.figures["unloading_slope"] == pytest.approx(expected, rel=0.03)
+    expected = punch_stiffness(results, figures["halfwidth"])
+    assert figures["unloading_slope"] == pytest.approx(expected, rel=0.03)
 
 
 def test_a_failed_step_leaves_no_trace():
     """Three iterations are too few: state, solution and curve stay, and the next try is right."""
-    problem = indentation.Problem(**COARSE)
-    depths, _, _ = problem.Depths()
-    runs = []
+    depths, runs = Depths(steps=10)[0], []
     for fails in (False, True):
-        results = indentation.Model(problem)
-        indentation.Advance(results, depths[:3])
+        results = Indentation(h=0.4)
+        results.Advance(depths[:3])
         if fails:
             before = [results.material.state.vec.FV().NumPy().copy()]
             before += [results.solver.gf.vec.FV().NumPy().copy(), len(results.curve)]
             with pytest.raises(ContactConvergenceError):
-                indentation.Advance(results, depths[3:4], maxit=1)
+                results.Advance(depths[3:4], maxit=1)
             assert np.array_equal(results.material.state.vec.FV().NumPy(), before[0])
             assert np.array_equal(results.solver.gf.vec.FV().NumPy(), before[1])
             assert len(results.curve) == before[2]
-        indentation.Advance(results, depths[3:4])
+        results.Advance(depths[3:4])
         runs.append(results.curve[-1])
     assert runs[1]["force"] == pytest.approx(runs[0]["force"], rel=1e-8)
     assert runs[1]["plastic_volume"] == pytest.approx(runs[0]["plastic_volume"], rel=1e-8)
 
 
 def force_at_depth(h, steps):
-    problem = indentation.Problem(h=h, depth=0.04, steps=steps)
-    results = indentation.Model(problem)
-    indentation.Advance(results, problem.Depths()[0], maxit=60)
-    assert len(results.curve) == steps  # none was halved: the flow depends on the step size
-    return results.curve[-1]["force"]
+    rows = Indentation(h=h).Advance(Depths(0.04, steps)[0], maxit=60)
+    assert len(rows) == steps  # none was halved: the flow depends on the step size
+    return rows[-1]["force"]
 
 
 @pytest.mark.slow
@@ -156,23 +155,13 @@ def test_force_converges_with_the_mesh():
 
 def test_units_and_sizes_do_not_matter():
     """In metres and pascals, the same: the mesh scales with the radius."""
-    base = indentation.Problem(**COARSE)
-    other = dataclasses.replace(
-        base,
-        h=base.h * 1e-3,
-        depth=base.depth * 1e-3,
-        radius=0.1,
-        zone=base.zone * 1e-3,
-        size=base.size * 1e-3,
-        young=base.young * 1e6,
-        yield_stress=base.yield_stress * 1e6,
-        hardening=base.hardening * 1e6,
-    )
-    forces = []
-    for problem in (base, other):
-        results = indentation.Model(problem)
-        indentation.Advance(results, problem.Depths()[0][:4])
-        forces.append(results.curve[-1]["force"])
+    metres = {"h": 0.4e-3, "radius": 0.1, "zone": 5e-3, "size": 40e-3}
+    pascals = {"young": 70e9, "yield_stress": 35e6, "hardening": 70e6}
+    depths = Depths(steps=10)[0][:4]
+    forces = [
+        Indentation(h=0.4).Advance(depths)[-1]["force"],
+        Indentation(**metres, **pascals).Advance([1e-3 * d for d in depths])[-1]["force"],
+    ]
     assert forces[1] == pytest.approx(1e3 * forces[0], rel=1e-7)
 
 
@@ -191,21 +180,22 @@ def test_mesh():
         IndentationMesh(0.4, zone=50.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"), [({"steps": 0}, "steps"), ({"depth": -1.0}, "depth")]
-)
-def test_bad_options(options, message):
-    with pytest.raises(ValueError, match=message):
-        indentation.Run(**options)
-
-
-def test_command_line_writes_everything(tmp_path, capsys):
+def test_indentation_command(tmp_path, capsys):
     pytest.importorskip("matplotlib")
-    file, picture = tmp_path / "new" / "figures.json", tmp_path / "picture.png"
-    options = ["--h", "0.4", "--steps", "5", "--depth", "0.02"]
-    indentation.main([*options, "--json", str(file), "--picture", str(picture)])
-    figures = json.loads(file.read_text())
-    assert picture.stat().st_size > 20000
+    file = tmp_path / "new" / "figures.json"
+    options = ["--h", "0.4", "--steps", "5", "--depth", "0.02", "--out", str(tmp_path)]
+    indentation.main([*options, "--json", str(file)])
+    found = json.loads(file.read_text())
+    for name in ("indentation.png", "indentation_top.vtu"):
+        assert (tmp_path / name).stat().st_size > 3000
     assert "mean pressure" in capsys.readouterr().out
-    assert figures["steps"] == len(figures["curve"])
-    assert figures["prandtl"] == pytest.approx(2.9685, abs=1e-4)
+    assert found["steps"] == len(found["curve"])
+    assert found["prandtl"] == pytest.approx(2.9685, abs=1e-4)
+    assert found["onset_pressure"] == pytest.approx(1.79, rel=0.03)
+
+
+def test_indentation_help_and_bad_values(capsys):
+    assert "(default: 0.08)" in Help(capsys, indentation.main)
+    assert "--steps: 0 is less than 1" in Refused(capsys, indentation.main, "--steps", "0")
+    assert "--depth: -1 is no finite" in Refused(capsys, indentation.main, "--depth", "-1")
+    assert "--yield-stress: 0 is no" in Refused(capsys, indentation.main, "--yield-stress", "0")
