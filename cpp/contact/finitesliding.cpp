@@ -16,6 +16,9 @@ struct Motion {
   Array<Vec<D>> slip; // since the start, of macro-elements that slide
 };
 
+/// Does the matrix see that the overlap changes where the master ends?
+enum class Rim { stays, moves };
+
 /// Partners, gap, slip, normals and forces are those of the current configuration.
 ///
 /// Areas, and with them the multipliers, count in the reference configuration. Between two calls of
@@ -37,7 +40,6 @@ class FiniteSliding : public FormBase<D> {
   Array<double> last_gap;                  // at the last Commit
   shared_ptr<Motion<D>> now;               // of the last Configure
   shared_ptr<Motion<D>> accepted_motion;   // of the last Commit
-  bool moving_rim = false;                 // does the matrix see that the overlap changes?
   double share = 0.5;                      // of the master in the stiffness of both bodies
 
 public:
@@ -80,18 +82,16 @@ public:
   }
 
   void AssembleLinearization(const BaseVector & bx) override {
-    moving_rim = false;
-    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+    Assemble(bx, Rim::stays, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
       return Project(this->Data(m, normal), trial);
     });
   }
 
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
     this->CheckPaired();
-    moving_rim = true;
     Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> normals(jump->Size());
-    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
+    Assemble(bx, Rim::moves, [&](size_t m, const Vec<D> & normal, const Vec<D> & trial) {
       normals[m] = normal;
       return projections[m] = this->ProjectWithMemory(m, normal, trial);
     });
@@ -107,7 +107,6 @@ public:
     typename Base::Augmentation augmentation(c, factor);
     auto x = bx.FV<double>(), y = residual.FV<double>();
     Configure(x);
-    moving_rim = true;
     Array<Projection<D>> projections(jump->Size());
     Array<Vec<D>> tractions(jump->Size());
     ScatterInOrder(jump->Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
@@ -117,7 +116,8 @@ public:
       AddForces(m, place.normal, tractions[m], forces, lh);
     });
     Assemble(
-        bx, [&](size_t m, const Vec<D> &, const Vec<D> &) { return projections[m]; }, &tractions);
+        bx, Rim::moves, [&](size_t m, const Vec<D> &, const Vec<D> &) { return projections[m]; },
+        &tractions);
     return this->Penalized();
   }
 
@@ -126,8 +126,7 @@ public:
     this->Prepare(bx);
     this->CheckSprings(stiffness);
     auto x = bx.FV<double>();
-    moving_rim = true;
-    Assemble(bx, [&](size_t m, const Vec<D> & normal, const Vec<D> &) {
+    Assemble(bx, Rim::moves, [&](size_t m, const Vec<D> & normal, const Vec<D> &) {
       Vec<D> traction = this->Multiplier(m, x);
       ngbla::Mat<D, D> turning = InnerProduct(traction, normal) * Id<D>();
       return Projection<D>{traction, this->Spring(m, stiffness), turning, Status::stick};
@@ -332,7 +331,8 @@ private:
   }
 
   template <typename PROJECT>
-  void Assemble(const BaseVector & bx, PROJECT project, const Array<Vec<D>> * given = nullptr) {
+  void Assemble(const BaseVector & bx, Rim rim, PROJECT project,
+                const Array<Vec<D>> * given = nullptr) {
     static Timer timer("ngslac::FiniteSliding::Assemble");
     RegionTimer reg(timer);
     this->Prepare(bx);
@@ -349,12 +349,12 @@ private:
     mat = MatrixOf<D>(couplings, *master_shapes, lamdof, nscalars);
     AddBlocksInOrder(jump->Size(), *mat, this->BlockHeap(),
                      [&](size_t m, LocalHeap & lh, BlockSum & forces) {
-                       AssembleMacro(m, x, tractions[m], project, couplings[m], forces, lh);
+                       AssembleMacro(m, x, tractions[m], rim, project, couplings[m], forces, lh);
                      });
   }
 
   template <typename PROJECT>
-  void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, PROJECT project,
+  void AssembleMacro(size_t m, FlatVector<> x, Vec<D> traction, Rim rim, PROJECT project,
                      const Coupling & coupling, BlockSum & forces, LocalHeap & lh) {
     if (points->area[m] == 0) {
       auto p = project(m, jump->normal[m], jump->normal[m]);
@@ -368,7 +368,8 @@ private:
     auto & mean = now->mean[m];
     auto & normal = mean.normal;
     auto parts = Parts(m, traction);
-    AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, moving_rim, rows, add, lh);
+    AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, rim == Rim::moves, rows,
+                      add, lh);
     if (!parts.IsZero())
       AddStiffness(normal, traction, parts.pressure, rows, forces);
     Vec<D> slip = 0.0;
