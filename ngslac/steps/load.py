@@ -15,12 +15,11 @@ from ngslac.arguments import (
 )
 from ngslac.bodies.bodies import OverloadMessage
 from ngslac.bodies.rigidbalance import CarriedOff
-from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.progress import Progress
 from ngslac.solve.iteration import MostlySlips
-from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import ContactSolver
+from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.limitload import LimitLoad
 from ngslac.steps.prescribed import Prescribed
 
@@ -102,6 +101,7 @@ class LoadStepper:
         self.predict = CheckFlag("predict", predict)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.steps = []
+        self._journal = Journal(self, "load", load)
         self._last = None  # increment of the solution and of the load in the last step
         self._size = np.inf  # of the next step, where the last ones had to be cut
 
@@ -147,14 +147,14 @@ class LoadStepper:
         self.printing = CheckFlag("printing", printing)
         begin, done = self._CheckBegin(end), []
         self.solver.PairOnce()
-        self._saved = Snapshot(self)
+        self._journal.Begin()
         try:
-            with Progress("contact: load steps", begin, end) as self._progress:
+            with Progress("contact: load steps", begin, end) as self._journal.progress:
                 for k in range(1, steps + 1):
                     target = begin + (end - begin) * k / steps
                     done += self._Reach(target, callback, maxit, tol)
         except BaseException:
-            self._saved.Restore()
+            self._journal.saved.Restore()
             raise
         return done
 
@@ -197,61 +197,50 @@ class LoadStepper:
         self.steps[:] = state["steps"]
         self._last, self._size = state["last"], state["size"]
 
-    def _Accept(self, goal, iterations, cuts, callback):
-        """A step has converged: there is no way back behind it."""
-        step = Step(len(self.steps) + 1, goal, iterations, cuts)
-        self.steps.append(step)
-        self._saved = Snapshot(self)
-        self._progress.At(goal)
-        if callback:
-            TellStep(callback, step, "load", self.load, gf=self.solver.gf)
-            self._saved = Snapshot(self)  # which may have changed something
-        return step
-
     def _Reach(self, target, callback, maxit, tol):
-        done, cuts, hopeless, rubs = [], 0, 0, 0
-        full = target - self.load.Get()
-        limit = LimitLoad(self.solver, self.load, full)
-        size = full if abs(full) <= self._size else np.copysign(self._size, full)
-        least = 0.99 * abs(full) * 0.5**self.maxcuts
-        while abs(target - self.load.Get()) > SAME * max(abs(target), abs(full)):
-            begin = self.load.Get()
-            goal = target if abs(size) >= (1 - 1e-9) * abs(target - begin) else begin + size
-            half = (goal - begin) / 2
-            start, path = (
-                "predicted" if cuts == 0 else "last",
-                not limit.suspected and (cuts == PATIENCE or abs(half) < least),
-            )
+        done, hopeless, rubs = [], 0, 0
+        control = StepControl(self.load.Get(), target, self.maxcuts, self._size)
+        limit = LimitLoad(self.solver, self.load, control.full)
+        while not control.done:
+            goal = control.goal
+            start = "last" if control.cuts else "predicted"
+            path = not limit.suspected and (control.cuts == PATIENCE or control.smallest)
             try:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
-                cuts, hopeless = cuts + 1, hopeless + error.exhausted + error.slides
+                control.cuts += 1
+                hopeless += error.exhausted + error.slides
                 rubs = rubs + 1 if error.rubs else 0
                 self._Estimate(limit, goal, failed=True)
                 ends = error.certain or max(hopeless, rubs) > MOST_HOPELESS or limit.Passed()
-                if abs(half) >= least and not ends:
+                if not (control.smallest or ends):
                     if self.printing:
                         print("  halved")
-                    size = limit.Size(half)
+                    control.size = limit.Size(control.half)
                     continue
                 tried = goal if error.certain else None
                 goal, last = self._Jump(target, error, limit, maxit, tol, tried)
-            # What was hard before mostly is so for another while.
-            size = size if cuts else 2 * size
-            self._size = 2 * abs(size) if cuts or abs(size) < 0.9 * abs(full) else np.inf
-            done.append(self._Accept(goal, last.number, cuts, callback))
-            cuts = rubs = 0
-            if limit.expected is not None and target != goal:
+            self._Continue(control)
+            step = Step(len(self.steps) + 1, goal, last.number, control.Reached(goal))
+            done.append(self._journal.Add(step, callback, gf=self.solver.gf))
+            rubs = 0
+            if limit.expected is not None and not control.done:
                 self._Estimate(limit, target, failed=False)
-                size = limit.Size(size)
+                control.size = limit.Size(control.size)
         return done
+
+    def _Continue(self, control):
+        """Choose the next size after success: what was hard mostly is so for another while."""
+        control.size = control.size if control.cuts else 2 * control.size
+        shortened = control.cuts or abs(control.size) < 0.9 * abs(control.full)
+        self._size = 2 * abs(control.size) if shortened else np.inf
 
     def _Estimate(self, limit, goal, failed):
         """Is there a limit of the load on the way from the last converged state to this one?"""
         try:
             limit.Estimate(goal, failed)
         finally:
-            self._saved.Restore()
+            self._journal.saved.Restore()
 
     def _Jump(self, target, error, limit, maxit, tol, tried):
         """Leave a state from which no small step converges: it may snap to another one.
@@ -285,7 +274,7 @@ class LoadStepper:
             flags = self._Start(last, goal - begin, start) | {"path": path}
             result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing, **flags)
         except BaseException as error:
-            self._saved.Restore()
+            self._journal.saved.Restore()
             if self.printing:
                 print(f"  {error}")
             raise
@@ -327,7 +316,7 @@ class LoadStepper:
                 carried = CarriedOff(self.solver)
                 most, least = (most, middle) if carried else (middle, least)
         finally:
-            self._saved.Restore()
+            self._journal.saved.Restore()
         return most
 
     def _Diagnosis(self, error, limit, tried):

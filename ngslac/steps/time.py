@@ -16,14 +16,13 @@ from ngslac.arguments import (
     CheckState,
     FillVector,
 )
-from ngslac.callback import TellStep
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.loads import LoadVector
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
-from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import ContactSolver, OnBulk
 from ngslac.steps.balance import ContactWorks, EnergyBalance, TimeStep
+from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
 from ngslac.steps.obstacles import Obstacles
 from ngslac.steps.prescribed import Prescribed
@@ -125,6 +124,7 @@ class TimeStepper:
         self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._Load), Inert())
         self.velocity = GridFunction(solver.gf.space, name="velocity")
         self._obstacles = Obstacles(solver.contacts)
+        self._journal = Journal(self, "time", self.time)
         self.balance, self.steps = None, []
         self._momentum = None  # M times the acceleration due to the bulk's forces
         self._rate = None  # mean velocity of the last step, and its length
@@ -185,17 +185,17 @@ class TimeStepper:
         if count > LARGEST_COUNT:
             raise ValueError(f"end = {end} is {count:g} steps of dt = {self.dt} away: take fewer")
         count = int(count)
-        done, before = [], Snapshot(self)
-        begun = self._saved = before
+        done, journal = [], self._journal
+        before = begun = journal.Begin()
         try:
             self._Begin()
-            begun = self._saved = Snapshot(self)
-            with Progress("contact: time steps", begin, end) as self._progress:
+            begun = journal.Begin()
+            with Progress("contact: time steps", begin, end) as journal.progress:
                 for k in range(1, count + 1):
                     target = end if k == count else begin + (end - begin) * k / count
                     done += self._Reach(target, callback, printing, maxit, tol)
         except BaseException:  # without a step not even the beginning counts
-            (before if self._saved is begun else self._saved).Restore()
+            (before if journal.saved is begun else journal.saved).Restore()
             raise
         return done
 
@@ -264,36 +264,27 @@ class TimeStepper:
         self.balance = replace(self.balance, kinetic=kinetic, external=external)
 
     def _Reach(self, target, callback, printing, maxit, tol):
-        done, cuts = [], 0
-        length = size = target - self.time.Get()
-        while target - self.time.Get() > 1e-9 * length:
-            now = self.time.Get()
-            goal = target if size >= (1 - 1e-9) * (target - now) else now + size
+        done, control = [], StepControl(self.time.Get(), target, self.maxcuts)
+        while not control.done:
+            goal = control.goal
             if printing:
                 print(f"step {len(self.steps) + 1}  time {goal:g}")
             try:
-                smallest = (goal - now) / 2 < 0.99 * length * 0.5**self.maxcuts
-                last = self._Attempt(goal, printing, maxit, tol, smallest)
+                last = self._Attempt(goal, printing, maxit, tol, control.smallest)
             except ContactConvergenceError as error:
-                cuts += 1
-                if smallest:
+                if control.smallest:
                     raise
                 if printing:
                     print(f"  {error}; halved")
-                size = (goal - now) / 2
+                control.cuts += 1
+                control.size = control.half
                 continue
             if printing:
                 print(self.balance)
+            cuts = control.Reached(goal)
             step = TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance)
-            self.steps.append(step)
-            done.append(step)
-            self._saved = Snapshot(self)  # there is no way back behind it
-            self._progress.At(goal)
-            if callback:
-                fields = {"gf": self.gf, "velocity": self.velocity}
-                TellStep(callback, step, "time", self.time, **fields)
-                self._saved = Snapshot(self)  # which may have changed something
-            size, cuts = 2 * size, 0
+            done.append(self._journal.Add(step, callback, gf=self.gf, velocity=self.velocity))
+            control.size *= 2
         return done
 
     def _Attempt(self, goal, printing, maxit, tol, last_chance):
@@ -316,12 +307,12 @@ class TimeStepper:
             if not np.isfinite(self._Energy()):
                 raise ContactConvergenceError("elements turned inside out")
         except BaseException:
-            self._saved.Restore()
+            self._journal.saved.Restore()
             raise
         before = self.balance
         self._Accept(start, dt)
         if not last_chance and (won := self.balance.Won(before)) > MOST_WON:
-            self._saved.Restore()
+            self._journal.saved.Restore()
             raise ContactConvergenceError(f"the step wins {100 * won:.2g} % of the energy")
         return last
 

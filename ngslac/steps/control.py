@@ -1,0 +1,106 @@
+"""How long the next step is, and what is left of those that converged."""
+
+import math
+
+from ngslac.callback import TellStep
+from ngslac.solve.snapshot import Snapshot
+
+__all__ = ["Journal", "StepControl"]
+
+# Relative length of a remainder that is no step of its own.
+REST = 1e-9
+
+
+class StepControl:
+    """Goals on the way to a target: nearer ones where a step fails.
+
+    Parameters
+    ----------
+    begin, target : float
+    maxcuts : int
+        The smallest step is all of the way over 2**maxcuts.
+    size : float
+        Largest length of the first step, > 0.
+
+    Attributes
+    ----------
+    size : float
+        Of the next step, with its sign.
+    cuts : int
+        Steps that failed since the last one that did not.
+    """
+
+    def __init__(self, begin, target, maxcuts, size=math.inf):
+        self.at, self.target, self.full = begin, target, target - begin
+        self.size = math.copysign(min(abs(self.full), size), self.full)
+        self.least, self.cuts = 0.99 * abs(self.full) * 0.5**maxcuts, 0
+
+    @property
+    def done(self):
+        """Is this the target?"""
+        return self.at == self.target
+
+    @property
+    def goal(self):
+        """Where the next step leads."""
+        left = abs(self.target - self.at)
+        return self.target if abs(self.size) >= (1 - REST) * left else self.at + self.size
+
+    @property
+    def half(self):
+        """Half of the next step."""
+        return (self.goal - self.at) / 2
+
+    @property
+    def smallest(self):
+        """Is half of the next step too short?"""
+        return abs(self.half) < self.least
+
+    def Reached(self, goal):
+        """Go on from there; returns how many steps have failed before."""
+        cuts, self.at, self.cuts = self.cuts, goal, 0
+        return cuts
+
+
+class Journal:
+    """The converged steps of a tool, and the state after the last: no way leads back behind it.
+
+    Parameters
+    ----------
+    tool : LoadStepper or TimeStepper
+        With ``steps``.
+    name : str
+        Of its parameter, such as "load".
+    parameter : ngsolve.Parameter
+
+    Attributes
+    ----------
+    saved : Snapshot
+        After the last step, as its callback left it.
+    """
+
+    def __init__(self, tool, name, parameter):
+        self.tool, self.name, self.parameter = tool, name, parameter
+
+    def Begin(self, progress=None):
+        """Take the present state as the one to go back to."""
+        self.saved, self.progress = Snapshot(self.tool), progress
+        return self.saved
+
+    def Add(self, step, callback, **fields):
+        """Note a step, and tell of it.
+
+        Parameters
+        ----------
+        step : Step or TimeStep
+        callback : callable or None
+        **fields : GridFunction
+            What the callback may change, to numbers.
+        """
+        self.tool.steps.append(step)
+        self.saved = Snapshot(self.tool)
+        self.progress.At(step.time)
+        if callback:
+            TellStep(callback, step, self.name, self.parameter, **fields)
+            self.saved = Snapshot(self.tool)  # which may have changed something
+        return step
