@@ -9,6 +9,7 @@ from _report_bounds import Meshes, Neglected, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import FromFolder
 from indentation import PRANDTL, Depths
+from indenter import Indenter
 from ngsolve import (
     CF,
     BilinearForm,
@@ -32,12 +33,10 @@ from ngslac.meshes import TwoBlocks
 
 def Indentation(quick):
     h, steps = (0.4, 8) if quick else (0.2, 16)
-    problems = [indentation.Indentation(h=size) for size in (h, 2 * h)]
-    for problem in problems:
-        problem.Cycle(0.08, steps, steps)
+    cycles = [indentation.Cycle(Indenter(h=size), 0.08, steps, steps) for size in (h, 2 * h)]
     figures, coarser = (
-        problem.Figures() | {"onset_pressure": indentation.Onset(h=problem.h)}
-        for problem in problems
+        cycle.Figures() | {"onset_pressure": indentation.Onset(h=cycle.indenter.h)}
+        for cycle in cycles
     )
 
     def Of(name):
@@ -72,13 +71,13 @@ def Indentation(quick):
     if not quick:
         rows.append(Row("mean pressure over yield stress, soft block", *RigidPlastic()))
     caption = "Force over depth, mean pressure over the width, plastic strain and imprint."
-    draw = FromFolder(lambda folder: indentation.Write(problems[0], folder), "indentation.png")
+    draw = FromFolder(lambda folder: indentation.Write(cycles[0], folder), "indentation.png")
     return Outcome(rows, draw, caption)
 
 
 def RigidPlastic():
     """Mean pressure where elasticity plays no role, and Prandtl's."""
-    problem = indentation.Indentation(h=0.4, yield_stress=8.0, hardening=1.6)
+    problem = Indenter(h=0.4, yield_stress=8.0, hardening=1.6)
     last = problem.Advance(Depths(steps=8)[0])[-1]
     return last["mean_pressure"] / problem.yield_stress, PRANDTL
 

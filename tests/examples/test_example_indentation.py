@@ -6,7 +6,8 @@ import indentation
 import numpy as np
 import pytest
 from commandline import Help, Refused
-from indentation import PRANDTL, Depths, Indentation, OnsetPressure
+from indentation import PRANDTL, Cycle, Depths, OnsetPressure
+from indenter import Indenter
 from netgen.occ import OCCGeometry, Pnt, Segment
 from ngsolve import (
     BilinearForm,
@@ -29,9 +30,7 @@ SOFT = {"h": 0.4, "yield_stress": 8.0, "hardening": 1.6}
 
 @pytest.fixture(scope="module")
 def results():
-    problem = Indentation()
-    problem.Cycle()
-    return problem
+    return Cycle(Indenter())
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +55,7 @@ def test_fully_plastic_mean_pressure(results, figures):
 
 def test_rigid_plastic_limit():
     """A block so soft that elasticity plays no role: Prandtl's pressure, from above."""
-    last = Indentation(**SOFT).Advance(Depths(steps=8)[0])[-1]
+    last = Indenter(**SOFT).Advance(Depths(steps=8)[0])[-1]
     assert last["scaled_width"] > 350
     assert last["mean_pressure"] / 8.0 == pytest.approx(PRANDTL, rel=0.04)
 
@@ -114,7 +113,7 @@ def punch_stiffness(problem, halfwidth):
 
 def test_unloading_slope_is_that_of_an_elastic_punch(results, figures):
     """At the first moment of unloading the contact keeps its width."""
-    expected = punch_stiffness(results, figures["halfwidth"])
+    expected = punch_stiffness(results.indenter, figures["halfwidth"])
     assert figures["unloading_slope"] == pytest.approx(expected, rel=0.03)
 
 
@@ -122,7 +121,7 @@ def test_a_failed_step_leaves_no_trace():
     """Three iterations are too few: state, solution and curve stay, and the next try is right."""
     depths, runs = Depths(steps=10)[0], []
     for fails in (False, True):
-        results = Indentation(h=0.4)
+        results = Indenter(h=0.4)
         results.Advance(depths[:3])
         if fails:
             before = [results.material.state.vec.FV().NumPy().copy()]
@@ -139,7 +138,7 @@ def test_a_failed_step_leaves_no_trace():
 
 
 def force_at_depth(h, steps):
-    rows = Indentation(h=h).Advance(Depths(0.04, steps)[0], maxit=60)
+    rows = Indenter(h=h).Advance(Depths(0.04, steps)[0], maxit=60)
     assert len(rows) == steps  # none was halved: the flow depends on the step size
     return rows[-1]["force"]
 
@@ -159,8 +158,8 @@ def test_units_and_sizes_do_not_matter():
     pascals = {"young": 70e9, "yield_stress": 35e6, "hardening": 70e6}
     depths = Depths(steps=10)[0][:4]
     forces = [
-        Indentation(h=0.4).Advance(depths)[-1]["force"],
-        Indentation(**metres, **pascals).Advance([1e-3 * d for d in depths])[-1]["force"],
+        Indenter(h=0.4).Advance(depths)[-1]["force"],
+        Indenter(**metres, **pascals).Advance([1e-3 * d for d in depths])[-1]["force"],
     ]
     assert forces[1] == pytest.approx(1e3 * forces[0], rel=1e-7)
 

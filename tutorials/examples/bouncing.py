@@ -13,10 +13,10 @@ import time
 
 import numpy as np
 from command import NotNegative, Options, Positive, Start
+from deformed import Deformed
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
 from ngsolve import (
     CF,
-    VOL,
     BilinearForm,
     Det,
     Grad,
@@ -161,10 +161,8 @@ def Write(ring, folder):
 
     folder.mkdir(parents=True, exist_ok=True)
     figure, (above, below) = plt.subplots(2, figsize=(8, 6.4), layout="constrained")
-    faces = [[v.nr for v in el.vertices] for el in ring.mesh.Elements(VOL) if el.mat == "ring"]
-    points = np.array([vertex.point for vertex in ring.mesh.vertices])
     for k in np.linspace(0, len(ring.rows) - 1, 6).astype(int):
-        moved = points + ring.places[k].reshape(2, -1)[:, : len(points)].T  # vertices come first
+        moved, faces = Deformed(ring.displacement, ("ring",), values=ring.places[k])
         above.triplot(*moved.T, faces, lw=0.6, label=f"t = {ring.rows[k]['time']:.2f}")
         above.plot(*moved[faces[0][0]], "ko", ms=4)  # moves with the material
     above.plot(*np.transpose([row["center"] for row in ring.rows]), "k--", lw=0.6)

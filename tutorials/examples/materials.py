@@ -20,6 +20,7 @@ from types import SimpleNamespace
 
 import numpy as np
 from command import Count, Options, Positive, Start
+from deformed import Deformed
 from ngsolve import (
     CF,
     H1,
@@ -159,12 +160,10 @@ def Thermal(h=6.0, heating=1e-3, clearance=1e-3, poisson=0.3, order=2):
 
 def Draw(axes, result, bodies, factor, label):
     """The field of a result on the deformed elements of some bodies."""
-    mesh, u = result.contact.mesh, result.displacement.vec.FV().NumPy().reshape(2, -1)
-    points = np.array([v.point for v in mesh.vertices]) + factor * u[:, : mesh.nv].T
-    elements = [el for el in mesh.Elements(VOL) if el.mat in bodies]
-    faces = [[v.nr for v in el.vertices] for el in elements]
+    mesh = result.contact.mesh
+    points, faces = Deformed(result.displacement, bodies, factor)
     centers = mesh.MapToAllElements(IntegrationRule([(1 / 3, 1 / 3)], [1]), VOL)
-    values = result.field(centers).ravel()[[el.nr for el in elements]]
+    values = result.field(centers).ravel()[[el.mat in bodies for el in mesh.Elements(VOL)]]
     drawn = axes.tripcolor(*points.T, faces, facecolors=values, edgecolors="k", lw=0.1)
     axes.figure.colorbar(drawn, ax=axes, label=label, shrink=0.75)
     axes.set_aspect("equal")
