@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import cattaneo3d
 import numpy as np
 import test_validation_punch3d as punch
+import twist
+from _friction3d_pictures import CurvePicture, Pushed, Twisted
 from _report_bounds import Element, Meshes, Spread, Tolerance
 from _report_case import Case, Outcome, Row
 from _report_pictures import BLUE, INK, ORANGE, Figure
@@ -12,16 +15,13 @@ from problems_friction3d import PRESSURE, ShearedBlocks
 from sector3d import SectorMesh
 from test_friction3d import ANGLES, FRICTION, Direction
 
-from ngslac.demos import cattaneo3d, twist
-from ngslac.demos._friction3d_pictures import CurvePicture
-
 # NAFEMS benchmark 2: displacement [mm] with linear elements.
 LINEAR = {0.0: -0.130734, 0.1: -0.128580}
 
 
 def Mindlin(quick):
     steps, n = 1 if quick else 3, 3 if quick else 4
-    runs = [cattaneo3d.Run(elements=m, steps=steps, reverse=2, press=1) for m in (n, n - 1)]
+    runs = [cattaneo3d.Solve(elements=m, steps=steps, reverse=2, press=1) for m in (n, n - 1)]
     results, (figures, coarser) = runs[0], (run.figures for run in runs)
     ratio, element, rows = n / (n - 1), Element(1 / n), []
     for row, before in zip(figures["steps"][:steps], coarser["steps"], strict=False):
@@ -44,7 +44,7 @@ def Mindlin(quick):
         Row(text, figures["shift_error"], 0),
     ]
     caption = "Force over displacement, there and back; stick radius in each step."
-    return Outcome(rows, lambda file: CurvePicture(results, file, cattaneo3d.Curve), caption)
+    return Outcome(rows, lambda file: CurvePicture(results, file, Pushed), caption)
 
 
 def _OfDeviations(name, row, before, ratio):
@@ -55,7 +55,7 @@ def _OfDeviations(name, row, before, ratio):
 
 def Twist(quick):
     steps, n = 1 if quick else 4, 4 if quick else 6
-    runs = [twist.Run(elements=m, steps=steps, angle=1.5, press=1) for m in (n, n * 2 // 3)]
+    runs = [twist.Solve(elements=m, steps=steps, angle=1.5, press=1) for m in (n, n * 2 // 3)]
     results, (figures, coarser) = runs[0], (run.figures for run in runs)
     ratio, element, rows = n / (n * 2 // 3), Element(1 / n), []
     for row, before in zip(figures["steps"], coarser["steps"], strict=True):
@@ -70,7 +70,7 @@ def Twist(quick):
     text = "stiffness before slip over 16/3 G* a^3"
     rows.append(Row(text, stiffness[0], 1, Meshes(*stiffness, ratio)))
     caption = "Moment over angle, and the stick radius in each step."
-    return Outcome(rows, lambda file: CurvePicture(results, file, twist.Curve), caption)
+    return Outcome(rows, lambda file: CurvePicture(results, file, Twisted), caption)
 
 
 def Directions(quick):
@@ -158,7 +158,7 @@ CASES = [
         "contact. Mindlin's solution neglects the slip across the load.",
         "Mindlin (1949), Mindlin and Deresiewicz (1953), Johnson (1985), sections 7.2 and 7.4, as "
         "`CattaneoMindlinPoint`.",
-        "python -m ngslac.demos.cattaneo3d --steps 3 --out results",
+        "python tutorials/examples/cattaneo3d.py --steps 3 --out results",
         Mindlin,
     ),
     Case(
@@ -168,7 +168,7 @@ CASES = [
         "shrinks to the middle. A quarter is computed, with six element edges along the contact "
         "radius.",
         "Lubkin, J. Appl. Mech. 18 (1951), as `TwistPoint`.",
-        "python -m ngslac.demos.twist --steps 4 --out results",
+        "python tutorials/examples/twist.py --steps 4 --out results",
         Twist,
     ),
     Case(

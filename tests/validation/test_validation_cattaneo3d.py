@@ -1,22 +1,22 @@
 """Cattaneo and Mindlin in 3D: a shear force at constant normal force, and back.
 
-The demo's half model with four element edges along the contact radius. The displacement of the
+The example's half model with four element edges along the contact radius. The displacement of the
 finite bodies is taken off as computed without contact. A stick radius is told by the area of the
 macro-elements that stick, to a part of an element, and more precisely by a fit of the tractions.
 """
 
+import cattaneo3d
 import numpy as np
 import pytest
-
-from ngslac.demos import cattaneo3d
-from ngslac.demos._friction3d import SLIP, STICK
+from movedsphere import SLIP, STICK
+from stickzone import Misfit, TractionMeans
 
 STEPS = 2
 
 
 @pytest.fixture(scope="module")
 def results():
-    return cattaneo3d.Run(elements=4, steps=STEPS, reverse=2, press=1)
+    return cattaneo3d.Solve(elements=4, steps=STEPS, reverse=2, press=1)
 
 
 @pytest.fixture(scope="module")
@@ -83,8 +83,8 @@ def test_coulomb(results):
 def test_traction_profile(results):
     """At the largest load; the error is that of the macro-elements at the edge of the contact."""
     k = STEPS - 1
-    state, means = results.states[k], results.faces.Means(results.exact[k])
-    assert results.faces.Misfit(state, results.exact[k]) <= 0.15
+    state, means = results.states[k], TractionMeans(results.faces, results.exact[k])
+    assert Misfit(results.faces, state, results.exact[k]) <= 0.15
     hertz = results.problem.Hertz(state.force[2])
     inside = np.linalg.norm(results.faces.middle, axis=1) < 0.75 * hertz.contact_radius
     errors = (state.traction - means)[inside] / (0.3 * hertz.peak)
@@ -100,7 +100,7 @@ def test_newton(results):
 def test_where_the_solution_is_exact():
     """For nu = 0 slip has no component across the load. No friction while pressing: no history."""
     options = dict(elements=4, steps=1, shear=0.8, reverse=0, press=1, nu=0.0, rough=False)
-    figures = cattaneo3d.Run(**options).figures
+    figures = cattaneo3d.Solve(**options).figures
     assert figures["force_error"] <= 0.004
     assert figures["shift_error"] <= 0.004
     assert figures["stick_fit_error"] <= 0.015

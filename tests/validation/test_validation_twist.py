@@ -1,21 +1,21 @@
 """A sphere pressed on a block and twisted: Lubkin's moments and stick radii.
 
-The demo's quarter model with six element edges along the contact radius. A stick radius is told by
-the area of the macro-elements that stick, to a part of an element, and more precisely by a fit of
-the tractions. The quarter model is checked against a full one.
+The example's quarter model with six element edges along the contact radius. A stick radius is told
+by the area of the macro-elements that stick, to a part of an element, and more precisely by a fit
+of the tractions. The quarter model is checked against a full one.
 """
 
 import numpy as np
 import pytest
-
-from ngslac.demos import twist
-from ngslac.demos._friction3d import STICK, Model
+import twist
+from movedsphere import STICK, Model
+from stickzone import TractionMeans
 
 
 @pytest.fixture(scope="module")
 def run():
-    """The demo, and the state after turning far beyond."""
-    results = twist.Run(elements=6, steps=3, angle=1.5, press=1)
+    """The example, and the state after turning far beyond."""
+    results = twist.Solve(elements=6, steps=3, angle=1.5, press=1)
     angles = results.problem.Angles(results.states[-1].force[2])
     rows, states = results.figures["steps"], list(results.states)
     (last,) = results.model.Turn(4 * angles[-1])
@@ -53,7 +53,7 @@ def test_stick_radius(run):
 def test_tractions_go_round(run):
     """Where most of the contact slips they are friction times pressure around the axis."""
     results, _, states, _ = run
-    means = results.faces.Means(results.exact[-1])
+    means = TractionMeans(results.faces, results.exact[-1])
     hertz = results.problem.Hertz(states[-1].force[2])
     distance = np.linalg.norm(results.faces.middle, axis=1)
     inside = distance < 0.8 * hertz.contact_radius

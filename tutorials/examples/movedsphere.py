@@ -11,34 +11,17 @@ that pressing leaves (they are small, of the order contact radius over radius). 
 neglects nothing.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
-from ngsolve import (
-    CF,
-    BilinearForm,
-    GridFunction,
-    Id,
-    InnerProduct,
-    Parameter,
-    Sym,
-    TaskManager,
-    Trace,
-    VectorH1,
-    dx,
-    x,
-    y,
-)
-from ngsolve import Grad as Gradient
+from ngsolve import *
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes.geometry import CheckPositive
-from ngslac.meshes.spheres import SphereOnBlock
+from ngslac.materials import Stress
+from ngslac.meshes import SphereOnBlock
 from ngslac.reference import HertzPoint
 
-__all__ = ["OPEN", "SLIP", "STICK", "Model", "Sphere", "State"]
+__all__ = ["OPEN", "SLIP", "STICK", "BulkCompliance", "Model", "Sphere", "State"]
 
 OPEN, STICK, SLIP = 0, 1, 2
 COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the whole
@@ -46,7 +29,7 @@ COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the wh
 
 @dataclass(frozen=True, kw_only=True)
 class Sphere:
-    """What both demos have in common.
+    """What a push and a twist have in common.
 
     Parameters
     ----------
@@ -66,18 +49,14 @@ class Sphere:
     contact : float
         Radius of the contact to aim at (mm): the approach is contact^2 / radius. Since the bodies
         are finite the contact gets a bit larger.
-    zone : float
-        Radius of the slave face over `contact`.
-    grading : float
-        Growth of the element size away from the contact.
+    zone, grading : float
+        Radius of the slave face over `contact`, and growth of the elements away from there.
     press, steps : int
         Number of steps of the normal and of the tangential motion.
     rough : bool
         Friction acts while the normal load grows, too. It should not matter much, since bodies of
         the same material have no reason to slip then; what it leaves are small radial tractions,
         from the curvature and from the discretization.
-    inverse : str, optional
-        Sparse direct solver, see `ContactSolver`.
     """
 
     model: str
@@ -94,15 +73,6 @@ class Sphere:
     press: int = 2
     steps: int
     rough: bool = True
-    inverse: str | None = None
-
-    def __post_init__(self):
-        names = ["elements", "friction", "young", "radius", "contact", "zone", "grading"]
-        CheckPositive(**{name: getattr(self, name) for name in names})
-        if self.stabilize not in ("none", "bubble"):
-            raise ValueError(f"stabilize must be none or bubble, not {self.stabilize!r}")
-        if self.model not in COPIES:
-            raise ValueError(f"model must be one of {', '.join(COPIES)}, not {self.model!r}")
 
     @property
     def approach(self):
@@ -132,10 +102,7 @@ class Sphere:
 
     def Stress(self, u):
         """Stress of a displacement."""
-        strain = Sym(Gradient(u))
-        return (
-            2 * self.shear_modulus * (strain + self.nu / (1 - 2 * self.nu) * Trace(strain) * Id(3))
-        )
+        return Stress(Sym(Grad(u)), self.young, self.nu)
 
 
 @dataclass(frozen=True)
@@ -168,11 +135,7 @@ class State:
 class Model:
     """The discrete problem, at rest.
 
-    Attributes
-    ----------
-    mesh, displacement, solution, contact : the NGSolve objects
-    states : list[State]
-        All converged steps.
+    `states` are all converged steps.
     """
 
     problem: Sphere
@@ -187,7 +150,7 @@ class Model:
         X = V * LACSpace(V, slave="slave")
         (u, lam), (v, _) = X.TnT()
         self.form = BilinearForm(X)
-        self.form += InnerProduct(self.problem.Stress(u), Sym(Gradient(v))) * dx
+        self.form += InnerProduct(self.problem.Stress(u), Sym(Grad(v))) * dx
         self.solution = GridFunction(X)
         self.friction = Parameter(self.problem.friction)
         self.contact = LACContact(u, lam, master="master", friction=self.friction)
@@ -216,19 +179,14 @@ class Model:
         held = np.fromiter(V.GetDofs(top), dtype=bool, count=V.ndof)
         self._top = np.flatnonzero(np.repeat(held, V.dim))
         self._modes = {}
-        for name, value in {
-            "approach": (0, 0, -1),
-            "shift": (1, 0, 0),
-            "angle": (-y, x, 0),
-        }.items():
+        motions = {"approach": (0, 0, -1), "shift": (1, 0, 0), "angle": (-y, x, 0)}
+        for name, value in motions.items():
             mode.Set(CF(value), definedon=top)
             self._modes[name] = mode.vec.FV().NumPy()[self._top].copy()
 
     def _Prescribe(self, gf):
         values = sum(load.Get() * self._modes[name] for name, load in self.motion.items())
         gf.components[0].vec.FV().NumPy()[self._top] = values
-
-    # --- loading -------------------------------------------------------------------------------
 
     def Press(self, callback=None):
         """Press the sphere on the block; the radius of the contact grows by equal parts."""
@@ -254,7 +212,7 @@ class Model:
         return self.states[-len(ends) :]
 
     def _Stepper(self, name):
-        options = {"inverse": self.problem.inverse}
+        options = {}
         if name == "angle" and self.problem.model == "quarter":
             space = self._Displacements(odd=True) * self.solution.space.components[1]
             options |= {"freedofs": space.FreeDofs(), "rhs": self._Reactions()}
@@ -296,3 +254,34 @@ class Model:
             copies=copies,
             vector=self.solution.vec.CreateVector(copy=True),
         )
+
+
+def BulkCompliance(model):
+    """Displacement of the top along x per force, beyond that of two half-spaces.
+
+    What finite bodies add to the displacement of half-spaces depends on the force alone, not on
+    how its tractions are distributed in the small contact (de Saint-Venant). So it is computed
+    with known ones, without contact: sqrt(1 - r^2/b^2) on the slave face, of radius b, and the
+    opposite on the master side. From the mean displacement, with these weights, that of
+    half-spaces is taken, 3 Q (2 - nu)/(20 G b) on each side for a force Q (integrated from
+    Johnson, Contact Mechanics, 1985, equation 3.91a).
+    """
+    problem, V = model.problem, model.solution.space.components[0]
+    radius = problem.zone * problem.contact
+    left = 1 - (x * x + y * y) / radius**2
+    density = sqrt(0.5 * (left + sqrt(left * left)))  # zero outside
+    u, v = V.TnT()
+    a = BilinearForm(InnerProduct(problem.Stress(u), Sym(Grad(v))) * dx, symmetric=True)
+    slave, master = (
+        LinearForm(density * v[0] * ds(name, bonus_intorder=10)).Assemble().vec
+        for name in ("slave", "master")
+    )
+    moved, unit = GridFunction(V), GridFunction(V)
+    load = (slave - master).Evaluate()
+    moved.vec.data = a.Assemble().mat.Inverse(V.FreeDofs(), inverse="sparsecholesky") * load
+    unit.Set((1, 0, 0))
+    copies = COPIES[problem.model]
+    force = copies * unit.vec.InnerProduct(slave)
+    mean = copies * moved.vec.InnerProduct(load) / force
+    half_spaces = 2 * 3 * force * (2 - problem.nu) / (20 * problem.shear_modulus * radius)
+    return float((mean - half_spaces) / force)

@@ -1,0 +1,175 @@
+"""Cattaneo and Mindlin in 3D: a sphere on a block, pressed and then pushed sideways.
+
+Small strains, the same material in both bodies (E = 70 GPa, nu = 0.3), friction 0.3; the half y >=
+0 is computed. The upper side of the half sphere goes down, then along x until most of the contact
+slips, then partly back. Computed are the curve of force and displacement with its hysteresis, the
+stick zone and the tractions. Source: Mindlin (1949), Mindlin and Deresiewicz (1953); K. L.
+Johnson, Contact Mechanics (1985), sections 7.2 and 7.4. Start it with::
+
+    python tutorials/examples/cattaneo3d.py --out results
+
+Mindlin's solution assumes tractions along the load, although slip also has a component across it
+unless nu = 0. Computed tractions turn to the slip: at nu = 0.3 they have a component across of
+about a twentieth of friction times the peak pressure (figure "lateral", best seen with ``--smooth
+--elements 6``), and hardly a different resultant.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from command import Positive, Start
+from movedsphere import BulkCompliance, Model, Sphere
+from stickzone import Faces, Parser, Results, Row, Summary, Table, Write
+
+from ngslac.reference import CattaneoMindlinPoint
+
+COLUMNS = ["shift_half_spaces", "shift_exact", "shear", "shear_exact", "stick_ratio"]
+COLUMNS += ["stick_ratio_fit", "stick_ratio_exact", "lateral"]
+FIRST = 0.01  # tangential force of the first step over friction times normal force
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem(Sphere):
+    """What to compute: the fields of `Sphere`, and the path of the load.
+
+    Parameters
+    ----------
+    shear : float
+        Largest tangential force over friction times normal force, less than 1.
+    steps : int
+        Steps of the loading, of equal displacement. A step to a hundredth of friction times normal
+        force, which tells the stiffness before slip, comes first.
+    reverse : int
+        Steps back from there, to half the opposite force; 0: none.
+    """
+
+    model: str = "half"
+    elements: float = 4.0
+    stabilize: str = "bubble"
+    steps: int = 5
+    shear: float = 0.95
+    reverse: int = 2
+
+    def __post_init__(self):
+        if self.shear >= 1:
+            raise ValueError(f"shear = {self.shear} must be less than 1: the sphere would slide")
+        if self.reverse < 0:
+            raise ValueError(f"reverse = {self.reverse} must not be less than 0")
+
+    def Partial(self, force, shear):
+        """Mindlin's solution for a normal and a tangential force."""
+        return CattaneoMindlinPoint(hertz=self.Hertz(force), shear=shear, friction=self.friction)
+
+    def Shifted(self, force, shift):
+        """Mindlin's solution for a normal force and a displacement."""
+        start = {"hertz": self.Hertz(force), "friction": self.friction}
+        return CattaneoMindlinPoint.FromShift(shift=shift, **start)
+
+    def Path(self, force):
+        """Solutions to aim at, at a normal force: up to the largest shear, and back."""
+        limit = self.friction * force
+        top = self.Partial(force, -self.shear * limit)
+        parts = np.arange(1, self.steps + 1) / self.steps
+        up = [self.Shifted(force, part * top.shift) for part in parts]
+        back = np.arange(1, self.reverse + 1) / max(1, self.reverse)
+        first = self.Partial(force, -FIRST * limit)
+        return [first] + up + [top.Reverse(top.shear * (1 - 1.5 * part)) for part in back]
+
+
+def Solve(callback=None, **options):
+    """Press and push; the results."""
+    problem = Problem(**options)
+    model = Model(problem)
+    results = Results(problem, model, Faces(model))
+    force = model.Press(callback).force[2]
+    compliance = BulkCompliance(model)
+    ends = [-exact.shift - compliance * exact.shear for exact in problem.Path(force)]
+    model.Shift(*ends, callback=callback)
+    results.exact = _Exact(problem, results.states)
+    results.figures = _Figures(results, compliance)
+    return results
+
+
+def _Exact(problem, states):
+    """Mindlin's solutions for the computed forces."""
+    exact = [problem.Partial(s.force[2], s.force[0]) for s in states[: problem.steps]]
+    return exact + [exact[-1].Reverse(s.force[0]) for s in states[problem.steps :]]
+
+
+def _Rows(results, compliance):
+    """Figures of all steps."""
+    problem, rows = results.problem, []
+    for k, (state, exact) in enumerate(zip(results.states, results.exact, strict=True)):
+        hertz, friction = problem.Hertz(state.force[2]), problem.friction
+        limit = friction * hertz.force
+        shift = state.motion["shift"] + compliance * state.force[0]
+        row = {
+            "shift": state.motion["shift"],
+            "shift_half_spaces": shift,
+            "shift_exact": -exact.shift,
+            "shear": -state.force[0] / limit,
+            "shear_exact": None,
+            "lateral": np.abs(state.traction[:, 1]).max() / (friction * hertz.peak),
+        }
+        Partial = None
+        if k < problem.steps:
+            row["shear_exact"] = -problem.Shifted(hertz.force, -shift).shear / limit
+
+            def Partial(part, force=hertz.force, limit=limit):
+                return problem.Partial(force, -part * limit)
+
+        rows.append(row | Row(results.faces, state, hertz, exact, Partial))
+    return rows
+
+
+def _Stiffness(results, compliance):
+    """Force over displacement before slip, relative to that of half-spaces that stick."""
+    problem = results.problem
+    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
+    force = pressed.force[0] - first.force[0]
+    a = problem.Hertz(first.force[2]).contact_radius
+    exact = 4 * problem.shear_modulus * a / (2 - problem.nu)
+    return force / (first.motion["shift"] - compliance * force) / exact
+
+
+def _Figures(results, compliance):
+    problem, rows = results.problem, _Rows(results, compliance)
+    force = results.states[0].force[2]
+    slides = abs(problem.Partial(force, problem.friction * force).shift)
+    return {
+        "stiffness_ratio": _Stiffness(results, compliance),
+        "force_error": max(abs(r["shear"] / r["shear_exact"] - 1) for r in rows[: problem.steps]),
+        "shift_error": max(abs(r["shift_half_spaces"] - r["shift_exact"]) for r in rows) / slides,
+        "compliance": compliance,
+        **Summary(results.model, rows),
+    }
+
+
+def Run(*, out, quiet, **options):
+    """Compute, print, write; the figures."""
+
+    def Tell(state):
+        print(f"  P = {state.force[2]:9.3f} N   {state.iterations} Newton iterations", flush=True)
+
+    results = Solve(None if quiet else Tell, **options)
+    figures = results.figures
+    if not quiet:
+        print(Table(COLUMNS, figures["steps"]))
+        print(f"stiffness without slip over 4 G a / (2 - nu)  {figures['stiffness_ratio']:.4f}")
+        for name in ("force", "shift", "stick", "stick_fit"):
+            print(f"largest error: {name:<10}{figures[name + '_error']:.4f}")
+    if out:
+        Write(results, out, "cattaneo3d", ("shift_half_spaces", "shear"), ("shift_exact", "shear"))
+    return figures
+
+
+def main(argv=None):
+    """Run from the command line."""
+    parser = Parser(__doc__, Problem, "half", "full")
+    parser.add_argument("--shear", type=Positive, default=Problem.shear, help="largest Q/(F P)")
+    parser.add_argument("--reverse", type=int, default=Problem.reverse, help="steps back")
+    return Start(Run, parser, argv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""The stick zone of a sphere and its tractions: figures against the exact solutions."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from command import Count, NotNegative, Options, Positive
+from movedsphere import OPEN, SLIP, STICK, Model
+from ngsolve import VTKOutput
+from scipy.optimize import minimize_scalar
+from slavefaces import SlaveFaces
+
+__all__ = [
+    "Faces",
+    "FittedRatio",
+    "Misfit",
+    "Parser",
+    "Row",
+    "Summary",
+    "Table",
+    "TractionMeans",
+    "Write",
+]
+
+
+@dataclass
+class Results:
+    """The figures, the model with its states, the exact solutions of the loads of the steps."""
+
+    problem: object
+    model: Model
+    faces: SlaveFaces
+    exact: list = field(default_factory=list)
+    figures: dict = field(default_factory=dict)
+
+    @property
+    def states(self):
+        """The states of the tangential load, without the first small step."""
+        return self.model.states[self.problem.press + 1 :]
+
+
+def Faces(model):
+    """The slave faces of a model."""
+    return SlaveFaces(model.mesh, model.contact.space.macros)
+
+
+def TractionMeans(faces, exact):
+    """Exact tractions (m, 2) averaged over the macro-elements.
+
+    `exact` has a `MeanTraction`, of one component (along x) or two.
+    """
+    values = np.asarray(exact.MeanTraction(faces.corners))
+    if values.ndim == 1:
+        values = np.column_stack([values, np.zeros_like(values)])
+    return faces.Means(values)
+
+
+def Misfit(faces, state, exact):
+    """Distance of the tractions to the exact means in the L2 norm, relative to the latter."""
+    means, w = TractionMeans(faces, exact), state.area[:, None]
+    return float(np.sqrt((w * (state.traction - means) ** 2).sum() / (w * means**2).sum()))
+
+
+def FittedRatio(faces, state, Exact):
+    """Stick ratio of the solution that fits the tractions best.
+
+    ``Exact(part)`` is the solution at a part (0, 1) of the load that makes all slip.
+    """
+
+    def Distance(part):
+        difference = state.traction - TractionMeans(faces, Exact(part))
+        return (state.area[:, None] * difference**2).sum()
+
+    best = minimize_scalar(Distance, bounds=(0, 1), method="bounded", options={"xatol": 1e-3})
+    return Exact(best.x).ratio
+
+
+def Row(faces, state, hertz, exact, Exact=None):
+    """Figures of a state: its stick zone and tractions against the exact solution.
+
+    With `Exact`, as in `FittedRatio`, also the stick radius that fits the tractions.
+    """
+    a = hertz.contact_radius
+    stick = state.Radius(STICK)
+    return {
+        "stick_ratio": stick / a,
+        "stick_ratio_fit": FittedRatio(faces, state, Exact) if Exact else None,
+        "stick_ratio_exact": exact.ratio,
+        "contact_ratio": state.Radius(STICK, SLIP) / a,
+        "traction_misfit": Misfit(faces, state, exact),
+        "open": int(np.sum(state.status == OPEN)),
+        "stick": int(np.sum(state.status == STICK)),
+        "slip": int(np.sum(state.status == SLIP)),
+        "iterations": state.iterations,
+    }
+
+
+def Summary(model, rows):
+    """What both examples put into the JSON file."""
+    iterations = [state.iterations for state in model.states]
+    loading = [row for row in rows if row["stick_ratio_fit"] is not None]
+
+    def Largest(name):
+        return max(abs(row[name] - row["stick_ratio_exact"]) for row in loading)
+
+    return {
+        "stick_error": Largest("stick_ratio"),
+        "stick_fit_error": Largest("stick_ratio_fit"),
+        "contact_ratio": rows[-1]["contact_ratio"],
+        "newton_iterations": iterations,
+        "newton_max": max(iterations),
+        "ndof": len(model.solution.vec),
+        "macros": model.contact.space.nmacros,
+        "steps": rows,
+    }
+
+
+def Table(names, rows):
+    """Figures of the steps as text."""
+    lines = ["  ".join(f"{name:>9}" for name in names)]
+    for row in rows:
+        cells = ("-" if row[name] is None else format(row[name], ".4g") for name in names)
+        lines.append("  ".join(f"{c:>{max(9, len(n))}}" for c, n in zip(cells, names, strict=True)))
+    return "\n".join(lines)
+
+
+def Parser(text, problem, *models):
+    """Command line of an example; `problem` is its class, which has the defaults."""
+    parser = Options(text)
+
+    def Add(option, help, **options):
+        parser.add_argument(f"--{option}", default=getattr(problem, option), help=help, **options)
+
+    Add("model", "part that is computed", choices=models)
+    Add("elements", "element edges along the contact radius", type=Positive)
+    Add("order", "order of the displacement", type=int, choices=(1, 2, 3))
+    Add("stabilize", "how macro-elements are made", choices=("none", "bubble"))
+    Add("friction", "coefficient of friction", type=Positive)
+    Add("nu", "Poisson's ratio", type=NotNegative)
+    Add("steps", "steps of the tangential load", type=Count)
+    smooth = {"dest": "rough", "action": "store_false", "default": True}
+    parser.add_argument("--smooth", help="no friction while pressing", **smooth)
+    return parser
+
+
+def Write(results, out, name, curve, exact):
+    """The curve, the tractions, and files for ParaView: bodies and slave faces.
+
+    `curve` and `exact` are pairs of names of figures of the steps.
+    """
+    from matplotlib.figure import Figure
+
+    out.mkdir(parents=True, exist_ok=True)
+    model, figure = results.model, Figure(figsize=(9, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    rows = results.figures["steps"]
+    for (x, y), style, label in ((exact, "k-", "exact"), (curve, "o", "computed")):
+        left.plot([0, *(r[x] for r in rows)], [0, *(r[y] for r in rows)], style, label=label)
+    left.set(xlabel=curve[0].replace("_", " "), ylabel=curve[1].replace("_", " "))
+    left.legend()
+    along = {"along": lambda points: np.hypot(points[:, 0], points[:, 1]), "axes": right}
+    state, friction = results.states[-1], model.problem.friction
+    model.contact.Plot("traction", label="traction", **along)
+    hertz = model.problem.Hertz(state.force[2])
+    r = np.linspace(0, 1.2 * hertz.contact_radius, 300)
+    right.plot(r, friction * hertz.Pressure(r), "k", lw=0.9, label="friction times Hertz' pressure")
+    right.set(xlabel="distance from the middle [mm]", ylabel="tangential traction [MPa]")
+    right.legend()
+    figure.savefig(out / f"{name}.png", dpi=150)
+    fields = [model.displacement, model.problem.Stress(model.displacement)]
+    VTKOutput(model.mesh, fields, ["displacement", "stress"], str(out / name), subdivision=1).Do()
+    model.contact.WriteVTU(out / f"{name}_contact.vtu", displacement=model.displacement)

@@ -1,0 +1,133 @@
+"""Twist: a sphere on a block, pressed and then turned about its axis.
+
+Small strains, the same material in both bodies (E = 70 GPa, nu = 0.3), friction 0.3. The upper
+side of the half sphere goes down, then turns about the axis through the contact. Slip comes in from
+the edge. Computed are the curve of moment and angle, the stick zone and the tractions, to be
+compared with the solution of J. L. Lubkin, J. Appl. Mech. 18 (1951). Start it with::
+
+    python tutorials/examples/twist.py --out results
+
+By default a quarter is computed, with conditions of antisymmetry for the twist; ``--model full``
+needs no such argument, and four times as many unknowns.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from command import Positive, Start
+from movedsphere import Model, Sphere
+from stickzone import Faces, Parser, Results, Row, Summary, Table, Write
+
+from ngslac.reference import TwistPoint
+
+COLUMNS = ["angle", "moment_ratio", "moment_exact", "stick_ratio", "stick_ratio_fit"]
+COLUMNS += ["stick_ratio_exact", "traction_misfit"]
+FIRST = 0.01  # the angle of the first step, in units of F p0 / (2 G*)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem(Sphere):
+    """What to compute: the fields of `Sphere`, and the path of the load.
+
+    Parameters
+    ----------
+    angle : float
+        Largest angle, in units of F p0 / (2 G*), where G* = G/2.
+    steps : int
+        Steps to this angle, all equal. One of a hundredth of the unit, which tells the stiffness
+        before slip, comes first.
+    """
+
+    model: str = "quarter"
+    elements: float = 6.0
+    stabilize: str = "bubble"
+    steps: int = 5
+    angle: float = 1.5
+
+    def Twisted(self, force, moment):
+        """Lubkin's solution for a normal force and a moment."""
+        return TwistPoint(hertz=self.Hertz(force), moment=moment, friction=self.friction)
+
+    def Angles(self, force):
+        """The angles of the steps, at a normal force."""
+        unit = self.friction * self.Hertz(force).peak / self.shear_modulus
+        parts = np.arange(1, self.steps + 1) / self.steps
+        return unit * np.array([FIRST, *self.angle * parts])
+
+
+def Solve(callback=None, **options):
+    """Press and turn; the results."""
+    problem = Problem(**options)
+    model = Model(problem)
+    results = Results(problem, model, Faces(model))
+    force = model.Press(callback).force[2]
+    model.Turn(*problem.Angles(force), callback=callback)
+    results.figures = _Figures(results)
+    return results
+
+
+def _Rows(results):
+    """Figures of all steps."""
+    problem, rows = results.problem, []
+    for state, exact in zip(results.states, results.exact, strict=True):
+        force, angle = state.force[2], state.motion["angle"]
+        at = TwistPoint.FromAngle(hertz=exact.hertz, angle=angle, friction=problem.friction)
+
+        def Twisted(part, force=force, limit=exact.limit):
+            return problem.Twisted(force, -part * limit)
+
+        row = {
+            "angle": angle,
+            "moment": -state.moment,
+            "moment_ratio": -state.moment / at.limit,
+            "moment_exact": at.moment / at.limit,
+        }
+        rows.append(row | Row(results.faces, state, exact.hertz, exact, Twisted))
+    return rows
+
+
+def _Figures(results):
+    problem = results.problem
+    for state in results.states:
+        limit = problem.Twisted(state.force[2], 0.0).limit
+        moment = np.clip(state.moment, -limit, limit)
+        results.exact.append(problem.Twisted(state.force[2], float(moment)))
+    rows = _Rows(results)
+    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
+    slope = (pressed.moment - first.moment) / first.motion["angle"]
+    return {
+        "stiffness_ratio": slope / problem.Twisted(first.force[2], 0.0).stiffness,
+        "moment_error": max(abs(r["moment_ratio"] / r["moment_exact"] - 1) for r in rows),
+        **Summary(results.model, rows),
+    }
+
+
+def Run(*, out, quiet, **options):
+    """Compute, print, write; the figures."""
+
+    def Tell(state):
+        print(f"  M = {-state.moment:9.3f} Nmm   {state.iterations} Newton iterations", flush=True)
+
+    results = Solve(None if quiet else Tell, **options)
+    figures = results.figures
+    if not quiet:
+        print(Table(COLUMNS, figures["steps"]))
+        print(
+            f"stiffness without slip over 16/3 G* a^3  {figures['stiffness_ratio']:.4f}\n"
+            f"largest error of the moment {figures['moment_error']:.4f}, of the stick radius "
+            f"{figures['stick_error']:.4f} (fit {figures['stick_fit_error']:.4f}) contact radii"
+        )
+    if out:
+        Write(results, out, "twist", ("angle", "moment_ratio"), ("angle", "moment_exact"))
+    return figures
+
+
+def main(argv=None):
+    """Run from the command line."""
+    parser = Parser(__doc__, Problem, "quarter", "full")
+    parser.add_argument("--angle", type=Positive, default=Problem.angle, help="largest angle")
+    return Start(Run, parser, argv)
+
+
+if __name__ == "__main__":
+    main()
