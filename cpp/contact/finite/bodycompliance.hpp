@@ -1,5 +1,5 @@
 #pragma once
-#include "faceshapes.hpp"
+#include "contact/faceshapes.hpp"
 
 namespace ngslac {
 /// How the body behind a surface gives way, up to a factor that does not depend on the mesh: from

@@ -1,6 +1,6 @@
 #pragma once
+#include "contact/faceshapes.hpp"
 #include "direction.hpp"
-#include "faceshapes.hpp"
 #include "linear/scatter.hpp"
 #include "ray.hpp"
 

@@ -1,8 +1,8 @@
 #include "bodycompliance.hpp"
+#include "contact/formbase.hpp"
+#include "contact/selfcontact.hpp"
 #include "couplings.hpp"
-#include "formbase.hpp"
 #include "linear/blocksum.hpp"
-#include "selfcontact.hpp"
 
 namespace ngslac {
 namespace {
