@@ -1,4 +1,7 @@
-"""Laws of elastic materials, as coefficient functions of a strain or of a deformation gradient."""
+"""Laws of elastic materials, as coefficient functions of a strain or of a deformation gradient.
+
+Numbers are checked. The values of coefficient functions are not: a law has no mesh.
+"""
 
 from __future__ import annotations
 

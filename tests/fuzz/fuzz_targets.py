@@ -4,8 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fuzz_kinds import PLAIN, VALUES, IsLegal, Near
+from ngsolve import Grad, Id, Sym
 
 import ngslac as lac
+from ngslac.materials import NeoHooke, Stress
 
 __all__ = ["TARGETS", "Target"]
 
@@ -145,7 +147,25 @@ def Nothing(w):
 SOLVER = "a gf contacts rhs freedofs inverse initial "
 INTEGRATE = "end callback printing maxit tol "
 
+# A law may depend on the solution; it has no mesh on which values could be looked at.
+MODULI = dict.fromkeys(("young", "nu"), {"CF of a trial function", "nan CF"})
+
 TARGETS = [
+    # --- materials
+    Target(
+        "materials.Stress",
+        lambda w, **k: Stress(**k),
+        lambda w: {"strain": Sym(Grad(w.u)), "young": 2.0, "nu": 0.3},
+        "strain:tensor young:density nu:poisson plane:word",
+        MODULI,
+    ),
+    Target(
+        "materials.NeoHooke",
+        lambda w, **k: NeoHooke(**k),
+        lambda w: {"F": Id(2) + Grad(w.u), "young": 2.0, "nu": 0.3},
+        "F:tensor young:density nu:poisson",
+        MODULI,
+    ),
     # --- spaces and meshes
     Target(
         "LACSpace",

@@ -68,6 +68,7 @@ class Cycle:
         model, curve = self.indenter, self.indenter.curve
         peak, again = self.loading[-1], self.reloading[-1]
         first, released = self.unloading[0], self.unloading[-1]
+        flowed = peak["plastic_volume"]
         return {
             "onset_pressure_hertz": OnsetPressure(model.poisson),
             "mean_pressure_ratio": peak["mean_pressure"] / model.yield_stress,
@@ -82,7 +83,7 @@ class Cycle:
             "released": released["closed"] == 0,
             "reloading_force_ratio": again["force"] / peak["force"],
             "plastic_strain": peak["plastic_strain"],
-            "reloading_plastic_ratio": again["plastic_volume"] / peak["plastic_volume"],
+            "reloading_plastic_ratio": again["plastic_volume"] / flowed if flowed else 1.0,
             "balance": max(abs(r["reaction"] - r["force"]) for r in curve) / peak["force"],
             "last_residuals": self.residuals,
             "steps": len(curve),
@@ -135,14 +136,13 @@ def Write(cycle, folder):
         rows = [(row["depth"], row["force"]) for row in getattr(cycle, name)]
         left.plot(*np.transpose(rows), ".-", lw=1, label=name)
     left.set(xlabel="depth of the cylinder [mm]", ylabel="force [N/mm]")
-    rows = [
-        (row["scaled_width"], row["mean_pressure"]) for row in cycle.loading if row["closed"] > 3
-    ]
-    width, mean = np.transpose(rows)
+    rows = [row for row in cycle.loading if row["closed"] > 3]
+    width = [row["scaled_width"] for row in rows]
+    mean = [row["mean_pressure"] / cycle.indenter.yield_stress for row in rows]
     elastic = np.linspace(0.1, 6)
     middle.semilogx(elastic, math.pi / 8 * elastic, "k", lw=0.9, label="Hertz")
     middle.axhline(PRANDTL, color="k", lw=0.9, ls="--", label="rigid plastic")
-    middle.plot(width, mean / cycle.indenter.yield_stress, ".-", label="computed")
+    middle.plot(width, mean, ".-", label="computed")
     middle.set(xlabel="E* a / (Y R)", ylabel="mean pressure / Y", xlim=(1, None))
     for axes in (left, middle):
         axes.legend()
