@@ -304,11 +304,19 @@ class ContactSolver(NewtonStep):
                 f"state is that of {len(state['contacts'])} contacts, the solver has "
                 f"{len(self.contacts)}"
             )
-        FillVector("gf", self.gf.vec, state["gf"])
-        for contact, part in zip(self.contacts, state["contacts"], strict=True):
-            contact.SetState(part, self.gf)
+        before = self.gf.vec.FV().NumPy().copy(), [contact.State() for contact in self.contacts]
+        try:
+            self._Put(state["gf"], state["contacts"])
+        except BaseException:
+            self._Put(*before)
+            raise
         self.residual.SetState(state["residual"])
         self.history, self.scale = state["history"], state["scale"]
+
+    def _Put(self, values, parts):
+        FillVector("gf", self.gf.vec, values)
+        for contact, part in zip(self.contacts, parts, strict=True):
+            contact.SetState(part, self.gf)
 
     def CheckSpace(self):
         """What was made for a space goes on with this one.

@@ -56,6 +56,16 @@ def test_a_state_that_does_not_fit_changes_nothing(stepper, wrong, message):
     assert same(before, seen(stepper)) == set(before)
 
 
+def test_a_state_of_a_solver_that_does_not_fit_changes_nothing(stepper):
+    """Not even the solution, which comes first."""
+    solver, before = stepper.solver, seen(stepper)
+    state = solver.State()
+    parts = [state["contacts"][0] | {"memory": np.zeros(1)}]
+    with pytest.raises((ValueError, NgException), match="memory"):
+        solver.SetState(state | {"gf": 2 * state["gf"], "contacts": parts})
+    assert same(before, seen(stepper)) == set(before)
+
+
 def test_a_state_without_its_keys(stepper):
     (contact,) = stepper.solver.contacts
     for state in ({}, {"paired": None}, 3):
