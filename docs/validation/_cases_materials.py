@@ -7,28 +7,10 @@ import materials
 import numpy as np
 from _report_bounds import Meshes, Neglected, Tolerance
 from _report_case import Case, Outcome, Row
-from _report_pictures import FromFolder
+from _report_pictures import Bodies, Figure, FromFolder
 from indentation import PRANDTL, Depths
 from indenter import Indenter
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    Parameter,
-    Trace,
-    Variation,
-    VectorH1,
-    dx,
-    log,
-)
-from scipy.optimize import brentq
-from test_materials import SOFT, STIFF, nominal_stress
-
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes import TwoBlocks
+from test_materials import STIFF, nominal_stress, squeezed_blocks, squeezed_stretch
 
 
 def Indentation(quick):
@@ -108,16 +90,11 @@ def Rubber(quick):
 
 
 def Series(quick):
-    from _report_pictures import Bodies, Figure
-
-    def Difference(stretch):
-        return nominal_stress(stretch, *STIFF) - nominal_stress(1.4 - stretch, *SOFT)
-
-    stretch = brentq(Difference, 0.5, 0.95, xtol=1e-15)
+    stretch = squeezed_stretch()
     exact, rows = -nominal_stress(stretch, *STIFF), []
     tolerance = Tolerance(kind="relative")
     for finite in (True,) if quick else (False, True):
-        gf, contact = Squeezed(finite)
+        gf, contact = squeezed_blocks(finite)
         pressure = contact.Table()["pressure"]
         farthest = pressure[np.abs(pressure - exact).argmax()]
         text = "finite sliding" if finite else "small sliding"
@@ -138,28 +115,6 @@ def Series(quick):
 
     caption = "At rest, and squeezed to 70 % of the height."
     return Outcome(rows, Figure(Draw, columns=2, sharex=True, sharey=True), caption)
-
-
-def Squeezed(finite):
-    """Two neo-Hookean blocks between walls, pressed by 0.6: displacement and contact."""
-    mesh = TwoBlocks(0.34, structured=True)
-    walls = "left_upper|right_upper|left_lower|right_lower|top|bottom"
-    V = VectorH1(mesh, order=2, dirichletx=walls, dirichlety="top|bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), _ = X.TnT()
-    both = zip(STIFF, SOFT, strict=True)
-    shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
-    F = Grad(u) + Id(2)
-    J = Det(F)
-    energy = shear / 2 * (Trace(F.trans * F) - 2 - 2 * log(J)) + lame / 2 * log(J) ** 2
-    a = BilinearForm(X)
-    a += Variation(energy * dx)
-    contact = LACContact(u, lam, master="master", finite=finite)
-    gf, load = GridFunction(X), Parameter(0.0)
-    prescribe = {"top": CF((0, -0.6 * load))}
-    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
-    stepper.Integrate(steps=3, printing=False)
-    return gf.components[0], contact
 
 
 CASES = [

@@ -148,7 +148,7 @@ SOLVER = "a gf contacts rhs freedofs inverse initial "
 INTEGRATE = "end callback printing maxit tol "
 
 # A law may depend on the solution; it has no mesh on which values could be looked at.
-MODULI = dict.fromkeys(("young", "nu"), {"CF of a trial function", "nan CF"})
+MODULI = {name: {"CF of a trial function", "nan CF"} for name in ("young", "nu")}
 
 TARGETS = [
     # --- materials

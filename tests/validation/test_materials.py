@@ -28,6 +28,7 @@ from ngsolve import (
 from scipy.optimize import brentq
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
 
 # ---------------------------------------------------------------- hyperelasticity
@@ -40,17 +41,15 @@ def nominal_stress(stretch, shear, lame):
     return shear * (stretch - 1 / stretch) + lame * np.log(stretch) / stretch
 
 
-@pytest.mark.parametrize("finite", [False, True])
-def test_two_hyperelastic_blocks_in_series(finite):
-    """Uniaxial strain: the stretches follow from one scalar equation, to rounding."""
+def squeezed_blocks(finite):
+    """Two blocks between walls, pressed by 0.6: displacement and contact."""
     mesh = TwoBlocks(0.34, structured=True)
     walls = "left_upper|right_upper|left_lower|right_lower|top|bottom"
     V = VectorH1(mesh, order=2, dirichletx=walls, dirichlety="top|bottom")
     X = V * LACSpace(V, slave="slave")
     (u, lam), _ = X.TnT()
-    shear, lame = (
-        mesh.MaterialCF({"upper": up, "lower": low}) for up, low in zip(STIFF, SOFT, strict=True)
-    )
+    both = zip(STIFF, SOFT, strict=True)
+    shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
     F = Grad(u) + Id(2)
     J = Det(F)
     energy = shear / 2 * (Trace(F.trans * F) - 2 - 2 * log(J)) + lame / 2 * log(J) ** 2
@@ -58,17 +57,29 @@ def test_two_hyperelastic_blocks_in_series(finite):
     a += Variation(energy * dx)
     contact = LACContact(u, lam, master="master", finite=finite)
     gf, load = GridFunction(X), Parameter(0.0)
-    solver = ContactSolver(a, gf, contact)
-    stepper = LoadStepper(solver, load, prescribe={"top": CF((0, -0.6 * load))})
+    prescribe = {"top": CF((0, -0.6 * load))}
+    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
     stepper.Integrate(steps=3, printing=False)
+    return gf.components[0], contact
+
+
+def squeezed_stretch():
+    """The stretch of the upper block, from one scalar equation."""
 
     def difference(stretch):
         return nominal_stress(stretch, *STIFF) - nominal_stress(1.4 - stretch, *SOFT)
 
-    stretch = brentq(difference, 0.5, 0.95, xtol=1e-15)
+    return brentq(difference, 0.5, 0.95, xtol=1e-15)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_two_hyperelastic_blocks_in_series(finite):
+    """Uniaxial strain: the stretches are right to rounding."""
+    gf, contact = squeezed_blocks(finite)
+    stretch = squeezed_stretch()
     pressure = contact.Table()["pressure"]
     np.testing.assert_allclose(pressure, -nominal_stress(stretch, *STIFF), rtol=1e-9)
-    middle = gf.components[0](mesh(0.31, 0.5))[1]
+    middle = gf(contact.mesh(0.31, 0.5))[1]
     assert middle == pytest.approx(-0.6 + 0.5 * (1 - stretch), abs=1e-10)
 
 
@@ -186,10 +197,8 @@ def test_heated_bars_between_walls(heating, touches):
     (u, lam), (v, _) = X.TnT()
     modulus = mesh.MaterialCF({"upper": young[0], "lower": young[1]})
     hot = mesh.MaterialCF({"upper": heating}, default=0)
-    shear, lame = modulus / (2 * (1 + poisson)), modulus * poisson
-    lame = lame / ((1 + poisson) * (1 - 2 * poisson))
-    elastic = Sym(Grad(u)) - hot * Id(2)  # and -hot out of the plane
-    stress = 2 * shear * elastic + lame * (Trace(elastic) - hot) * Id(2)
+    stress = Stress(Sym(Grad(u)), modulus, poisson)
+    stress -= modulus * hot / (1 - 2 * poisson) * Id(2)  # held out of the plane, too
     a = BilinearForm(X)
     a += InnerProduct(stress, Sym(Grad(v))) * dx
     gf = GridFunction(X)
