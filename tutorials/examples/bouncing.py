@@ -68,8 +68,8 @@ class Ring:
     ):
         if not thickness < 1:
             raise ValueError(f"thickness = {thickness} must be less than the radius 1")
-        if velocity[1] >= 0:
-            raise ValueError(f"velocity = {velocity} must point downwards")
+        if not (velocity[1] < 0 and np.isfinite(velocity).all()):
+            raise ValueError(f"velocity = {velocity} must be finite and point downwards")
         self.mesh, self.young, self.gravity = RingMesh(h, thickness), young, gravity
         self.thrown, self.rows, self.places = velocity, [], []
         self.inertia = (1 - thickness / 2) ** 2  # over the mass, of a thin ring

@@ -77,6 +77,19 @@ def ThermalPressure(heating, clearance, poisson=0.3):
     return max(0.0, ((1 + poisson) * heating - clearance / RADIUS) / (disc + ring))
 
 
+def RubberForm(X, bulk):
+    """The neo-Hookean energy, with the hydrostatic pressure where the space has one."""
+    (u, *p, _), (v, *_) = X.TnT()
+    F = Grad(u) + Id(2)
+    J = Det(F)
+    energy = (J ** (-2 / 3) * (Trace(F.trans * F) + 1) - 3) / 2
+    energy += p[0] * (J - 1) - p[0] ** 2 / (2 * bulk) if p else bulk / 2 * (J - 1) ** 2
+    a = BilinearForm(X)
+    a += Variation(energy.Compile() * dx("rubber"))
+    a += InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx("plate")  # is rigid: any will do
+    return a
+
+
 def Rubber(h=4.0, squeeze=0.25, steps=5, poisson=0.4999, order=2, mixed=True):
     """Squeeze the cord in equal steps; the shear modulus G is 1.
 
@@ -90,14 +103,8 @@ def Rubber(h=4.0, squeeze=0.25, steps=5, poisson=0.4999, order=2, mixed=True):
     V = VectorH1(mesh, order=order, dirichletx=f"symx|{plate}", dirichlety=f"symy|{plate}")
     Q = LACSpace(V, slave="slave")
     X = V * H1(mesh, order=order - 1, definedon="rubber") * Q if mixed else V * Q
-    (u, *p, lam), (v, *_) = X.TnT()
-    F = Grad(u) + Id(2)
-    J = Det(F)
-    energy = (J ** (-2 / 3) * (Trace(F.trans * F) + 1) - 3) / 2
-    energy += p[0] * (J - 1) - p[0] ** 2 / (2 * bulk) if mixed else bulk / 2 * (J - 1) ** 2
-    a = BilinearForm(X)
-    a += Variation(energy.Compile() * dx("rubber"))
-    a += InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx("plate")  # is rigid: any will do
+    a = RubberForm(X, bulk)
+    u, *_, lam = X.TrialFunction()
     contact = LACContact(u, lam, master="master", finite=True)
     gf, load, curve = GridFunction(X), Parameter(0.0), [(0.0, 0.0)]
     solver = ContactSolver(a, gf, contact)
