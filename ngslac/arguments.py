@@ -263,6 +263,12 @@ def BoundaryRegion(mesh, region, name):
     return found
 
 
+def BoundaryNames(region):
+    """Names of the boundaries of a region, as a pattern."""
+    names = zip(region.mesh.GetBoundaries(), region.Mask(), strict=True)
+    return "|".join(dict.fromkeys(name for name, inside in names if inside))
+
+
 def Coefficient(name, value, least=-math.inf):
     """A number, CoefficientFunction or Parameter as a real scalar function; None stays None."""
     if value is None:

@@ -5,6 +5,7 @@ from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
+    BoundaryNames,
     BoundaryRegion,
     CheckDistinct,
     CheckFlag,
@@ -161,6 +162,20 @@ class LACContact(ContactState, ContactResults, ContactPictures):
             if not finite:
                 CheckDistinct(self.space.slave, region)
         self._MakeFields()
+
+    def __repr__(self):
+        sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
+        names = [repr(BoundaryNames(side)) for side in sides]
+        given = self._setup
+        laws = {"tied": given["tied"], "Coulomb friction": given["friction"] is not None}
+        laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
+        words = [word for word, holds in laws.items() if holds]
+        return (
+            f"<LACContact: {self.space.nmacros} macro-elements of {names[0]} against "
+            f"{'an obstacle' if self.master is None else names[1]}, "
+            + ", ".join(words or ["frictionless"])
+            + (">" if self.form.paired else ", not paired yet>")
+        )
 
     def _MakeFields(self):
         scalar = self.space.WithComponents(1)

@@ -72,6 +72,9 @@ class ContactReport:
         some = ", ".join(f"{m} at {ShownPoint(self.where[m])}" for m in macros[:3])
         return some + (f" and {len(macros) - 3} more" if len(macros) > 3 else "")
 
+    def __repr__(self):
+        return str(self)
+
     def __str__(self):
         lines = [
             f"macro-elements   {self.nmacros}, size {self.macro_size[0]:.4g} to "

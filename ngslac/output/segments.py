@@ -37,6 +37,9 @@ class Segments:
             self.slave_points = self.slave_points.reshape(-1, 2, 2)
             self.master_points = self.master_points.reshape(-1, 2, 2)
 
+    def __repr__(self):
+        return f"<Segments: {len(self)} with the area {self.area.sum():g}>"
+
     def __len__(self):
         return len(self.slave)
 

@@ -48,6 +48,9 @@ class FormSum:
         self.contacts = tuple(CheckContacts(contacts, a.space))
         self.mat = None
 
+    def __repr__(self):
+        return f"<FormSum: {self.a!r} and {', '.join(map(repr, self.contacts))}>"
+
     @property
     def condense(self):
         """Does the bulk condense (a bool)?"""

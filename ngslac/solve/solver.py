@@ -149,6 +149,10 @@ class ContactSolver(NewtonStep):
         self.stuck = None  # where the last solve did, if it did
         self._turning = None  # materials of which it knows finite rotations, once that matters
 
+    def __repr__(self):
+        contacts = ", ".join(map(repr, self.contacts))
+        return f"<{type(self).__name__}: {contacts}; {self.linear}>"
+
     # --- the loop ------------------------------------------------------------------------------
 
     def Solve(self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True):

@@ -105,6 +105,9 @@ class LoadStepper:
         self._last = None  # increment of the solution and of the load in the last step
         self._size = np.inf  # of the next step, where the last ones had to be cut
 
+    def __repr__(self):
+        return f"<LoadStepper: load {self.load.Get():g} after {len(self.steps)} steps>"
+
     @property
     def prescribe(self):
         """Dirichlet values that depend on the load, see above."""

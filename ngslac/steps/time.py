@@ -130,6 +130,10 @@ class TimeStepper:
         self._rate = None  # mean velocity of the last step, and its length
         self._balanced = None  # force of the bulk with loads, and loads alone, at its end
 
+    def __repr__(self):
+        steps = f"{len(self.steps)} steps, dt = {self.dt:g}"
+        return f"<TimeStepper: time {self.time.Get():g} after {steps}>"
+
     @property
     def gf(self):
         """The solution."""
