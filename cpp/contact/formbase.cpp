@@ -1,95 +1,20 @@
 #include "formbase.hpp"
 #include "macrostate.hpp"
-#include "selfcontact.hpp"
 
 namespace ngslac {
 template <int D>
 FormBase<D>::FormBase(const ContactSetup & asetup)
     : ContactForm(asetup), watch_friction(asetup.friction), watch_threshold(asetup.threshold),
-      selfcontact(setup.master && Overlap(space->SlaveRegion(), *setup.master)) {}
-
-template <int D>
-unique_ptr<Surface<D>> FormBase<D>::SurfaceOf(const Region & region,
-                                              shared_ptr<CoefficientFunction> displacement) const {
-  auto surface = make_unique<Surface<D>>(region, nullptr, 1);
-  if (!displacement && !setup.finite)
-    return surface;
-  return make_unique<Surface<D>>(region, displacement, u.Order(*surface));
-}
-
-template <int D>
-typename FormBase<D>::Paired
-FormBase<D>::PairIn(shared_ptr<CoefficientFunction> displacement) const {
-  return PairAt(SurfaceOf(space->SlaveRegion(), displacement),
-                setup.master ? SurfaceOf(*setup.master, displacement) : nullptr);
-}
-
-template <int D>
-typename FormBase<D>::Paired FormBase<D>::PairAt(unique_ptr<Surface<D>> slave,
-                                                 unique_ptr<Surface<D>> master) const {
-  auto pairing = make_shared<Pairing<D>>();
-  auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
-  if (setup.obstacle) {
-    *pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
-  } else {
-    auto options = SearchOptions(*slave, *master, setup.maxdist, setup.penetration,
-                                 (D == 2 ? 2 : 1) * degree(max(u.Order(*slave), u.Order(*master))));
-    if (selfcontact)
-      LimitToOthers(*slave, *master, options);
-    *pairing = Pair<D>(*slave, *master, options);
-    if (pairing->Size() == 0 && !selfcontact) // which may come later
-      ThrowNoPair(*slave, *master, options);
-  }
-  return {std::move(slave), std::move(master), pairing, nullptr};
-}
-
-template <int D>
-void FormBase<D>::ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                              const PairingOptions & options) const {
-  double deepest = 0;
-  for (double depth : OverlapDepths<D>(slave, master))
-    deepest = max(deepest, depth);
-  if (deepest > options.penetration)
-    throw Exception("LACContact: slave and master never meet: the bodies overlap by up to " +
-                    ToString(deepest) +
-                    ", deeper than penetration = " + ToString(options.penetration) +
-                    "; move them apart, or give penetration = " + ToString(1.1 * deepest) +
-                    " to have them pushed apart");
-  throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
-                  "surface within maxdist = " +
-                  ToString(options.maxdist) +
-                  "; check the regions, the placement of the bodies and maxdist");
-}
+      finder(setup, space, u) {}
 
 template <int D>
 Array<double> FormBase<D>::Overlaps() const {
   CheckPaired();
-  Array<double> deepest(jump->Size());
-  deepest = 0.0;
-  if (!master || selfcontact)
-    return deepest;
-  double searched = SearchOptions(*slave, *master, setup.maxdist, setup.penetration, 1).penetration;
-  auto depths = OverlapDepths<D>(*slave, *master);
-  for (size_t f : Range(depths))
-    if (double & most = deepest[space->MacroOfFace()[slave->Element(f)]]; depths[f] > searched)
-      most = max(most, depths[f]);
-  return deepest;
+  return finder.Overlaps(*slave, master.get());
 }
 
 template <int D>
-void FormBase<D>::LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
-                                PairingOptions & options) const {
-  options.maypair = NotNeighbours<D>(slave, master, *u.fes->GetMeshAccess());
-  if (setup.penetration > 0)
-    return;
-  // A normal that goes into the body must not find its other side.
-  options.depths = Thicknesses<D>(slave, *u.fes->GetMeshAccess());
-  for (size_t f : Range(slave.Size()))
-    options.depths[f] = min(options.penetration, 0.5 * min(slave.Diameter(f), options.depths[f]));
-}
-
-template <int D>
-void FormBase<D>::Take(Paired paired) {
+void FormBase<D>::Take(Paired<D> paired) {
   if (!paired.jump)
     paired.jump = make_shared<MacroJump<D>>(*space, *paired.slave, *paired.pairing);
   slave = paired.slave, master = paired.master, pairing = paired.pairing, jump = paired.jump;

@@ -1,9 +1,9 @@
 #pragma once
 #include "coefficients.hpp"
 #include "compliance.hpp"
-#include "contactform.hpp"
 #include "linear/eliminate.hpp"
 #include "linear/scatter.hpp"
+#include "pairfinder.hpp"
 
 namespace ngslac {
 template <int D>
@@ -46,26 +46,8 @@ public:
   SegmentTable Segments() const override;
 
 protected:
-  /// Both surfaces in one configuration, cut into segments, and the macro-elements over them.
-  struct Paired {
-    shared_ptr<Surface<D>> slave, master; // no master: an obstacle
-    shared_ptr<Pairing<D>> pairing;
-    shared_ptr<MacroJump<D>> jump;
-  };
-  /// A surface of the order of the displacement, where that matters.
-  unique_ptr<Surface<D>> SurfaceOf(const Region & region,
-                                   shared_ptr<CoefficientFunction> displacement) const;
-  /// Cuts one configuration into segments, without jump; null displacement: the reference one.
-  Paired PairIn(shared_ptr<CoefficientFunction> displacement) const;
-  Paired PairAt(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
-  /// Says why there is no pair.
-  [[noreturn]] void ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                                const PairingOptions & options) const;
-  /// One surface is slave and master.
-  void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
-                     PairingOptions & options) const;
   /// Takes over a pairing, and makes its macro-elements where there are none.
-  void Take(Paired paired);
+  void Take(Paired<D> paired);
   /// Everything as it is now is that of a committed step.
   void Accept();
   /// Fills the rows of the jump, which finite sliding seldom needs.
@@ -176,19 +158,19 @@ protected:
     ~Augmentation() { c = before; }
   };
 
-  bool selfcontact;
   shared_ptr<Surface<D>> slave, master;
   shared_ptr<Pairing<D>> pairing;
   shared_ptr<MacroJump<D>> jump;
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
   Watch watch_friction, watch_threshold;
+  PairFinder<D> finder;
   Array<double> c, friction, threshold;
   size_t nscalars = 0;            // entries of a vector on the product space
   std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
   Array<Vec<D>> reference;        // slip counts from there
   Array<Vec<D>> direction;        // of slip in the last Newton step
   struct {
-    Paired surfaces;
+    Paired<D> surfaces;
     Array<Vec<D>> normal;
     Array<MacroState> states;
   } accepted; // at the last committed step

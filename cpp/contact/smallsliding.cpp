@@ -6,7 +6,7 @@ namespace {
 template <int D>
 class SmallSliding : public FormBase<D> {
   using Base = FormBase<D>;
-  using Base::c, Base::jump, Base::lamdof, Base::mat, Base::pairing, Base::reference;
+  using Base::c, Base::finder, Base::jump, Base::lamdof, Base::mat, Base::pairing, Base::reference;
   using Base::setup, Base::states, Base::u;
 
   Watch watch_obstacle{setup.obstacle};
@@ -133,7 +133,7 @@ private:
     shared_ptr<CoefficientFunction> displacement;
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
-    this->Take(this->PairIn(displacement));
+    this->Take(finder.Pair(finder.Slave(displacement), finder.Master(displacement)));
     this->CollectMultiplierDofs(*this->slave);
     this->NeedRows();
     this->Reset();

@@ -28,7 +28,7 @@ enum class Rim { stays, moves };
 template <int D>
 class FiniteSliding : public FormBase<D> {
   using Base = FormBase<D>;
-  using Base::c, Base::jump, Base::lamdof, Base::mat, Base::normal, Base::nscalars;
+  using Base::c, Base::finder, Base::jump, Base::lamdof, Base::mat, Base::normal, Base::nscalars;
   using Base::pairing, Base::reference, Base::space, Base::states, Base::u;
 
   unique_ptr<Surface<D>> slave_reference, master_reference;
@@ -60,7 +60,7 @@ public:
     Base::SetStiffness(diagonal, factor);
     double of_slave = BodyCompliance<D>(u, *slave_shapes, *slave_reference, diagonal);
     double of_master = BodyCompliance<D>(u, *master_shapes, *master_reference, diagonal);
-    bool known = of_slave + of_master > 0 && !this->selfcontact;
+    bool known = of_slave + of_master > 0 && !finder.IsSelfContact();
     share = known ? of_slave / (of_slave + of_master) : 0.5;
   }
 
@@ -227,14 +227,14 @@ protected:
 
 private:
   void Start(shared_ptr<GridFunction> gf) {
-    slave_reference = this->SurfaceOf(space->SlaveRegion(), nullptr);
-    master_reference = this->SurfaceOf(*this->setup.master, nullptr);
+    slave_reference = finder.Slave(nullptr);
+    master_reference = finder.Master(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
     master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
     Pairing<D> none;
     none.segments.Append(Segment{-1, -1, 0, 0});
     fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
-    if (this->selfcontact)
+    if (finder.IsSelfContact())
       along = AlongSurface(*space);
 
     Vector<> x(u.fes->GetNDof() * u.fes->GetDimension());
@@ -279,7 +279,7 @@ private:
 
   /// The same configuration has the same pairing; of self-contact it depends on more.
   bool IsPairedIn(const Surface<D> & slave, const Surface<D> & master) const {
-    return jump && !this->selfcontact && this->slave->HasShapeOf(slave) &&
+    return jump && !finder.IsSelfContact() && this->slave->HasShapeOf(slave) &&
            this->master->HasShapeOf(master);
   }
 
@@ -292,8 +292,8 @@ private:
     }
     slave->CheckFinite();
     master->CheckFinite();
-    auto paired = this->PairAt(std::move(slave), std::move(master));
-    if (this->selfcontact)
+    auto paired = finder.Pair(std::move(slave), std::move(master));
+    if (finder.IsSelfContact())
       KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
     CountReferenceAreas(*paired.slave, *paired.pairing);
     this->Take(paired);

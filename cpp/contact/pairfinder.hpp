@@ -1,0 +1,46 @@
+#pragma once
+#include "contactform.hpp"
+
+namespace ngslac {
+/// Both surfaces in one configuration, cut into segments, and the macro-elements over them.
+template <int D>
+struct Paired {
+  shared_ptr<Surface<D>> slave, master; // no master: an obstacle
+  shared_ptr<Pairing<D>> pairing;
+  shared_ptr<MacroJump<D>> jump; // null: not made yet
+};
+
+/// Makes the surfaces of a contact, and pairs them.
+template <int D>
+class PairFinder {
+  ContactSetup setup;
+  shared_ptr<LACSpace> space;
+  ProxyInfo u;
+  bool selfcontact;
+
+public:
+  PairFinder(const ContactSetup & asetup, shared_ptr<LACSpace> aspace, const ProxyInfo & au);
+
+  /// Is one surface slave and master?
+  bool IsSelfContact() const { return selfcontact; }
+  /// The surfaces in a configuration, of the order of the displacement where that matters; null
+  /// displacement: the reference one.
+  unique_ptr<Surface<D>> Slave(shared_ptr<CoefficientFunction> displacement) const;
+  unique_ptr<Surface<D>> Master(shared_ptr<CoefficientFunction> displacement) const;
+  /// Throws where they never meet.
+  Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
+  /// How deep macro-elements lie behind the master that is too deep for the search; else 0.
+  Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master) const;
+
+private:
+  unique_ptr<Surface<D>> SurfaceOf(const Region & region,
+                                   shared_ptr<CoefficientFunction> displacement) const;
+  PairingOptions Options(const Surface<D> & slave, const Surface<D> & master, int order) const;
+  /// One surface is slave and master.
+  void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
+                     PairingOptions & options) const;
+  /// Says why there is no pair.
+  [[noreturn]] void ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
+                                const PairingOptions & options) const;
+};
+} // namespace ngslac
