@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import patch3d
+from _patch3d_pictures import InterfacePicture
 from _report_bounds import CONDITION, Rounding
 from _report_case import Case, Outcome, Row
-from _report_pictures import Bodies, Figure, FromFolder, Strip
+from _report_pictures import Bodies, Figure, Strip
 from convergence_table import NAMES
 from elasticity import Displacements, Material, Pair
 from largepatch_problem import MATERIALS, SPRING
@@ -13,8 +15,6 @@ from ngsolve import CF
 from test_large_patch import CELLS, patch
 from test_patch import HELD, LAWS, MESHES, Patch, Stress
 
-from ngslac.demos import patch3d
-from ngslac.demos._patch3d_pictures import Write
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 
@@ -72,8 +72,7 @@ def Patch2D(quick):
 
 def Patch3D(quick):
     cases = [patch3d.Case("hex", 1), patch3d.Case("tet", 2, oblique=True)] if quick else None
-    results = patch3d.Run(cases=cases)
-    rows = results.figures["cases"]
+    rows = patch3d.Run(cases=cases)["cases"]
     shapes = dict.fromkeys(row["name"].split()[1] for row in rows)
     table = []
     for shape in shapes:
@@ -83,12 +82,9 @@ def Patch3D(quick):
             text = f"{shape}: {key}, largest error of {len(mine)} cases"
             table.append(Row(text, worst, 0, Rounding(condition=CONDITION_3D)))
 
-    def Draw(folder):
-        solutions = [patch3d.Solve(patch3d.Case(shape, oblique=True)) for shape in shapes]
-        Write(solutions, rows, folder)
-
+    oblique = [patch3d.Case(shape, oblique=True) for shape in shapes]
     caption = "Interfaces of oblique cases: slave faces, master faces, and their segments."
-    return Outcome(table, FromFolder(Draw, "patch3d_interfaces.png"), caption)
+    return Outcome(table, lambda file: InterfacePicture(oblique, file), caption)
 
 
 def PatchLarge(quick):
@@ -150,7 +146,7 @@ CASES = [
         "each with a flat interface and an oblique one between different elements, irregular and "
         "rotated. Errors are relative to the largest stress.",
         f"The constant stress; {CODE_ASTER}, modellings k to z.",
-        "python -m ngslac.demos.patch3d --out results",
+        "python tutorials/examples/patch3d.py --out results",
         Patch3D,
     ),
     Case(

@@ -7,8 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-
-from ngslac.demos._pictures import INK, STYLE, Matplotlib, SampleMesh, Save
+from _report_sampling import INK, STYLE, Matplotlib, SampleMesh, Save
 
 __all__ = [
     "BLUE",

@@ -116,9 +116,8 @@ def test_examples_and_validation_tests_are_covered():
     text = "\n".join(path.read_text() for path in DOCS.glob("_cases_*.py"))
     root = DOCS.parents[1]
     files = [path.stem for path in (root / "tests/validation").glob("test_*.py")]
-    demos = [p.stem for p in (root / "ngslac/demos").glob("[a-z]*.py")]
     scripts = (root / "tutorials/examples").glob("*.py")
-    demos += [p.stem for p in scripts if "def main(" in p.read_text()]
+    examples = [p.stem for p in scripts if "def main(" in p.read_text()]
     same = {"test_convergence": "signorini", "test_patch_overlap": "test_patch"}
     same |= {"test_patch3d": "patch3d", "test_patch3d_overlap": "patch3d"}
     same |= {"test_validation_twist": "twist", "test_validation_cattaneo3d": "cattaneo3d"}
@@ -126,7 +125,7 @@ def test_examples_and_validation_tests_are_covered():
     same |= {"test_validation_hertz": "test_validation_hertz.py"}
     same |= {"test_validation_mms_large": "problems_mms_large"}
     missing = [
-        name for name in files + demos if not re.search(rf"\b{same.get(name, name)}\b", text)
+        name for name in files + examples if not re.search(rf"\b{same.get(name, name)}\b", text)
     ]
     assert missing == []
 

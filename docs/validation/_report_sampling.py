@@ -1,19 +1,13 @@
-"""What the pictures of contact problems in 2D share: matplotlib, style, sampling, axes.
-
-The input is an NGSolve mesh with CoefficientFunctions; nothing here knows about contact objects.
-"""
+"""The style of the pictures of the report, and the deformed meshes in them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from ngsolve import BND, CF, ET, VOL, IntegrationRule, x, y
 
-from ngslac.files import Replacing
-
-__all__ = ["INK", "STYLE", "Matplotlib", "Sample", "SampleMesh", "Save", "Window"]
+__all__ = ["INK", "STYLE", "Matplotlib", "Sample", "SampleMesh", "Save"]
 
 INK = "#222222"
 STYLE = {
@@ -44,17 +38,7 @@ def Matplotlib():
 
 def Save(figure, file):
     # A bare Figure draws with the Agg canvas: no display, no global state.
-    with Replacing(Path(file)) as part:
-        figure.savefig(part, bbox_inches="tight", facecolor="white")
-
-
-def Window(mpl, ax, window, length):
-    ax.set_xlim(*window[:2])
-    ax.set_ylim(*window[2:])
-    ax.set_aspect("equal")
-    for axis, name in ((ax.xaxis, "x"), (ax.yaxis, "y")):
-        axis.set_major_locator(mpl.ticker.MaxNLocator(7, steps=[1, 2, 5, 10]))
-        axis.set_label_text(f"{name} [{length}]")
+    figure.savefig(file, bbox_inches="tight", facecolor="white")
 
 
 # ---------------------------------------------------------------- sampling
@@ -62,14 +46,13 @@ def Window(mpl, ax, window, length):
 
 @dataclass(frozen=True)
 class Sample:
-    """A refinement of every element: deformed points, triangles, lines, values."""
+    """A refinement of every element: deformed points, triangles, lines."""
 
     points: np.ndarray  # (n, 2)
     triangles: np.ndarray  # (m, 3)
     body: np.ndarray  # (m,) number of the body, by its material
     edges: np.ndarray  # (k, s, 2) element edges as polygons
     outline: np.ndarray  # (b, s, 2) boundary elements as polygons
-    values: list  # (n,) for each function
 
 
 def _Reference(kind, n):
@@ -94,13 +77,12 @@ def _Rule(points):
     return IntegrationRule(points=points, weights=[0.0] * len(points))
 
 
-def SampleMesh(mesh, displacement, functions=(), *, factor=1.0, n=4):
-    """Evaluate the deformed position and functions on a refinement of every element."""
+def SampleMesh(mesh, displacement, *, factor=1.0, n=4):
+    """The deformed position on a refinement of every element."""
     parts = {kind: _Reference(kind, n) for kind in (ET.TRIG, ET.QUAD)}
     rules = {kind: _Rule(grid) for kind, (grid, _, _) in parts.items()}
     position = CF((x, y)) + factor * CF(displacement)
-    at = mesh.MapToAllElements(rules, VOL)
-    points = position(at)
+    points = position(mesh.MapToAllElements(rules, VOL))
     elements = list(mesh.Elements(VOL))
     bodies = {name: i for i, name in enumerate(dict.fromkeys(mesh.GetMaterials()))}
     number = [bodies[el.mat] for el in elements]
@@ -115,5 +97,4 @@ def SampleMesh(mesh, displacement, functions=(), *, factor=1.0, n=4):
         body=np.repeat(number, [len(t) for t in triangles]),
         edges=points[np.concatenate(edges)],
         outline=position(line).reshape(-1, n + 1, 2),
-        values=[np.asarray(CF(f)(at)).ravel() for f in functions],
     )
