@@ -58,7 +58,7 @@ def TwoBlocks3D(
     The narrower block covers ``[0, width] x [0, width]``; the interface passes through
     ``(width / 2, width / 2, 0)``, and the blocks end at ``z = height`` and ``z = -height``. They
     share no vertex. Boundaries: "slave" (lower face of "upper"), "master" (upper face of
-    "lower"), "top", "bottom", and "left_", "right_" (x), "front_", "back_" (y) followed by
+    "lower"), "top", "bottom", and ``left_``, ``right_`` (x), ``front_``, ``back_`` (y) followed by
     "upper" or "lower".
 
     Parameters
