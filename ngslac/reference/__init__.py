@@ -1,4 +1,4 @@
-"""Closed-form solutions and benchmark data, used by tests, demos and tutorials.
+"""Closed-form solutions and benchmark data, used by tests and tutorials.
 
 Pressure is positive in compression; tractions act on the slave, which is body 1. Any consistent
 system of units. Needs NumPy and SciPy only.

@@ -1,4 +1,4 @@
-"""The meshes of the demos: names, sizes, areas, non-matching contact edges, invariance."""
+"""The meshes in 2D: names, sizes, areas, non-matching contact edges, invariance."""
 
 import math
 from itertools import pairwise
