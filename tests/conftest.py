@@ -2,6 +2,8 @@
 
 import os
 
+from pairwise import MarkFull
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("NGS_NUM_THREADS", "1")
@@ -12,9 +14,10 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """The notebooks first, then the site, which shows them as they ran there."""
+    """The notebooks first, then the site, which shows them as they ran there; pairs of options."""
 
     def Rank(item):
         return 0 if item.path.parent.name == "tutorials" else 1 + (item.path.name != "test_site.py")
 
     items.sort(key=Rank)
+    MarkFull(items)

@@ -119,6 +119,7 @@ def CheckLaw(options, kind, law, *, slave="slave", master="master"):
         )
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick", "slip"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("mesh", MESHES)
@@ -126,6 +127,7 @@ def test_constant_stress(mesh, kind, law):
     CheckLaw(MESHES[mesh], kind, law)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick", "slip back"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("mesh", ["oblique", "quad grid", "wide master", "wide slave"])
@@ -223,6 +225,7 @@ SPACES = {
 }
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick", "slip"])
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("space", SPACES)

@@ -55,6 +55,7 @@ def CheckLaw(kinds, space, law, options, *, swapped=False):
         assert table["slip"] == pytest.approx(np.tile(exact, (len(table["slip"]), 1)), abs=1e-12)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("partition", PARTITIONS)
 @pytest.mark.parametrize(("shape", "order"), ELEMENTS)
 @pytest.mark.parametrize("mesh", MESHES)
@@ -64,6 +65,7 @@ def test_constant_stress(mesh, shape, order, partition):
     CheckLaw((shape, below), f"P{order}{partition}", "frictionless", MESHES[mesh])
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["stick", "slip", "tied"])
 @pytest.mark.parametrize("partition", PARTITIONS)
 @pytest.mark.parametrize(("shape", "order"), ELEMENTS[:-1])
@@ -77,6 +79,7 @@ def test_constant_shear_of_order_three(partition):
     CheckLaw(("tet", "hex"), f"P3{partition}", "slip", OBLIQUE)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["tresca", "slip"])
 @pytest.mark.parametrize("space", ["P1bubble", "P2"])
 @pytest.mark.parametrize("shape", SHAPES)
@@ -111,6 +114,7 @@ def test_two_materials(shape, space):
     assert max(Patch(Pair3D(V, Solid(young=young)), OBLIQUE, Stress(OBLIQUE), lower=soft)) <= TOL
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("young", [2e-6, 2e11])
 @pytest.mark.parametrize("shape", ["tet", "hex", "prism"])
 @pytest.mark.parametrize("space", ["P1", "P1bubble", "P2"])

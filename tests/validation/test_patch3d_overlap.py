@@ -22,6 +22,7 @@ WIDER = {"wide master": 0.3, "wide slave": -0.3}
 AREA = 1 / math.cos(math.radians(20))
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize(("space", "law"), CASES)
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("wider", WIDER)
@@ -36,6 +37,7 @@ def test_aligned_ends(wider, shape, space, law):
     assert table["area"].sum() == pytest.approx(AREA, rel=1e-12)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick"])
 @pytest.mark.parametrize("space", ["P1bubble", "P1split", "P2"])
 @pytest.mark.parametrize("shape", SHAPES)
@@ -83,6 +85,7 @@ def SolvePart(pair, options, stress):
     ContactSolver(pair.a, pair.gf, pair.contact, rhs=vector).Solve(tol=1e-13, printing=False)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize(("space", "law"), CASES[:3] + CASES[4:])
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("overhang", [-0.17, 0.17])
@@ -103,6 +106,7 @@ def test_constant_stress_where_faces_overlap_in_part(overhang, shape, space, law
     assert TractionError(pair, stress, share > 0.05) <= TOL
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("space", ["P1bubble", "P1split", "P2"])
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("overhang", [-0.17, 0.17])

@@ -1,0 +1,51 @@
+"""Fewer cases of a product of options: every pair of values occurs, not every combination."""
+
+from itertools import combinations
+
+import pytest
+
+
+def Pairs(case):
+    """All pairs of (option, value) of a case, which maps options to values; a single one alone."""
+    values = sorted(case.items())
+    return set(combinations(values, min(2, len(values))))
+
+
+def CoveringArray(cases):
+    """Positions of some of the cases that have every pair of values that any case has.
+
+    Combinations that are not allowed are just not among the cases. Greedy, the first among equals:
+    the same cases always give the same choice.
+    """
+    missing = [Pairs(case) for case in cases]
+    left, chosen = set().union(*missing), []
+    while left:
+        chosen.append(max(range(len(cases)), key=lambda i: len(missing[i] & left)))
+        left -= missing[chosen[-1]]
+    return sorted(chosen)
+
+
+def Options(item):
+    """The values of a collected test by names; what is parametrized together is one option."""
+    names = [mark.args[0] for mark in item.iter_markers("parametrize")]
+    groups = [tuple(n.replace(",", " ").split()) if isinstance(n, str) else tuple(n) for n in names]
+    params = item.callspec.params
+    groups += [(name,) for name in sorted(set(params).difference(*groups))]  # of fixtures
+    # All cases share the objects that are their values, of which many have no hash.
+    return {group: tuple(id(params[name]) for name in group) for group in groups}
+
+
+def MarkFull(items):
+    """Of the tests marked pairwise, mark `full` the cases that the pairs of options do not need.
+
+    Only what was collected counts: a single case named on the command line runs.
+    """
+    families = {}
+    for item in items:
+        if item.get_closest_marker("pairwise"):
+            families.setdefault((item.parent, item.originalname), []).append(item)
+    for family in families.values():
+        needed = set(CoveringArray([Options(item) for item in family]))
+        for position, item in enumerate(family):
+            if position not in needed:
+                item.add_marker(pytest.mark.full)
