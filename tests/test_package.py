@@ -1,6 +1,6 @@
 """The package as installed: versions, public names, and the example of the README."""
 
-import re
+import importlib
 import shutil
 import subprocess
 import sys
@@ -42,7 +42,26 @@ def test_sources_without_the_plugin_say_so(tmp_path):
     assert "holds the sources of ngslac, not the compiled plugin" in run.stderr
 
 
-def test_build_and_run_time_pins_agree():
-    pins = re.findall(r"ngsolve==([\d.]+)", (ROOT / "pyproject.toml").read_text())
-    assert len(pins) == 2
-    assert len(set(pins)) == 1
+def test_the_package_depends_on_the_release_it_was_built_with():
+    assert _version.RequiredNGSolve() == _version.version("ngsolve")
+
+
+@pytest.fixture
+def backend(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "cpp"))
+    pytest.importorskip("scikit_build_core", reason="it is there while the package is built")
+    return importlib.import_module("backend")
+
+
+@pytest.mark.parametrize(
+    ("installed", "wanted"), [(None, None), ("6.2.2606", "6.2.2606"), ("6.3.1", "6.3.1")]
+)
+def test_the_build_takes_the_release_that_is_installed(backend, monkeypatch, installed, wanted):
+    monkeypatch.setattr(backend, "Installed", lambda: installed)
+    assert backend.Wanted() == f"ngsolve=={wanted or backend.PIN}"
+
+
+def test_a_release_that_is_too_old_is_refused(backend, monkeypatch):
+    monkeypatch.setattr(backend, "Installed", lambda: "6.2.2401")
+    with pytest.raises(RuntimeError, match=r"ngsolve 6\.2\.2401 is installed.*pip install"):
+        backend.Wanted()

@@ -1,0 +1,54 @@
+"""Builds with the NGSolve that is installed, and writes its version into the dependencies.
+
+A compiled add-on fits exactly one monthly release. Where pip builds in an environment of its own,
+this one gets the release of the environment that the package goes to.
+"""
+
+import sysconfig
+from importlib.metadata import distributions, version
+
+from scikit_build_core import build
+from scikit_build_core.build import *  # noqa: F403  the hooks that stay as they are
+
+# For who has none; and the first one that has all that is needed.
+PIN, OLDEST = "6.2.2608", "6.2.2606"
+
+
+def Installed():
+    """The release where the package goes to, or None."""
+    folders = list({sysconfig.get_path(name) for name in ("purelib", "platlib")})
+    return next((d.version for d in distributions(name="ngsolve", path=folders)), None)
+
+
+def Numbers(release):
+    return [int(part) for part in release.split(".")[:3] if part.isdigit()]
+
+
+def Wanted():
+    """The requirement to build with.
+
+    Raises
+    ------
+    RuntimeError
+        The installed release is too old.
+    """
+    release = Installed() or PIN
+    if Numbers(release) < Numbers(OLDEST):
+        raise RuntimeError(
+            f"ngsolve {release} is installed, ngslac needs {OLDEST} or newer: run "
+            f"pip install ngsolve=={PIN}"
+        )
+    return f"ngsolve=={release}"
+
+
+def get_requires_for_build_wheel(config_settings=None):
+    return [*build.get_requires_for_build_wheel(config_settings), Wanted()]
+
+
+def get_requires_for_build_editable(config_settings=None):
+    return [*build.get_requires_for_build_editable(config_settings), Wanted()]
+
+
+def dynamic_metadata(field, settings):
+    """The dependencies: others, and the NGSolve that is built with."""
+    return [f"ngsolve=={version('ngsolve')}", *settings["others"]]
