@@ -213,20 +213,9 @@ shared_ptr<SparseMatrix<double>> FormBase<D>::JumpMatrix(Side side) {
   if (side != Side::both) // of both sides there is one already
     one.SetRows(u, *slave, master.get(), *pairing, side);
   auto & op = side == Side::both ? *jump : one;
-  Array<int> rows, cols;
-  Array<double> values;
-  size_t offset = u.offset * u.fes->GetDimension();
-  for (size_t m : Range(op.Size()))
-    if (op.area[m] > 0)
-      for (auto & e : op.Row(m))
-        for (int k : Range(D))
-          if (e.integral(k) != 0) { // D and M are both positive
-            rows.Append(D * m + k);
-            cols.Append(e.dof - offset);
-            values.Append(side == Side::master ? -e.integral(k) : e.integral(k));
-          }
-  return make_shared<SparseMatrix<double>>(std::move(*SparseMatrixTM<double>::CreateFromCOO(
-      rows, cols, values, D * op.Size(), u.component->GetNDof() * u.fes->GetDimension())));
+  int block = u.fes->GetDimension();
+  return op.AsMatrix(u.offset * block, u.component->GetNDof() * block,
+                     side == Side::master ? -1 : 1); // D and M are both positive
 }
 
 template <int D>

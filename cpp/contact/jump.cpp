@@ -263,6 +263,23 @@ Vec<D> MacroJump<D>::Mean(size_t macro, FlatVector<> x) const {
   return area[macro] > 0 ? Vec<D>((1 / area[macro]) * sum) : Vec<D>(0.0);
 }
 
+template <int D>
+shared_ptr<SparseMatrix<double>> MacroJump<D>::AsMatrix(size_t offset, size_t width,
+                                                        double factor) const {
+  Array<int> rows, cols;
+  Array<double> values;
+  for (size_t m : Range(Size()))
+    for (auto & e : Row(m))
+      for (int k : Range(D))
+        if (e.integral(k) != 0) {
+          rows.Append(D * m + k);
+          cols.Append(e.dof - offset);
+          values.Append(factor * e.integral(k));
+        }
+  return make_shared<SparseMatrix<double>>(
+      std::move(*SparseMatrixTM<double>::CreateFromCOO(rows, cols, values, D * Size(), width)));
+}
+
 template class MacroJump<2>;
 template class MacroJump<3>;
 } // namespace ngslac

@@ -53,6 +53,8 @@ public:
   }
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
+  /// The rows times a factor; of the columns those of a component that begins at `offset`.
+  shared_ptr<SparseMatrix<double>> AsMatrix(size_t offset, size_t width, double factor) const;
 
   Array<double> area;     // paired
   Array<double> fullarea; // of all faces

@@ -2,7 +2,8 @@
 #include "contact/formbase.hpp"
 #include "contact/selfcontact.hpp"
 #include "couplings.hpp"
-#include "linear/blocksum.hpp"
+#include "forceblocks.hpp"
+#include "referenceareas.hpp"
 
 namespace ngslac {
 namespace {
@@ -295,7 +296,7 @@ private:
     auto paired = finder.Pair(std::move(slave), std::move(master));
     if (finder.IsSelfContact())
       KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
-    CountReferenceAreas(*paired.slave, *paired.pairing);
+    CountReferenceAreas(*slave_reference, *paired.slave, *paired.pairing);
     this->Take(paired);
     jump->fullarea = fullarea;
     points = MakePoints<D>(pairing, *this->slave, *space, jump->area);
@@ -308,26 +309,6 @@ private:
       if (L2Norm2(this->Multiplier(m, x)) > 0)
         closed.SetBit(m);
     return closed;
-  }
-
-  void CountReferenceAreas(const Surface<D> & current, Pairing<D> & pairs) const {
-    ParallelFor(pairs.Size(), [&](size_t s) {
-      int face = pairs.segments[s].slave;
-      for (auto & p : pairs.points.Range(pairs.Points(s)))
-        p.weight *= ReferenceMeasure(face, p) / MeasureAt(current, face, p);
-    });
-    for (auto & r : pairs.rim)
-      r.point.weight = ReferenceMeasure(pairs.segments[r.segment].slave, r.point);
-  }
-
-  static double MeasureAt(const Surface<D> & surface, int face, const PairPoint<D> & p) {
-    Vec<D> x;
-    Mat<D, D - 1> dx;
-    surface.Evaluate(face, p.slave, x, dx);
-    return Measure(dx);
-  }
-  double ReferenceMeasure(int face, const PairPoint<D> & p) const {
-    return MeasureAt(*slave_reference, face, p);
   }
 
   template <typename PROJECT>
@@ -399,35 +380,6 @@ private:
         (*mat)(rows.dofs[j], lamdof[D * m + k]) = -force(k);
     }
     forces.Add(lamdof.Range(D * m, D * (m + 1)), rows.dofs, std::move(entries));
-  }
-
-  /// Of the forces on a master face by its own dofs.
-  static void AddBlock(FlatArray<int> masters, FlatMatrix<> block, BlockSum & forces) {
-    int n = masters.Size();
-    ArrayMem<int, 100> order(n), sorted(n);
-    for (int i : Range(n))
-      order[i] = i;
-    std::sort(order.begin(), order.end(), [&](int i, int j) { return masters[i] < masters[j]; });
-    Matrix<> values(n, n);
-    for (int j : Range(n)) {
-      sorted[j] = masters[order[j]];
-      values.Col(j) = block.Col(order[j]);
-    }
-    forces.Add(masters, sorted, std::move(values));
-  }
-
-  /// The split of the multiplier into pressure and tangential traction turns with the normal.
-  static void AddStiffness(const Vec<D> & normal, const Vec<D> & traction, double pressure,
-                           MacroRows<D> & rows, BlockSum & forces) {
-    for (int j : Range(rows.turning)) {
-      Vec<D> turn = rows.normal.Col(rows.Position(rows.turning[j]));
-      double pressing = -InnerProduct(traction, turn);
-      Vec<D> tilt = rows.tilt.Col(rows.Position(rows.turning[j]));
-      Vec<D> even = pressing * normal + pressure * (turn + tilt);
-      for (int i : Range(rows.dofs))
-        rows.stiffness(i, j) += pressing * rows.squeeze(i) - InnerProduct(even, rows.force.Col(i));
-    }
-    forces.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
   }
 
   void SetMultiplierBlock(size_t m, const Vec<D> & normal, const ngbla::Mat<D, D> & derivative) {
