@@ -22,6 +22,7 @@ def Random(gf, seed):
     return vec
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("friction", [0.05, 2.0], ids=["slip", "stick"])
 @pytest.mark.parametrize("dim", [2, 3])

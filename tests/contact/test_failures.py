@@ -135,6 +135,7 @@ def test_nothing_crashes_before_the_first_update(mesh, finite, name):
         assert "no pairing yet; call Update() first" in str(error)  # noqa: PT017
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("updated", [False, True])
 @pytest.mark.parametrize("name", NAMES)

@@ -179,6 +179,7 @@ class TestTwoBlocks:
             first = Integrate(CF((x, y)), mesh.Boundaries(side))
             assert first == pytest.approx((0.5 * length, 0), abs=1e-12)
 
+    @pytest.mark.pairwise
     @pytest.mark.parametrize("kind", KINDS)
     @pytest.mark.parametrize("overhang", [0.0, 0.3, -0.3, 0.25])
     @pytest.mark.parametrize("aligned", [True, False])

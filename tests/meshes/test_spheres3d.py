@@ -88,6 +88,7 @@ def test_size_of_the_bodies(make):
 
 @pytest.mark.parametrize("make", [SphereOnBlock, TwoSpheres])
 class TestSphereInput:
+    @pytest.mark.pairwise
     @pytest.mark.parametrize("name", ["h", "radius", "ratio", "zone", "scale"])
     @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
     def test_bad_sizes(self, make, name, value):

@@ -66,6 +66,7 @@ MOTIONS = {
 }
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("body", ["upper", "lower"])

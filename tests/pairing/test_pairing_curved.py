@@ -32,6 +32,7 @@ def test_the_whole_slave_surface_pairs(order, slave, master):
     assert length == pytest.approx(2 * np.pi * radius, rel=ERROR[order])
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize(("slave", "master"), SIDES)
 @pytest.mark.parametrize("opening", [0.0, 1e-3, 0.1])

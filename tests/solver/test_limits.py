@@ -59,6 +59,7 @@ def test_the_limit_is_not_approached_by_hundreds_of_attempts():
     assert len(attempts) < 25
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("h", [0.26, 0.35])
 @pytest.mark.parametrize("gap", [0.0, 0.02, 0.2])
 @pytest.mark.parametrize("friction", [0.2, 1.5])

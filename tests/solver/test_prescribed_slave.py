@@ -61,6 +61,7 @@ def inclined(slope):
     return Mesh(OCCGeometry(Compound(shapes), dim=2).GenerateMesh(maxh=0.35))
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("law", [{}, {"friction": 0.3}, {"tied": True}], ids=str)
 @pytest.mark.parametrize(
@@ -81,6 +82,7 @@ def test_tangent_prescribed_in_2d(space, law, solver):
     assert np.abs(contact.Table()["gap"]).max() < 1e-12
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("kind", ["hex", "tet"])
 @pytest.mark.parametrize("fixed", ["x", "xy"])

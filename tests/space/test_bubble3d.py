@@ -60,6 +60,7 @@ def scalar_solution(space, condense=False):
     return solution
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("slave", SLAVES)
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("kind", KINDS)

@@ -88,6 +88,7 @@ SPACES = {
 }
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("quads", [False, True])
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("space", SPACES)

@@ -30,6 +30,7 @@ def vertices_of(mesh, faces):
     return [elements[nr] for nr in faces]
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("space", SPACES)
@@ -92,6 +93,7 @@ def test_order_one_makes_small_stars_of_unstructured_triangles(shape):
     assert max(sizes(Q)) <= 11
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("space", ["VectorH1", "Bubble"])
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("kind", KINDS)
@@ -131,6 +133,7 @@ def test_dofs_fixed_by_hand_are_no_cores(component):
     assert Q.nmacros >= 2
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("slave", ["bottom|left", "bottom|left|front", ".*"])

@@ -35,6 +35,7 @@ def test_agrees_with_the_table(kind):
     assert constants == pytest.approx(TABLE[kind], rel=0.01)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("mesh", ["unstructured", "trigs", "quads"])
 @pytest.mark.parametrize("clamped", [False, True])
 @pytest.mark.parametrize("kind", KINDS)

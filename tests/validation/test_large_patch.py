@@ -43,6 +43,7 @@ def check(problem, law):
     assert np.all(table["pressure"] > 10)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick"])
 @pytest.mark.parametrize("quads", [False, True])
 @pytest.mark.parametrize("kind", ["P1", "P1split", "P1bubble", "P2", "P3"])
