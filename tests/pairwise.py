@@ -17,11 +17,11 @@ def CoveringArray(cases):
     Combinations that are not allowed are just not among the cases. Greedy, the first among equals:
     the same cases always give the same choice.
     """
-    missing = [Pairs(case) for case in cases]
-    left, chosen = set().union(*missing), []
+    pairs = [Pairs(case) for case in cases]
+    left, chosen = set().union(*pairs), []
     while left:
-        chosen.append(max(range(len(cases)), key=lambda i: len(missing[i] & left)))
-        left -= missing[chosen[-1]]
+        chosen.append(max(range(len(cases)), key=lambda i: len(pairs[i] & left)))
+        left -= pairs[chosen[-1]]
     return sorted(chosen)
 
 
