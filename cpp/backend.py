@@ -1,7 +1,8 @@
 """Builds with the NGSolve that is installed, and writes its version into the dependencies.
 
 A compiled add-on fits exactly one monthly release. Where pip builds in an environment of its own,
-this one gets the release of the environment that the package goes to.
+that of the environment which the package goes to is taken all the same: what was compiled with it
+before need not be compiled again.
 """
 
 import sysconfig
@@ -24,31 +25,31 @@ def Numbers(release):
     return [int(part) for part in release.split(".")[:3] if part.isdigit()]
 
 
-def Wanted():
-    """The requirement to build with.
+def Missing():
+    """Requirements to build with that are not there.
 
     Raises
     ------
     RuntimeError
         The installed release is too old.
     """
-    release = Installed() or PIN
-    if Numbers(release) < Numbers(OLDEST):
+    release = Installed()
+    if release and Numbers(release) < Numbers(OLDEST):
         raise RuntimeError(
             f"ngsolve {release} is installed, ngslac needs {OLDEST} or newer: run "
             f"pip install ngsolve=={PIN}"
         )
-    return f"ngsolve=={release}"
+    return [] if release else [f"ngsolve=={PIN}"]
 
 
 def get_requires_for_build_wheel(config_settings=None):
-    return [*build.get_requires_for_build_wheel(config_settings), Wanted()]
+    return [*build.get_requires_for_build_wheel(config_settings), *Missing()]
 
 
 def get_requires_for_build_editable(config_settings=None):
-    return [*build.get_requires_for_build_editable(config_settings), Wanted()]
+    return [*build.get_requires_for_build_editable(config_settings), *Missing()]
 
 
 def dynamic_metadata(field, settings):
     """The dependencies: others, and the NGSolve that is built with."""
-    return [f"ngsolve=={version('ngsolve')}", *settings["others"]]
+    return [f"ngsolve=={Installed() or version('ngsolve')}", *settings["others"]]

@@ -53,15 +53,20 @@ def backend(monkeypatch):
     return importlib.import_module("backend")
 
 
-@pytest.mark.parametrize(
-    ("installed", "wanted"), [(None, None), ("6.2.2606", "6.2.2606"), ("6.3.1", "6.3.1")]
-)
-def test_the_build_takes_the_release_that_is_installed(backend, monkeypatch, installed, wanted):
+def test_the_build_asks_for_ngsolve_where_there_is_none(backend, monkeypatch):
+    monkeypatch.setattr(backend, "Installed", lambda: None)
+    assert backend.Missing() == [f"ngsolve=={backend.PIN}"]
+
+
+@pytest.mark.parametrize("installed", ["6.2.2606", "6.2.2606.post3", "6.2.2612", "6.3.1"])
+def test_the_build_takes_the_release_that_is_installed(backend, monkeypatch, installed):
     monkeypatch.setattr(backend, "Installed", lambda: installed)
-    assert backend.Wanted() == f"ngsolve=={wanted or backend.PIN}"
+    assert backend.Missing() == []
+    depends = backend.dynamic_metadata("dependencies", {"others": ["numpy"]})
+    assert depends == [f"ngsolve=={installed}", "numpy"]
 
 
 def test_a_release_that_is_too_old_is_refused(backend, monkeypatch):
     monkeypatch.setattr(backend, "Installed", lambda: "6.2.2401")
     with pytest.raises(RuntimeError, match=r"ngsolve 6\.2\.2401 is installed.*pip install"):
-        backend.Wanted()
+        backend.Missing()
