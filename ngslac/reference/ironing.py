@@ -7,6 +7,10 @@ the die in N per mm of thickness. The time counts 1 for the indentation and 1 fo
 Digitised curves: I. Batistic, solids4foam benchmark "shallowIroning"
 (github.com/solids4foam/solid-benchmarks). The test decks of code_aster hold numbers: SSNP153 b with
 friction 0.3 and CONT003 a without friction.
+
+>>> vertical, horizontal = PUBLISHED["Yastrebov 2011"]
+>>> vertical[TIMES.index(1.5)], horizontal[TIMES.index(1.5)]
+(360, 173)
 """
 
 from __future__ import annotations
