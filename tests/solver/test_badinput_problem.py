@@ -121,7 +121,7 @@ def test_what_is_no_contact(problem, wrong):
 
 
 def test_contacts_in_a_list_in_a_list(problem):
-    with raises(r"contacts = \[<LACContact>\] must be a LACContact", TypeError):
+    with raises(r"contacts = \[<LACContact: .* must be a LACContact", TypeError):
         ContactSolver(problem.a, problem.gf, [[problem.contact]])
 
 
