@@ -1,8 +1,7 @@
 """Builds with the NGSolve that is installed, and writes its version into the dependencies.
 
 A compiled add-on fits exactly one monthly release. Where pip builds in an environment of its own,
-that of the environment which the package goes to is taken all the same: what was compiled with it
-before need not be compiled again.
+that of the environment which the package goes to is taken all the same.
 """
 
 import sysconfig

@@ -12,7 +12,6 @@ from scipy.sparse.linalg import norm
 
 from ngslac.bodies.bodies import JumpRows
 from ngslac.bodies.rigidmotions import Turned
-from ngslac.loads import LoadVector
 
 __all__ = ["CarriedOff", "IsLinear", "RigidBalance"]
 
@@ -70,7 +69,7 @@ def IsLinear(solver):
         at.data = vec
         at.FV().NumPy()[:] += part * way
         solver.a.Apply(at, moved)
-        forces.append(moved.FV().NumPy() - LoadVector(solver.bulk.rhs, at))
+        forces.append(moved.FV().NumPy() - solver.bulk.load)
     bend = np.linalg.norm(forces[2] - 2 * forces[1] + forces[0])
     return bool(bend <= STRAIGHT * np.linalg.norm(forces[2] - forces[0]))
 

@@ -9,7 +9,7 @@ from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.loads import CheckRhs, LoadVector
 from ngslac.solve.problem import AssembleBulk
 
-__all__ = ["Bulk"]
+__all__ = ["LINEAR", "Bulk"]
 
 # Deviation from the straight line, relative to the way along it, that is rounding.
 LINEAR = 1e-10

@@ -6,11 +6,10 @@ import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.loads import CheckNoMultiplierLoad
+from ngslac.solve.bulk import LINEAR
 
 __all__ = ["Residual", "State"]
 
-# Deviation from the straight line, relative to the way along it, that is not rounding.
-LINEAR = 1e-10
 # What a residual keeps from one solve to the next.
 REMEMBERED = ("converged", "forces", "reference", "rows", "tol")
 

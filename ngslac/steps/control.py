@@ -77,14 +77,16 @@ class Journal:
     ----------
     saved : Snapshot
         After the last step, as its callback left it.
+    progress : Progress
+        Is told of each step.
     """
 
     def __init__(self, tool, name, parameter):
         self.tool, self.name, self.parameter = tool, name, parameter
 
-    def Begin(self, progress=None):
-        """Take the present state as the one to go back to."""
-        self.saved, self.progress = Snapshot(self.tool), progress
+    def Begin(self):
+        """Take the present state as the one to go back to; returns it."""
+        self.saved = Snapshot(self.tool)
         return self.saved
 
     def Add(self, step, callback, **fields):

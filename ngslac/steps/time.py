@@ -17,7 +17,6 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.loads import LoadVector
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, OnBulk
@@ -372,7 +371,7 @@ class TimeStepper:
         static = self.static
         zero, result = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         zero[:] = 0
-        load = LoadVector(static.bulk.rhs, zero)
+        load = static.bulk.load
         static.a.Apply(zero, result)
         loads = (load - result.FV().NumPy()) * self.mass.rows
         static.a.Apply(self.gf.vec, result)
@@ -383,7 +382,7 @@ class TimeStepper:
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
         memory -= scheme.weight * scheme.force * self._balanced[0]
-        load = LoadVector(self.static.bulk.rhs, vec)
+        load = self.static.bulk.load
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec
 

@@ -73,7 +73,7 @@ def browser():
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     sync_api = pytest.importorskip("playwright.sync_api")
     if chromium is None:
-        pytest.skip("no Chromium")
+        pytest.skip("live scenes are looked at in Chromium, which is not installed")
     with sync_api.sync_playwright() as playwright:
         flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         browser = playwright.chromium.launch(executable_path=chromium, args=flags)
