@@ -5,8 +5,7 @@ quarter of an hour on two cores::
 
     python docs/validation/report.py --out docs/validation
 
-Cases are entries of the modules ``_cases_*``; what they solve is in
-``tutorials/examples`` and the tests.
+Cases and what they solve are in ``tests/validation``, and the tests assert the same rows.
 """
 
 from __future__ import annotations
@@ -21,42 +20,16 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ("validation", "solver", "contact")
-FOLDERS = (Path(__file__).parent, ROOT / "tutorials/examples", *(ROOT / "tests" / n for n in TESTS))
+FOLDERS = (ROOT / "tutorials/examples", *(ROOT / "tests" / n for n in TESTS))
 for folder in FOLDERS:
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
 
-import _cases_balance  # noqa: E402
-import _cases_dynamics  # noqa: E402
-import _cases_friction  # noqa: E402
-import _cases_friction3d  # noqa: E402
-import _cases_hertz  # noqa: E402
-import _cases_hertz3d  # noqa: E402
-import _cases_large  # noqa: E402
-import _cases_large_friction  # noqa: E402
-import _cases_materials  # noqa: E402
-import _cases_patch  # noqa: E402
-import _cases_rates  # noqa: E402
-import _cases_stability  # noqa: E402
-from _report_page import Compute, Page  # noqa: E402
+from cases import CASES  # noqa: E402
+from report_page import Compute, Page  # noqa: E402
 
 __all__ = ["CASES", "Report", "main"]
 
-MODULES = (
-    _cases_patch,
-    _cases_balance,
-    _cases_stability,
-    _cases_rates,
-    _cases_hertz,
-    _cases_friction,
-    _cases_hertz3d,
-    _cases_friction3d,
-    _cases_large,
-    _cases_large_friction,
-    _cases_materials,
-    _cases_dynamics,
-)
-CASES = {case.name: case for module in MODULES for case in module.CASES}
 COMMAND = "python docs/validation/report.py --out docs/validation"
 
 
@@ -79,7 +52,7 @@ def Report(out, *, names=None, quick=False, quiet=True, command=COMMAND):
     Returns
     -------
     list of Result
-        One for each case, see `_report_page`.
+        One for each case, see `report_page`.
     """
     out, results = Path(out), []
     for name in names or CASES:

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs" / "validation"
+VALIDATION = Path(__file__).parents[1] / "validation"
 sys.path.insert(0, str(DOCS))
 
 import report  # noqa: E402
-from _report_bounds import (  # noqa: E402
+from cases import MODULES  # noqa: E402
+from report_bounds import (  # noqa: E402
     ORIGINS,
     Bound,
     Exact,
@@ -25,8 +27,8 @@ from _report_bounds import (  # noqa: E402
     Spread,
     Stated,
 )
-from _report_case import Case, Outcome, Row, Worst  # noqa: E402
-from _report_page import Compute, Page  # noqa: E402
+from report_case import Case, Outcome, Row, Worst  # noqa: E402
+from report_page import Compute, Page  # noqa: E402
 
 CHEAP = ["directions", "series", "sliding-block"]
 
@@ -87,16 +89,16 @@ def test_head_names_command_and_versions(page):
 def test_each_function_is_registered_once():
     functions = [case.function for case in report.CASES.values()]
     assert len(set(functions)) == len(functions)
-    assert sum(len(module.CASES) for module in report.MODULES) == len(report.CASES)
-    for module in report.MODULES:
+    assert sum(len(module.CASES) for module in MODULES) == len(report.CASES)
+    for module in MODULES:
         taking = {
             f
             for _, f in inspect.getmembers(module, inspect.isfunction)
             if f.__module__ == module.__name__ and [*inspect.signature(f).parameters] == ["quick"]
         }
         assert taking == {case.function for case in module.CASES}
-    modules = {path.stem for path in DOCS.glob("_cases_*.py")}
-    assert modules == {module.__name__ for module in report.MODULES}
+    modules = {path.stem for path in VALIDATION.glob("cases_*.py")}
+    assert modules == {module.__name__ for module in MODULES}
 
 
 @pytest.mark.parametrize("name", report.CASES)
@@ -113,7 +115,7 @@ def test_cases_are_described(name):
 
 def test_examples_and_validation_tests_are_covered():
     """Each example, and each file of tests/validation, appears in a command or is imported."""
-    text = "\n".join(path.read_text() for path in DOCS.glob("_cases_*.py"))
+    text = "\n".join(path.read_text() for path in VALIDATION.glob("cases_*.py"))
     root = DOCS.parents[1]
     files = [path.stem for path in (root / "tests/validation").glob("test_*.py")]
     scripts = (root / "tutorials/examples").glob("*.py")

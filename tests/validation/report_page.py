@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from _report_bounds import ORIGINS
-from _report_case import Outcome, Worst
+from report_bounds import ORIGINS
+from report_case import Outcome, Worst
 
 from ngslac.linear.factor import LU
 

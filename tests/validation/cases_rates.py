@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_bounds import Rate
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, GREEN, INK, ORANGE, Figure
 from convergence_table import NAMES, Picture
 from mms_large_table import PUBLISHED
 from problems_mms_large import Manufactured, Rates
+from report_bounds import Rate
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, GREEN, INK, ORANGE, Figure
 from signorini import Measure
 from signorini import Rates as MeanRate
 

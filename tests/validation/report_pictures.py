@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from _report_sampling import INK, STYLE, Matplotlib, SampleMesh, Save
+from report_sampling import INK, STYLE, Matplotlib, SampleMesh, Save
 
 __all__ = [
     "BLUE",

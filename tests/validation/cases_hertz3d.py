@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import test_validation_hertz_slice3d as slice3d
-from _hertz3d_pictures import PressurePicture
-from _report_bounds import Element, Means, Meshes, Neglected, Spread, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import INK, Figure, Profile
 from elasticity3d import Solid
+from hertz3d_pictures import PressurePicture
 from hertzmeans import Means as HertzMeans
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Integrate, Sym, VectorH1, dx
 from problems_hertz3d import Problem, Run
 from problems_sphere import RADIUS, SPHERES, PressBlock, PressSpheres
+from report_bounds import Element, Means, Meshes, Neglected, Spread, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import INK, Figure, Profile
 from sector3d import SliceMesh
 
 from ngslac import ContactSolver, LACContact, LACSpace

@@ -8,13 +8,13 @@ import flatring
 import hertz_large
 import numpy as np
 import test_validation_halfring as halfring
-from _report_bounds import Both, Exact, Extrapolated, Meshes, Neglected, Spread, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import Bodies, Figure
 from problems_flattened import EnergyError, Penalty
 from problems_halfring import QuadMesh, RingMesh, RingModel
 from problems_large import Small
 from problems_pin import FORCE, PinMesh, PinModel
+from report_bounds import Both, Exact, Extrapolated, Meshes, Neglected, Spread, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import Bodies, Figure
 from test_validation_pin import BEHIND, PUSHED
 
 

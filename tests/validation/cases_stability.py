@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_bounds import HalfDigit, Rate
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, GREEN, GREY, INK, ORANGE, Figure
 from convergence_table import NAMES as NAMES_2D
 from infsup import Body, Square
 from infsup3d import Body3D, Cube
+from report_bounds import HalfDigit, Rate
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, GREEN, GREY, INK, ORANGE, Figure
 from test_infsup import RIM, TABLE, UNSTABLE
 from test_infsup3d import CLAMPED_TABLE
 from test_infsup3d import RIM as RIM_3D

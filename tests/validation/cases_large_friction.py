@@ -6,10 +6,10 @@ import math
 
 import ironing
 import numpy as np
-from _report_bounds import Exact, Spread, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import ORANGE, Bodies, Figure
 from problems_twistblocks import Measured
+from report_bounds import Exact, Spread, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import ORANGE, Bodies, Figure
 from twistblocks import MEAN_DISTANCE, DrawTorque
 
 from ngslac.reference.ironing import DECK, DECK_SMOOTH, PUBLISHED, TIMES

@@ -5,11 +5,11 @@ from __future__ import annotations
 import indentation
 import materials
 import numpy as np
-from _report_bounds import Meshes, Neglected, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import Bodies, Figure, FromFolder
 from indentation import PRANDTL, Depths
 from indenter import Indenter
+from report_bounds import Meshes, Neglected, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import Bodies, Figure, FromFolder
 from test_materials import STIFF, nominal_stress, squeezed_blocks, squeezed_stretch
 
 

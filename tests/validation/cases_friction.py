@@ -9,11 +9,11 @@ import test_validation_cattaneo as cattaneo
 import test_validation_greco as slab
 import test_validation_slab3d as slab3d
 import test_validation_spence as spence
-from _report_bounds import Element, Means, MeshSpread, Stated, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
 from problems_cylinder import STICK, Model
 from problems_punch import CoupledPunch, StickRatio
+from report_bounds import Element, Means, MeshSpread, Stated, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
 
 from ngslac.reference import GRECO_SLAB
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_pictures import BLUE, INK, ORANGE, STYLE, Matplotlib, Save
+from report_pictures import BLUE, INK, ORANGE, STYLE, Matplotlib, Save
 
 from ngslac.reference import TwistPoint
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_bounds import Exact, Means, Meshes, Neglected, Rounding, Spread, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import INK, Bodies, Figure, Profile
 from hertz import Exact as Hertz
 from hertzline import Pressed, Values
 from problems_cb1 import PUBLISHED, CylinderModel
+from report_bounds import Exact, Means, Meshes, Neglected, Rounding, Spread, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import INK, Bodies, Figure, Profile
 from test_validation_nafems import DISPLACEMENT, FRICTION
 from test_validation_nafems import Outcome as Benchmark
 

@@ -6,12 +6,12 @@ import cattaneo3d
 import numpy as np
 import test_validation_punch3d as punch
 import twist
-from _friction3d_pictures import CurvePicture, Pushed, Twisted
-from _report_bounds import Element, Meshes, Spread, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, INK, ORANGE, Figure
+from friction3d_pictures import CurvePicture, Pushed, Twisted
 from ngsolve import Parameter
 from problems_friction3d import PRESSURE, ShearedBlocks
+from report_bounds import Element, Meshes, Spread, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, INK, ORANGE, Figure
 from sector3d import SectorMesh
 from test_friction3d import ANGLES, FRICTION, Direction
 

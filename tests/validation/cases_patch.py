@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import patch3d
-from _patch3d_pictures import InterfacePicture
-from _report_bounds import CONDITION, Rounding
-from _report_case import Case, Outcome, Row
-from _report_pictures import Bodies, Figure, Strip
 from convergence_table import NAMES
 from elasticity import Displacements, Material, Pair
 from largepatch_problem import MATERIALS, SPRING
 from ngsolve import CF
+from patch3d_pictures import InterfacePicture
+from report_bounds import CONDITION, Rounding
+from report_case import Case, Outcome, Row
+from report_pictures import Bodies, Figure, Strip
 from test_large_patch import CELLS, patch
 from test_patch import HELD, LAWS, MESHES, Patch, Stress
 

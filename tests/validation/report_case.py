@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from _report_bounds import Bound
+from report_bounds import Bound
 
 __all__ = ["Case", "Outcome", "Row", "Worst"]
 

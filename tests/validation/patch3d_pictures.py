@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_pictures import BLUE, INK, ORANGE, STYLE, Matplotlib, Save
 from patch3d import BELOW, Solve
+from report_pictures import BLUE, INK, ORANGE, STYLE, Matplotlib, Save
 
 __all__ = ["InterfacePicture"]
 

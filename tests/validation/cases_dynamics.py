@@ -10,10 +10,10 @@ from pathlib import Path
 import bouncing
 import continued
 import numpy as np
-from _report_bounds import Exact, Rounding, Step, Tolerance
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, INK, ORANGE, Figure, FromFolder
 from motions import bar, sliding, two_bars
+from report_bounds import Exact, Rounding, Step, Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, INK, ORANGE, Figure, FromFolder
 
 from ngslac import SaveState
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_pictures import BLUE, GREY, INK, ORANGE, STYLE, Matplotlib, Save
 from hertzmeans import Means
 from macros3d import Outlines
+from report_pictures import BLUE, GREY, INK, ORANGE, STYLE, Matplotlib, Save
 
 __all__ = ["PressurePicture"]
 

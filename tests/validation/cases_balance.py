@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from _report_bounds import Rate, Rounding
-from _report_case import Case, Outcome, Row
-from _report_pictures import BLUE, GREEN, INK, ORANGE, Bodies, Figure
 from finitepress import Led, blocks2d, blocks3d
 from ngsolve import CF, GridFunction
+from report_bounds import Rate, Rounding
+from report_case import Case, Outcome, Row
+from report_pictures import BLUE, GREEN, INK, ORANGE, Bodies, Figure
 from test_finite_invariance import FRICTION, lead2d, lead3d
 from test_finite_momentum import wavy, worst
 from test_sliding3d import ASIDE, OFFSETS, Sliding
