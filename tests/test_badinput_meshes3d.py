@@ -7,32 +7,39 @@ import pytest
 from netgen.meshing import Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import GridFunction, Mesh, VectorH1
-from test_badinput3d import contact, contact_on, raises
 
-from ngslac import LACSpace
-from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac import LACContact, LACSpace
+from ngslac.meshes import TwoBlocks3D
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 
 
-def turned_mesh(body, turned):
-    """Two cubes on each other; some surface elements of a body are written the wrong way round."""
-    mesh = NetgenMesh(dim=3)
-    for name, low, n in (("upper", 0.0, 3), ("lower", -1.0, 2)):
-        side = {"upper": "bottom", "lower": "top"}[name]
-        label = {"upper": "slave", "lower": "master"}[name]
-        box = StructuredBox(
-            np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), [low, low + 1], "hex",
-            names=lambda s, c, side=side, label=label, name=name: (
-                label if s == side else f"{s}_{name}"
-            ),
-        )  # fmt: skip
-        if name == body:
-            faces = [
-                (lab, face[::-1]) if lab == label and turned(i) else (lab, face)
-                for i, (lab, face) in enumerate(box.faces)
-            ]
-            box = Cells(box.points, box.cells, faces)
-        AddBody(mesh, name, box)
+def paired(mesh, slave="slave", master="master", at=lambda _: None):
+    V = VectorH1(mesh, order=2)
+    X = V * LACSpace(V, slave=slave)
+    contact = LACContact(*X.TrialFunction(), master=master)
+    contact.Update(at(X))
+    return contact.Table()
+
+
+def two_cubes(body, n, *, turned=lambda i: False, line=None):
+    """Two cubes on each other with `n` divisions and faults in the contact face of one body.
+
+    Faces `turned` are written the wrong way round; the first `line` of inner nodes is moved to x.
+    """
+    mesh, contact = NetgenMesh(dim=3), {"upper": ("bottom", "slave"), "lower": ("top", "master")}
+    for (name, (side, label)), low, k in zip(contact.items(), (0.0, -1.0), n, strict=True):
+        lateral = np.linspace(0, 1, k + 1)
+        box = StructuredBox(lateral, lateral, [low, low + 1], "hex")
+        points = box.points.copy()
+        if name == body and line is not None:
+            points[(points[:, 0] == lateral[1]) & (points[:, 2] == 0), 0] = line
+        faces = [
+            (label, face[::-1] if name == body and turned(i) else face)
+            if s == side
+            else (f"{s}_{name}", face)
+            for i, (s, face) in enumerate(box.faces)
+        ]
+        AddBody(mesh, name, Cells(points, box.cells, faces))
     mesh.Compress()
     return Mesh(mesh)
 
@@ -41,93 +48,63 @@ def turned_mesh(body, turned):
 @pytest.mark.parametrize("turned", [lambda i: True, lambda i: i % 2 == 0], ids=["all", "some"])
 def test_reversed_surface_elements_do_no_harm(body, turned):
     """Which way a surface element is written does not matter: the body tells what is outside."""
-    c = contact_on(turned_mesh(body, turned))
-    c.Update()
-    table = c.Table()
+    table = paired(two_cubes(body, (3, 2), turned=turned))
     assert table["normal"] == pytest.approx(np.tile([0.0, 0.0, -1.0], (9, 1)), abs=1e-14)
     assert table["area"] == pytest.approx(1 / 9, rel=1e-12)
     assert table["gap"] == pytest.approx(0, abs=1e-14)
 
 
-def flat_mesh(where):
-    """A block whose lower face has elements of no area, or a NaN, above another block."""
-    mesh = NetgenMesh(dim=3)
-    for name, low, n in (("upper", 0.0, 4), ("lower", -1.0, 3)):
-        lateral = np.linspace(0, 1, n + 1)
-        box = StructuredBox(lateral, lateral, [low, low + 1], "hex")
-        points = box.points.copy()
-        if name == where[0]:
-            height = low if name == "upper" else low + 1
-            at = (points[:, 0] == lateral[1]) & (points[:, 2] == height)
-            points[at, 0] = where[1]
-        label = {"upper": "slave", "lower": "master"}[name]
-        side = {"upper": "bottom", "lower": "top"}[name]
-        faces = [(label if s == side else f"{s}_{name}", face) for s, face in box.faces]
-        AddBody(mesh, name, Cells(points, box.cells, faces))
-    mesh.Compress()
-    return Mesh(mesh)
-
-
-def test_slave_faces_without_area():
+@pytest.mark.parametrize(
+    ("body", "line", "message"),
+    [
+        ("upper", 0.0, "'slave'.*(area|degenerate)|(area|degenerate).*'slave'"),
+        ("upper", math.nan, "NaN|finite|area|degenerate"),
+        ("lower", math.nan, "NaN|finite|area|degenerate"),
+    ],
+)
+def test_faces_without_area(body, line, message):
     """No crash and no wrong remedy: the fault and the boundary are named."""
-    with raises("'slave'.*(area|degenerate)|(area|degenerate).*'slave'"):
-        contact_on(flat_mesh(("upper", 0.0))).Update()
+    with pytest.raises(Exception, match=message):
+        paired(two_cubes(body, (4, 3), line=line))
 
 
 def test_master_faces_without_area():
     """They carry nothing; what is beside them covers the slave."""
-    c = contact_on(flat_mesh(("lower", 0.0)))
-    c.Update()
-    assert c.Table()["area"] == pytest.approx(1 / 16, rel=1e-12)
-
-
-@pytest.mark.parametrize("body", ["upper", "lower"])
-def test_points_that_are_not_finite(body):
-    with raises("NaN|finite|area|degenerate"):
-        contact_on(flat_mesh((body, math.nan))).Update()
+    table = paired(two_cubes("lower", (4, 3), line=0.0))
+    assert table["area"] == pytest.approx(1 / 16, rel=1e-12)
 
 
 def test_a_surface_without_body():
     """Faces that belong to no volume element have no displacement and no outside."""
     mesh = NetgenMesh(dim=3)
-    cells = StructuredBox([0, 0.5, 1], [0, 0.5, 1], [0, 1], "hex")
-    AddBody(mesh, "body", cells)
+    AddBody(mesh, "body", StructuredBox([0, 0.5, 1], [0, 0.5, 1], [0, 1], "hex"))
     sheet = mesh.Add(FaceDescriptor(surfnr=9, domin=0, bc=9))
     mesh.SetBCName(8, "sheet")
     corners = [(0, 0, -0.1), (0, 1, -0.1), (1, 1, -0.1), (1, 0, -0.1)]
-    points = [mesh.Add(MeshPoint(Pnt(*p))) for p in corners]
-    mesh.Add(Element2D(sheet, points))
+    mesh.Add(Element2D(sheet, [mesh.Add(MeshPoint(Pnt(*p))) for p in corners]))
     mesh.Compress()
-    with raises("sheet"):
-        contact_on(Mesh(mesh), slave="bottom", master="sheet").Update()
+    with pytest.raises(Exception, match="sheet"):
+        paired(Mesh(mesh), slave="bottom", master="sheet")
 
 
 def test_tangled_configurations_do_not_crash():
     """Elements turned inside out: a pairing or an error, but nothing that is not finite."""
-    mesh, paired = TwoBlocks3D("hex", "tet", 3, 2), 0
-    V = VectorH1(mesh, order=2)
-    X = V * LACSpace(V, slave="slave")
+    mesh, tables, errors = TwoBlocks3D("hex", "tet", 3, 2), [], []
     for k in range(6):
-        gf = GridFunction(X)
-        shape = gf.components[0].vec.FV().NumPy()
-        shape[:] = np.random.default_rng(k).normal(scale=0.1 * 2**k, size=len(shape))
-        c = contact(X)
-        error = error_of(lambda c=c, gf=gf: c.Update(gf))
-        if error:
-            assert "LACContact" in error
-            continue
-        paired += 1
-        table = c.Table()
+
+        def tangled(X, k=k):
+            gf = GridFunction(X)
+            shape = gf.components[0].vec.FV().NumPy()
+            shape[:] = np.random.default_rng(k).normal(scale=0.1 * 2**k, size=len(shape))
+            return gf
+
+        try:
+            tables.append(paired(mesh, at=tangled))
+        except Exception as error:
+            errors.append(str(error))
+    assert tables
+    assert all("LACContact" in error for error in errors)
+    for table in tables:
         assert np.all(np.isfinite(table["gap"]))
         assert np.all((table["area"] >= 0) & np.isfinite(table["area"]))
         assert np.linalg.norm(table["normal"], axis=1) == pytest.approx(1)
-    assert paired > 0
-
-
-def error_of(call):
-    """The text of the exception, or nothing."""
-    try:
-        call()
-    except Exception as error:
-        return str(error)
-    return ""

@@ -5,8 +5,7 @@ import pytest
 from augmentedpress import augmented, same, solved
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Variation, VectorH1, ds, dx
 from plasticity import J2Plasticity, PlaneStrain
-from press import linear, mixed_press, numpy, press
-from press3d import mixed_press3d
+from press import linear, mixed_press, mixed_press3d, numpy, press
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LACContact, LACSpace, LoadStepper
 from ngslac.meshes import TwoBlocks

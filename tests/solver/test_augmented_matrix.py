@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from augmentedpress import assembled, augmented, scaled, solved
-from press import mixed_press, numpy, press
-from press3d import mixed_press3d
+from press import mixed_press, mixed_press3d, numpy, press
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.bodies.bodies import ToCSR

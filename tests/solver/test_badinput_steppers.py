@@ -17,79 +17,125 @@ def problem():
     return press(spring=0, flags={"dirichlet": "bottom|top"})
 
 
-@pytest.fixture
-def stepper(problem):
+@pytest.fixture(scope="module")
+def static():
+    return on_ground(dt=0.1).stepper.static
+
+
+@pytest.fixture(params=["load", "time"])
+def integrated(request, problem, static):
+    """A stepper and its parameter, of which a refused call leaves value and solution alone."""
     problem.load.Set(0.0)
-    return LoadStepper(problem.solver(), problem.load)
+    if request.param == "load":
+        stepper = LoadStepper(problem.solver(), problem.load)
+        yield stepper, stepper.load, stepper.solver.gf
+    else:
+        stepper = TimeStepper(static, 1.0, dt=0.1)
+        yield stepper, stepper.time, stepper.gf
 
 
-# --- load steps ----------------------------------------------------------------------------------
+INTEGRATE = [
+    *(({"end": v}, ValueError) for v in (NAN, INF)),
+    *(({"end": v}, TypeError) for v in ("1", None)),
+    *(({"callback": v}, TypeError) for v in (3, CF(1))),
+    ({"printing": "no"}, TypeError),
+    ({"maxit": 0}, ValueError),
+    ({"maxit": 2.0}, TypeError),
+    *(({"tol": v}, ValueError) for v in (0.0, INF, NAN)),
+    ({"tol": None}, TypeError),
+]
+
+
+@pytest.mark.parametrize(("flags", "error"), INTEGRATE)
+def test_arguments_of_steps(integrated, flags, error):
+    stepper, parameter, gf = integrated
+    before = numpy(gf)
+    with pytest.raises(error, match=f"{next(iter(flags))} = .* must be "):
+        stepper.Integrate(**({"end": 0.1, "printing": False} | flags))
+    assert parameter.Get() == 0
+    assert np.array_equal(numpy(gf), before)
+
+
+STEPS = [
+    (0, ValueError),
+    (-3, ValueError),
+    (2.5, TypeError),
+    (NAN, TypeError),
+    (10**12, ValueError),
+]
 
 
 @pytest.mark.parametrize(
-    ("flags", "error"),
+    ("load", "flags", "error", "message"),
     [
-        ({"end": NAN}, ValueError),
-        ({"end": INF}, ValueError),
-        ({"end": "1"}, TypeError),
-        ({"end": None}, TypeError),
-        ({"steps": 0}, ValueError),
-        ({"steps": -3}, ValueError),
-        ({"steps": 2.5}, TypeError),
-        ({"steps": NAN}, TypeError),
-        ({"steps": 10**12}, ValueError),
-        ({"callback": 3}, TypeError),
-        ({"callback": CF(1)}, TypeError),
-        ({"printing": "no"}, TypeError),
-        ({"maxit": 0, "printing": False}, ValueError),
-        ({"maxit": 2.0, "printing": False}, TypeError),
-        ({"tol": 0.0, "printing": False}, ValueError),
-        ({"tol": INF, "printing": False}, ValueError),
-        ({"tol": NAN, "printing": False}, ValueError),
-        ({"tol": None, "printing": False}, TypeError),
+        *((0.0, {"steps": n}, error, "steps = .* must be ") for n, error in STEPS),
+        (1.0, {}, ValueError, r"end = 1 is the present value of the load.*load\.Set\(0"),
+        (1 - 1e-15, {}, ValueError, r"end = 1 is the present value of the load"),
+        (NAN, {}, ValueError, r"load\.Get\(\) = nan must be a finite number"),
     ],
 )
-def test_arguments_of_load_steps(stepper, flags, error):
-    before = numpy(stepper.solver.gf)
-    with pytest.raises(error, match=f"{next(iter(flags))} = .* must be "):
-        stepper.Integrate(**flags)
-    assert stepper.load.Get() == 0
-    assert np.array_equal(numpy(stepper.solver.gf), before)
-
-
-@pytest.mark.parametrize("load", [1.0, 1 - 1e-15])
-def test_a_load_that_is_at_its_end(stepper, load):
-    stepper.load.Set(load)
-    with pytest.raises(ValueError, match=r"end = 1 is the present value of the load.*load\.Set\(0"):
-        stepper.Integrate(1.0, steps=3, printing=False)
-
-
-def test_a_load_that_is_no_number(stepper):
-    stepper.load.Set(NAN)
-    with pytest.raises(ValueError, match=r"load\.Get\(\) = nan must be a finite number"):
-        stepper.Integrate(1.0, steps=3, printing=False)
+def test_load_steps(problem, load, flags, error, message):
+    problem.load.Set(load)
+    with pytest.raises(error, match=message):
+        LoadStepper(problem.solver(), problem.load).Integrate(1, printing=False, **flags)
 
 
 @pytest.mark.parametrize(
-    ("flags", "error"),
+    ("end", "message"),
     [
-        ({"load": 1.0}, TypeError),
-        ({"load": CF(1)}, TypeError),
-        ({"solver": None}, TypeError),
-        ({"predict": "no"}, TypeError),
-        ({"predict": None}, TypeError),
-        ({"maxcuts": -1}, ValueError),
-        ({"maxcuts": 1.5}, TypeError),
-        ({"maxcuts": NAN}, TypeError),
-        ({"prescribe": CF((0, 1))}, TypeError),
-        ({"prescribe": 3}, TypeError),
-        ({"prescribe": "top"}, TypeError),
+        (0.0, "end = 0.0 is not after the time 0.0"),
+        (1e-300, "end = 1e-300 is nearer to the time 0.0 than any step"),
     ],
 )
-def test_arguments_of_a_load_stepper(problem, flags, error):
-    given = {"solver": problem.solver(), "load": Parameter(0)} | flags
-    with pytest.raises(error, match=f"{next(iter(flags))} = .* must be "):
-        LoadStepper(given.pop("solver"), given.pop("load"), **given)
+def test_time_steps(static, end, message):
+    stepper = TimeStepper(static, 1.0, dt=0.1)
+    with pytest.raises(ValueError, match=message):
+        stepper.Integrate(end, printing=False)
+    assert stepper.time.Get() == 0
+    assert stepper.balance is None or stepper.balance.time == 0
+
+
+BOTH = [
+    ("solver", None, TypeError),
+    ("maxcuts", -1, ValueError),
+    *(("maxcuts", v, TypeError) for v in (1.5, NAN, None)),
+    *(("prescribe", v, TypeError) for v in (3, "top", CF((0, 1)))),
+]
+LOAD = [
+    *(("load", v, TypeError) for v in (1.0, CF(1))),
+    *(("predict", v, TypeError) for v in ("no", None)),
+]
+TIME = [
+    *(("dt", v, ValueError) for v in (0.0, NAN, INF)),
+    *(("dt", v, TypeError) for v in (None, "0.1")),
+    *(("rho_inf", v, ValueError) for v in (1.5, NAN)),
+    ("rho_inf", None, TypeError),
+    ("time", 0.0, TypeError),
+    ("energy", 3j, TypeError),
+    ("energy", CF((1, 2)), ValueError),
+    *(("density", v, ValueError) for v in (0.0, -1.0, NAN, INF)),
+    *(("density", CF(v), ValueError) for v in (-1, 0, NAN, INF, (1, 1), 1j, x - 0.5)),
+    ("density", Parameter(-1), ValueError),
+    *(("density", v, TypeError) for v in (None, "steel", [1.0], np.ones(3))),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "value", "error"),
+    [
+        *((LoadStepper, *row) for row in BOTH + LOAD),
+        *((TimeStepper, *row) for row in BOTH + TIME),
+    ],
+)
+def test_arguments_of_steppers(problem, static, kind, name, value, error):
+    if kind is LoadStepper:
+        given = {"solver": problem.solver(), "load": Parameter(0)}
+    else:
+        given = {"solver": static, "density": 1.0, "dt": 0.1}
+    given[name] = value
+    solver, second, *_ = given
+    with pytest.raises(error, match=f"{name} = .* must be "):
+        kind(given.pop(solver), given.pop(second), **given)
 
 
 @pytest.mark.parametrize(
@@ -104,6 +150,11 @@ def test_arguments_of_a_load_stepper(problem, flags, error):
         ({"top": (None, 0)}, TypeError, "the value of 'top' = .None, 0. must be a displacement"),
         ({"top": "down"}, TypeError, "the value of 'top' = 'down' must be a displacement"),
         ({"top": CF((1j, 0))}, ValueError, "the value of 'top', .*, is complex"),
+        (
+            {MakeStructured2DMesh(nx=1, ny=1).Boundaries("top"): CF((0, 1))},
+            ValueError,
+            "of another mesh",
+        ),
     ],
 )
 def test_prescribed_values(problem, values, error, message):
@@ -114,52 +165,13 @@ def test_prescribed_values(problem, values, error, message):
         LoadStepper(problem.solver(), problem.load).prescribe = values
 
 
-def test_prescribed_on_another_mesh(problem):
-    other = MakeStructured2DMesh(nx=1, ny=1).Boundaries("top")
-    with pytest.raises(ValueError, match="of another mesh"):
-        LoadStepper(problem.solver(), problem.load, prescribe={other: CF((0, 1))})
-
-
-def test_prescribed_values_that_are_not_finite(stepper):
+def test_prescribed_values_that_are_not_finite(problem):
     """Found in the first attempt: halving the step does not help."""
-    stepper.prescribe = {"top": CF((0, 1 / (x - x)))}
+    problem.load.Set(0.0)
+    top = {"top": CF((0, 1 / (x - x)))}
     with pytest.raises(ValueError, match="value of 'top' is NaN or infinite"):
-        stepper.Integrate(1.0, printing=False)
-    assert stepper.load.Get() == 0
-
-
-# --- time steps ----------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def static():
-    return on_ground(dt=0.1).stepper.static
-
-
-@pytest.mark.parametrize(
-    ("density", "error"),
-    [
-        (0.0, ValueError),
-        (-1.0, ValueError),
-        (NAN, ValueError),
-        (INF, ValueError),
-        (None, TypeError),
-        ("steel", TypeError),
-        ([1.0], TypeError),
-        (np.ones(3), TypeError),
-        (CF(-1), ValueError),
-        (CF(0), ValueError),
-        (CF(NAN), ValueError),
-        (CF(INF), ValueError),
-        (CF((1, 1)), ValueError),
-        (CF(1j), ValueError),
-        (x - 0.5, ValueError),
-        (Parameter(-1), ValueError),
-    ],
-)
-def test_densities(static, density, error):
-    with pytest.raises(error, match=r"density = .* must be a "):
-        TimeStepper(static, density, dt=0.1)
+        LoadStepper(problem.solver(), problem.load, prescribe=top).Integrate(1.0, printing=False)
+    assert problem.load.Get() == 0
 
 
 @pytest.mark.parametrize("value", [-1.0, NAN])
@@ -179,56 +191,6 @@ def test_a_density_that_changes(static):
     assert stepper.time.Get() == 0.1
 
 
-@pytest.mark.parametrize(
-    ("flags", "error"),
-    [
-        ({"dt": 0.0}, ValueError),
-        ({"dt": NAN}, ValueError),
-        ({"dt": INF}, ValueError),
-        ({"dt": None}, TypeError),
-        ({"dt": "0.1"}, TypeError),
-        ({"rho_inf": 1.5}, ValueError),
-        ({"rho_inf": NAN}, ValueError),
-        ({"rho_inf": None}, TypeError),
-        ({"time": 0.0}, TypeError),
-        ({"energy": 3j}, TypeError),
-        ({"energy": CF((1, 2))}, ValueError),
-        ({"maxcuts": -1}, ValueError),
-        ({"maxcuts": None}, TypeError),
-        ({"prescribe": 3}, TypeError),
-    ],
-)
-def test_arguments_of_a_time_stepper(static, flags, error):
-    with pytest.raises(error, match=f"{next(iter(flags))} = .* must be "):
-        TimeStepper(static, 1.0, **({"dt": 0.1} | flags))
-
-
-def test_a_time_stepper_without_a_solver():
-    with pytest.raises(TypeError, match="solver = None must be a ContactSolver"):
-        TimeStepper(None, 1.0, dt=0.1)
-
-
-@pytest.mark.parametrize(
-    ("flags", "error", "message"),
-    [
-        ({"end": 0.0}, ValueError, "end = 0.0 is not after the time 0.0"),
-        ({"end": 1e-300}, ValueError, "end = 1e-300 is nearer to the time 0.0 than any step"),
-        ({"end": NAN}, ValueError, "end = nan must be"),
-        ({"end": INF}, ValueError, "end = inf must be"),
-        ({"end": None}, TypeError, "end = None must be"),
-        ({"end": 0.1, "callback": 3}, TypeError, "callback = 3 must be"),
-        ({"end": 0.1, "maxit": 0}, ValueError, "maxit = 0 must be"),
-        ({"end": 0.1, "tol": INF}, ValueError, "tol = inf must be"),
-    ],
-)
-def test_arguments_of_time_steps(static, flags, error, message):
-    stepper = TimeStepper(static, 1.0, dt=0.1)
-    with pytest.raises(error, match=message):
-        stepper.Integrate(printing=False, **flags)
-    assert stepper.time.Get() == 0
-    assert stepper.balance is None or stepper.balance.time == 0
-
-
 def test_a_velocity_that_is_not_finite(static):
     stepper = TimeStepper(static, 1.0, dt=0.1)
     stepper.velocity.vec[:] = NAN
@@ -237,8 +199,6 @@ def test_a_velocity_that_is_not_finite(static):
 
 
 def test_a_gridfunction_as_density(static):
-    """A field is fine."""
     density = GridFunction(static.gf.space.components[0].components[0])
-    density.vec[:] = 1.0
     density.Set(1 + x)
     assert TimeStepper(static, density, dt=0.1).Integrate(0.1, printing=False)

@@ -19,7 +19,7 @@ from ngsolve import (
     y,
     z,
 )
-from press3d import linear3d, numpy
+from press import linear, numpy
 
 from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace
 
@@ -62,7 +62,7 @@ def problem(mesh, side=(0.0, 0.0), couple=(0.0, 0.0, 0.0), direction=-1, frictio
     force = FORCE["block" if "master" in mesh.GetBoundaries() else "plane"]
     load = CF((*side, direction * force)) / volume + Cross(CF(couple), arm) / inertia
     a, gf = BilinearForm(X), GridFunction(X)
-    a += linear3d(u, v) - InnerProduct(load, v) * dx("ball", bonus_intorder=2)
+    a += linear(u, v) - InnerProduct(load, v) * dx("ball", bonus_intorder=2)
     if force == FORCE["block"]:
         contact = LACContact(u, lam, master="master", friction=friction)
     else:  # the gap along the normal; what looks up or aside is far away

@@ -31,8 +31,7 @@ from ngsolve import (
     z,
 )
 from ngsolve.la import SparseMatrixd
-from press import linear, press
-from press3d import brick, press3d
+from press import brick, linear, press, press3d
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
 from ngslac.arrays import AsBits, AsNumPy, ScalarDofs

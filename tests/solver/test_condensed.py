@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from netgen.meshing import NgException
 from ngsolve import GetNumThreads, IdentityMatrix, Parameter, Projector, SetNumThreads, TaskManager
-from press import mixed_press, press
-from press3d import mixed_press3d, numpy, press3d, solved
+from press import mixed_press, mixed_press3d, numpy, press, press3d, solved
 from scipy.sparse import csr_matrix
 
 from ngslac import BubbleVectorH1

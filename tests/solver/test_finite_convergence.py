@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from press import press
-from press3d import press3d
+from press import press, press3d
 
 from ngslac import LoadStepper
 

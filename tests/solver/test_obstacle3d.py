@@ -17,8 +17,7 @@ from ngsolve import (
     x,
     y,
 )
-from press import LAME, MU
-from press3d import brick, linear3d
+from press import LAME, MU, brick, linear
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
 
@@ -33,7 +32,7 @@ def block_on_obstacle(
     X = V * LACSpace(V, slave="bottom")
     (u, lam), (v, _) = X.TnT()
     a = BilinearForm(X)
-    a += linear3d(u, v) - InnerProduct(CF(traction), v) * ds("top")
+    a += linear(u, v) - InnerProduct(CF(traction), v) * ds("top")
     return a, GridFunction(X), LACContact(u, lam, obstacle=CF(gap), **law)
 
 
@@ -91,7 +90,7 @@ def test_a_ball_pressed_into_a_block():
     X = V * LACSpace(V, slave="bottom")
     (u, lam), (v, _) = X.TnT()
     a, gf = BilinearForm(X), GridFunction(X)
-    a += linear3d(u, v)
+    a += linear(u, v)
     contact = LACContact(u, lam, obstacle=gap)
     solve(a, gf, contact)
     table = contact.Table()

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from ngsolve import CF
-from press import press
-from press3d import press3d
+from press import press, press3d
 
 from ngslac.output.facepoints import FacePoints
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from ngsolve import CF, GridFunction, InnerProduct, VectorH1, ds, x, y
-from press import press
-from press3d import press3d
+from press import press, press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
 from ngslac.arrays import AsNumPy, ScalarDofs

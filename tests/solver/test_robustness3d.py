@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ngsolve import CF, InnerProduct, ds, x, y
-from press3d import mixed_press3d, numpy, press3d
+from press import mixed_press3d, numpy, press3d
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
 

@@ -17,7 +17,7 @@ from ngsolve import (
     y,
     z,
 )
-from press3d import linear3d, numpy, press3d
+from press import linear, numpy, press3d
 
 from ngslac import ContactSolver, LACContact, LACSpace
 
@@ -195,7 +195,7 @@ def test_both_sides_balance_on_curved_surfaces():
     fes = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = fes.TnT()
     a, gf = BilinearForm(fes), GridFunction(fes)
-    a += linear3d(u, v)
+    a += linear(u, v)
     contact = LACContact(u, lam, master="master", friction=0.3)
     gf.components[0].Set(CF((0.03, 0.02, -0.05)), definedon=mesh.Boundaries("top"))
     ContactSolver(a, gf, contact).Solve(printing=False)

@@ -20,7 +20,7 @@ from ngsolve import (
     y,
 )
 from ngsolve.nonlinearsolvers import NewtonSolver
-from press3d import mixed_press3d, numpy, press3d, solved
+from press import mixed_press3d, numpy, press3d, solved
 from test_solver import check_law
 
 from ngslac import BubbleVectorH1, FormSum, LoadStepper, SplitSlaveFaces

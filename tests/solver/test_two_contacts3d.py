@@ -5,7 +5,7 @@ import pytest
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Mesh, VectorH1, ds, x, y, z
 from ngsolve.nonlinearsolvers import NewtonSolver
-from press3d import linear3d, numpy
+from press import linear, numpy
 
 from ngslac import ContactSolver, FormSum, LACContact, LACSpace
 from ngslac.meshes.boxes import AddBody, StructuredBox
@@ -44,7 +44,7 @@ def pile(traction=TRACTION, friction=0.5, slaves=("top_bottom", "middle_bottom")
     X = V * LACSpace(V, slave=slaves[0]) * LACSpace(V, slave=slaves[1])
     (u, *lams), (v, *_) = X.TnT()
     a = BilinearForm(X)
-    a += linear3d(u, v) - InnerProduct(CF(traction), v) * ds("top_top")
+    a += linear(u, v) - InnerProduct(CF(traction), v) * ds("top_top")
     contacts = [
         LACContact(u, lam, master=masters[slave], friction=friction)
         for lam, slave in zip(lams, slaves, strict=True)
@@ -118,7 +118,7 @@ def test_a_master_and_an_obstacle():
     (u, upper, floor), (v, *_) = X.TnT()
     load = CF((0.05 * (1 + y), 0.02, -(1 + x)))
     a, gf = BilinearForm(X), GridFunction(X)
-    a += linear3d(u, v) - InnerProduct(load, v) * ds("top_top")
+    a += linear(u, v) - InnerProduct(load, v) * ds("top_top")
     between = LACContact(u, upper, master="middle_top", friction=0.5)
     below = LACContact(u, floor, obstacle=0.5 - z, friction=0.5)
     ContactSolver(a, gf, [between, below]).Solve(printing=False)

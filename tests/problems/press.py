@@ -1,0 +1,142 @@
+"""One block pressed on another one and pushed aside, in 2D and 3D: a small complete problem."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Det,
+    Grad,
+    GridFunction,
+    Id,
+    IfPos,
+    InnerProduct,
+    Mesh,
+    Parameter,
+    Sym,
+    Trace,
+    Variation,
+    VectorH1,
+    ds,
+    dx,
+    log,
+    x,
+    y,
+)
+
+from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac.meshes import TwoBlocks, TwoBlocks3D
+from ngslac.meshes.boxes import AddBody, StructuredBox
+
+MU, LAME = 40.0, 60.0
+PUSH = {2: (0.02, -0.02), 3: (0.02, 0.01, -0.02)}
+
+
+@dataclass
+class Press:
+    """The parts of a problem; `load` scales the motion of the spring-held top."""
+
+    mesh: object
+    X: object
+    a: object
+    gf: object
+    contact: object
+    load: object
+
+    def solver(self, **flags):
+        return ContactSolver(self.a, self.gf, self.contact, **flags)
+
+
+def stress(u):
+    strain = Sym(Grad(u))
+    return 2 * MU * strain + LAME * Trace(strain) * Id(strain.dims[0])
+
+
+def linear(u, v, dx=dx):
+    return InnerProduct(stress(u), Sym(Grad(v))) * dx
+
+
+def neo_hooke(u, dx=dx):
+    F = Id(u.dim) + Grad(u)
+    energy = MU / 2 * (InnerProduct(F, F) - u.dim) - MU * log(Det(F)) + LAME / 2 * log(Det(F)) ** 2
+    return Variation(energy.Compile() * dx)
+
+
+def two_blocks(dim, *, h=0.25, kinds=("hex", "prism"), n=(3, 2), **flags):
+    """A block on a wider one, not aligned; `n` the divisions of slave and master."""
+    flags = {"overhang": 0.2, "aligned": False} | flags
+    if dim == 3:
+        return TwoBlocks3D(*kinds, *n, **flags)
+    return TwoBlocks(h, **({"structured": True} | flags))
+
+
+def press(
+    *,
+    dim=2,
+    order=2,
+    push=None,
+    nonlinear=False,
+    spring=1000.0,
+    condense=False,
+    space=VectorH1,
+    mesh_flags=None,
+    change=None,
+    flags=None,
+    master="master",
+    h=0.25,
+    kinds=("hex", "prism"),
+    n=(3, 2),
+    **law,
+):
+    """Block "upper", its top held by springs that move by load * push, on a clamped block "lower".
+
+    `h` is of 2D, `kinds` and `n` are of 3D; `mesh_flags` go to TwoBlocks or TwoBlocks3D, `change`
+    makes another mesh of it, `flags` go to the displacement space, the rest to LACContact.
+    """
+    mesh = two_blocks(dim, h=h, kinds=kinds, n=n, **(mesh_flags or {}))
+    if change:
+        mesh = change(mesh)
+    V = space(mesh, order=order, **({"dirichlet": "bottom"} | (flags or {})))
+    X = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = X.TnT()
+    load = Parameter(1.0)
+    a = BilinearForm(X, condense=condense)
+    a += neo_hooke(u) if nonlinear else linear(u, v)
+    if spring:
+        a += spring * InnerProduct(u - load * CF(push or PUSH[dim]), v) * ds("top")
+    contact = LACContact(u, lam, master=master, **law)
+    return Press(mesh, X, a, GridFunction(X), contact, load)
+
+
+def mixed_press(*, dim=2, **flags):
+    """Stick, slip and open at once: the top is turned, and friction is high on one side only."""
+    size = (6 - dim) if flags.get("nonlinear") else 1
+    push = (0.005, -0.02 + 0.025 * x) if dim == 2 else (0.005, 0.003, -0.02 + 0.02 * x + 0.01 * y)
+    given = {"push": tuple(size * p for p in push), "friction": IfPos(x - 0.3, 0.1, 2.0)}
+    return press(dim=dim, **(given | {"h": 0.15, "n": (4, 3)} | flags))
+
+
+press3d, mixed_press3d = (partial(make, dim=3) for make in (press, mixed_press))
+
+
+def solved(problem, **flags):
+    """The solver of a problem that it has solved."""
+    solver = problem.solver(**flags)
+    solver.Solve(printing=False)
+    return solver
+
+
+def numpy(vec):
+    """A copy of the entries of a vector or GridFunction."""
+    return getattr(vec, "vec", vec).FV().NumPy().copy()
+
+
+def brick(n, kind="hex"):
+    """The unit cube in n x n x 2 bricks, with the names of its sides."""
+    mesh, lateral = NetgenMesh(dim=3), np.linspace(0, 1, n + 1)
+    AddBody(mesh, "body", StructuredBox(lateral, lateral, [0, 0.5, 1], kind))
+    mesh.Compress()
+    return Mesh(mesh)
