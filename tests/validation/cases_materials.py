@@ -68,7 +68,7 @@ def Rubber(quick):
     results = {"rubber": materials.Rubber(), "thermal": materials.Thermal()}
     rubber, thermal = (result.figures for result in results.values())
     small = materials.Rubber(h=2.0 if quick else 1.0, squeeze=0.005, steps=1).figures["force"]
-    hot = materials.Thermal(h=6.0 if quick else 3.0).figures
+    hot = materials.Thermal(h=3.0).figures
     exact = materials.SqueezeForce(0.005)
     # Half of the contact over the diameter of the cord, with the modulus 4 G: Hertz.
     strain = Neglected(np.sqrt(exact / (2 * np.pi)), "strains of a/(2 R)")

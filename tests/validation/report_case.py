@@ -134,7 +134,10 @@ class Case:
     command : str
         That computes it, too, in the root of the repository.
     function : callable
-        ``function(quick)`` returns an `Outcome`; with `quick` for small sizes.
+        ``function(quick)`` returns an `Outcome`. With `quick` for small sizes, whose judged rows
+        must hold, too: ``test_cases.py`` asserts it.
+    slow : bool
+        Are the small sizes still a matter of many seconds?
     """
 
     name: str
@@ -143,3 +146,4 @@ class Case:
     source: str
     command: str
     function: Callable = field(repr=False)
+    slow: bool = False
