@@ -4,17 +4,18 @@ Pressure is positive in compression; tractions act on the slave, which is body 1
 system of units. Needs NumPy and SciPy only.
 """
 
-from .cattaneo3d import CattaneoMindlinPoint, MindlinPointReversal
 from .dundurs import ContactModulus, DundursBeta
-from .hertz import HertzLine
-from .hertz3d import HertzPoint
-from .mindlin import CattaneoMindlin, MindlinReversal
-from .signorini import ScalarSignorini
+from .hertz import HertzLine, HertzPoint
+from .mindlin import (
+    CattaneoMindlin,
+    CattaneoMindlinPoint,
+    MindlinPointReversal,
+    MindlinReversal,
+)
+from .signorini import ElasticSignorini, ScalarSignorini
 from .signorini_disc import ElasticSignoriniDisc
-from .signorini_elastic import ElasticSignorini
 from .slab import GRECO_SLAB, FrictionSlab
-from .spence import SpenceLine
-from .stickzone import StickZone
+from .spence import SpenceLine, StickZone
 from .twist import TwistPoint, TwistReversal
 
 __all__ = [

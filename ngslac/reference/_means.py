@@ -1,10 +1,10 @@
-"""Averages over intervals, for comparison with piecewise constant multipliers."""
+"""Pressures like a semi-ellipse, and averages over intervals for piecewise constant multipliers."""
 
 import numpy as np
 
 from ._checks import interval, points
 
-__all__ = ["integral_mean", "semi_ellipse", "semi_ellipse_mean"]
+__all__ = ["integral_mean", "semi_ellipse", "semi_ellipse_mean", "semi_ellipsoid_gap", "tanh_sinh"]
 
 
 def semi_ellipse(x, halfwidth):
@@ -28,7 +28,16 @@ def semi_ellipse_mean(x0, x1, halfwidth):
     return (primitive(x1) - primitive(x0)) / (x1 - x0)
 
 
-def _tanh_sinh(count=26, step=0.12):
+def semi_ellipsoid_gap(r, radius):
+    """Gap around a contact with the pressure sqrt(radius^2 - r^2) of bodies with E* = 1/2."""
+    distance = np.abs(points("r", r))
+    outside = np.maximum(distance, radius)
+    sag = (outside**2 - 2.0 * radius**2) * np.arccos(radius / outside)
+    gap = sag + radius * np.sqrt(outside**2 - radius**2)
+    return np.where(distance > radius, np.maximum(gap, 0.0), 0.0)[()]
+
+
+def tanh_sinh(count=26, step=0.12):
     """Nodes and weights on (-1, 1) of the double exponential rule (Takahasi and Mori, 1974)."""
     t = step * np.arange(-count, count + 1)
     nodes = np.tanh(0.5 * np.pi * np.sinh(t))
@@ -48,6 +57,6 @@ def integral_mean(function, x0, x1, breaks):
     ends = np.concatenate([low, inner, high], axis=-1)
     middle = 0.5 * (ends[..., 1:] + ends[..., :-1])[..., None]
     half = 0.5 * np.diff(ends, axis=-1)[..., None]
-    nodes, weights = _tanh_sinh()
+    nodes, weights = tanh_sinh()
     total = (function(middle + half * nodes) * half * weights).sum(axis=(-2, -1))
     return total / (high - low)[..., 0]

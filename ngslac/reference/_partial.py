@@ -1,49 +1,57 @@
-"""Partial slip: what the contacts of lines and of points under a tangential load have in common."""
+"""Partial slip under a load along the surface, first and reversed: of lines, points and twists."""
 
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, wraps
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ._checks import finite, instance, nonnegative
-from ._pair import HertzPair
 
-__all__ = ["PartialSlip", "Reversal"]
+__all__ = ["PartialSlip", "Reversal", "superposed"]
 
 
-def FieldType(state, name):
+def _FieldType(state, name):
     """The class that the annotation of a field asks for."""
     return {field.name: field.type for field in fields(state)}[name]
 
 
-@dataclass(frozen=True, kw_only=True)
 class PartialSlip:
-    """A Hertz contact with a tangential force below F P, uncoupled from the pressure; checked."""
+    """A Hertz contact, loaded further when the normal load is complete; checked.
 
-    hertz: HertzPair
-    shear: float
-    friction: float
+    Children have the fields `hertz`, `friction`, and the load.
+    """
+
+    _LOAD, _MOVE, _LIMIT = "shear", "slide", "friction * hertz.force"
 
     def __post_init__(self):
-        instance("hertz", self.hertz, FieldType(self, "hertz"))
-        finite("shear", self.shear)
+        instance("hertz", self.hertz, _FieldType(self, "hertz"))
+        name, load = self._LOAD, self._load
+        finite(name, load)
         nonnegative("friction", self.friction)
-        limit = self.friction * self.hertz.force
-        if abs(self.shear) > limit * (1.0 + 1e-12):
+        if abs(load) > self.limit * (1.0 + 1e-12):
             raise ValueError(
-                f"shear = {self.shear!r} is not valid: the bodies would slide, "
-                f"keep |shear| <= friction * hertz.force = {limit!r}"
-            )
-        if abs(self.hertz.beta) > 1e-12:
-            raise ValueError(
-                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
-                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
+                f"{name} = {load!r} is not valid: the bodies would {self._MOVE}, "
+                f"keep |{name}| <= {self._LIMIT} = {self.limit!r}"
             )
 
     @property
+    def _load(self):
+        return getattr(self, self._LOAD)
+
+    @property
     def _scale(self):
-        return np.sign(self.shear) * self.friction * self.hertz.peak
+        return np.sign(self._load) * self.friction * self.hertz.peak
+
+    @property
+    def limit(self):
+        """Load F P at which all slips."""
+        return self.friction * self.hertz.force
+
+    @property
+    def stick(self):
+        """Half width or radius c of the stick zone (length)."""
+        return self.ratio * self.hertz._size
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +59,11 @@ class Reversal:
     """A load brought back from `start`: that state less twice the one of half the change."""
 
     start: Any
-    _load: ClassVar[str] = "shear"  # the field that holds the load, of `start` too
+    _LOAD: ClassVar[str] = "shear"  # the field that holds the load, of `start` too
 
     def __post_init__(self):
-        instance("start", self.start, FieldType(self, "start"))
-        name, now, before = self._load, *self._Loads()
+        instance("start", self.start, _FieldType(self, "start"))
+        name, now, before = self._LOAD, *self._Loads()
         finite(name, now)
         if abs(now) > abs(before):
             raise ValueError(
@@ -64,16 +72,12 @@ class Reversal:
             )
 
     def _Loads(self):
-        return getattr(self, self._load), getattr(self.start, self._load)
+        return getattr(self, self._LOAD), getattr(self.start, self._LOAD)
 
     @cached_property
     def _change(self):
         now, before = self._Loads()
-        return replace(self.start, **{self._load: 0.5 * (before - now)})
-
-    def _Superposed(self, of):
-        """What ``of(state)`` is in the present state, for anything linear in the tractions."""
-        return of(self.start) - 2.0 * of(self._change)
+        return replace(self.start, **{self._LOAD: 0.5 * (before - now)})
 
     @property
     def ratio(self):
@@ -84,3 +88,16 @@ class Reversal:
     def stick(self):
         """Half width or radius b of that part (length)."""
         return self._change.stick
+
+
+def superposed(method):
+    """A method of `Reversal` from that of its states, for anything linear in the tractions."""
+
+    @wraps(method)
+    def of(self, *where, **named):
+        before, change = (method(state, *where, **named) for state in (self.start, self._change))
+        if isinstance(before, tuple):
+            return tuple(b - 2.0 * c for b, c in zip(before, change, strict=True))
+        return before - 2.0 * change
+
+    return of

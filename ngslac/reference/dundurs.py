@@ -4,7 +4,7 @@ from math import inf, isinf
 
 from ._checks import poisson, positive
 
-__all__ = ["ContactModulus", "DundursBeta"]
+__all__ = ["ContactModulus", "DundursBeta", "shear_sum"]
 
 
 def _check_pair(young1, nu1, young2, nu2):
@@ -16,6 +16,11 @@ def _check_pair(young1, nu1, young2, nu2):
         raise ValueError(
             f"young2 = {young2!r} is not valid: body 1 is rigid already, give body 2 a finite value"
         )
+
+
+def shear_sum(factor1, factor2, *, young1, nu1, young2, nu2):
+    """Sum factor1/G1 + factor2/G2 over both bodies; a rigid one adds nothing."""
+    return factor1 * 2.0 * (1.0 + nu1) / young1 + factor2 * 2.0 * (1.0 + nu2) / young2
 
 
 def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0):
@@ -47,7 +52,7 @@ def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0):
 def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0):
     """Second Dundurs constant in plane strain: how far pressure alone makes the surfaces slip.
 
-    With the shear moduli G1 and G2::
+    With the shear moduli G1 and G2, and arguments as in `ContactModulus`::
 
         beta = ((1 - 2 nu1)/G1 - (1 - 2 nu2)/G2) / (2 (1 - nu1)/G1 + 2 (1 - nu2)/G2)
 
@@ -55,13 +60,6 @@ def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0):
     slave moves further towards the middle of the contact than that of the master. Exchanging the
     bodies changes the sign. Source: Dundurs, J. Appl. Mech. 36 (1969) 650; Johnson, Contact
     Mechanics (Cambridge, 1985), section 5.1.
-
-    Parameters
-    ----------
-    young1, young2 : float
-        Young's moduli, in any consistent unit of stress; `inf` makes one body rigid.
-    nu1, nu2 : float
-        Poisson ratios, in (-1, 0.5).
 
     Returns
     -------
@@ -74,6 +72,6 @@ def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0):
     -0.142857
     """
     _check_pair(young1, nu1, young2, nu2)
-    soft1, soft2 = 2.0 * (1.0 + nu1) / young1, 2.0 * (1.0 + nu2) / young2
-    difference = (1.0 - 2.0 * nu1) * soft1 - (1.0 - 2.0 * nu2) * soft2
-    return difference / (2.0 * ((1.0 - nu1) * soft1 + (1.0 - nu2) * soft2))
+    bodies = dict(young1=young1, nu1=nu1, young2=young2, nu2=nu2)
+    difference = shear_sum(1.0 - 2.0 * nu1, 2.0 * nu2 - 1.0, **bodies)
+    return difference / (2.0 * shear_sum(1.0 - nu1, 1.0 - nu2, **bodies))

@@ -1,20 +1,45 @@
 """Partial slip under a tangential load at constant normal load (Cattaneo, Mindlin)."""
 
 from dataclasses import dataclass
-from math import sqrt
+from math import pi
 
 import numpy as np
 
-from ._checks import points
+from ._checks import finite, instance, nonnegative, points
 from ._means import semi_ellipse, semi_ellipse_mean
-from ._partial import PartialSlip, Reversal
-from .hertz import HertzLine
+from ._partial import PartialSlip, Reversal, superposed
+from ._polygons import semi_ellipsoid_mean
+from .hertz import HertzLine, HertzPoint
 
-__all__ = ["CattaneoMindlin", "MindlinReversal"]
+__all__ = ["CattaneoMindlin", "CattaneoMindlinPoint", "MindlinPointReversal", "MindlinReversal"]
+
+
+class _Sheared(PartialSlip):
+    """A tangential force Q, uncoupled from the pressure."""
+
+    def __post_init__(self):
+        super().__post_init__()
+        if abs(self.hertz.beta) > 1e-12:
+            raise ValueError(
+                f"hertz = {self.hertz!r} is not valid: its pressure and friction are coupled "
+                f"(beta = {self.hertz.beta:.3g}), give both bodies the same material"
+            )
+
+    @property
+    def ratio(self):
+        """Stick ratio c/a, from 1 (no tangential load) to 0 (sliding)."""
+        if self.shear == 0:
+            return 1.0
+        return max(0.0, 1.0 - abs(self.shear) / self.limit) ** self._POWER
+
+    def _Rest(self, shape, *where):
+        """Sliding friction of that shape over the contact, less that of the stick zone."""
+        outer, inner = (shape(*where, size) for size in (self.hertz._size, self.stick))
+        return self._scale * (outer - self.ratio * inner)
 
 
 @dataclass(frozen=True, kw_only=True)
-class CattaneoMindlin(PartialSlip):
+class CattaneoMindlin(_Sheared):
     """A Hertz line contact, loaded tangentially after the normal load is complete.
 
     The contact sticks for |x| < c and slips for c < |x| < a, with c = a sqrt(1 - |Q|/(F P)) and
@@ -50,50 +75,17 @@ class CattaneoMindlin(PartialSlip):
     """
 
     hertz: HertzLine
-
-    @property
-    def ratio(self):
-        """Stick ratio c/a, from 1 (no tangential load) to 0 (sliding)."""
-        if self.shear == 0:
-            return 1.0
-        return sqrt(max(0.0, 1.0 - abs(self.shear) / (self.friction * self.hertz.force)))
-
-    @property
-    def stick(self):
-        """Half width c of the stick zone (length)."""
-        return self.ratio * self.hertz.halfwidth
+    shear: float
+    friction: float
+    _POWER = 1.0 / 2.0
 
     def Traction(self, x):
-        """Tangential traction on the slave.
-
-        Parameters
-        ----------
-        x : float or array
-            Distance from the middle (length).
-
-        Returns
-        -------
-        float or array
-            Stress, of the shape of `x`, of the sign of Q.
-        """
-        outer, inner = semi_ellipse(x, self.hertz.halfwidth), semi_ellipse(x, self.stick)
-        return self._scale * (outer - self.ratio * inner)
+        """Tangential traction (stress, of the sign of Q) on the slave, see `HertzLine.Pressure`."""
+        return self._Rest(semi_ellipse, x)
 
     def MeanTraction(self, x0, x1):
-        """Exact average of the traction over each interval from `x0` to `x1`.
-
-        Parameters
-        ----------
-        x0, x1 : float or array
-            Ends (length), x0 != x1.
-
-        Returns
-        -------
-        float or array
-            Stress, of the common shape of both.
-        """
-        outer = semi_ellipse_mean(x0, x1, self.hertz.halfwidth)
-        return self._scale * (outer - self.ratio * semi_ellipse_mean(x0, x1, self.stick))
+        """Exact average of the traction over intervals, see `HertzLine.MeanPressure`."""
+        return self._Rest(semi_ellipse_mean, x0, x1)
 
     def Slip(self, x):
         """Tangential slip of the slave against the master.
@@ -120,12 +112,7 @@ class CattaneoMindlin(PartialSlip):
         return np.where(np.abs(x) <= a, slip, np.nan)[()]
 
     def Reverse(self, shear):
-        """State after the tangential load has gone back from here.
-
-        Parameters
-        ----------
-        shear : float
-            The load to which it has gone, |shear| <= |Q|.
+        """State after the load has gone back to `shear`, see `MindlinReversal`.
 
         Returns
         -------
@@ -135,14 +122,167 @@ class CattaneoMindlin(PartialSlip):
 
 
 @dataclass(frozen=True, kw_only=True)
+class CattaneoMindlinPoint(_Sheared):
+    """A Hertz point contact, loaded tangentially after the normal load is complete.
+
+    The contact sticks for r < c and slips for c < r < a, with c = a (1 - |Q|/(F P))^(1/3) and
+
+        tau(r) = sign(Q) F p0 (sqrt(1 - r^2/a^2) - (c/a) sqrt(1 - r^2/c^2)),
+
+    all in the direction of Q; roots, materials, loads and errors are as in `CattaneoMindlin`.
+
+    All conditions hold but one: for Poisson ratios other than zero, slip also has a component
+    across the load (see `Slip`; up to 0.18 of that along for nu = 0.3), to which the friction
+    should turn. So the solution is exact for nu = 0 and otherwise approximate in the slip zone:
+    computed tractions have a small component across the load, and the computed stick zone is not
+    quite a circle. Sources: as for the line contact; Johnson, section 7.2(d).
+
+    Parameters
+    ----------
+    hertz : HertzPoint
+        The normal contact; gives P, a, p0 and the elastic constants.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> partial = CattaneoMindlinPoint(hertz=hertz, shear=17.5, friction=0.2)
+    >>> print(f"{partial.ratio:.3f} {partial.Traction(0) / (0.2 * hertz.peak):.3f}")
+    0.500 0.500
+    """
+
+    hertz: HertzPoint
+    shear: float
+    friction: float
+    _POWER = 1.0 / 3.0
+
+    @classmethod
+    def FromShift(cls, *, hertz, shift, friction):
+        """State after the far parts of the bodies have moved; else as in `CattaneoMindlinPoint`.
+
+        Parameters
+        ----------
+        shift : float
+            Of the master against the slave (length), see the property of this name.
+
+        Returns
+        -------
+        CattaneoMindlinPoint
+
+        Raises
+        ------
+        ValueError
+            If the bodies would slide.
+
+        Examples
+        --------
+        >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+        >>> state = CattaneoMindlinPoint.FromShift(hertz=hertz, shift=1e-4, friction=0.2)
+        >>> print(f"{state.shear:.4f}")
+        3.5819
+        """
+        instance("hertz", hertz, HertzPoint)
+        finite("shift", shift)
+        nonnegative("friction", friction)
+        sliding = cls(hertz=hertz, shear=friction * hertz.force, friction=friction)
+        if abs(shift) > sliding.shift * (1.0 + 1e-12):
+            raise ValueError(
+                f"shift = {shift!r} is not valid: the bodies would slide, "
+                f"keep |shift| <= {sliding.shift!r}"
+            )
+        left = max(0.0, 1.0 - abs(shift) / (sliding.shift or 1.0))
+        shear = np.copysign(sliding.shear * (1.0 - left**1.5), shift)
+        return cls(hertz=hertz, shear=float(shear), friction=friction)
+
+    @property
+    def _compliances(self):
+        """Sums over both bodies of (2 - nu)/G and of nu/G."""
+        nu1, nu2 = self.hertz.nu1, self.hertz.nu2
+        return self.hertz._ShearSum(2.0 - nu1, 2.0 - nu2), self.hertz._ShearSum(nu1, nu2)
+
+    @property
+    def shift(self):
+        """How far the master has moved against the slave (length), far from the contact.
+
+        Of the sign of Q: 3 F P ((2 - nu1)/G1 + (2 - nu2)/G2)/(16 a) (1 - (c/a)^2), for small loads
+        Q ((2 - nu1)/G1 + (2 - nu2)/G2)/(8 a).
+        """
+        a, c = self.hertz.contact_radius, self.stick
+        return float(pi * self._scale * self._compliances[0] * (a * a - c * c) / (8.0 * a))
+
+    def Traction(self, r):
+        """Tangential traction (stress) on the slave, along Q, see `HertzPoint.Pressure`."""
+        return self._Rest(semi_ellipse, points("r", r))
+
+    def MeanTraction(self, vertices):
+        """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
+        return self._Rest(semi_ellipsoid_mean, vertices)
+
+    def Slip(self, x, y):
+        """Slip of the slave against the master: displacements by the tractions, less `shift`.
+
+        Zero in stick, nearly against the traction in slip; for |Q| = F P the rigid sliding is left
+        out.
+
+        Parameters
+        ----------
+        x, y : float or array
+            Position relative to the middle (length), x along Q.
+
+        Returns
+        -------
+        tuple of float or array
+            Both components (length); NaN for r > a, where the surfaces do not touch.
+        """
+        x, y = np.broadcast_arrays(points("x", x), points("y", y))
+        a, c = self.hertz.contact_radius, self.stick
+        outer, inner = (self._SurfaceMotion(x, y, radius) for radius in (a, c))
+        r = np.hypot(x, y)
+        along, across = (
+            np.where(r <= a, np.where(r > c, o - i, 0.0), np.nan)
+            for o, i in zip((outer[0] - self.shift, outer[1]), inner, strict=True)
+        )
+        return along[()], across[()]
+
+    def _SurfaceMotion(self, x, y, radius):
+        """Relative displacements of the surfaces under scale/a sqrt(radius^2 - r^2) along x.
+
+        Source: Johnson, section 3.6.
+        """
+        mean, twin = self._compliances
+        r = np.hypot(x, y)
+        out = np.maximum(r, radius)
+        if radius == 0:
+            return np.zeros_like(r), np.zeros_like(r)
+        angle, root = np.arcsin(radius / out), radius * np.sqrt(out**2 - radius**2)
+        radial = (2.0 * radius**2 - out**2) * angle + root
+        double = out**2 * angle + (2.0 * radius**2 - out**2) * root / out**2
+        # Inside, angle = pi/2: the polynomial continues with the true radius.
+        radial = np.where(r < radius, 0.5 * pi * (2.0 * radius**2 - r**2), radial)
+        double = np.where(r < radius, 0.5 * pi, double / out**2)
+        factor = self._scale / (8.0 * self.hertz.contact_radius)
+        along = factor * (mean * radial + 0.5 * twin * double * (x * x - y * y))
+        return along, factor * twin * double * x * y
+
+    def Reverse(self, shear):
+        """State after the load has gone back to `shear`, see `MindlinPointReversal`.
+
+        Returns
+        -------
+        MindlinPointReversal
+        """
+        return MindlinPointReversal(start=self, shear=shear)
+
+
+@dataclass(frozen=True, kw_only=True)
 class MindlinReversal(Reversal):
     """A Cattaneo-Mindlin contact whose tangential load is brought back, once and steadily.
 
-    From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edges of the
+    From Q* = `start.shear` to Q = `shear`, with |Q| <= |Q*|, slip comes back from the edge of the
     contact. The change is a Cattaneo-Mindlin state with twice the friction, so the state is that
     of Q* less twice that of (Q* - Q)/2. At Q = 0 tractions remain, at Q = -Q* all is mirrored, and
-    the way back up closes a loop. Sources: Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953) 327;
-    Johnson, Contact Mechanics (Cambridge, 1985), section 7.4, here in plane strain.
+    the way back up closes a loop. Slip counts from before the first loading. Sources: Mindlin and
+    Deresiewicz, J. Appl. Mech. 20 (1953) 327; Johnson, Contact Mechanics (Cambridge, 1985),
+    section 7.4, here in plane strain.
 
     Parameters
     ----------
@@ -167,14 +307,34 @@ class MindlinReversal(Reversal):
     start: CattaneoMindlin
     shear: float
 
-    def Traction(self, x):
-        """Tangential traction on the slave, see `CattaneoMindlin.Traction`."""
-        return self._Superposed(lambda state: state.Traction(x))
+    Traction = superposed(CattaneoMindlin.Traction)
+    MeanTraction = superposed(CattaneoMindlin.MeanTraction)
+    Slip = superposed(CattaneoMindlin.Slip)
 
-    def MeanTraction(self, x0, x1):
-        """Exact average of the traction, see `CattaneoMindlin.MeanTraction`."""
-        return self._Superposed(lambda state: state.MeanTraction(x0, x1))
 
-    def Slip(self, x):
-        """Slip since the first loading, see `CattaneoMindlin.Slip`."""
-        return self._Superposed(lambda state: state.Slip(x))
+@dataclass(frozen=True, kw_only=True)
+class MindlinPointReversal(Reversal):
+    """A Cattaneo-Mindlin point contact whose tangential load is brought back, once and steadily.
+
+    The state is found as in `MindlinReversal`; at Q = 0 a shift remains too. Sources: the same.
+
+    Parameters
+    ----------
+    start : CattaneoMindlinPoint
+        The state at the point of reversal.
+
+    Examples
+    --------
+    >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
+    >>> loaded = CattaneoMindlinPoint(hertz=hertz, shear=17.5, friction=0.2)
+    >>> print(f"{loaded.Reverse(0).shift / loaded.shift:.4f}")
+    0.1505
+    """
+
+    start: CattaneoMindlinPoint
+    shear: float
+
+    shift = property(superposed(CattaneoMindlinPoint.shift.fget))
+    Traction = superposed(CattaneoMindlinPoint.Traction)
+    MeanTraction = superposed(CattaneoMindlinPoint.MeanTraction)
+    Slip = superposed(CattaneoMindlinPoint.Slip)

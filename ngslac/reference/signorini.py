@@ -1,16 +1,33 @@
-"""An exact solution of the scalar Signorini problem between two bodies."""
+"""Exact solutions of plane contact problems between two bodies without friction (Signorini)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import choice, coordinates, finite, interval, points
+from ._checks import choice, coordinates, finite, interval, points, poisson, positive
+from .dundurs import ContactModulus
 
-__all__ = ["ScalarSignorini"]
+__all__ = ["ElasticPair", "ElasticSignorini", "ScalarSignorini", "sign_of"]
+
+
+def sign_of(body):
+    """Side of a body: 1 above the line of contact, -1 below."""
+    choice("body", body, (1, 2), "give 1 (slave, y >= 0) or 2 (y <= 0)")
+    return 1.0 if body == 1 else -1.0
+
+
+class _Tip:
+    """What ends at x = `tip`."""
+
+    def _Root(self, x, y, sqrt):
+        """Real and imaginary part of (x - X0 + i |y|)^(1/2), and its square."""
+        x = x - self.tip
+        r = sqrt(x * x + y * y)
+        return sqrt(0.5 * (r + x)), sqrt(0.5 * (r - x)), r
 
 
 @dataclass(frozen=True, kw_only=True)
-class ScalarSignorini:
+class ScalarSignorini(_Tip):
     """Two membranes that touch along part of a line, with the typical singularity at its end.
 
     Body 1 (slave) lies in y > 0 and body 2 in y < 0, both with -Laplace(u) = 0 and with u1 >= u2
@@ -50,12 +67,6 @@ class ScalarSignorini:
     def __post_init__(self):
         finite("tip", self.tip)
 
-    def _Root(self, x, y, sqrt):
-        """Real and imaginary part of (x - X0 + i |y|)^(1/2)."""
-        x = x - self.tip
-        r = sqrt(x * x + y * y)
-        return sqrt(0.5 * (r + x)), sqrt(0.5 * (r - x))
-
     def Value(self, x, y, *, body=1, sqrt=np.sqrt):
         """Solution of one of the bodies.
 
@@ -73,14 +84,14 @@ class ScalarSignorini:
         float, array or CoefficientFunction
         """
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        real, imag = self._Root(x, y, sqrt)
-        return _sign(body) * real * (real * real - 3.0 * imag * imag)
+        real, imag, _ = self._Root(x, y, sqrt)
+        return sign_of(body) * real * (real * real - 3.0 * imag * imag)
 
     def Gradient(self, x, y, *, body=1, sqrt=np.sqrt):
         """Both derivatives of the solution, as a tuple; arguments as in `ScalarSignorini.Value`."""
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        real, imag = self._Root(x, y, sqrt)
-        return _sign(body) * 1.5 * real, -1.5 * imag
+        real, imag, _ = self._Root(x, y, sqrt)
+        return sign_of(body) * 1.5 * real, -1.5 * imag
 
     def Gap(self, x):
         """Gap u1 - u2 on the line, zero in contact.
@@ -88,6 +99,7 @@ class ScalarSignorini:
         Parameters
         ----------
         x : float or array
+            Position.
 
         Returns
         -------
@@ -97,37 +109,133 @@ class ScalarSignorini:
         return 2.0 * np.maximum(points("x", x) - self.tip, 0.0) ** 1.5
 
     def Pressure(self, x):
-        """Pressure du1/dn >= 0 (n points out of body 1) on the line.
-
-        Parameters
-        ----------
-        x : float or array
-
-        Returns
-        -------
-        float or array
-            Of the shape of `x`.
-        """
+        """Pressure du1/dn >= 0 on the line (n out of body 1), as in `ScalarSignorini.Gap`."""
         return 1.5 * np.sqrt(np.maximum(self.tip - points("x", x), 0.0))
 
     def MeanPressure(self, x0, x1):
-        """Exact average of the pressure over each interval from `x0` to `x1`.
-
-        Parameters
-        ----------
-        x0, x1 : float or array
-            Ends, x0 != x1.
-
-        Returns
-        -------
-        float or array
-            Of the common shape of both.
-        """
+        """Exact average of the pressure over intervals, as in `HertzLine.MeanPressure`."""
         x0, x1 = interval(x0, x1)
         left, right = np.maximum(self.tip - x0, 0.0), np.maximum(self.tip - x1, 0.0)
         return (left**1.5 - right**1.5) / (x1 - x0)
 
 
-def _sign(body):
-    choice("body", body, (1, 2), "give 1 (slave, y >= 0) or 2 (y <= 0)")
-    return 1.0 if body == 1 else -1.0
+class ElasticPair:
+    """Two elastic bodies, mirrored at their plane of contact, and the strength of the pressure."""
+
+    def __post_init__(self):
+        positive("young1", self.young1)
+        positive("young2", self.young2)
+        poisson("nu1", self.nu1)
+        poisson("nu2", self.nu2)
+        positive("strength", self.strength)
+
+    def _Material(self, body):
+        """Twice the shear modulus, and Poisson ratio."""
+        young, nu = (self.young1, self.nu1) if body == 1 else (self.young2, self.nu2)
+        return young / (1.0 + nu), nu
+
+    @property
+    def _modulus(self):
+        young1, young2 = self.young1, self.young2
+        return ContactModulus(young1=young1, nu1=self.nu1, young2=young2, nu2=self.nu2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticSignorini(ElasticPair, _Tip):
+    """Two elastic bodies in plane strain that touch without friction along part of a line.
+
+    Body 1 (slave) lies in y > 0, body 2 in y < 0; they touch for x < X0 and part beyond. It is
+    Westergaard's solution for a symmetric crack, with Z = -k sqrt(X0 - z)::
+
+        sigma_xx = Re Z - y Im Z',  sigma_yy = Re Z + y Im Z',  sigma_xy = -y Re Z',
+        2 G u = (1 - 2 nu) Re I - y Im Z,  2 G v = 2 (1 - nu) Im I - y Re Z,   I' = Z,
+
+    mirrored for body 2. On the line there is no shear stress; v vanishes and the pressure is
+    k sqrt(X0 - x) in contact, and the pressure vanishes and the gap grows like (x - X0)^(3/2)
+    beyond. As v = 0 in contact for either body, they may be of different materials. Use the
+    displacement as Dirichlet data, or the stress as load, on the rest of the boundary. There is no
+    body force. Source of the representation: Westergaard, J. Appl. Mech. 6 (1939) A49.
+
+    Parameters
+    ----------
+    young1, nu1, young2, nu2 : float
+        Young's moduli and Poisson ratios of both bodies.
+    tip : float
+        End X0 of the contact; best inside an element.
+    strength : float
+        Factor k > 0 of the pressure (stress over the root of a length).
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range.
+
+    Notes
+    -----
+    Coordinates may be numbers or arrays; with ``sqrt=ngsolve.sqrt`` the methods `Displacement` and
+    `Stress` take and give coefficient functions. Any consistent system of units.
+
+    Examples
+    --------
+    >>> exact = ElasticSignorini(young1=1, nu1=0.3, young2=2, nu2=0.2, tip=0.3, strength=1)
+    >>> print(f"{exact.Pressure(-0.7):.3f} {exact.Gap(1.3):.3f}")
+    1.000 1.853
+    """
+
+    young1: float
+    nu1: float
+    young2: float
+    nu2: float
+    tip: float = 1.0 / 3.0
+    strength: float = 1.0
+
+    def __post_init__(self):
+        super().__post_init__()
+        finite("tip", self.tip)
+
+    def Displacement(self, x, y, *, body=1, sqrt=np.sqrt):
+        """Displacements of one of the bodies; arguments as in `ScalarSignorini.Value` (lengths).
+
+        Returns
+        -------
+        tuple of float, array or CoefficientFunction
+            Along x and y (length).
+        """
+        sign, k = sign_of(body), self.strength
+        shear2, nu = self._Material(body)
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
+        imag, real, _ = self._Root(x, y, sqrt)  # of (X0 - z)^(1/2), with imag < 0 above
+        integral_real = 2.0 / 3.0 * k * real * (real * real - 3.0 * imag * imag)
+        integral_imag = 2.0 / 3.0 * k * imag * (imag * imag - 3.0 * real * real)
+        height = sign * y
+        u = ((1.0 - 2.0 * nu) * integral_real - height * k * imag) / shear2
+        v = (2.0 * (1.0 - nu) * integral_imag + height * k * real) / shear2
+        return u, sign * v
+
+    def Stress(self, x, y, *, body=1, sqrt=np.sqrt):
+        """Stresses (xx, yy, xy) as a tuple, tension positive; the zz stress is nu (xx + yy).
+
+        The arguments are as in `ElasticSignorini.Displacement`.
+        """
+        sign, k = sign_of(body), self.strength
+        x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
+        imag, real, r = self._Root(x, y, sqrt)
+        slope = 0.5 * k * (sign * y) / (r + 1e-300)  # the offset gives zero at the tip
+        mean = -k * real
+        return mean - slope * imag, mean + slope * imag, -sign * slope * real
+
+    @property
+    def _scalar(self):
+        return ScalarSignorini(tip=self.tip)
+
+    def Gap(self, x):
+        """Distance of the surfaces along the line, zero in contact, as in `ScalarSignorini.Gap`."""
+        return 2.0 / 3.0 * self.strength / self._modulus * self._scalar.Gap(x)
+
+    def Pressure(self, x):
+        """Contact pressure (stress), positive in compression, as in `ScalarSignorini.Gap`."""
+        return self.strength / 1.5 * self._scalar.Pressure(x)
+
+    def MeanPressure(self, x0, x1):
+        """Exact average of the pressure over intervals, as in `HertzLine.MeanPressure`."""
+        return self.strength / 1.5 * self._scalar.MeanPressure(x0, x1)

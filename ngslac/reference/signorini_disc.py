@@ -5,10 +5,10 @@ from math import pi
 
 import numpy as np
 
-from ._checks import coordinates, points, poisson, positive
-from ._means import semi_ellipse
+from ._checks import coordinates, points, positive
+from ._means import semi_ellipse, semi_ellipsoid_gap
 from ._polygons import semi_ellipsoid_mean
-from .signorini import _sign
+from .signorini import ElasticPair, sign_of
 
 __all__ = ["ElasticSignoriniDisc"]
 
@@ -20,7 +20,7 @@ def _times(first, second):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElasticSignoriniDisc:
+class ElasticSignoriniDisc(ElasticPair):
     """Two elastic bodies in 3D that touch without friction in a disc and part around it.
 
     Body 1 (slave) lies in z > 0, body 2 in z < 0; they touch for r < a, r^2 = x^2 + y^2. This is
@@ -74,17 +74,8 @@ class ElasticSignoriniDisc:
     strength: float = 1.0
 
     def __post_init__(self):
-        positive("young1", self.young1)
-        positive("young2", self.young2)
-        poisson("nu1", self.nu1)
-        poisson("nu2", self.nu2)
+        super().__post_init__()
         positive("radius", self.radius)
-        positive("strength", self.strength)
-
-    def _Material(self, body):
-        """Twice the shear modulus, and Poisson ratio."""
-        young, nu = (self.young1, self.nu1) if body == 1 else (self.young2, self.nu2)
-        return young / (1.0 + nu), nu
 
     def _Potential(self, square, z, functions):
         """Derivatives f_x/x, f_z, f_xz/x and f_zz for k = 1, at r^2 = `square` and z >= 0."""
@@ -124,7 +115,7 @@ class ElasticSignoriniDisc:
         tuple of float, array or CoefficientFunction
             Along x, y and z (length).
         """
-        sign, k = _sign(body), self.strength
+        sign, k = sign_of(body), self.strength
         shear2, nu = self._Material(body)
         x, y, z = coordinates(functions, np, x=x, y=y, z=z)
         height = sign * z
@@ -134,39 +125,11 @@ class ElasticSignoriniDisc:
         return along * x, along * y, sign * up
 
     def Gap(self, r):
-        """Distance of the surfaces, zero in contact.
-
-        Parameters
-        ----------
-        r : float or array
-            Distance from the middle (length).
-
-        Returns
-        -------
-        float or array
-            Length, of the shape of `r`.
-        """
-        distance, a = np.abs(points("r", r)), self.radius
-        (shear1, nu1), (shear2, nu2) = self._Material(1), self._Material(2)
-        factor = self.strength * 2.0 * ((1.0 - nu1) / shear1 + (1.0 - nu2) / shear2)
-        outside = np.maximum(distance, a)
-        sag = (outside**2 - 2.0 * a**2) * np.arccos(a / outside)
-        gap = 0.25 * factor * (sag + a * np.sqrt(outside**2 - a**2))
-        return np.where(distance > a, np.maximum(gap, 0.0), 0.0)[()]
+        """Distance of the surfaces (length), zero in contact, as in `HertzPoint.Pressure`."""
+        return 0.5 * self.strength / self._modulus * semi_ellipsoid_gap(r, self.radius)
 
     def Pressure(self, r):
-        """Contact pressure, positive in compression.
-
-        Parameters
-        ----------
-        r : float or array
-            Distance from the middle (length).
-
-        Returns
-        -------
-        float or array
-            Stress, of the shape of `r`.
-        """
+        """Contact pressure, positive in compression, as in `HertzPoint.Pressure`."""
         return self.strength * self.radius * semi_ellipse(points("r", r), self.radius)
 
     def MeanPressure(self, vertices):

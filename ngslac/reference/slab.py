@@ -82,15 +82,7 @@ class FrictionSlab:
     def FrictionlessDisplacement(self, x):
         """Displacement along x if the plane had no friction: the exact, uniform stress state.
 
-        Parameters
-        ----------
-        x : float or array
-            Position (length).
-
-        Returns
-        -------
-        float or array
-            Length, of the shape of `x`.
+        Position `x` (length) and result as in `HertzLine.Pressure`, but a length.
         """
         across = (1.0 - self.nu**2) * self.side_pressure
         strain = (across - self.nu * (1.0 + self.nu) * self.top_pressure) / self.young

@@ -6,20 +6,48 @@ from math import exp, expm1, inf, pi
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import ellipeinc, ellipkinc, ellipkm1
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1, elliprd
 
 from ._checks import finite, instance, nonnegative, points
-from ._means import _tanh_sinh, integral_mean, semi_ellipse
-from ._partial import Reversal
+from ._means import integral_mean, semi_ellipse, tanh_sinh
+from ._partial import PartialSlip, Reversal, superposed
 from ._polygons import PolygonEdges
-from ._torsion import DEEPEST, SLIDES, depth_of, e_prime, scaled_angle, scaled_moment
-from .hertz3d import HertzPoint
+from .hertz import HertzPoint
 
 __all__ = ["TwistPoint", "TwistReversal"]
 
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+_DEEPEST, _SLIDES = 14.0, 1.0 - 1e-14  # log(a/c) and moment/limit of complete slip, to rounding
+
+
+def _e_prime(s):
+    """Complete elliptic integral E of modulus sqrt(1 - s^2)."""
+    return ellipe(1.0 - s * s)
+
+
+def _scaled_angle(depth):
+    """K - E of modulus sqrt(1 - k^2) at k = exp(-depth), accurate for small depths as well."""
+    return -expm1(-2.0 * depth) / 3.0 * float(elliprd(0.0, exp(-2.0 * depth), 1.0))
+
+
+def _scaled_moment(depth):
+    """Integral of s^2 E'(s) from exp(-depth) to 1, over that from 0."""
+    half = -0.5 * expm1(-depth)
+    s = 1.0 - half * (1.0 - _NODES)
+    return float(half * (_WEIGHTS * s * s * _e_prime(s)).sum() / (3.0 * pi**2 / 64.0))
+
+
+def _depth_of(function, slope, value, most):
+    """The depth, at most `most`, where a function of it has a value; `slope` is that at 0."""
+    least = value / slope
+    if value < 1e-17:  # nothing else is left
+        return least
+    return brentq(lambda depth: function(depth) - value, 0.5 * least, most, xtol=1e-15 * least)
+
 
 @dataclass(frozen=True, kw_only=True)
-class TwistPoint:
+class TwistPoint(PartialSlip):
     """A Hertz point contact, twisted about its normal after the normal load is complete.
 
     The contact sticks for r < c and slips for c < r < a, where the traction, around the normal,
@@ -72,16 +100,8 @@ class TwistPoint:
     hertz: HertzPoint
     moment: float
     friction: float
-
-    def __post_init__(self):
-        instance("hertz", self.hertz, HertzPoint)
-        finite("moment", self.moment)
-        nonnegative("friction", self.friction)
-        if abs(self.moment) > self.limit * (1.0 + 1e-12):
-            raise ValueError(
-                f"moment = {self.moment!r} is not valid: the bodies would turn freely, "
-                f"keep |moment| <= 3 pi/16 friction * hertz.force * a = {self.limit!r}"
-            )
+    _LOAD, _MOVE = "moment", "turn freely"
+    _LIMIT = "3 pi/16 friction * hertz.force * a"
 
     @classmethod
     def FromAngle(cls, *, hertz, angle, friction):
@@ -112,16 +132,15 @@ class TwistPoint:
         if angle == 0 or unit == 0:
             return cls(hertz=hertz, moment=0.0, friction=friction)
         value, part = abs(angle) / unit, 1.0
-        if value < 2.0 * DEEPEST:  # K - E lies between depth and pi/2 depth
-            depth = depth_of(scaled_angle, pi / 2, value, value)
-            part = scaled_moment(depth)
+        if value < 2.0 * _DEEPEST:  # K - E lies between depth and pi/2 depth
+            part = _scaled_moment(_depth_of(_scaled_angle, pi / 2, value, value))
         limit = cls(hertz=hertz, moment=0.0, friction=friction).limit
         return cls(hertz=hertz, moment=float(np.copysign(part * limit, angle)), friction=friction)
 
     @property
     def limit(self):
         """Moment (3 pi/16) F P a of complete slip (force times length)."""
-        return 3.0 * pi / 16.0 * self.friction * self.hertz.force * self.hertz.contact_radius
+        return 3.0 * pi / 16.0 * super().limit * self.hertz.contact_radius
 
     @property
     def stiffness(self):
@@ -134,23 +153,14 @@ class TwistPoint:
         if self.moment == 0:
             return 0.0
         part = abs(self.moment) / self.limit
-        if part >= SLIDES:
+        if part >= _SLIDES:
             return inf
-        return depth_of(scaled_moment, 32.0 / (3.0 * pi), part, DEEPEST)  # a concave function
+        return _depth_of(_scaled_moment, 32.0 / (3.0 * pi), part, _DEEPEST)  # a concave function
 
     @property
     def ratio(self):
         """Stick ratio k = c/a, from 1 (no moment) to 0 (complete slip)."""
         return exp(-self._depth)
-
-    @property
-    def stick(self):
-        """Radius c of the stick zone (length)."""
-        return self.ratio * self.hertz.contact_radius
-
-    @property
-    def _scale(self):
-        return np.sign(self.moment) * self.friction * self.hertz.peak
 
     @property
     def angle(self):
@@ -160,27 +170,16 @@ class TwistPoint:
         """
         if self.moment == 0:
             return 0.0
-        value = scaled_angle(self._depth) if self._depth < inf else inf
+        value = _scaled_angle(self._depth) if self._depth < inf else inf
         return float(0.5 * self._scale * self.hertz._ShearSum() * value)
 
     def Traction(self, r):
-        """Traction on the slave around the normal, from x to y.
-
-        Parameters
-        ----------
-        r : float or array
-            Distance from the middle (length).
-
-        Returns
-        -------
-        float or array
-            Stress, of the shape of `r`.
-        """
+        """Traction on the slave around the normal, from x to y, see `HertzPoint.Pressure`."""
         r, a, k = np.abs(points("r", r)), self.hertz.contact_radius, self.ratio
         limit = self._scale * semi_ellipse(r, a)
         if self.moment == 0 or k == 0:
             return limit if k == 0 else np.zeros_like(r)[()]
-        difference = scaled_angle(self._depth)
+        difference = _scaled_angle(self._depth)
         other = np.sqrt(-expm1(-2.0 * self._depth))
         psi = np.arctan2(np.sqrt(np.maximum((k * a) ** 2 - r**2, 0.0)), other * r)
         lag = ellipkm1(k * k) * ellipeinc(psi, k * k) - difference * ellipkinc(psi, k * k)
@@ -208,7 +207,7 @@ class TwistPoint:
 
         def density(t):
             t = np.maximum(t, 1e-200 * a)
-            return e_prime(t / a) / t * edges.RootIntegral(t)
+            return _e_prime(t / a) / t * edges.RootIntegral(t)
 
         radii = (np.hypot(s, edges.distance) for s in (edges.start, edges.end))
         breaks = np.stack([np.abs(edges.distance), *radii], axis=-1)
@@ -229,15 +228,15 @@ class TwistPoint:
         if c == 0:
             return np.where(r <= a, -self._scale * np.where(r > 0, inf, 0.0), np.nan)[()]
         top = np.arccos(c / np.maximum(r, c))[..., None]
-        nodes, weights = _tanh_sinh()
+        nodes, weights = tanh_sinh()
         chi = 0.5 * top * (1.0 + nodes)
         shape = np.tan(chi) * (chi + 0.5 * np.sin(2.0 * chi))
-        lag = (0.5 * top * weights * shape * e_prime(r[..., None] / a * np.cos(chi))).sum(axis=-1)
+        lag = (0.5 * top * weights * shape * _e_prime(r[..., None] / a * np.cos(chi))).sum(axis=-1)
         slip = -self._scale * self.hertz._ShearSum() / pi * r * lag
         return np.where(r <= a, slip, np.nan)[()]
 
     def Reverse(self, moment):
-        """State after the moment has gone back from here to `moment`, as in `TwistReversal`.
+        """State after the moment has gone back to `moment`, see `TwistReversal`.
 
         Returns
         -------
@@ -277,21 +276,9 @@ class TwistReversal(Reversal):
 
     start: TwistPoint
     moment: float
-    _load: ClassVar[str] = "moment"
+    _LOAD: ClassVar[str] = "moment"
 
-    @property
-    def angle(self):
-        """How far the master has turned against the slave, far from the contact, in radians."""
-        return self._Superposed(lambda state: state.angle)
-
-    def Traction(self, r):
-        """Traction on the slave around the normal, see `TwistPoint.Traction`."""
-        return self._Superposed(lambda state: state.Traction(r))
-
-    def MeanTraction(self, vertices):
-        """Average of the traction over polygons, see `TwistPoint.MeanTraction`."""
-        return self._Superposed(lambda state: state.MeanTraction(vertices))
-
-    def Slip(self, r):
-        """Slip since the first twist, see `TwistPoint.Slip`."""
-        return self._Superposed(lambda state: state.Slip(r))
+    angle = property(superposed(TwistPoint.angle.fget))
+    Traction = superposed(TwistPoint.Traction)
+    MeanTraction = superposed(TwistPoint.MeanTraction)
+    Slip = superposed(TwistPoint.Slip)
