@@ -10,34 +10,93 @@ files ran to their end.
 import argparse
 import json
 import os
+from collections import Counter
 from pathlib import Path
 
-from sanitizer_build import KINDS, ROOT
-from sanitizer_check import Check, IsGood
+from sanitizer_build import KINDS, ROOT, Build, Environment
+from sanitizer_tests import RunCommand, RunTests
 
-__all__ = ["Main"]
+__all__ = ["BAD", "IsGood", "Main"]
 
 FOLDERS = ("pairing", "space", "contact", "solver")
+BAD = ("findings in ngslac", "elsewhere", "planted errors missed", "failed", "error", "unfinished")
+# Nor is an error found where the tests would get another plugin than the instrumented one.
+PLANTED = """
+import os
+import ngsolve
+from importlib.util import module_from_spec, spec_from_file_location
+from ngslac import _ngslac
+
+assert _ngslac.__file__ == os.environ["NGSLAC_PLUGIN"], _ngslac.__file__
+spec = spec_from_file_location("planted", {path!r})
+module = module_from_spec(spec)
+spec.loader.exec_module(module)
+module.{name}()
+"""
 
 
-def Arguments(arguments):
-    """Of the command line."""
+def IsGood(numbers):
+    """Whether those of `Check` are what one wants."""
+    return not any(numbers[name] for name in BAD)
+
+
+def Check(kind, files, jobs, limit):
+    """Numbers of findings, tests and what did not work with one of `KINDS`; prints them, too."""
+    plugin = Build(kind, ROOT / "build" / "sanitizers" / kind, jobs)
+    environment = Environment(kind, plugin)
+    missed = Missed(kind, plugin, environment)
+    print(f"{kind}: planted errors missed: {' '.join(missed) or 'none'}", flush=True)
+    counts, seen = Counter(), {}
+    for file, outcome in RunTests(files, environment, jobs, limit):
+        counts.update(outcome.counts)
+        counts["unfinished"] += bool(outcome.ended)
+        Print(f"{kind} {'/'.join(file.parts[-2:]):40}", outcome, seen)
+    found = [finding for finding in seen.values() if not finding.known]
+    ours = sum(finding.ours for finding in found)
+    return {
+        "findings in ngslac": ours,
+        "elsewhere": len(found) - ours,
+        "known of the wheel": len(seen) - len(found),
+        "planted errors missed": len(missed),
+        **{name: counts[name] for name in ("passed", "failed", "error", "skipped", "unfinished")},
+    }
+
+
+def Missed(kind, plugin, environment):
+    """Planted errors that were not found."""
+    (planted,) = plugin.parent.glob("planted.*.so")
+
+    def Found(name):
+        code = PLANTED.format(path=str(planted), name=name)
+        return RunCommand(["-c", code], environment, 300).findings
+
+    return [name for name in KINDS[kind].planted.split() if not Found(name)]
+
+
+def Print(head, outcome, seen):
+    """A line for a file of tests, and what was found there for the first time."""
+    counts = " ".join(f"{word} {count}" for word, count in outcome.counts.items())
+    print(f"{head} {outcome.seconds:5.0f} s {counts} {outcome.ended}")
+    texts = list(outcome.failed)
+    for finding in outcome.findings:
+        if finding.key not in seen and not finding.known:
+            texts.append(finding.Text())
+        seen.setdefault(finding.key, finding)
+    print("".join(f"    {text}\n" for text in texts), end="", flush=True)
+
+
+def Main(arguments=None):
+    """Run the command; returns its exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("files", nargs="*", type=Path, help="of tests; all of four folders if none")
     parser.add_argument("--kind", choices=(*KINDS, "all"), default="all")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--limit", type=float, default=1800, help="seconds that a file may take")
     parser.add_argument("--json", type=Path, help="write the numbers to this file")
-    return parser.parse_args(arguments)
-
-
-def Main(arguments=None):
-    """Run the command; returns its exit code."""
-    given = Arguments(arguments)
-    files = given.files or [
-        file for folder in FOLDERS for file in sorted((ROOT / "tests" / folder).glob("test_*.py"))
-    ]
-    kinds = list(KINDS) if given.kind == "all" else [given.kind]
+    given = parser.parse_args(arguments)
+    folders = [ROOT / "tests" / folder for folder in FOLDERS]
+    files = given.files or [file for f in folders for file in sorted(f.glob("test_*.py"))]
+    kinds = KINDS if given.kind == "all" else [given.kind]
     results = {kind: Check(kind, files, given.jobs, given.limit) for kind in kinds}
     if given.json:
         given.json.write_text(json.dumps(results, indent=1) + "\n")

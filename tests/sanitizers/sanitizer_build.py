@@ -6,7 +6,7 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-__all__ = ["KINDS", "Build", "Environment", "Kind"]
+__all__ = ["KINDS", "ROOT", "Build", "Environment"]
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -15,26 +15,14 @@ COMMON = "-O1 -g1 -fno-omit-frame-pointer"
 MEMORY = "detect_leaks=0:detect_odr_violation=0:halt_on_error=0:detect_stack_use_after_return=1"
 
 
-@dataclass
+@dataclass(frozen=True)
 class Kind:
-    """One way to instrument.
+    """One way to instrument."""
 
-    Attributes
-    ----------
-    flags : str
-        Of the compiler.
-    libraries : list of str
-        Run-time libraries that have to come before all others.
-    options : dict
-        Environment of those.
-    planted : list of str
-        Errors of planted.cpp that have to be found.
-    """
-
-    flags: str
-    libraries: list[str] = field(default_factory=list)
-    options: dict[str, str] = field(default_factory=dict)
-    planted: list[str] = field(default_factory=list)
+    flags: str  # of the compiler
+    planted: str  # errors of planted.cpp that have to be found
+    libraries: tuple = ()  # run-time libraries that have to come before all others
+    options: dict = field(default_factory=dict)  # environment of those
 
 
 KINDS = {
@@ -42,38 +30,20 @@ KINDS = {
         # The wheel keeps the types of its classes to itself: "vptr" would find none of them.
         f"{COMMON} -fsanitize=address,undefined -fno-sanitize=vptr"
         " -fsanitize-recover=address,undefined",
+        "past_the_end after_the_end past_the_stack overflow shift",
         # The last one, for what the first two hold of exceptions on their way.
-        ["libasan.so", "libubsan.so", "libstdc++.so.6"],
+        ("libasan.so", "libubsan.so", "libstdc++.so.6"),
         {"ASAN_OPTIONS": MEMORY, "UBSAN_OPTIONS": "print_stacktrace=1"},
-        ["past_the_end", "after_the_end", "past_the_stack", "overflow", "shift"],
     ),
     "range": Kind(
         f"{COMMON} -D_GLIBCXX_ASSERTIONS",
-        planted=[
-            *("standard_vector", "empty_optional"),
-            *("netgen_array", "netgen_vector", "netgen_matrix"),
-        ],
+        "standard_vector empty_optional netgen_array netgen_vector netgen_matrix",
     ),
 }
 
 
 def Build(kind, folder, jobs):
-    """Configure and compile as far as needed.
-
-    Parameters
-    ----------
-    kind : str
-        One of `KINDS`.
-    folder : Path
-        Of the build; kept, so that the next time only what changed is compiled.
-    jobs : int
-        Compilers at a time.
-
-    Returns
-    -------
-    Path
-        The plugin. The module of planted errors lies beside it.
-    """
+    """Compile what changed since the last time; the plugin. Planted errors lie beside it."""
     configure = ["cmake", "-S", ROOT / "cpp", "-B", folder, "-DCMAKE_BUILD_TYPE=None"]
     configure += [f"-DPython3_EXECUTABLE={sys.executable}", f"-DNGSLAC_CHECKS={kind}"]
     configure += [f"-DCMAKE_PROJECT_ngslac_INCLUDE={HERE / 'checks.cmake'}"]
@@ -86,13 +56,9 @@ def Build(kind, folder, jobs):
 
 def Environment(kind, plugin):
     """Of processes that import the instrumented plugin."""
-    paths = [str(HERE / "site"), os.environ.get("PYTHONPATH")]
-    own = {
-        "NGSLAC_PLUGIN": str(plugin),
-        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
-        "OPENBLAS_NUM_THREADS": "1",
-        **KINDS[kind].options,
-    }
+    paths = [str(HERE / "startup"), os.environ.get("PYTHONPATH")]
+    own = {"NGSLAC_PLUGIN": str(plugin), "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    own |= {"OPENBLAS_NUM_THREADS": "1", **KINDS[kind].options}
     if KINDS[kind].libraries:
         own["LD_PRELOAD"] = " ".join(map(_Library, KINDS[kind].libraries))
     return os.environ | own

@@ -26,21 +26,11 @@ MOST = 12  # frames shown
 
 @dataclass
 class Finding:
-    """What a sanitizer complains of.
+    """What a sanitizer complains of."""
 
-    Attributes
-    ----------
-    what : str
-        In its words, without addresses and numbers.
-    frames : list of str
-        Of all stacks that it shows, innermost first.
-    place : str
-        File and line, where they are known.
-    """
-
-    what: str
-    frames: list[str]
-    place: str = ""
+    what: str  # in its words, without addresses and numbers
+    frames: list[str]  # of all stacks that it shows, innermost first
+    place: str = ""  # file and line, where they are known
 
     @property
     def ours(self):
@@ -70,17 +60,14 @@ class Finding:
         return self.what, self.where.rsplit(" ", 1)[-1]
 
 
-def _Hidden(varying):
-    return "" if varying[1] else ".."
-
-
 def Findings(text):
     """All reports in the output of a process, also of one that they have ended."""
     found = []
     for line in text.splitlines():
         if start := START.match(line):
             what = start["what"] or f"{start['tool']}: {start['kind']}"
-            found.append(Finding(VARYING.sub(_Hidden, what).strip(), [], start["place"] or ""))
+            hidden = VARYING.sub(lambda varying: "" if varying[1] else "..", what).strip()
+            found.append(Finding(hidden, [], start["place"] or ""))
         elif found and (frame := FRAME.match(line)):
             found[-1].frames.append(frame["frame"])
     return found

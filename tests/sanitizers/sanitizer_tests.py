@@ -6,7 +6,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from sanitizer_findings import Finding, Findings
@@ -17,74 +17,43 @@ COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")
 SUMMARY = re.compile(r"^.*\d+ (?:passed|failed|skipped|error).* in [\d.]+s", re.MULTILINE)
 FAILED = re.compile(r"^(?:FAILED|ERROR) .*|^E   .*Error: .*", re.MULTILINE)
 ENDS = {0: "", 1: "", 5: ""}  # exit codes of pytest: all passed, some failed, none collected
+OPTIONS = ("-m", "pytest", "-p", "no:cacheprovider", "--capture=sys", "--tb=line", "-rfE")
 
 
 @dataclass
 class Outcome:
-    """What became of one file of tests.
+    """What became of a process."""
 
-    Attributes
-    ----------
-    name : str
-    counts : dict
-        How many tests passed, failed, were skipped.
-    failed : list of str
-        Tests that failed, and what pytest says of that.
-    findings : list of Finding
-    seconds : float
-    ended : str
-        Empty, or how the process ended before its time.
-    """
-
-    name: str
-    counts: dict[str, int] = field(default_factory=dict)
-    failed: list[str] = field(default_factory=list)
-    findings: list[Finding] = field(default_factory=list)
-    seconds: float = 0
-    ended: str = ""
+    counts: dict[str, int]  # tests that passed, failed, were skipped
+    failed: list[str]  # the tests that did, and what pytest says of that
+    findings: list[Finding]
+    seconds: float
+    ended: str  # empty, or how it ended before its time
 
 
 def RunTests(files, environment, jobs, limit):
-    """Yield an `Outcome` for each file, in the order given.
+    """Yield each file with its `Outcome`, in order; `limit` seconds for each, `jobs` at a time."""
 
-    Parameters
-    ----------
-    files : list of Path
-    environment : dict
-    jobs : int
-        Processes at a time.
-    limit : float
-        Seconds that a file may take.
-    """
+    def Run(file):
+        return file, RunCommand([*OPTIONS, file], environment, limit)
+
     with ThreadPoolExecutor(jobs) as pool:
-        yield from pool.map(lambda file: _Run(file, environment, limit), files)
-
-
-def _Run(file, environment, limit):
-    options = ["-p", "no:cacheprovider", "--capture=sys", "--tb=line", "-rfE"]
-    outcome = RunCommand(["-m", "pytest", *options, file], environment, limit)
-    outcome.name = "/".join(Path(file).parts[-2:])
-    return outcome
+        yield from pool.map(Run, map(Path, files))
 
 
 def RunCommand(arguments, environment, limit):
     """The `Outcome` of Python with these arguments."""
     command, start = [sys.executable, *map(str, arguments)], time.monotonic()
     with tempfile.TemporaryFile("w+", errors="replace") as output:
+        streams = {"stdout": output, "stderr": subprocess.STDOUT}
         try:
-            code = subprocess.run(
-                command, env=environment, timeout=limit, stdout=output, stderr=subprocess.STDOUT
-            ).returncode
+            code = subprocess.run(command, env=environment, timeout=limit, **streams).returncode
             ended = ENDS.get(code, f"ended with code {code}")
         except subprocess.TimeoutExpired:
             ended = f"stopped after {limit:g} s"
         output.seek(0)
         text = output.read()
     seconds = time.monotonic() - start
-    return Outcome("", Counts(text), FAILED.findall(text), Findings(text), seconds, ended)
-
-
-def Counts(text):
-    """How many tests passed, failed, ..., from the last line of pytest."""
-    summaries = SUMMARY.findall(text)
-    return {word: int(number) for number, word in COUNT.findall(summaries[-1] if summaries else "")}
+    last = (SUMMARY.findall(text) or [""])[-1]  # the line of pytest
+    counts = {word: int(number) for number, word in COUNT.findall(last)}
+    return Outcome(counts, FAILED.findall(text), Findings(text), seconds, ended)
