@@ -1,57 +1,73 @@
 """Contact forms between two small blocks, at states in which every status occurs."""
 
+from functools import reduce
+from operator import mul
+
 import numpy as np
-from ngsolve import CF, H1, GridFunction, VectorH1
+from ngsolve import CF, H1, GridFunction, VectorH1, VectorValued
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
 from ngslac.meshes import TwoBlocks
+from ngslac.meshes.blocks3d import TwoBlocks3D
 
 SPACES = {
-    "P1": lambda mesh: VectorH1(mesh, order=1),
-    "P2": lambda mesh: VectorH1(mesh, order=2),
-    "P3": lambda mesh: VectorH1(mesh, order=3),
-    "block": lambda mesh: H1(mesh, order=2, dim=2),
+    "order 1": lambda mesh: VectorH1(mesh, order=1),
+    "order 2": lambda mesh: VectorH1(mesh, order=2),
+    "order 3": lambda mesh: VectorH1(mesh, order=3),
+    "H1(dim)": lambda mesh: H1(mesh, order=2, dim=mesh.dim),
+    "VectorValued": lambda mesh: VectorValued(H1(mesh, order=2), mesh.dim),
     "bubble": lambda mesh: BubbleVectorH1(mesh, order=1, slave="slave"),
 }
 C = 3.0  # the scale of the complementarity functions
+ROTATION = ((1.0, 2.0, 0.5), 37.0)
 
 
-def block_mesh(angle=20.0, h=0.1, **flags):
-    return TwoBlocks(h, height=0.5, structured=True, angle=angle, overhang=-0.2, aligned=False,
-                     **flags)  # fmt: skip
+def block_mesh(dim, *sizes, **flags):
+    """An inclined interface; one side ends before the other, so that some faces are alone."""
+    if dim == 2:
+        options = {"height": 0.5, "structured": True, "angle": 20.0, "overhang": -0.2}
+        return TwoBlocks(*(sizes or (0.1,)), **({"aligned": False} | options | flags))
+    options = {"shape": "oblique", "rotation": ROTATION, "overhang": -0.1, "aligned": False}
+    return TwoBlocks3D(*(sizes or ("hex", "tet", 3, 2)), **(options | flags))
 
 
-def contact_form(mesh, space="P2", *, master="master", **flags):
-    """A paired contact with a fixed scale, so that no bulk is needed."""
+def contact_form(mesh, space="order 2", *, master="master", before=(), **law):
+    """A paired contact with a fixed scale, so that no bulk is needed.
+
+    `before` are spaces in front of the displacement in the product.
+    """
     V = SPACES[space](mesh)
-    X = V * LACSpace(V, slave="slave")
-    u, lam = X.TrialFunction()
-    if "obstacle" in flags:
-        master = None
-    contact = LACContact(u, lam, master=master, **flags)
+    X = reduce(mul, [*(make(mesh) for make in before), V, LACSpace(V, slave="slave")])
+    *_, u, lam = X.TrialFunction()
+    contact = LACContact(u, lam, master=None if "obstacle" in law else master, **law)
     contact.Update()
     contact.form.SetConstant(C)
     return contact
 
 
+def macro_dofs(contact):
+    """Scalar numbers of the multipliers, (nmacros, dim)."""
+    return contact.form.MultiplierDofs().reshape(-1, contact.mesh.dim)
+
+
 def vector(contact, values=0.0):
     """A vector on the product space with given scalar values."""
-    vec = contact.form.mat.CreateColVector()
+    vec = GridFunction(contact.form.fes).vec.CreateVector()
     vec.FV().NumPy()[:] = values
     return vec
 
 
 def random_state(contact, seed=0):
     """Displacements and tractions of one order of magnitude: about half of the macros are open."""
-    rng = np.random.default_rng(seed)
-    return rng.normal(size=contact.nscalars)
+    return np.random.default_rng(seed).normal(size=contact.nscalars)
 
 
-def mixed_state(contact, expected, seed=0):
-    """The first random state in which exactly the expected statuses occur."""
-    for s in range(seed, seed + 20):
-        state = random_state(contact, s)
-        if set(statuses(contact, state)) == set(expected):
+def mixed_state(contact, expected=None):
+    """The first random state in which exactly the expected statuses occur, or at least two."""
+    for seed in range(20):
+        state = random_state(contact, seed)
+        found = set(statuses(contact, state))
+        if found == expected or (expected is None and len(found) > 1):
             return state
     raise AssertionError(f"no state with the statuses {expected}")
 
@@ -72,15 +88,16 @@ def statuses(contact, state):
     return contact.Table()["status"]
 
 
-def moved(contact, upper=(0, 0), lower=(0, 0)):
-    """Scalar values of a rigid translation of both blocks."""
-    gf = GridFunction(contact.form.fes)
-    gf.components[0].Set(contact.mesh.MaterialCF({"upper": CF(upper), "lower": CF(lower)}))
+def moved(contact, upper=None, lower=None):
+    """A GridFunction with displacements of both blocks, by default none."""
+    gf, none = GridFunction(contact.form.fes), (0,) * contact.mesh.dim
+    fields = {"upper": none if upper is None else upper, "lower": none if lower is None else lower}
+    fields = {body: CF(tuple(field)) for body, field in fields.items()}
+    gf.components[-2].Set(contact.mesh.MaterialCF(fields))
     return gf
 
 
 def with_traction(contact, gf, traction):
-    """The same with a traction (n, 2) or (2,) on the macro-elements."""
-    dofs = contact.form.MultiplierDofs().reshape(-1, 2)
-    gf.vec.FV().NumPy()[dofs] = traction
+    """The same with a traction (n, dim) or (dim,) on the macro-elements."""
+    gf.vec.FV().NumPy()[macro_dofs(contact)] = traction
     return gf

@@ -1,33 +1,32 @@
-"""Contact forms of finite sliding between two small blocks, far from the reference."""
+"""Contact forms of finite sliding between two small bodies, far from the reference."""
 
 import numpy as np
 import scipy.sparse
+from blocks import C, macro_dofs
 from ngsolve import CF, GridFunction, cos, sin, x, y, z
 
-C = 3.0  # the scale of the complementarity functions
+from ngslac.meshes.geometry3d import RotationMatrix
+
 POSITIONS = (x, y, z)
 
 
+def rotation(dim, degrees, axis=(1.0, -2.0, 0.5)):
+    """Matrix (dim, dim) of a rotation; in 3D about `axis`."""
+    return RotationMatrix(("z" if dim == 2 else axis, degrees))[:dim, :dim]
+
+
 class FiniteForm:
-    """A paired contact with a fixed scale, and the state in which it is looked at.
+    """A paired contact with a fixed scale, and the state in which it is looked at."""
 
-    Parameters
-    ----------
-    contact : LACContact
-        With ``finite=True``.
-    displacement : int
-        Number of the displacement in the product space, from the end.
-    """
-
-    def __init__(self, contact, displacement=-2):
+    def __init__(self, contact):
         self.contact = contact
         self.dim = contact.mesh.dim
         self.gf = GridFunction(contact.form.fes)
-        self.u = self.gf.components[displacement]
+        self.u = self.gf.components[-2]
         self.x, self.y = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         contact.Update()
         contact.form.SetConstant(C)
-        self.multipliers = contact.form.MultiplierDofs().reshape(-1, self.dim)
+        self.multipliers = macro_dofs(contact)
 
     @property
     def values(self):
@@ -37,19 +36,31 @@ class FiniteForm:
         self.contact.Evaluate(self.gf)
         return self.contact.Table()
 
+    def body(self, upper, lower):
+        return self.contact.mesh.MaterialCF({"upper": upper, "lower": lower})
+
+    def place(self, places, degrees=0.0):
+        """Every body at its `places`, then both turned; returns the rotation."""
+        turn = rotation(self.dim, degrees)
+        turned = CF(tuple(turn.ravel()), dims=turn.shape) * CF(tuple(places))
+        self.u.Set(turned - CF(POSITIONS[: self.dim]))
+        return turn
+
+    def lead(self, way, degrees=0.0, shares=(1.0, 0.0)):
+        """Bodies without strain, moved by their shares of the way, and paired there."""
+        turn = self.place(CF(POSITIONS[: self.dim]) + self.body(*shares) * CF(tuple(way)), degrees)
+        self.follow()
+        return turn
+
     def bend(self, size, shift=0.0, degrees=0.0, noise=0.0, seed=0):
         """Both blocks bent by `size`, the upper one shifted along the interface, all rotated.
 
         `noise` is added to every scalar dof, those of higher order too.
         """
-        r = POSITIONS[: self.dim]
-        upper = CF(self.contact.mesh.MaterialCF({"upper": 1.0, "lower": 0.0}))
+        r, upper = POSITIONS[: self.dim], self.body(1.0, 0.0)
         waves = [size * sin(2 * r[(i + 1) % self.dim] + 0.7 * i + upper) for i in range(self.dim)]
         waves[0] += shift * upper + 0.2 * size * cos(3 * r[-1])
-        displaced = CF(tuple(r[i] + waves[i] for i in range(self.dim)))
-        turn = rotation(self.dim, degrees)
-        turned = CF(tuple(turn.ravel()), dims=(self.dim, self.dim)) * displaced
-        self.u.Set(turned - CF(tuple(r)))
+        self.place([a + b for a, b in zip(r, waves, strict=True)], degrees)
         self.values[:] += noise * np.random.default_rng(seed).normal(size=len(self.values))
 
     def follow(self):
@@ -109,8 +120,7 @@ class FiniteForm:
         else:
             self.contact.AssembleLinearization(self.x)
         rows, columns, values = (np.array(a) for a in self.contact.mat.COO())
-        n = len(self.values)
-        return scipy.sparse.csc_matrix((values, (rows, columns)), shape=(n, n))
+        return scipy.sparse.csc_matrix((values, (rows, columns)), shape=2 * (len(self.values),))
 
     def derivative_error(self, columns=80, *, repaired=False, seed=0, eps=1e-6):
         """Largest deviation of the matrix from central differences, over its largest entry.
@@ -127,18 +137,6 @@ class FiniteForm:
         chosen = [random.permutation(used)[:columns], random.permutation(empty)[: columns // 10]]
         directions = [np.eye(1, len(state), k)[0] for k in np.concatenate(chosen)]
         directions += [random.normal(size=len(state)) / 3 for _ in range(2)]
-        worst = 0.0
-        for d in directions:
-            found = (R(state + eps * d) - R(state - eps * d)) / (2 * eps)
-            worst = max(worst, np.abs(found - exact @ d).max())
-        return worst / np.abs(exact).max()
-
-
-def rotation(dim, degrees, axis=(1.0, -2.0, 0.5)):
-    """Matrix (dim, dim) of a rotation; in 3D about `axis`."""
-    a = np.radians(degrees)
-    if dim == 2:
-        return np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
-    k = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-    return np.eye(3) + np.sin(a) * cross + (1 - np.cos(a)) * cross @ cross
+        differences = [(R(state + eps * d) - R(state - eps * d)) / (2 * eps) for d in directions]
+        deviations = [found - exact @ d for found, d in zip(differences, directions, strict=True)]
+        return np.abs(deviations).max() / np.abs(exact).max()

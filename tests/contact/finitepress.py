@@ -1,34 +1,14 @@
 """Two neo-Hookean blocks whose far sides are led along given paths: finite sliding in earnest."""
 
 import numpy as np
+from blocks import macro_dofs
 from finiteform import POSITIONS, rotation
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    InnerProduct,
-    Parameter,
-    Variation,
-    VectorH1,
-    dx,
-    log,
-)
+from ngsolve import CF, BilinearForm, Grad, GridFunction, Id, Parameter, Variation, VectorH1, dx
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import NeoHooke
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
-
-MU, LAME = 40.0, 60.0
-
-
-def neo_hooke(u):
-    d = u.dim
-    F = Id(d) + Grad(u)
-    energy = MU / 2 * (InnerProduct(F, F) - d) - MU * log(Det(F)) + LAME / 2 * log(Det(F)) ** 2
-    return Variation(energy.Compile() * dx)
 
 
 class Led:
@@ -42,36 +22,33 @@ class Led:
         Displacement of the top as a tuple, from the load.
     turn : callable
         Angle in degrees of the rotation of everything, from the load.
-    shift : callable
-        Translation of everything, from the load.
     """
 
-    def __init__(self, mesh, lead, *, turn=None, shift=None, order=2, axis=(1, -2, 0.5), **law):
+    def __init__(self, mesh, lead=None, *, turn=lambda load: 0.0, order=2, **law):
         self.mesh, self.dim = mesh, mesh.dim
-        self.lead, self.axis = lead, axis
-        self.turn = turn or (lambda t: 0.0)
-        self.shift = shift or (lambda t: np.zeros(mesh.dim))
+        self.lead, self.turn = lead, turn
         V = VectorH1(mesh, order=order, dirichlet="top|bottom")
-        self.X = V * LACSpace(V, slave="slave")
-        u, lam = self.X.TrialFunction()
-        self.a = BilinearForm(self.X)
-        self.a += neo_hooke(u)
-        self.gf = GridFunction(self.X)
-        self.load = Parameter(0.0)
+        X = V * LACSpace(V, slave="slave")
+        u, lam = X.TrialFunction()
+        self.a = BilinearForm(X)
+        self.a += Variation(NeoHooke(Id(self.dim) + Grad(u), 104, 0.3).Compile() * dx)
+        self.gf, self.load = GridFunction(X), Parameter(0.0)
         self.contact = LACContact(u, lam, master="master", finite=True, **law)
         self.solver = ContactSolver(self.a, self.gf, self.contact)
         self.stepper = LoadStepper(self.solver, self.load, prescribe=self.prescribe)
-        positions = GridFunction(V)
-        positions.Set(CF(POSITIONS[: self.dim]))
-        self.reference = positions.vec.FV().NumPy().reshape(self.dim, -1).copy()
+        self.reference = self.nodal(CF(POSITIONS[: self.dim]))
+
+    def nodal(self, field):
+        """Values of a field in the displacements' space, (dim, n)."""
+        gf = GridFunction(self.gf.components[0].space)
+        gf.Set(field)
+        return gf.vec.FV().NumPy().reshape(self.dim, -1).copy()
 
     def prescribe(self, gf):
-        t = self.load.Get()
-        R = rotation(self.dim, self.turn(t), self.axis)
-        r = CF(POSITIONS[: self.dim])
-        R, shift = CF(tuple(R.ravel()), dims=R.shape), CF(tuple(self.shift(t)))
-        top = R * (r + CF(tuple(self.lead(t)))) - r + shift
-        values = self.mesh.BoundaryCF({"top": top, "bottom": R * r - r + shift})
+        t, r = self.load.Get(), CF(POSITIONS[: self.dim])
+        R = rotation(self.dim, self.turn(t))
+        R = CF(tuple(R.ravel()), dims=R.shape)
+        values = self.mesh.BoundaryCF({"top": R * (r + CF(self.lead(t))) - r, "bottom": R * r - r})
         gf.components[0].Set(values, definedon=self.mesh.Boundaries("top|bottom"))
 
     def run(self, end=1.0, steps=1, **flags):
@@ -80,13 +57,11 @@ class Led:
     def solve(self, load, **flags):
         """A step that is not committed: slip stays that of the step."""
         self.load.Set(load)
-        before = self.gf.vec.FV().NumPy().copy()
+        values = self.gf.vec.FV().NumPy()
+        before = values.copy()
         self.prescribe(self.gf)
-        wanted = self.gf.vec.FV().NumPy().copy()
-        fixed = self.solver.constrained
-        self.gf.vec.FV().NumPy()[:] = np.where(fixed, wanted, before)
-        motion = np.where(fixed, wanted - before, 0.0)
-        self.gf.vec.FV().NumPy()[:] = before
+        motion = np.where(self.solver.constrained, values - before, 0.0)
+        values[:] = before
         return self.solver.Solve(printing=False, motion=motion, **flags)
 
     def table(self, gf=None):
@@ -95,26 +70,23 @@ class Led:
 
     def moved(self, degrees, shift):
         """A copy of the solution after a rotation and a translation of everything."""
-        R = rotation(self.dim, degrees, self.axis)
-        gf = GridFunction(self.X)
+        gf, R = GridFunction(self.gf.space), rotation(self.dim, degrees)
         u = self.gf.components[0].vec.FV().NumPy().reshape(self.dim, -1)
-        ones = GridFunction(self.gf.components[0].space)
-        ones.Set(CF((1,) * self.dim))
-        one = ones.vec.FV().NumPy().reshape(self.dim, -1)
-        shifted = one * np.array(shift, dtype=float)[:, None]
+        shifted = self.nodal(CF(tuple(map(float, shift))))
         moved = R @ (self.reference + u) - self.reference + shifted
         gf.components[0].vec.FV().NumPy()[:] = moved.ravel()
-        dofs = self.contact.form.MultiplierDofs().reshape(-1, self.dim)
-        values = self.gf.vec.FV().NumPy()
-        gf.vec.FV().NumPy()[dofs] = values[dofs] @ R.T
+        dofs = macro_dofs(self.contact)
+        gf.vec.FV().NumPy()[dofs] = self.gf.vec.FV().NumPy()[dofs] @ R.T
         return gf, R
 
     def residuals(self, gf):
         """Of the bulk and of the contact form."""
-        bulk, contact = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        self.a.Apply(gf.vec, bulk)
-        self.contact.Apply(gf.vec, contact)
-        return bulk.FV().NumPy().copy(), contact.FV().NumPy().copy()
+        found = []
+        for part in (self.a, self.contact):
+            out = self.gf.vec.CreateVector()
+            part.Apply(gf.vec, out)
+            found.append(out.FV().NumPy().copy())
+        return found
 
 
 def blocks2d(h=0.2, **flags):

@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
-from blocks import C, block_mesh, contact_form, moved
-from blocks3d import block_mesh as block_mesh3d
+from blocks import C, block_mesh, contact_form, moved, vector, with_traction
+from finitepress import Led, blocks2d
 from netgen.meshing import NgException
 from ngsolve import CF, GridFunction, Parameter, VectorH1, sqrt, x
 
-from ngslac import LACContact, LACSpace
+from ngslac import ContactConvergenceError, LACContact, LACSpace
+
+finite = pytest.mark.parametrize("finite", [False, True])
 
 
 @pytest.fixture(scope="module")
 def mesh():
-    return block_mesh(h=0.25)
+    return block_mesh(2, 0.25)
 
 
 def fresh(mesh, autoupdate=True, **flags):
@@ -23,67 +25,62 @@ def fresh(mesh, autoupdate=True, **flags):
     return contact, GridFunction(X)
 
 
-def everything(contact, state):
+def resultants(contact):
+    segments = contact.Segments()
+    return [contact.Force(), np.asarray(contact.Moment()), segments.area, segments.gap]
+
+
+def everything(contact, gf):
     """All that a contact says about a state, as bytes."""
-    gf = GridFunction(contact.form.fes)
-    gf.vec.FV().NumPy()[:] = state
-    residual = gf.vec.CreateVector()
+    out = vector(contact)
     contact.AssembleLinearization(gf.vec)
-    contact.Apply(gf.vec, residual)
-    arrays = [contact.mat.AsVector().FV().NumPy(), residual.FV().NumPy(), contact.Force()]
-    arrays += [np.asarray(contact.Moment()), contact.Segments().area, contact.Segments().gap]
+    contact.Apply(gf.vec, out)
+    arrays = [contact.mat.AsVector().FV().NumPy(), out.FV().NumPy(), *resultants(contact)]
     arrays += contact.Table().values()
     arrays += [values for values in contact.State().values() if isinstance(values, np.ndarray)]
     return [np.asarray(array).tobytes() for array in arrays]
 
 
-def shifted(contact, upper):
-    gf = GridFunction(contact.form.fes)
-    shift = {"upper": CF(tuple(upper)), "lower": CF((0,) * len(upper))}
-    gf.components[0].Set(contact.mesh.MaterialCF(shift))
-    return gf
-
-
-def apart(contact):
-    return moved(contact, upper=(0, 5))
-
-
-def broken(contact):
+def wrong(contact, value):
+    """Bodies far apart sideways, or one value that is no number."""
+    if value == "apart":
+        return moved(contact, upper=(5,) + (0,) * (contact.mesh.dim - 1))
     gf = moved(contact)
-    gf.vec.FV().NumPy()[0] = np.nan
+    gf.vec.FV().NumPy()[0] = value
     return gf
 
 
-@pytest.mark.parametrize("finite", [False, True])
-@pytest.mark.parametrize("wrong", [apart, broken])
-def test_an_update_that_fails_changes_nothing(mesh, finite, wrong):
-    contact = contact_form(mesh, finite=finite, friction=0.3, maxdist=0.3)
-    gf = moved(contact, upper=(0.02, -0.01))
+@pytest.mark.parametrize("value", ["apart", np.nan, np.inf])
+@pytest.mark.parametrize(
+    ("finite", "verb"), [(False, "Update"), (True, "Update"), (True, "Follow"), (True, "Commit")]
+)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_configuration_that_fails_changes_nothing(dim, finite, verb, value):
+    contact = contact_form(block_mesh(dim), finite=finite, friction=0.3, maxdist=0.3)
+    gf = moved(contact, upper=(0.02, -0.01, -0.01)[:dim])
     contact.Commit(gf)
-    state = gf.vec.FV().NumPy().copy()
-    state[contact.form.MultiplierDofs()] = 0.1
-    before = everything(contact, state)
-    with pytest.raises(NgException, match=r"never meet|NaN"):
-        contact.Update(wrong(contact))
-    assert everything(contact, state) == before
+    with_traction(contact, gf, 0.1)
+    before = everything(contact, gf)
+    with pytest.raises(NgException, match=r"never meet: .*check the regions|NaN or inf|finite"):
+        getattr(contact, verb)(wrong(contact, value))
+    assert everything(contact, gf) == before
 
 
-@pytest.mark.parametrize("finite", [False, True])
+@finite
 @pytest.mark.parametrize("value", [-1.0, np.nan])
 def test_an_update_with_wrong_friction_changes_nothing(mesh, finite, value):
     friction = Parameter(0.3)
     contact = contact_form(mesh, finite=finite, friction=friction)
-    state = moved(contact).vec.FV().NumPy().copy()
-    state[contact.form.MultiplierDofs()] = 0.1
-    before = everything(contact, state)
+    gf = with_traction(contact, moved(contact), 0.1)
+    before = everything(contact, gf)
     friction.Set(value)
     with pytest.raises(NgException, match="friction is"):
         contact.Update()
     friction.Set(0.3)
-    assert everything(contact, state) == before
+    assert everything(contact, gf) == before
 
 
-@pytest.mark.parametrize("finite", [False, True])
+@finite
 def test_a_first_update_that_fails_leaves_an_unpaired_contact(mesh, finite):
     contact, gf = fresh(mesh, finite=finite, friction=CF(-1.0))
     with pytest.raises(NgException, match="friction is -1"):
@@ -122,10 +119,10 @@ def uses(contact, gf):
     }
 
 
-NAMES = list(uses(*fresh(block_mesh(h=0.5))))
+NAMES = list(uses(*fresh(block_mesh(2, 0.5))))
 
 
-@pytest.mark.parametrize("finite", [False, True])
+@finite
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_crashes_before_the_first_update(mesh, finite, name):
     contact, gf = fresh(mesh, finite=finite)
@@ -136,11 +133,11 @@ def test_nothing_crashes_before_the_first_update(mesh, finite, name):
 
 
 @pytest.mark.pairwise
-@pytest.mark.parametrize("finite", [False, True])
+@finite
 @pytest.mark.parametrize("updated", [False, True])
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_crashes_after_a_refinement(finite, updated, name):
-    contact, gf = fresh(block_mesh(h=0.5), autoupdate=updated, finite=finite)
+    contact, gf = fresh(block_mesh(2, 0.5), autoupdate=updated, finite=finite)
     contact.Update()
     contact.form.SetConstant(C)
     contact.mesh.Refine()
@@ -151,7 +148,7 @@ def test_nothing_crashes_after_a_refinement(finite, updated, name):
 
 
 def test_an_update_on_a_refined_mesh_wants_an_updated_space():
-    contact, gf = fresh(block_mesh(h=0.5), autoupdate=False)
+    contact, gf = fresh(block_mesh(2, 0.5), autoupdate=False)
     contact.mesh.Refine()
     with pytest.raises(NgException, match="the mesh was refined, but not its spaces"):
         contact.Update()
@@ -160,44 +157,76 @@ def test_an_update_on_a_refined_mesh_wants_an_updated_space():
     assert contact.Check().unpaired.size < contact.space.nmacros
 
 
-@pytest.mark.parametrize("make", [block_mesh, block_mesh3d])
-def test_restore_takes_back_a_finite_pairing(make):
-    contact = contact_form(make(), finite=True, friction=0.3)
-    shift = (0.02, 0.0, -0.01)[: contact.mesh.dim]
-    gf = shifted(contact, shift)
-    gf.vec.FV().NumPy()[contact.form.MultiplierDofs()] = 0.1
+@pytest.mark.parametrize("dim", [2, 3])
+def test_restore_takes_back_a_finite_pairing(dim):
+    contact = contact_form(block_mesh(dim), finite=True, friction=0.3)
+    shift = np.array((0.02, 0.0, -0.01)[:dim])
+    gf = with_traction(contact, moved(contact, upper=shift), 0.1)
     contact.Evaluate(gf)
     contact.Commit(gf)
     contact.Restore()
-    before = [contact.Force(), contact.Moment(), contact.Segments().area, contact.Segments().gap]
-    table = contact.Table()
-    trial = shifted(contact, [4 * s for s in shift])
-    trial.vec.FV().NumPy()[contact.form.MultiplierDofs()] = 0.2
+    before, table = resultants(contact), contact.Table()
+    trial = with_traction(contact, moved(contact, upper=4 * shift), 0.2)
     contact.Follow(trial)
     contact.Evaluate(trial)
     assert abs(contact.Force() - before[0]).max() > 1e-3
     contact.Restore()
-    after = [contact.Force(), contact.Moment(), contact.Segments().area, contact.Segments().gap]
+    after = resultants(contact)
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
     assert all(np.array_equal(values, table[name]) for name, values in contact.Table().items())
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_surfaces_farther_than_maxdist(dim):
+    contact = contact_form(block_mesh(dim), finite=True, maxdist=0.21)
+    out = -contact.Table()["normal"].mean(axis=0)
+    contact.Follow(moved(contact, upper=0.2 * out))
+    for verb in (contact.Follow, contact.Update):
+        with pytest.raises(NgException, match=r"never meet: .*within maxdist = 0\.21"):
+            verb(moved(contact, upper=0.22 * out))
+
+
+def test_a_step_that_tears_the_bodies_apart():
+    """No partner far away: the step fails with a reason, and the last one is restored."""
+    problem = Led(blocks2d(0.34), lambda t: (80 * t, -0.05 + 0 * t), order=1, friction=0.3)
+    problem.stepper.maxcuts = 2
+    problem.run(1e-3)
+    before, table = problem.gf.vec.FV().NumPy().copy(), problem.table()
+    with pytest.raises(ContactConvergenceError, match="never meet"):
+        problem.run(1.0)
+    assert np.array_equal(problem.gf.vec.FV().NumPy(), before)
+    assert problem.load.Get() == 1e-3
+    after = problem.table()
+    for name in ("pressure", "gap", "status", "area"):
+        assert after[name] == pytest.approx(table[name], abs=1e-14)
+
+
+@pytest.mark.parametrize("verb", ["Update", "Follow"])
+def test_a_grid_function_of_another_space(mesh, verb):
+    contact, gf = fresh(mesh, finite=True)
+    other = GridFunction(gf.space.components[0] * gf.space.components[1] * gf.space.components[1])
+    with pytest.raises(Exception, match="gf lives on another space"):
+        getattr(contact, verb)(other)
+
+
 @pytest.mark.parametrize(
-    ("name", "value", "words"),
+    ("flags", "words"),
     [
-        ("friction", CF((1, 2)), "friction has 2 components: it must be one number at each point"),
-        ("tresca", CF((1, 2, 3)), "tresca has 3 components"),
-        ("obstacle", CF((0, 0.1)), "obstacle has 2 components"),
-        ("friction", CF(1j), "friction is complex: it must be one real number"),
-        ("obstacle", CF(0.1j), "obstacle is complex"),
-        ("obstacle", np.inf, "obstacle = inf must be a finite number"),
-        ("tresca", -1, "tresca = -1 must be a finite number >= 0"),
+        ({"friction": CF((1, 2))}, "friction has 2 components: it must be one number at each"),
+        ({"tresca": CF((1, 2, 3))}, "tresca has 3 components"),
+        ({"obstacle": CF((0, 0.1)), "master": None}, "obstacle has 2 components"),
+        ({"friction": CF(1j)}, "friction is complex: it must be one real number"),
+        ({"obstacle": CF(0.1j), "master": None}, "obstacle is complex"),
+        ({"obstacle": np.inf, "master": None}, "obstacle = inf must be a finite number"),
+        ({"tresca": -1}, "tresca = -1 must be a finite number >= 0"),
+        ({"finite": True, "obstacle": x, "master": None}, "needs a master surface that slides"),
+        ({"finite": True, "tied": True}, "finite=True needs a master surface that slides"),
+        ({"master": "slave"}, "finite=True"),  # a surface on itself
     ],
 )
-def test_functions_must_be_real_and_scalar(mesh, name, value, words):
-    master = {"master": None} if name == "obstacle" else {}
-    with pytest.raises(ValueError, match=words):
-        fresh(mesh, **{name: value}, **master)
+def test_what_a_contact_cannot_be_made_of(mesh, flags, words):
+    with pytest.raises((ValueError, NgException), match=words):
+        fresh(mesh, **flags)
 
 
 @pytest.mark.parametrize("name", ["friction", "tresca"])

@@ -1,143 +1,208 @@
-"""Commit and the slip history: increments since the last step, or since the first touch."""
+"""Commit, slip history, status and resultants between two plane sides."""
 
 import numpy as np
 import pytest
-from blocks import C, block_mesh, contact_form, moved, residual, vector, with_traction
+from blocks import C, block_mesh, contact_form, macro_dofs, moved, residual, vector, with_traction
 from netgen.meshing import NgException
-from ngsolve import CF, BitArray, GridFunction, x, y
+from ngsolve import CF, BitArray, GridFunction, x, y, z
 
-ANGLE = 20.0
-T = np.array([np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE))])  # along the surface
-N = np.array([T[1], -T[0]])  # out of the slave
+from ngslac.meshes.geometry3d import RotationMatrix
 
-
-@pytest.fixture(scope="module")
-def mesh():
-    return block_mesh(ANGLE, h=0.2)
+SLOPE, AZIMUTH = 20.0, 30.0
+TURN = ((0.3, -1.0, 0.6), 50.0)
+SLANT = 1 / np.cos(np.radians(SLOPE))
+AREAS = {2: (1.4, 1.0), 3: (4 * SLANT, SLANT)}  # of the slave, and of what is paired
 
 
-def state(contact, tangential=0.0, approach=0.0, pressure=0.0, shear=0.0):
-    """The upper block moved along and towards the lower one, with tractions."""
-    gf = moved(contact, upper=tuple(tangential * T + approach * N))
-    return with_traction(contact, gf, -pressure * N + shear * T)
+def frame(dim):
+    """Rows: unit vectors along the interface, and the normal out of the slave (downwards)."""
+    rise, azimuth = np.tan(np.radians(SLOPE)), np.radians(AZIMUTH)
+    if dim == 2:
+        along = np.array([1, rise]) / SLANT
+        return np.array([along, [along[1], -along[0]]])
+    normal = np.array([rise * np.cos(azimuth), rise * np.sin(azimuth), -1.0]) / SLANT
+    first = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    return np.stack([first, np.cross(normal, first), normal]) @ RotationMatrix(TURN).T
 
 
-def slip(contact, gf):
-    """Tangential slip of the paired macro-elements."""
-    contact.Evaluate(gf)
-    table = contact.Table()
-    assert table["slip"] @ N == pytest.approx(0, abs=1e-13)
-    return (table["slip"] @ T)[table["area"] > 0]
+def cross(a, b):
+    """The moment of a force b at a."""
+    return a[0] * b[1] - a[1] * b[0] if len(a) == 2 else np.cross(a, b)
 
 
-def test_slip_counts_from_the_last_commit(mesh):
-    contact = contact_form(mesh, friction=0.5)
-    total = 0.0
-    for step in (0.3, -0.1, 0.05):
+def turns(r):
+    """Fields of small rotations about the axes."""
+    in_space = [(0, -r[-1], r[1]), (r[-1], 0, -r[0]), (-r[1], r[0], 0)]
+    return [(-r[1], r[0])] if len(r) == 2 else in_space
+
+
+class Sides:
+    """The upper block moved along and towards the lower one, with tractions.
+
+    The master covers the middle of the slave, whose outermost faces have no partner. What is along
+    the interface has two components, of which the first counts in 2D.
+    """
+
+    def __init__(self, mesh, **law):
+        self.dim = mesh.dim
+        *self.T, self.N = frame(self.dim)
+        self.T = np.array(self.T)
+        self.contact = contact_form(mesh, **law)
+        self.paired = self.contact.Table()["area"] > 0
+        self.dofs = macro_dofs(self.contact)
+
+    def along(self, parts):
+        return np.asarray(parts)[: self.dim - 1] @ self.T
+
+    def state(self, tangential=(0, 0), approach=0.0, pressure=0.0, shear=(0, 0)):
+        gf = moved(self.contact, upper=self.along(tangential) + approach * self.N)
+        return with_traction(self.contact, gf, -pressure * self.N + self.along(shear))
+
+    def table(self, gf):
+        self.contact.Evaluate(gf)
+        return self.contact.Table()
+
+    def rows(self, gf):
+        """Residual of the multipliers."""
+        return residual(self.contact, gf.vec.FV().NumPy())[self.dofs]
+
+    def commit(self, *args, **flags):
+        self.contact.Commit(self.state(*args, **flags))
+
+    def check_slip(self, gf, expected, tol=1e-12):
+        """Slip of the paired macro-elements."""
+        slip = self.table(gf)["slip"]
+        assert slip @ self.N == pytest.approx(0, abs=1e-13)
+        assert slip[self.paired] == pytest.approx(self.every(self.along(expected)), abs=tol)
+
+    def every(self, value):
+        """The value for each paired macro-element."""
+        return np.tile(value, (self.paired.sum(), 1))
+
+    def loaded(self, seed):
+        """Random tractions."""
+        traction = np.random.default_rng(seed).normal(size=self.dofs.shape)
+        return with_traction(self.contact, GridFunction(self.contact.form.fes), traction)
+
+    def work(self, gf, field, where=("upper", "lower")):
+        """What the contact does in a displacement of these bodies."""
+        forces = vector(self.contact, residual(self.contact, gf.vec.FV().NumPy()))
+        return -forces.InnerProduct(moved(self.contact, **dict.fromkeys(where, field)).vec)
+
+
+@pytest.fixture(scope="module", params=["2D", "hex", "tet"])
+def mesh(request):
+    if request.param == "2D":
+        return block_mesh(2, 0.2, angle=SLOPE)
+    return block_mesh(3, request.param, "prism", 5, 3, overhang=-0.5, slope=SLOPE,
+                      azimuth=AZIMUTH, rotation=TURN)  # fmt: skip
+
+
+@pytest.fixture
+def sides(mesh):
+    return Sides(mesh, friction=0.5)
+
+
+def test_normals_and_areas(sides):
+    table = sides.contact.Table()
+    assert table["normal"] == pytest.approx(np.tile(sides.N, (len(table["area"]), 1)), abs=1e-14)
+    found = table["fullarea"].sum(), table["area"].sum()
+    assert found == pytest.approx(AREAS[sides.dim], rel=1e-12)
+    assert not sides.paired.all()
+
+
+def test_slip_counts_from_the_last_commit_and_gaps_do_not(sides):
+    total = np.zeros(2)
+    for step in ((0.3, 0.1), (-0.1, 0.2), (0.05, -0.4)):
         total += step
-        gf = state(contact, total, 0.01, pressure=1.0)
-        assert slip(contact, gf) == pytest.approx(step, rel=1e-12)
-        contact.Commit(gf)
-        assert slip(contact, gf) == pytest.approx(0, abs=1e-14)
+        gf = sides.state(total, 0.01, pressure=1.0)
+        sides.check_slip(gf, step, 1e-13)
+        sides.contact.Commit(gf)
+        sides.check_slip(gf, (0, 0), 1e-14)
+        assert sides.contact.Table()["gap"][sides.paired] == pytest.approx(-0.01, rel=1e-11)
 
 
-def test_gap_does_not_depend_on_the_history(mesh):
-    contact = contact_form(mesh)
-    contact.Commit(state(contact, 0.1, 0.2, pressure=1.0))
-    contact.Evaluate(state(contact, 0.3, -0.05))
-    paired = contact.Table()["area"] > 0
-    assert contact.Table()["gap"][paired] == pytest.approx(0.05, rel=1e-12)
+def test_residual_of_stick_is_minus_area_times_slip_and_gap(mesh):
+    """Without a partner the row says that the traction vanishes."""
+    sides = Sides(mesh, friction=1e3)
+    gf = sides.state((0.3, -0.2), 0.02, pressure=5.0)
+    area = sides.contact.Table()["area"]
+    free = -np.outer(sides.contact.Table()["fullarea"], -5.0 * sides.N) / C
+    for slip in ((0.3, -0.2), (0, 0)):  # before and after the commit
+        expected = -np.outer(area, sides.along(slip) + 0.02 * sides.N)
+        rows = sides.rows(gf)
+        assert rows[sides.paired] == pytest.approx(expected[sides.paired], abs=1e-14)
+        assert rows[~sides.paired] == pytest.approx(free[~sides.paired], rel=1e-11)
+        sides.contact.Commit(gf)
 
 
-def test_residual_uses_the_increment(mesh):
-    """Stick rows hold the slip since the commit: zero there, and not before."""
-    contact = contact_form(mesh, friction=1e3)
-    gf = state(contact, 0.3, 0.0, pressure=2.0, shear=0.1)
-    paired = contact.Table()["area"] > 0
-    dofs = contact.form.MultiplierDofs().reshape(-1, 2)[paired]
-    before = residual(contact, gf.vec.FV().NumPy())[dofs]
-    assert np.abs(before).max() > 1e-3
-    contact.Commit(gf)
-    assert residual(contact, gf.vec.FV().NumPy())[dofs] == pytest.approx(0, abs=1e-14)
-
-
-def test_residual_of_stick_is_minus_area_times_slip(mesh):
-    contact = contact_form(mesh, friction=1e3)
-    gf = state(contact, 0.3, 0.02, pressure=5.0)
-    rows = residual(contact, gf.vec.FV().NumPy())[contact.form.MultiplierDofs()].reshape(-1, 2)
-    table = contact.Table()
-    paired = table["area"] > 0
-    jump = 0.3 * T + 0.02 * N
-    assert rows[paired] == pytest.approx(-np.outer(table["area"], jump)[paired], rel=1e-11)
-    # Without a partner the row says that the traction vanishes.
-    free = -np.outer(table["fullarea"], -5.0 * N) / C
-    assert rows[~paired] == pytest.approx(free[~paired], rel=1e-11)
-
-
-def test_first_touch_along_the_path(mesh):
+def test_first_touch_along_the_path(sides):
     """Open at the commit and approaching: slip counts from where the path meets the master."""
-    contact = contact_form(mesh, friction=0.5)
-    contact.Commit(state(contact, 0.0, -0.1))  # 0.1 open
-    contact.Commit(state(contact, 0.05, -0.06))  # 0.06 open, by 0.04 nearer and 0.05 aside
-    touch = 0.05 + 0.05 * 0.06 / 0.04
-    assert slip(contact, state(contact, touch, 0.0, pressure=1.0)) == pytest.approx(0, abs=1e-13)
-    assert slip(contact, state(contact, touch + 0.02, 0.0, pressure=1)) == pytest.approx(0.02)
+    sides.commit((0.0, 0.0), -0.1)
+    sides.commit((0.05, -0.02), -0.06)  # 0.06 open, by 0.04 nearer
+    touch = np.array([0.05, -0.02]) * (1 + 0.06 / 0.04)
+    sides.check_slip(sides.state(touch, 0.0, pressure=1), (0, 0), 1e-13)
+    sides.check_slip(sides.state(np.add(touch, (0.02, 0.01)), 0.0, pressure=1), (0.02, 0.01))
 
 
-def test_a_grazing_path_counts_from_the_commit(mesh):
-    """What moves aside or away will not touch soon: no extrapolation."""
-    contact = contact_form(mesh, friction=0.5)
-    contact.Commit(state(contact, 0.0, -0.1))
-    for tangential, approach in ((0.5, -0.1), (0.6, -0.2), (0.9, -0.199)):
-        contact.Commit(state(contact, tangential, approach))
-        later = state(contact, tangential + 0.1, 0.0, pressure=1.0)
-        assert slip(contact, later) == pytest.approx(0.1, rel=1e-12)
+@pytest.mark.parametrize(
+    ("path", "pressure"),
+    [
+        ([((0.5, 0.4), -0.1), ((0.6, 0.4), -0.2), ((0.9, 0.5), -0.199)], 0),  # aside or away
+        ([((0.05, 0.02), -0.06)], 5.0),  # closed: even if the gap closes further
+    ],
+)
+def test_what_will_not_touch_soon_counts_from_the_commit(sides, path, pressure):
+    sides.commit((0, 0), -0.1)
+    for place, approach in path:
+        sides.commit(place, approach, pressure=pressure)
+        sides.check_slip(sides.state(np.add(place, (0.1, 0)), 0.0, pressure=5.0), (0.1, 0))
 
 
-def test_closed_macros_keep_their_position(mesh):
-    """Closed at the commit: the path does not matter, even if the gap closes further."""
-    contact = contact_form(mesh, friction=0.5)
-    contact.Commit(state(contact, 0.0, -0.1))
-    contact.Commit(state(contact, 0.05, -0.06, pressure=5.0))
-    assert slip(contact, state(contact, 0.15, 0.0, pressure=5.0)) == pytest.approx(0.1, rel=1e-12)
+def test_update_starts_the_history_anew(sides):
+    sides.commit((0.3, 0.1), 0.0, pressure=1.0)
+    gf = sides.state((0.05, -0.03), 0.0, pressure=1.0)
+    sides.contact.Update(gf)
+    sides.contact.form.SetConstant(C)
+    sides.paired = sides.contact.Table()["area"] > 0
+    sides.check_slip(gf, (0, 0), 1e-14)
+    sides.check_slip(sides.state((0.07, -0.03), 0, pressure=1), (0.02, 0))
 
 
-def test_update_starts_the_history_anew(mesh):
-    contact = contact_form(mesh, friction=0.5)
-    contact.Commit(state(contact, 0.3, 0.0, pressure=1.0))
-    gf = state(contact, 0.05, 0.0, pressure=1.0)
-    contact.Update(gf)
-    contact.form.SetConstant(C)
-    assert slip(contact, gf) == pytest.approx(0, abs=1e-14)
-    assert slip(contact, state(contact, 0.07, 0, pressure=1)) == pytest.approx(0.02, rel=1e-10)
+def test_restore_goes_back_to_the_commit(sides):
+    sides.commit((0.1, 0.2), 0.01, pressure=2.0, shear=(0.1, 0.3))
+    before = {name: values.copy() for name, values in sides.contact.Table().items()}
+    assert set(sides.table(sides.state((0.5, 0.5), -0.7))["status"]) == {0}
+    sides.contact.Restore()
+    for name, values in sides.contact.Table().items():
+        assert np.array_equal(values, before[name]), name
+    assert np.array_equal(sides.contact.slip.vec.FV().NumPy(), before["slip"].ravel())
 
 
-def test_evaluate_fills_the_fields(mesh):
-    contact = contact_form(mesh, friction=0.5)
-    gf = state(contact, 0.1, 0.03, pressure=4.0, shear=1.0)
-    contact.Evaluate(gf)
-    table = contact.Table()
-    paired = table["area"] > 0
+def test_evaluate_fills_the_fields(sides):
+    gf = sides.state((0.1, -0.1), 0.03, pressure=4.0, shear=(1.0, -2.0))
+    table, contact = sides.table(gf), sides.contact
     assert table["pressure"] == pytest.approx(4, rel=1e-13)
-    assert table["gap"][paired] == pytest.approx(-0.03, rel=1e-12)
-    assert table["traction"] == pytest.approx(np.tile(-4 * N + T, (len(paired), 1)), rel=1e-12)
+    assert table["gap"][sides.paired] == pytest.approx(-0.03, rel=1e-11)
+    expected = np.tile(-4 * sides.N + sides.along((1, -2)), (len(sides.dofs), 1))
+    assert table["traction"] == pytest.approx(expected, abs=1e-13)
     assert table["friction"] == pytest.approx(0.5)
-    assert set(table["status"][~paired]) == {0}
-    for name in ("pressure", "gap", "status"):
-        assert np.array_equal(getattr(contact, name).vec.FV().NumPy(), table[name]), name
-    for name in ("traction", "slip", "normal"):
+    assert set(table["status"][~sides.paired]) == {0}
+    for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
         assert np.array_equal(getattr(contact, name).vec.FV().NumPy(), table[name].ravel()), name
 
 
-def test_status_follows_the_law(mesh):
-    """Trial pressure 2 + C/10 and trial shear 1: the three answers of Coulomb's law."""
-    for friction, expected in ((0.0, 2), (0.4, 2), (0.5, 1), (None, 2)):
-        contact = contact_form(mesh, friction=friction)
-        contact.Evaluate(state(contact, 0.0, 0.1, pressure=2.0, shear=1.0))
-        table = contact.Table()
-        assert set(table["status"][table["area"] > 0]) == {expected}
-    contact.Evaluate(state(contact, 0.0, -0.7, pressure=2.0))  # 2 - 0.7 C < 0
-    assert set(contact.Table()["status"]) == {0}
+@pytest.mark.parametrize(
+    ("friction", "expected"), [(0.0, 2), (None, 2), (0.21, 2), (0.23, 1), (10, 1)]
+)
+def test_status_follows_the_disc(mesh, friction, expected):
+    """Trial pressure 2 + C/10 = 2.3, trial shear 0.5 in any direction: a disc, not a square."""
+    sides = Sides(mesh, friction=friction)
+    for angle in np.radians([0, 180] if sides.dim == 2 else [0, 45, 100, 200, 330]):
+        shear = 0.5 * np.array([np.cos(angle), np.sin(angle)])
+        status = sides.table(sides.state((0, 0), 0.1, pressure=2.0, shear=shear))["status"]
+        assert set(status[sides.paired]) == {expected}
+    assert set(sides.table(sides.state((0, 0), -0.7, pressure=2.0))["status"]) == {0}
 
 
 @pytest.mark.parametrize(
@@ -152,58 +217,68 @@ def test_status_follows_the_law(mesh):
     ],
 )
 def test_bound_of_the_tangential_traction(mesh, law, bound):
-    """Trial pressure 2 + 0.1 C = 2.3; the residual says where a sliding traction should be."""
-    contact = contact_form(mesh, **law)
-    for shear in (4.0, -4.0, 0.9 * bound):
-        gf = state(contact, 0.0, 0.1, pressure=2.0, shear=shear)
-        rows = residual(contact, gf.vec.FV().NumPy())[contact.form.MultiplierDofs()]
-        table = contact.Table()
-        paired = table["area"] > 0
-        projected = rows.reshape(-1, 2)[paired] * C / table["area"][paired, None]
-        projected += -2 * N + shear * T
-        expected = -2.3 * N + np.clip(shear, -bound, bound) * T
-        assert projected == pytest.approx(np.tile(expected, (paired.sum(), 1)), rel=1e-11)
+    """Trial pressure 2 + 0.1 C = 2.3; the trial shear keeps its direction."""
+    sides = Sides(mesh, **law)
+    for parts in ((4.0, 0), (-3.0, 2.0), (0.5 * bound, -0.6 * bound)):
+        shear = sides.along(parts)
+        rows = sides.rows(sides.state((0, 0), 0.1, pressure=2.0, shear=parts))[sides.paired]
+        area = sides.contact.Table()["area"][sides.paired, None]
+        projected = rows * C / area - 2 * sides.N + shear
+        size = np.linalg.norm(shear)
+        limited = shear * (min(1.0, bound / size) if size else 0.0)
+        assert projected == pytest.approx(sides.every(-2.3 * sides.N + limited), abs=1e-11)
 
 
-def test_force_and_moment(mesh):
-    contact = contact_form(mesh)
-    rng = np.random.default_rng(0)
-    gf = GridFunction(contact.form.fes)
-    tractions = rng.normal(size=(contact.space.nmacros, 2))
-    with_traction(contact, gf, tractions)
-    contact.Evaluate(gf)
-    table = contact.Table()
-    assert contact.Force() == pytest.approx(table["area"] @ tractions, rel=1e-13)
-    point = np.array([0.3, -2.0])
-    change = contact.Moment(point) - contact.Moment((0, 0))
+def test_friction_depends_on_the_position(mesh):
+    """The mean over the whole of each macro-element, which is the value at its centroid."""
+    slope = (1, -2, 0.5)[: mesh.dim]
+    friction = 6 + sum(a * b for a, b in zip(slope, (x, y, z), strict=False))
+    table = contact_form(mesh, friction=friction).Table()
+    inside = np.isclose(table["area"], table["fullarea"], rtol=1e-12)
+    expected = 6 + table["x"] @ slope
+    assert np.any(inside)
+    assert table["friction"][inside] == pytest.approx(expected[inside], rel=1e-12)
+
+
+def test_forces_and_moments_of_both_sides_cancel(sides):
+    """The surfaces coincide: no gap. Resultants are the work in unit motions of the slave."""
+    gf, d = sides.loaded(1), sides.dim
+    table, force = sides.table(gf), sides.contact.Force()
+    moment = np.atleast_1d(sides.contact.Moment((0,) * d))
+    tol = {"abs": 1e-12 * np.abs(table["traction"]).max()}
+    assert force == pytest.approx(table["area"] @ table["traction"], rel=1e-13)
+    for field, expected in zip([*np.eye(d), *turns((x, y, z)[:d])], [*force, *moment], strict=True):
+        assert sides.work(gf, field) == pytest.approx(0, **tol)
+        assert sides.work(gf, field, ["upper"]) == pytest.approx(expected, **tol)
+    point = np.array([0.3, -2.0, 1.0])[:d]
+    change = np.atleast_1d(sides.contact.Moment(point)) - moment
+    assert change == pytest.approx(np.atleast_1d(-cross(point, force)), rel=1e-10)
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.1])
+def test_moment_of_both_sides_is_that_of_the_gap(sides, gap):
+    """Across an open gap the forces do not share a line: moment gap times force, no more."""
+    contact, lift = sides.contact, -gap * sides.N
+    away = moved(contact, upper=lift)
+    contact.Update(away)
+    contact.form.SetConstant(C)
+    with_traction(contact, away, -2.0 * sides.N + sides.T[0])
+    contact.Evaluate(away)
+    lifted = contact.mesh.MaterialCF({"upper": CF(tuple(lift)), "lower": CF((0,) * sides.dim)})
+    r = [c + lifted[k] for k, c in enumerate((x, y, z)[: sides.dim])]
+    total = np.array([sides.work(away, turn) for turn in turns(r)])
+    # The slave lies at -gap N from where the master takes the opposite force.
     force = contact.Force()
-    assert change == pytest.approx(-(point[0] * force[1] - point[1] * force[0]), rel=1e-10)
-    # The same from the nodal forces: their sum with the lever arms of a linear function.
-    forces = residual(contact, gf.vec.FV().NumPy())
-    for field, expected in (((1, 0), force[0]), ((0, 1), force[1])):
-        work = vector(contact, forces).InnerProduct(moved(contact, upper=field).vec)
-        assert -work == pytest.approx(expected, rel=1e-11)
-    both = vector(contact, forces).InnerProduct(moved(contact, (1, 2), (1, 2)).vec)
-    assert abs(both) < 1e-13  # action and reaction
-
-
-def test_moment_is_the_work_of_a_rotation(mesh):
-
-    contact = contact_form(mesh)
-    gf = GridFunction(contact.form.fes)
-    with_traction(contact, gf, np.random.default_rng(1).normal(size=(contact.space.nmacros, 2)))
-    contact.Evaluate(gf)
-    forces = residual(contact, gf.vec.FV().NumPy())
-    turn = moved(contact, upper=CF((-y, x)), lower=(0, 0))
-    work = -vector(contact, forces).InnerProduct(turn.vec)
-    assert contact.Moment((0, 0)) == pytest.approx(work, rel=1e-10)
+    assert total == pytest.approx(np.atleast_1d(cross(lift, force)), abs=1e-12)
+    along = np.linalg.norm(force - force @ sides.N * sides.N)
+    assert np.linalg.norm(total) == pytest.approx(gap * along, rel=1e-10)
 
 
 @pytest.mark.parametrize("status", [3.0, -1.0, 0.5, np.nan, 1e300])
 @pytest.mark.parametrize("name", ["states", "accepted"])
-def test_a_status_that_there_is_not(mesh, name, status):
+def test_a_status_that_there_is_not(name, status):
     """Of a damaged file, or of another version: refused before anything is taken over."""
-    form = contact_form(mesh).form
+    form = contact_form(block_mesh(2, 0.25)).form
     history = form.History()
     wrong = history | {"c": history["c"] + 1, name: history[name].copy()}
     wrong[name][2] = status
@@ -214,9 +289,8 @@ def test_a_status_that_there_is_not(mesh, name, status):
     form.SetHistory(history)
 
 
-def test_as_many_bits_as_macro_elements(mesh):
-    contact = contact_form(mesh)
-    vec = vector(contact)
-    for bits in (BitArray(0), BitArray(contact.space.nmacros + 1)):
-        with pytest.raises(NgException, match=r"bits for .* macro-elements"):
-            contact.form.Close(bits, vec)
+@pytest.mark.parametrize("more", [-1, 1])
+def test_as_many_bits_as_macro_elements(sides, more):
+    contact = sides.contact
+    with pytest.raises(NgException, match=r"bits for .* macro-elements"):
+        contact.form.Close(BitArray(contact.space.nmacros + more), vector(contact))

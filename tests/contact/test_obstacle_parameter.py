@@ -2,32 +2,29 @@
 
 import numpy as np
 import pytest
-from blocks import C, block_mesh, contact_form, matrix, random_state, residual, vector
+from blocks import block_mesh, contact_form, matrix, moved, random_state, residual, vector
 from ngsolve import CF, H1, GridFunction, Parameter, x
 
 
 def gaps(contact, state):
-    gf = GridFunction(contact.form.fes)
-    gf.vec.FV().NumPy()[:] = state
-    contact.Evaluate(gf)
+    contact.form.Evaluate(vector(contact, state))
     return contact.Table()["gap"]
 
 
 @pytest.fixture(scope="module")
 def mesh():
-    return block_mesh(h=0.25)
+    return block_mesh(2, 0.25)
 
 
 def test_a_moving_obstacle_is_where_its_parameter_says(mesh):
     t = Parameter(0.0)
-    contact = contact_form(mesh, obstacle=0.1 * x - t)
+    contact = contact_form(mesh, obstacle=0.1 * x - t, friction=0.3)
     state = random_state(contact)
     for value in (0.0, 0.3, -0.2):
         t.Set(value)
-        still = contact_form(mesh, obstacle=0.1 * x - CF(value))
-        assert np.array_equal(residual(contact, state), residual(still, state))
-        assert np.array_equal(gaps(contact, state), gaps(still, state))
-        assert np.array_equal(matrix(contact, state), matrix(still, state))
+        still = contact_form(mesh, obstacle=0.1 * x - CF(value), friction=0.3)
+        for f in (residual, gaps, matrix):
+            assert np.array_equal(f(contact, state), f(still, state))
         assert np.array_equal(contact.Segments().gap, still.Segments().gap)
 
 
@@ -39,16 +36,6 @@ def test_a_constant_function_of_a_gridfunction_follows_it(mesh):
     assert gaps(contact, 0.0) - before == pytest.approx(0.25)
 
 
-def test_the_derivative_is_that_of_the_moved_obstacle(mesh):
-    t = Parameter(0.0)
-    contact = contact_form(mesh, obstacle=-t, friction=0.3)
-    state, way = random_state(contact), random_state(contact, 1)
-    t.Set(0.4)
-    h = 1e-7
-    change = (residual(contact, state + h * way) - residual(contact, state - h * way)) / (2 * h)
-    assert matrix(contact, state) @ way == pytest.approx(change, rel=1e-6, abs=1e-7)
-
-
 def test_restore_takes_back_the_obstacle(mesh):
     t = Parameter(0.1)
     contact = contact_form(mesh, obstacle=-t)
@@ -56,8 +43,7 @@ def test_restore_takes_back_the_obstacle(mesh):
     contact.Evaluate(gf)
     contact.Commit(gf)
     t.Set(0.3)
-    contact.Evaluate(gf)
-    assert contact.Table()["gap"] == pytest.approx(-0.3)
+    assert gaps(contact, 0.0) == pytest.approx(-0.3)
     t.Set(0.1)
     contact.Restore()
     assert contact.Table()["gap"] == pytest.approx(-0.1)
@@ -77,27 +63,24 @@ def test_the_approach_of_the_obstacle_counts_for_the_first_touch(mesh):
     """A block at rest above an obstacle that rises: slip in the step of the touch counts fully."""
     t = Parameter(-0.3)
     contact = contact_form(mesh, obstacle=-t, friction=0.5)
-    gf = GridFunction(contact.form.fes)
     for value in (-0.2, -0.1):
         t.Set(value)
-        contact.Commit(gf)
+        contact.Commit(GridFunction(contact.form.fes))
     assert first_touch(contact) == pytest.approx(0, abs=1e-14)
-    gf.components[0].Set(CF((0.1, 0.0)))  # while the obstacle comes nearer by as much again
-    t.Set(-0.05)
-    contact.Commit(gf)
+    t.Set(-0.05)  # it comes nearer while the block moves aside
+    contact.Commit(moved(contact, (0.1, 0.0), (0.1, 0.0)))
     normal = contact.Table()["normal"]
-    moved = np.array([0.1, 0]) - normal[:, :1] * 0.1 * normal
+    aside = np.array([0.1, 0]) - normal[:, :1] * 0.1 * normal
     # It moves by 0.05 plus what the block comes nearer, and as much of the gap is left.
     left = 0.05 - 0.1 * normal[:, :1]
-    assert first_touch(contact) == pytest.approx(moved * (1 + left / (0.05 + 0.1 * normal[:, :1])))
+    assert first_touch(contact) == pytest.approx(aside * (1 + left / (0.05 + 0.1 * normal[:, :1])))
 
 
 def test_a_wrong_value_of_the_parameter_names_the_place(mesh):
     t = Parameter(0.0)
     contact = contact_form(mesh, obstacle=t * x)
-    contact.form.SetConstant(C)
     t.Set(np.inf)
     with pytest.raises(Exception, match=r"the gap to the obstacle is -?inf at \("):
-        contact.AddApply(vector(contact), vector(contact))
+        residual(contact, 0.0)
     t.Set(0.0)
-    contact.AddApply(vector(contact), vector(contact))
+    assert np.all(np.isfinite(residual(contact, 0.0)))
