@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 from fuzz_kinds import VALUES
 from fuzz_odd import LEGAL, ODD
@@ -25,24 +24,13 @@ RAW = re.compile(r"incompatible (function|constructor) arguments|object has no a
 
 @dataclass(frozen=True)
 class Case:
-    """One call.
-
-    Attributes
-    ----------
-    target, name : str
-    run : callable
-        ``run(world)``.
-    words : tuple of str
-        The message has to hold one of them.
-    legal : bool
-        May it work?
-    """
+    """One call."""
 
     target: str
     name: str
-    run: Callable
-    words: tuple
-    legal: bool
+    run: Callable  # run(world)
+    words: tuple  # the message has to hold one of them
+    legal: bool  # may it work?
 
     def Judge(self, error):
         """The outcome, and the message, of a call that ended with an error or with None."""
@@ -66,7 +54,7 @@ def Crossed(target, every):
         target.call(world, **(target.given(world) | {name: VALUES[label](world)}))
 
     for name, label, legal in target.Cases(every):
-        run = partial(Run, name=name, label=label)
+        run = lambda world, name=name, label=label: Run(world, name, label)  # noqa: E731
         yield Case(target.name, f"{target.name}({name}={label})", run, (name,), legal)
 
 
@@ -74,9 +62,12 @@ def AllCases(every=False):
     """The cases, with all odd values for each argument if `every` is set."""
     for target in (*TARGETS, *REFERENCE_TARGETS):
         yield from Crossed(target, every)
-    for name, (run, words) in ODD.items():
-        yield Case("odd uses", name, run, words, False)
-    for name, (run, words) in (STRANGE | REENTRANT | SOLIDS).items():
-        yield Case("strange problems", name, run, words, False)
+    for title, tables in {
+        "odd uses": [ODD],
+        "strange problems": [STRANGE, REENTRANT, SOLIDS],
+    }.items():
+        for words, uses in (pair for table in tables for pair in table.items()):
+            for name, run in uses.items():
+                yield Case(title, name, run, tuple(words.split("|")), False)
     for name, run in (LEGAL | STRANGE_LEGAL | REENTRANT_LEGAL | SOLIDS_LEGAL).items():
         yield Case("legal uses", name, run, (), True)

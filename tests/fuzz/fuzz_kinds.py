@@ -1,43 +1,35 @@
 """Odd values, and which of them are legal for which kind of argument."""
 
+import math
 from itertools import count, repeat
 
 import numpy as np
 from ngsolve import CF, BitArray, Parameter, sqrt, x
 
-__all__ = ["KINDS", "PLAIN", "VALUES", "IsLegal", "Near"]
+__all__ = ["KINDS", "PLAIN", "VALUES", "IsLegal", "Near", "Pairs"]
+
+
+def Pairs(text):
+    """The pairs of a table that is written as words ``name:value``."""
+    return dict(word.split(":") for word in text.split())
+
+
+def Literal(text):
+    return lambda w: eval(text, dict(vars(math)))
+
+
+LITERALS = "None nan inf -inf -1 0 2.5 1e300 1e-300 True 10**400 2**31 1j 'nonsense' '' '[' '1'"
+LITERALS = [*LITERALS.split(), "b'slave'", "[]", "[None]", "{}", "{3: 4}", "object()"]
 
 # Made from the World when a case runs: some of them are objects of it, or of its second mesh.
-VALUES = {
-    "None": lambda w: None,
-    "nan": lambda w: float("nan"),
-    "inf": lambda w: float("inf"),
-    "-inf": lambda w: float("-inf"),
-    "-1": lambda w: -1,
-    "0": lambda w: 0,
-    "2.5": lambda w: 2.5,
-    "1e300": lambda w: 1e300,
-    "1e-300": lambda w: 1e-300,
-    "True": lambda w: True,
-    "10**400": lambda w: 10**400,
-    "2**31": lambda w: 2**31,
-    "1j": lambda w: 1j,
-    "'nonsense'": lambda w: "nonsense",
-    "''": lambda w: "",
-    "'['": lambda w: "[",
-    "'1'": lambda w: "1",
-    "b'slave'": lambda w: b"slave",
-    "[]": lambda w: [],
-    "[None]": lambda w: [None],
-    "{}": lambda w: {},
-    "{3: 4}": lambda w: {3: 4},
-    "object()": lambda w: object(),
+PLAIN = {text: Literal(text) for text in LITERALS} | {
     "a class": lambda w: dict,
     "array(3)": lambda w: np.arange(3.0),
     "array of nan": lambda w: np.full(w.X.ndof, np.nan),
     "array of text": lambda w: np.array(["a", "b"]),
     "function": lambda w: lambda *given: None,
-    # Objects of NGSolve and ngslac.
+}
+VALUES = PLAIN | {
     "mesh": lambda w: w.mesh,
     "another mesh": lambda w: w.other.mesh,
     "region of another mesh": lambda w: w.other.mesh.Boundaries("slave"),
@@ -75,96 +67,57 @@ VALUES = {
     "name with a zero": lambda w: "a\0b",
 }
 
-PLAIN = list(VALUES)[: list(VALUES).index("mesh")]
 # The words of values that are easily taken for those of a kind.
-NEAR = {
-    "axes": "function",
-    "background": "CF gf mesh",
-    "bits": "array bits",
-    "bulk": "form matrix",
-    "contacts": "contact solver",
-    "density": "CF Parameter",
-    "displacement": "CF gf",
-    "energy": "CF",
-    "function": "function form solver",
-    "gap": "CF Parameter",
-    "load": "form vector gf",
-    "matrix": "matrix form",
-    "mesh": "mesh",
-    "motion": "array vector",
-    "parameter": "Parameter CF",
-    "path": "file folder name",
-    "point": "array CF",
-    "prescribed": "CF gf",
-    "region": "region mesh",
-    "saved-file": "file folder name",
-    "scalar": "CF Parameter",
-    "solution": "gf vector",
-    "space": "space",
-    "tensor": "CF gf array",
-    "things": "Parameter gf",
-    "tool": "solver contact",
-    "trial": "function CF gf",
-    "vector": "vector gf",
-}
+NEAR = Pairs("""
+    axes:function background:CF,gf,mesh bits:array,bits bulk:form,matrix contacts:contact,solver
+    density:CF,Parameter displacement:CF,gf energy:CF function:function,form,solver gap:CF,Parameter
+    load:form,vector,gf matrix:matrix,form mesh:mesh motion:array,vector parameter:Parameter,CF
+    path:file,folder,name point:array,CF prescribed:CF,gf region:region,mesh scalar:CF,Parameter
+    saved-file:file,folder,name solution:gf,vector space:space tensor:CF,gf,array
+    things:Parameter,gf tool:solver,contact trial:function,CF,gf vector:vector,gf
+""")
 
 SMALL = {"1e-300"}
 POSITIVE = {"2.5", "1e300", *SMALL, "2**31"}
 NUMBERS = POSITIVE | {"-1", "0"}
-SCALARS = {"0", "2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"}
-DISPLACEMENTS = {"vector CF", "gf of a component"}
-GIVEN_FIELDS = ("gf", "gf of a component")
+DENSITY = POSITIVE | {"scalar CF", "Parameter"}
+CONSTANT = {"0", *SMALL, "scalar CF", "Parameter"}
+FIELDS = {label for label in VALUES if "CF" in label and "trial" not in label}
 # Patterns and regions without a boundary.
 NOWHERE = {"empty region", "name with a zero", "folder", "file in a missing folder"}
-ARRAYS = NUMBERS | {"array(3)", "[]", "vector", "vector of another mesh"}
+NONE = "count tensor word pattern region bulk bits motion trial state point saved-file axes"
 
 # What may be given, besides what the targets give themselves; "?" behind a kind adds None.
-KINDS = {
-    "count": set(),
+KINDS = dict.fromkeys([*NONE.split(), "values", "body"], frozenset()) | {
     "positive": POSITIVE,
     "number": NUMBERS,
     "nonnegative": NUMBERS - {"-1"},
     "ratio": {"0", *SMALL},
-    "poisson": {"0", *SMALL, "scalar CF", "Parameter"},
-    "tensor": set(),
+    "poisson": CONSTANT,
     "share": {"0", *SMALL},
-    "below-one": {*SMALL},
+    "below-one": SMALL,
     "flag": {"0", "True"},
-    "word": set(),
-    "pattern": set(),
     "any-pattern": {"'nonsense'", "''", "'1'", "[]", *NOWHERE},
-    "region": set(),
     "function": {"function", "a class"},
     "mesh": {"mesh", "another mesh"},
     "space": {"space"},
     "solution": {"gf"},
-    "bulk": set(),
     "contacts": {"contact"},
     "load": {"linear form", "vector", "function"},
-    "bits": set(),
     "vector": {"vector"},
     "matrix": {"matrix"},
-    "motion": set(),
     "parameter": {"Parameter"},
     "tool": {"solver"},
     "prescribed": {"{}", "function", "a class"},
     "things": {"{}"},
-    "scalar": SCALARS,
-    "density": {"2.5", "1e300", *SMALL, "2**31", "scalar CF", "Parameter"},
-    "gap": SCALARS | {"-1"},
-    "energy": SCALARS | {"-1"},
-    "displacement": DISPLACEMENTS,
-    "background": {label for label in VALUES if "CF" in label and "trial" not in label}
-    | {"Parameter", *GIVEN_FIELDS},
-    "trial": set(),
-    "state": set(),
-    "point": set(),
-    "arrays": ARRAYS,
+    "scalar": CONSTANT | POSITIVE,
+    "density": DENSITY,
+    "gap": CONSTANT | NUMBERS,
+    "energy": CONSTANT | NUMBERS,
+    "displacement": {"vector CF", "gf of a component"},
+    "background": FIELDS | {"Parameter", "gf", "gf of a component"},
+    "arrays": NUMBERS | {"array(3)", "[]", "vector", "vector of another mesh"},
     "path": {"'nonsense'", "'['", "'1'"},
-    "saved-file": set(),
-    "axes": set(),
-    "values": set(),
-    "body": set(),
 }
 
 
@@ -175,4 +128,5 @@ def IsLegal(kind, label):
 
 def Near(kind, label):
     """Is the value with this label easily taken for one of this kind?"""
-    return any(word in label for word in NEAR.get(kind.rstrip("?"), "").split())
+    words = NEAR.get(kind.rstrip("?"))
+    return words is not None and any(word in label for word in words.split(","))

@@ -2,92 +2,16 @@
 
 import gc
 
+import ngsolve as ngs
+from fuzz_world import P1, P2, Blocks, Problem
 from netgen.geom2d import unit_square
 from netgen.occ import Box, Compound, IdentificationType, MoveTo, OCCGeometry, Pnt, X, Y
-from ngsolve import (
-    CF,
-    H1,
-    BilinearForm,
-    Compress,
-    Discontinuous,
-    Grad,
-    GridFunction,
-    HDiv,
-    Id,
-    InnerProduct,
-    Mesh,
-    NumberSpace,
-    Parameter,
-    Periodic,
-    Sym,
-    Trace,
-    VectorFacetFESpace,
-    VectorH1,
-    VectorL2,
-    VectorValued,
-    ds,
-    dx,
-)
+from ngsolve import CF, H1, Compress, GridFunction, Mesh, Periodic, VectorH1
 from ngsolve.meshes import Make1DMesh
 
-from ngslac import (
-    BubbleVectorH1,
-    ContactSolver,
-    LACContact,
-    LACSpace,
-    LoadState,
-    LoadStepper,
-    SaveState,
-    SplitSlaveFaces,
-    TimeStepper,
-)
-from ngslac.meshes import TwoBlocks
+import ngslac as lac
 
-__all__ = ["STRANGE", "STRANGE_LEGAL"]
-
-
-def Blocks(**flags):
-    return TwoBlocks(0.5, **({"overhang": 0.2, "aligned": False, "structured": True} | flags))
-
-
-class Problem:
-    """Two blocks, the upper one held by springs and pressed, with any displacement space."""
-
-    def __init__(self, make, mesh=None, before=(), slave="slave", **law):
-        self.mesh = mesh or Blocks()
-        self.V = make(self.mesh)
-        self.Q = LACSpace(self.V, slave=slave)
-        self.X = self.V * self.Q
-        (self.u, self.lam), (self.v, _) = self.X.TnT()
-        self.load = Parameter(1.0)
-        self.a = BilinearForm(self.X)
-        strain = Sym(Grad(self.u))
-        stress = 2 * strain + 3 * Trace(strain) * Id(self.mesh.dim)
-        push = CF((0.01, -0.02)) if self.mesh.dim == 2 else CF((0.01, 0, -0.02))
-        self.a += InnerProduct(stress, Sym(Grad(self.v))) * dx
-        self.a += 10 * InnerProduct(self.u - self.load * push, self.v) * ds("top")
-        self.a += 10 * InnerProduct(self.u, self.v) * ds("bottom")
-        self.gf = GridFunction(self.X)
-        self.contact = LACContact(self.u, self.lam, **({"master": "master", "friction": 0.3} | law))
-        self.solver = ContactSolver(self.a, self.gf, self.contact)
-
-    def Solve(self):
-        self.solver.Solve(printing=False)
-        return self
-
-    def Converged(self):
-        """Solved, with the forces on both ends in balance."""
-        self.Solve()
-        assert abs(self.contact.Force()[-1]) > 1e-6
-        return self
-
-
-def P2(mesh):
-    return VectorH1(mesh, order=2)
-
-
-def P1(mesh):
-    return VectorH1(mesh, order=1)
+__all__ = ["STRANGE", "STRANGE_LEGAL", "Times"]
 
 
 def PeriodicMesh():
@@ -107,34 +31,71 @@ def SurfaceMesh():
     return Mesh(OCCGeometry(box).GenerateMesh(maxh=0.6, perfstepsend=4))
 
 
-def OnObstacle(V, **flags):
-    """A contact of a space whose slave side meets a plane."""
-    X = V * LACSpace(V, slave="slave")
-    return LACContact(*X.TrialFunction(), master=None, obstacle=CF(0), **flags)
+def OnSurfaces(**flags):
+    """A contact of a plane and a mesh of surfaces."""
+    V = P2(SurfaceMesh())
+    u, lam = (V * lac.LACSpace(V, slave="slave")).TrialFunction()
+    return lac.LACContact(u, lam, master=None, obstacle=CF(0), **flags).Update()
 
 
-def Refined(problem, update):
+def Order(order, **flags):
+    """A problem with a space of another order, or with other flags."""
+    return Problem(lambda m: VectorH1(m, order=order, **flags))
+
+
+def Refined(update=True):
     """A problem whose mesh is refined after it was solved; spaces follow if `update`."""
-    problem.Solve()
+    problem = Problem().Solve()
+    Refine(problem, update)
+    return problem
+
+
+def Refine(problem, update=True):
     problem.mesh.Refine()
     if update:
         for space in (problem.V, problem.Q, problem.X):
             space.Update()
         problem.gf.Update()
-    return problem
 
 
-def RefinedInTime(problem):
+def RefinedInTime():
     """A stepper whose mesh is refined between two calls."""
-    stepper = TimeStepper(problem.solver, 1.0, dt=0.01)
+    problem = Problem()
+    stepper = lac.TimeStepper(problem.solver, 1.0, dt=0.01)
     stepper.Integrate(0.01, printing=False)
-    Refined(problem, True)
+    problem.Solve()
+    Refine(problem)
     stepper.Integrate(0.02, printing=False)
+
+
+def RefinedInSteps():
+    problem = Refined()
+    stepper = lac.LoadStepper(problem.solver, problem.load)
+    stepper.Integrate(2.0, steps=1, printing=False)
+
+
+def NewContact():
+    """Paired again on a refined mesh."""
+    problem = Refined()
+    problem.contact.Update()
+    lac.ContactSolver(problem.a, problem.gf, problem.contact).Solve(printing=False)
+
+
+def NewMesh():
+    mesh = Blocks()
+    mesh.Refine()
+    return Problem(mesh=mesh).Converged()
+
+
+def CurvedLate():
+    problem = Problem()
+    problem.mesh.Curve(3)
+    return problem.Converged()
 
 
 def Orphans():
     """What is left when the names of everything else are gone."""
-    problem = Problem(P2).Solve()
+    problem = Problem().Solve()
     contact, solver = problem.contact, problem.solver
     del problem
     gc.collect()
@@ -145,8 +106,8 @@ def Orphans():
 
 def Deformed(during):
     """A mesh deformation that comes, or goes, between pairing and solve."""
-    problem = Problem(P2)
-    field = GridFunction(VectorH1(problem.mesh, order=1))
+    problem = Problem()
+    field = GridFunction(P1(problem.mesh))
     field.Set(CF((0.05, 0)))
     problem.mesh.SetDeformation(field)
     if during:
@@ -157,155 +118,114 @@ def Deformed(during):
     return problem.contact.Table()
 
 
-def ByTwo(first, second):
-    first.Solve()
-    file = "state"
-    SaveState(file, first.solver)
-    LoadState(file, second.solver)
+def SavedFor(other):
+    """The state of the usual problem for another one."""
+    lac.SaveState("state", Problem().Solve().solver)
+    lac.LoadState("state", other.solver)
 
 
-def Times(problem, **flags):
-    stepper = TimeStepper(problem.solver, 1.0, dt=0.01, **flags)
+def Times(problem, density=1.0):
+    stepper = lac.TimeStepper(problem.solver, density, dt=0.01)
     return stepper.Integrate(0.02, printing=False)
 
 
-SPACE = ("LACSpace", "V ", "V=")
-# name: (what is done, words of which the message has to hold one)
+def Contact(X, **flags):
+    return lac.LACContact(*X.TrialFunction(), master="master", **flags)
+
+
+# Words of which the message has to hold one: name: what is done.
 STRANGE = {
-    # --- spaces
-    "space of L2": (lambda w: Problem(lambda m: VectorL2(m, order=2)), SPACE),
-    "space of numbers": (lambda w: Problem(lambda m: NumberSpace(m) ** 2), SPACE),
-    "space on the lower body": (
-        lambda w: Problem(lambda m: VectorH1(m, order=2, definedon="lower")),
-        SPACE,
-    ),
-    "space discontinuous": (lambda w: Problem(lambda m: Discontinuous(P2(m))), SPACE),
-    "space with dirichlet everywhere": (
-        lambda w: Problem(lambda m: VectorH1(m, order=2, dirichlet=".*")),
-        SPACE,
-    ),
-    "space of another mesh in the product": (
-        lambda w: LACContact(
-            *(w.V * LACSpace(w.other.V, slave="slave")).TrialFunction(), master="master"
+    "LACSpace|V |V=": {
+        "space of L2": lambda w: Problem(lambda m: ngs.VectorL2(m, order=2)),
+        "space of numbers": lambda w: Problem(lambda m: ngs.NumberSpace(m) ** 2),
+        "space on the lower body": lambda w: Order(2, definedon="lower"),
+        "space discontinuous": lambda w: Problem(lambda m: ngs.Discontinuous(P2(m))),
+        "space with dirichlet everywhere": lambda w: Order(2, dirichlet=".*"),
+    },
+    "lam|mesh": {
+        "space of another mesh in the product": lambda w: Contact(
+            w.V * lac.LACSpace(w.other.V, slave="slave")
         ),
-        ("lam", "mesh"),
-    ),
-    "space of lam that belongs to another displacement": (
-        lambda w: LACContact(*(P1(w.mesh) * w.Q).TrialFunction(), master="master").Update(),
-        ("lam", "u "),
-    ),
-    # --- meshes
-    "mesh of one dimension": (
-        lambda w: LACSpace(VectorH1(Make1DMesh(3), order=2), slave="left"),
-        ("dimension", "mesh"),
-    ),
-    "mesh of surfaces": (
-        lambda w: OnObstacle(P2(SurfaceMesh())).Update(),
-        ("slave",),
-    ),
-    "mesh of surfaces that follow": (
-        lambda w: OnObstacle(P2(SurfaceMesh()), finite=True).Update(),
-        ("finite",),
-    ),
-    "mesh of one body": (
-        lambda w: Problem(P2, Mesh(unit_square.GenerateMesh(maxh=0.5)), slave="left"),
-        ("master",),
-    ),
-    "mesh refined behind the back": (
-        lambda w: Refined(Problem(P2), False).solver.Solve(printing=False),
-        ("mesh", "space", "Update"),
-    ),
-    "mesh refined, and the solver goes on": (
-        lambda w: Refined(Problem(P2), True).solver.Solve(printing=False),
-        ("mesh", "space", "Update"),
-    ),
-    "mesh refined, and the stepper goes on": (
-        lambda w: LoadStepper(
-            (problem := Refined(Problem(P2), True)).solver, problem.load
-        ).Integrate(2.0, steps=1, printing=False),
-        ("mesh", "space", "Update"),
-    ),
-    "mesh refined, and the time goes on": (
-        lambda w: RefinedInTime(Problem(P2)),
-        ("mesh", "space", "Update"),
-    ),
-    "mesh refined, and a new stepper takes the old solver": (
-        lambda w: Times(Refined(Problem(P2), True)),
-        ("mesh", "space", "Update"),
-    ),
-    "mesh refined before a state is loaded": (
-        lambda w: ByTwo(Problem(P2), Refined(Problem(P2), True)),
-        ("mesh",),
-    ),
-    "state of another order": (
-        lambda w: ByTwo(Problem(P2), Problem(lambda m: VectorH1(m, order=3))),
-        ("mesh", "space", "dofs"),
-    ),
-    "state of another kind of contact": (
-        lambda w: ByTwo(Problem(P2), Problem(P2, finite=True)),
-        ("contact", "state", "finite"),
-    ),
-    # --- values
-    "friction that depends on lam": (lambda w: w.Contact(friction=w.lam[0]), ("friction",)),
-    "friction of a test function": (lambda w: w.Contact(friction=0.1 + w.v[0]), ("friction",)),
-    "obstacle of a trial function": (
-        lambda w: w.Contact(master=None, obstacle=w.u[1]),
-        ("obstacle",),
-    ),
-    "density of a trial function": (
-        lambda w: TimeStepper(w.solver, 1 + w.u[1], dt=0.1),
-        ("density",),
-    ),
-    "prescribed by a trial function": (
-        lambda w: LoadStepper(w.solver, w.load, prescribe={"bottom": w.u}),
-        ("prescribe",),
-    ),
-    "u of one space and lam of another": (
-        lambda w: LACContact(w.u, (w.V * w.Q).TrialFunction()[1], master="master"),
-        ("u", "lam"),
-    ),
+    },
+    "lam|u ": {
+        "space of lam that belongs to another displacement": lambda w: Contact(
+            P1(w.mesh) * w.Q
+        ).Update(),
+    },
+    "dimension|mesh": {
+        "mesh of one dimension": lambda w: lac.LACSpace(P2(Make1DMesh(3)), slave="left"),
+    },
+    "slave": {"mesh of surfaces": lambda w: OnSurfaces()},
+    "finite": {"mesh of surfaces that follow": lambda w: OnSurfaces(finite=True)},
+    "master": {
+        "mesh of one body": lambda w: Problem(
+            P2, Mesh(unit_square.GenerateMesh(maxh=0.5)), slave="left"
+        ),
+    },
+    "mesh|space|Update": {
+        "mesh refined behind the back": lambda w: Refined(False).solver.Solve(printing=False),
+        "mesh refined, and the solver goes on": lambda w: Refined().solver.Solve(printing=False),
+        "mesh refined, and the stepper goes on": lambda w: RefinedInSteps(),
+        "mesh refined, and the time goes on": lambda w: RefinedInTime(),
+        "mesh refined, and a new stepper takes the old solver": lambda w: Times(Refined()),
+    },
+    "mesh": {"mesh refined before a state is loaded": lambda w: SavedFor(Refined())},
+    "mesh|space|dofs": {"state of another order": lambda w: SavedFor(Order(3))},
+    "contact|state|finite": {
+        "state of another kind of contact": lambda w: SavedFor(Problem(finite=True)),
+    },
+    "friction": {
+        "friction that depends on lam": lambda w: w.Contact(friction=w.lam[0]),
+        "friction of a test function": lambda w: w.Contact(friction=0.1 + w.v[0]),
+    },
+    "obstacle": {
+        "obstacle of a trial function": lambda w: w.Contact(master=None, obstacle=w.u[1]),
+    },
+    "density": {"density of a trial function": lambda w: Times(w, 1 + w.u[1])},
+    "prescribe": {
+        "prescribed by a trial function": lambda w: lac.LoadStepper(
+            w.solver, w.load, prescribe={"bottom": w.u}
+        ),
+    },
+    "u|lam": {
+        "u of one space and lam of another": lambda w: lac.LACContact(
+            w.u, (w.V * w.Q).TrialFunction()[1], master="master"
+        ),
+    },
 }
 
 
 STRANGE_LEGAL = {
-    "space of facets": lambda w: LACSpace(VectorFacetFESpace(w.mesh, order=2), slave="slave"),
-    "gf of several vectors": lambda w: ContactSolver(
+    "space of facets": lambda w: lac.LACSpace(
+        ngs.VectorFacetFESpace(w.mesh, order=2), slave="slave"
+    ),
+    "gf of several vectors": lambda w: lac.ContactSolver(
         w.a, GridFunction(w.X, multidim=3), w.contact
     ).Solve(printing=False),
-    "mesh of surfaces to split": lambda w: SplitSlaveFaces(SurfaceMesh(), "slave"),
-    "space of components": lambda w: Problem(lambda m: VectorValued(H1(m, order=2))).Converged(),
+    "mesh of surfaces to split": lambda w: lac.SplitSlaveFaces(SurfaceMesh(), "slave"),
+    "space of components": lambda w: Problem(
+        lambda m: ngs.VectorValued(H1(m, order=2))
+    ).Converged(),
     "space of a power": lambda w: Problem(lambda m: H1(m, order=2) ** 2).Converged(),
     "space compressed": lambda w: Problem(lambda m: Compress(P2(m))).Converged(),
     "space compressed on one body": lambda w: Problem(
         lambda m: Compress(VectorH1(m, order=2, definedon="upper")), master=None, obstacle=CF(0)
     ).Solve(),
-    "space periodic": lambda w: Problem(
-        lambda m: Periodic(VectorH1(m, order=2)), PeriodicMesh()
-    ).Converged(),
+    "space periodic": lambda w: Problem(lambda m: Periodic(P2(m)), PeriodicMesh()).Converged(),
     "space periodic of first order": lambda w: Problem(
-        lambda m: Periodic(VectorH1(m, order=1)), PeriodicMesh()
+        lambda m: Periodic(P1(m)), PeriodicMesh()
     ).Converged(),
-    "space of order 9": lambda w: Problem(lambda m: VectorH1(m, order=9)).Converged(),
+    "space of order 9": lambda w: Order(9).Converged(),
     "space of bubbles": lambda w: Problem(
-        lambda m: BubbleVectorH1(m, order=1, slave="slave")
+        lambda m: lac.BubbleVectorH1(m, order=1, slave="slave")
     ).Converged(),
-    "space in HDiv": lambda w: LACSpace(HDiv(w.mesh, order=2), slave="slave"),
-    "space that is hidden in part": lambda w: Problem(
-        lambda m: VectorH1(m, order=4, autoupdate=True)
-    ).Converged(),
-    "mesh curved late": lambda w: (p := Problem(P2), p.mesh.Curve(3), p.Converged()),
+    "space in HDiv": lambda w: lac.LACSpace(ngs.HDiv(w.mesh, order=2), slave="slave"),
+    "space that is hidden in part": lambda w: Order(4, autoupdate=True).Converged(),
+    "mesh curved late": lambda w: CurvedLate(),
     "mesh deformed": lambda w: Deformed(False),
     "mesh deformed while paired": lambda w: Deformed(True),
-    "mesh refined, everything new": lambda w: (
-        mesh := Blocks(),
-        mesh.Refine(),
-        Problem(P2, mesh).Converged(),
-    ),
-    "mesh refined, contact anew": lambda w: (
-        p := Refined(Problem(P2), True),
-        p.contact.Update(),
-        ContactSolver(p.a, p.gf, p.contact).Solve(printing=False),
-    ),
+    "mesh refined, everything new": lambda w: NewMesh(),
+    "mesh refined, contact anew": lambda w: NewContact(),
     "objects that nobody names": lambda w: Orphans(),
-    "time with a finite contact": lambda w: Times(Problem(P2, finite=True)),
+    "time with a finite contact": lambda w: Times(Problem(finite=True)),
 }

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fuzz_kinds import PLAIN, VALUES, IsLegal, Near
+from fuzz_kinds import PLAIN, VALUES, IsLegal, Near, Pairs
 from ngsolve import Grad, Id, Sym
 
 import ngslac as lac
@@ -12,79 +12,28 @@ from ngslac.materials import NeoHooke, Stress
 __all__ = ["TARGETS", "Target"]
 
 # The kind that an argument of this name mostly has.
-NAMED = {
-    "a": "bulk",
-    "also": "things?",
-    "augmentation": "positive?",
-    "bulk": "matrix",
-    "callback": "function?",
-    "contacts": "contacts",
-    "deformation": "displacement?",
-    "density": "density",
-    "dt": "positive",
-    "displacement": "displacement?",
-    "end": "number",
-    "energy": "energy?",
-    "field": "word",
-    "file": "saved-file",
-    "filename": "path",
-    "finite": "flag",
-    "freedofs": "bits?",
-    "friction": "scalar?",
-    "gf": "solution",
-    "initial": "word",
-    "inverse": "word?",
-    "lam": "trial",
-    "load": "parameter",
-    "master": "region",
-    "maxcuts": "count",
-    "maxdist": "positive?",
-    "maxit": "count",
-    "mesh": "mesh",
-    "motion": "motion?",
-    "obstacle": "gap",
-    "penetration": "positive?",
-    "predict": "flag",
-    "prescribe": "prescribed?",
-    "printing": "flag",
-    "rho_inf": "share",
-    "rhs": "load?",
-    "same_load": "flag",
-    "slave": "region",
-    "state": "state",
-    "steps": "count",
-    "time": "parameter?",
-    "tied": "flag",
-    "tol": "below-one",
-    "tool": "tool",
-    "tresca": "scalar?",
-    "u": "trial",
-    "x": "vector",
-    "y": "vector",
-}
+NAMED = Pairs("""
+    a:bulk also:things? augmentation:positive? bulk:matrix callback:function? contacts:contacts
+    deformation:displacement? density:density dt:positive displacement:displacement? end:number
+    energy:energy? field:word file:saved-file filename:path finite:flag freedofs:bits?
+    friction:scalar? gf:solution initial:word inverse:word? lam:trial load:parameter master:region
+    maxcuts:count maxdist:positive? maxit:count mesh:mesh motion:motion? obstacle:gap
+    penetration:positive? predict:flag prescribe:prescribed? printing:flag rho_inf:share rhs:load?
+    same_load:flag slave:region state:state steps:count time:parameter? tied:flag tol:below-one
+    tool:tool tresca:scalar? u:trial x:vector y:vector
+""")
 
 
 @dataclass
 class Target:
-    """Something to call.
-
-    Attributes
-    ----------
-    call : callable
-        ``call(world, **arguments)``, which also uses what it makes.
-    given : callable
-        ``given(world)``: valid arguments that are always there.
-    names : str
-        The arguments to vary, with a kind where that is not the one in NAMED: ``"tol x:arrays"``.
-    also : dict
-        Further legal labels of an argument.
-    """
+    """Something to call."""
 
     name: str
-    call: Callable
-    given: Callable
-    names: str
-    also: dict = field(default_factory=dict)
+    call: Callable  # call(world, **arguments), which also uses what it makes
+    names: str  # the arguments to vary, with a kind where NAMED has another: "tol x:arrays"
+    given: Callable = lambda w: {}  # valid arguments that are always there
+    also: dict = field(default_factory=dict)  # further legal labels of an argument
+    plain: bool = False  # objects of NGSolve only with `every`
 
     def Cases(self, every=False):
         """(argument, label, legal) of the odd values, of all of them if `every` is set.
@@ -95,18 +44,45 @@ class Target:
         for count, entry in enumerate(self.names.split()):
             name, _, kind = entry.partition(":")
             kind = kind or NAMED[name]
-            for number, label in enumerate(VALUES):
+            for number, label in enumerate(PLAIN if self.plain and not every else VALUES):
                 turn = (number + count + len(self.name)) % (2 if label in PLAIN else 4) == 0
                 if every or turn or Near(kind, label):
-                    yield name, label, self.IsLegal(name, kind, label)
-
-    def IsLegal(self, name, kind, label):
-        """May this argument have this value?"""
-        return IsLegal(kind, label) or label in self.also.get(name, ())
+                    yield name, label, IsLegal(kind, label) or label in self.also.get(name, ())
 
 
-def Solves(cls):
-    return lambda w, **k: cls(**k).Solve(printing=False)
+OBJECTS = {  # of a World
+    "AugmentedLagrangianSolver": "augmented",
+    "ContactSolver": "solver",
+    "FormSum": "form",
+    "LACContact": "contact",
+    "LACSpace": "Q",
+    "LoadStepper": "loads",
+    "Segments": "segments",
+    "TimeStepper": "times",
+}
+
+
+def Method(name, names, given=Target.given, **also):
+    """Of one of `OBJECTS`."""
+    owner, _, method = name.partition(".")
+
+    def Call(w, **k):
+        return getattr(getattr(w, OBJECTS[owner]), method)(**k)
+
+    return Target(name, Call, names, given, also)
+
+
+def Function(thing, names, given=Target.given, **also):
+    return Target(thing.__name__, lambda w, **k: thing(**k), names, given, also)
+
+
+def Solver(cls, names):
+    def Call(w, **k):
+        cls(**k).Solve(printing=False)
+
+    names = f"a gf contacts rhs freedofs inverse initial {names}"
+    given = lambda w: {"a": w.a, "gf": w.gf, "contacts": w.contact}  # noqa: E731
+    return Target(cls.__name__, Call, names, given)
 
 
 def Used(contact, w):
@@ -119,241 +95,142 @@ def LoadSteps(w, **k):
     return lac.LoadStepper(**k).Integrate(steps=1, printing=False)
 
 
-def TimeSteps(w, **k):
-    return lac.TimeStepper(**k).Integrate(0.01, printing=False)
-
-
 def Space(w, **k):
     Q = lac.LACSpace(**k)
     return Q.nmacros, [Q.CoreDofs(m) for m in range(Q.nmacros)]
-
-
-def Bubbles(w, **k):
-    return lac.BubbleVectorH1(**k).ndof
-
-
-def Problem(w):
-    return {"a": w.a, "gf": w.gf, "contacts": w.contact}
 
 
 def Quietly(w):
     return {"printing": False}
 
 
-def Nothing(w):
-    return {}
+def Vectors(w):
+    return {"x": w.Vector(), "y": w.Vector()}
 
 
-SOLVER = "a gf contacts rhs freedofs inverse initial "
-INTEGRATE = "end callback printing maxit tol "
-
+SOLVE = "maxit tol printing callback motion path:flag"
+INTEGRATE = "callback printing maxit tol"
 # A law may depend on the solution; it has no mesh on which values could be looked at.
 MODULI = {name: {"CF of a trial function", "nan CF"} for name in ("young", "nu")}
+ZERO = {"0"}
 
 TARGETS = [
     # --- materials
     Target(
         "materials.Stress",
         lambda w, **k: Stress(**k),
-        lambda w: {"strain": Sym(Grad(w.u)), "young": 2.0, "nu": 0.3},
         "strain:tensor young:density nu:poisson plane:word",
+        lambda w: {"strain": Sym(Grad(w.u)), "young": 2.0, "nu": 0.3},
         MODULI,
     ),
     Target(
         "materials.NeoHooke",
         lambda w, **k: NeoHooke(**k),
-        lambda w: {"F": Id(2) + Grad(w.u), "young": 2.0, "nu": 0.3},
         "F:tensor young:density nu:poisson",
+        lambda w: {"F": Id(2) + Grad(w.u), "young": 2.0, "nu": 0.3},
         MODULI,
     ),
     # --- spaces and meshes
     Target(
         "LACSpace",
         Space,
-        lambda w: {"V": w.V, "slave": "slave"},
         "V:space slave macros:state? components:count? autoupdate:flag",
+        lambda w: {"V": w.V, "slave": "slave"},
     ),
-    Target(
-        "LACSpace.WithComponents",
-        lambda w, **k: w.Q.WithComponents(**k),
-        Nothing,
-        "components:count",
-    ),
-    Target(
-        "LACSpace.CoreDofs",
-        lambda w, **k: w.Q.CoreDofs(**k),
-        Nothing,
-        "macro:count",
-        {"macro": {"0"}},
-    ),
+    Method("LACSpace.WithComponents", "components:count"),
+    Method("LACSpace.CoreDofs", "macro:count", macro=ZERO),
     Target(
         "BubbleVectorH1",
-        Bubbles,
-        lambda w: {"mesh": w.mesh, "slave": "slave", "order": 1},
+        lambda w, **k: lac.BubbleVectorH1(**k).ndof,
         "mesh slave order:count dirichlet:any-pattern?",
+        lambda w: {"mesh": w.mesh, "slave": "slave", "order": 1},
     ),
-    Target(
-        "SplitSlaveFaces",
-        lambda w, **k: lac.SplitSlaveFaces(**k),
-        lambda w: {"mesh": w.mesh, "slave": "slave"},
-        "mesh slave hexes:word",
+    Function(
+        lac.SplitSlaveFaces, "mesh slave hexes:word", lambda w: {"mesh": w.mesh, "slave": "slave"}
     ),
     # --- contact
     Target(
         "LACContact",
         lambda w, **k: Used(lac.LACContact(**k), w),
-        lambda w: {"u": w.u, "lam": w.lam, "master": "master"},
         "u lam master friction tresca tied finite maxdist penetration stiffness:positive",
+        lambda w: {"u": w.u, "lam": w.lam, "master": "master"},
         {"u": {"trial function"}},
     ),
     Target(
         "LACContact with obstacle",
         lambda w, **k: Used(w.Contact(master=None, **k), w),
-        lambda w: {"obstacle": 0.01},
         "obstacle friction",
+        lambda w: {"obstacle": 0.01},
     ),
-    Target("LACContact.Update", lambda w, **k: w.contact.Update(**k), Nothing, "gf:solution?"),
-    Target("LACContact.Prepare", lambda w, **k: w.Contact().Prepare(**k), Nothing, "bulk"),
-    Target("LACContact.Follow", lambda w, **k: w.contact.Follow(**k), Nothing, "gf"),
-    Target(
-        "LACContact.AddApply",
-        lambda w, **k: w.contact.AddApply(**k),
-        lambda w: {"x": w.Vector(), "y": w.Vector()},
-        "x y",
-    ),
-    Target(
-        "LACContact.Apply",
-        lambda w, **k: w.contact.Apply(**k),
-        lambda w: {"x": w.Vector(), "y": w.Vector()},
-        "x y",
-    ),
-    Target(
-        "LACContact.AssembleLinearization",
-        lambda w, **k: w.contact.AssembleLinearization(**k),
-        Nothing,
-        "x",
-    ),
-    Target("LACContact.Commit", lambda w, **k: w.contact.Commit(**k), Nothing, "gf"),
-    Target("LACContact.Evaluate", lambda w, **k: w.contact.Evaluate(**k), Nothing, "gf"),
-    Target(
-        "LACContact.SetState",
-        lambda w, **k: w.contact.SetState(**k),
-        lambda w: {"state": w.contact.State()},
-        "state gf:solution?",
-    ),
-    Target("LACContact.Moment", lambda w, **k: w.contact.Moment(**k), Nothing, "point:point?"),
-    Target(
+    Method("LACContact.Update", "gf:solution?"),
+    Target("LACContact.Prepare", lambda w, **k: w.Contact().Prepare(**k), "bulk"),
+    Method("LACContact.Follow", "gf"),
+    Method("LACContact.AddApply", "x y", Vectors),
+    Method("LACContact.Apply", "x y", Vectors),
+    Method("LACContact.AssembleLinearization", "x"),
+    Method("LACContact.Commit", "gf"),
+    Method("LACContact.Evaluate", "gf"),
+    Method("LACContact.SetState", "state gf:solution?", lambda w: {"state": w.contact.State()}),
+    Method("LACContact.Moment", "point:point?"),
+    Method(
         "LACContact.Draw",
-        lambda w, **k: w.contact.Draw(show=False, **k),
-        lambda w: {"deformation": w.gf.components[0]},
         "field background:background? deformation scale:number size:positive?",
+        lambda w: {"deformation": w.gf.components[0], "show": False},
     ),
-    Target(
-        "LACContact.Plot",
-        lambda w, **k: w.contact.Plot(**k),
-        Nothing,
-        "field along:word deformation axes:axes?",
-    ),
-    Target(
+    Method("LACContact.Plot", "field along:word deformation axes:axes?"),
+    Method(
         "LACContact.WriteVTU",
-        lambda w, **k: w.contact.WriteVTU(**k),
-        lambda w: {"filename": w.folder.name + "/contact"},
         "filename displacement",
-        {"filename": {"folder"}},
+        lambda w: {"filename": w.folder.name + "/contact"},
+        filename={"folder"},
     ),
-    Target(
-        "Segments.WriteVTU",
-        lambda w, **k: w.contact.Segments().WriteVTU(**k),
-        Nothing,
-        "filename",
-        {"filename": {"folder"}},
-    ),
+    Method("Segments.WriteVTU", "filename", filename={"folder"}),
     # --- solvers
-    Target(
-        "ContactSolver",
-        Solves(lac.ContactSolver),
-        Problem,
-        SOLVER + "solver:word? preconditioner:function?",
-    ),
-    Target(
-        "ContactSolver.Solve",
-        lambda w, **k: w.solver.Solve(**k),
-        Quietly,
-        "maxit tol printing callback motion path:flag",
-    ),
-    Target("ContactSolver.SetState", lambda w, **k: w.solver.SetState(**k), Nothing, "state"),
-    Target("ContactSolver.Merit", lambda w, **k: w.solver.Merit(**k), Nothing, "same_load"),
-    Target(
-        "AugmentedLagrangianSolver",
-        Solves(lac.AugmentedLagrangianSolver),
-        Problem,
-        SOLVER + "augmentation",
-    ),
-    Target(
-        "AugmentedLagrangianSolver.Solve",
-        lambda w, **k: w.augmented.Solve(**k),
-        Quietly,
-        "maxit tol printing callback motion path:flag",
-    ),
+    Solver(lac.ContactSolver, "solver:word? preconditioner:function?"),
+    Method("ContactSolver.Solve", SOLVE, Quietly),
+    Method("ContactSolver.SetState", "state"),
+    Method("ContactSolver.Merit", "same_load"),
+    Solver(lac.AugmentedLagrangianSolver, "augmentation"),
+    Method("AugmentedLagrangianSolver.Solve", SOLVE, Quietly),
     Target(
         "FormSum",
         lambda w, a, contacts: lac.FormSum(a, contacts),
-        lambda w: {"a": w.a, "contacts": w.contact},
         "a contacts",
+        lambda w: {"a": w.a, "contacts": w.contact},
     ),
-    Target(
-        "FormSum.AssembleLinearization",
-        lambda w, **k: w.form.AssembleLinearization(**k),
-        Nothing,
-        "x",
-    ),
-    Target(
-        "FormSum.Apply",
-        lambda w, **k: w.form.Apply(**k),
-        lambda w: {"x": w.Vector(), "y": w.Vector()},
-        "x y",
-    ),
+    Method("FormSum.AssembleLinearization", "x"),
+    Method("FormSum.Apply", "x y", Vectors),
     # --- steppers
     Target(
         "LoadStepper",
         LoadSteps,
-        lambda w: {"solver": w.solver, "load": w.load},
         "solver:tool load prescribe predict maxcuts:count",
-        {"maxcuts": {"0"}},
+        lambda w: {"solver": w.solver, "load": w.load},
+        {"maxcuts": ZERO},
     ),
-    Target(
-        "LoadStepper.Integrate",
-        lambda w, **k: w.loads.Integrate(**k),
-        lambda w: {"printing": False, "steps": 1},
-        INTEGRATE + "steps",
+    Method(
+        "LoadStepper.Integrate", f"end {INTEGRATE} steps", lambda w: {"printing": False, "steps": 1}
     ),
-    Target("LoadStepper.SetState", lambda w, **k: w.loads.SetState(**k), Nothing, "state"),
+    Method("LoadStepper.SetState", "state"),
     Target(
         "TimeStepper",
-        TimeSteps,
-        lambda w: {"solver": w.solver, "density": 1.0, "dt": 0.1},
+        lambda w, **k: lac.TimeStepper(**k).Integrate(0.01, printing=False),
         "solver:tool density dt rho_inf time prescribe energy maxcuts",
-        {"maxcuts": {"0"}},
+        lambda w: {"solver": w.solver, "density": 1.0, "dt": 0.1},
+        {"maxcuts": ZERO},
     ),
-    Target(
+    Method(
         "TimeStepper.Integrate",
-        lambda w, **k: w.times.Integrate(**k),
+        f"end:positive {INTEGRATE}",
         lambda w: {"end": 0.1, "printing": False},
-        INTEGRATE.replace("end", "end:positive"),
     ),
-    Target("TimeStepper.SetState", lambda w, **k: w.times.SetState(**k), Nothing, "state"),
+    Method("TimeStepper.SetState", "state"),
     # --- files
-    Target(
-        "SaveState",
-        lambda w, **k: lac.SaveState(**k),
-        lambda w: {"file": w.folder.name + "/new", "tool": w.solver},
+    Function(
+        lac.SaveState,
         "file:path tool also",
+        lambda w: {"file": w.folder.name + "/new", "tool": w.solver},
     ),
-    Target(
-        "LoadState",
-        lambda w, **k: lac.LoadState(**k),
-        lambda w: {"file": w.file, "tool": w.solver},
-        "file tool also",
-    ),
-    Target("LoadMesh", lambda w, **k: lac.LoadMesh(**k), Nothing, "file"),
+    Function(lac.LoadState, "file tool also", lambda w: {"file": w.file, "tool": w.solver}),
+    Function(lac.LoadMesh, "file"),
 ]

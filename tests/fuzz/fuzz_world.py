@@ -4,99 +4,121 @@ import tempfile
 from functools import cached_property
 from pathlib import Path
 
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    Id,
-    InnerProduct,
-    LinearForm,
-    Parameter,
-    SetNumThreads,
-    Sym,
-    Trace,
-    VectorH1,
-    ds,
-    dx,
-    x,
-)
+import ngsolve as ngs
+from ngsolve import CF, Grad, Id, InnerProduct, Sym, Trace, VectorH1, ds, dx
 
-from ngslac import (
-    AugmentedLagrangianSolver,
-    ContactSolver,
-    FormSum,
-    LACContact,
-    LACSpace,
-    LoadStepper,
-    SaveState,
-    TimeStepper,
-)
+import ngslac as lac
 from ngslac.meshes import TwoBlocks
 
-__all__ = ["World"]
+__all__ = ["P1", "P2", "Blocks", "Elastic", "Problem", "World"]
 
 
-class World:
-    """Valid arguments of everything public. `other` is the same problem on a mesh of its own."""
+def P1(mesh):
+    return VectorH1(mesh, order=1)
 
-    def __init__(self, h=0.5, other=True):
-        SetNumThreads(1)  # a fork copies one thread only
-        self.mesh = TwoBlocks(h, overhang=0.2, aligned=False, structured=True)
-        self.V = VectorH1(self.mesh, order=2, dirichlet="bottom", dirichletx="top")
-        self.Q = LACSpace(self.V, slave="slave")
+
+def P2(mesh):
+    return VectorH1(mesh, order=2)
+
+
+def Held(mesh):
+    return VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="top")
+
+
+def Blocks(h=0.5):
+    return TwoBlocks(h, overhang=0.2, aligned=False, structured=True)
+
+
+def Elastic(u, v):
+    """Linear elasticity, as an integral."""
+    strain, dim = Sym(Grad(u)), u.dim
+    return InnerProduct(2 * strain + 3 * Trace(strain) * Id(dim), Sym(Grad(v))) * dx
+
+
+def Springs(u, v, load):
+    """Springs at both ends, of which the upper ones are pushed."""
+    push = load * CF((0.01, -0.02) if u.dim == 2 else (0.01, 0, -0.02))
+    return 10 * InnerProduct(u - push, v) * ds("top") + 10 * InnerProduct(u, v) * ds("bottom")
+
+
+def Pressed(u, v, load):
+    return 0.01 * load * v[1] * ds("top")
+
+
+class Problem:
+    """Two blocks, by default held by springs and pressed, with any displacement space."""
+
+    def __init__(self, make=P2, mesh=None, slave="slave", forces=Springs, **law):
+        self.mesh = mesh or Blocks()
+        self.V = make(self.mesh)
+        self.Q = lac.LACSpace(self.V, slave=slave)
         self.X = self.V * self.Q
         (self.u, self.lam), (self.v, self.mu) = self.X.TnT()
-        self.load = Parameter(1.0)
-        self.a = BilinearForm(self.X)
-        self.a += self.Bulk() + self.load * 0.01 * self.v[1] * ds("top")
-        self.f = LinearForm(-0.01 * self.v[1] * ds("top")).Assemble()
-        self.gf = GridFunction(self.X)
-        self.contact = LACContact(self.u, self.lam, master="master", friction=0.3)
-        self.solver = ContactSolver(self.a, self.gf, self.contact)
-        self.start = CF((0.01 * x, 0))
-        if other:
-            self.solver.Solve(printing=False)
-            self.other = World(0.3, other=False)
-            self.folder = tempfile.TemporaryDirectory(prefix="ngslac-fuzz-")
-            self.file = Path(self.folder.name) / "state"
-            SaveState(self.file, self.solver)
-
-    def Bulk(self):
-        """Linear elasticity, as an integral."""
-        strain = Sym(Grad(self.u))
-        return InnerProduct(2 * strain + 3 * Trace(strain) * Id(2), Sym(Grad(self.v))) * dx
+        self.load = ngs.Parameter(1.0)
+        self.a = ngs.BilinearForm(self.X)
+        self.a += Elastic(self.u, self.v) + forces(self.u, self.v, self.load)
+        self.gf = ngs.GridFunction(self.X)
+        self.contact = self.Contact(**({"friction": 0.3} | law))
+        self.solver = lac.ContactSolver(self.a, self.gf, self.contact)
 
     def Contact(self, **flags):
         """Another contact on the same product space."""
-        return LACContact(self.u, self.lam, **({"master": "master"} | flags))
+        return lac.LACContact(self.u, self.lam, **({"master": "master"} | flags))
+
+    def Solve(self):
+        self.solver.Solve(printing=False)
+        return self
+
+    def Converged(self):
+        """Solved, with a force between the blocks."""
+        self.Solve()
+        assert abs(self.contact.Force()[-1]) > 1e-6
+        return self
+
+
+class World(Problem):
+    """Valid arguments of everything public. `other` is the same problem on a mesh of its own."""
+
+    def __init__(self, h=0.5, other=True):
+        ngs.SetNumThreads(1)  # a fork copies one thread only
+        super().__init__(Held, Blocks(h), forces=Pressed)
+        self.f = ngs.LinearForm(-0.01 * self.v[1] * ds("top")).Assemble()
+        if other:
+            self.Solve()
+            self.other = World(0.3, other=False)
+            self.folder = tempfile.TemporaryDirectory(prefix="ngslac-fuzz-")
+            self.file = Path(self.folder.name) / "state"
+            lac.SaveState(self.file, self.solver)
 
     def Form(self, *terms, **flags):
         """The bulk form with further terms or flags."""
-        a = BilinearForm(self.X, **flags)
-        a += self.Bulk() + 0.01 * self.v[1] * ds("top")
-        for term in terms:
+        a = ngs.BilinearForm(self.X, **flags)
+        for term in (Elastic(self.u, self.v), Pressed(self.u, self.v, 1), *terms):
             a += term
         return a
 
     @cached_property
     def augmented(self):
-        return AugmentedLagrangianSolver(self.a, self.gf, self.contact)
+        return lac.AugmentedLagrangianSolver(self.a, self.gf, self.contact)
 
     @cached_property
     def form(self):
-        form = FormSum(self.a, self.contact)
+        form = lac.FormSum(self.a, self.contact)
         form.AssembleLinearization(self.gf.vec)
         return form
 
     @cached_property
     def loads(self):
         self.load.Set(0)
-        return LoadStepper(self.solver, self.load)
+        return lac.LoadStepper(self.solver, self.load)
 
     @cached_property
     def times(self):
-        return TimeStepper(self.solver, 1.0, dt=0.1)
+        return lac.TimeStepper(self.solver, 1.0, dt=0.1)
+
+    @property
+    def segments(self):
+        return self.contact.Segments()
 
     def Vector(self):
         """A vector on the product space."""

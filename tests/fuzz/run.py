@@ -18,47 +18,43 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 from fuzz_cases import AllCases
-from fuzz_process import Processes
+from fuzz_process import RunAll
 from fuzz_world import World
 
 __all__ = ["Main"]
 
 BAD = ("crash", "hang", "silent", "unnamed")
-GOOD = ("named", "harmless")
+OUTCOMES = ("named", "harmless", *BAD)
 
 
-def Arguments(arguments):
+def Parser():
     """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--json", type=Path, help="write the numbers to this file")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--only", default="*", help="pattern of the names of cases")
-    parser.add_argument("--sample", type=int, help="so many cases, by a fixed seed")
-    parser.add_argument("--every", action="store_true", help="all odd values for each argument")
-    parser.add_argument("--limit", type=int, default=20, help="seconds that a case may take")
-    parser.add_argument("--verbose", action="store_true", help="print each case")
-    return parser.parse_args(arguments)
-
-
-def Chosen(given):
-    """The cases that were asked for."""
-    cases = [case for case in AllCases(given.every) if fnmatch.fnmatch(case.name, given.only)]
-    if given.sample is not None:
-        cases = random.Random(1).sample(cases, min(given.sample, len(cases)))
-    return cases
+    add = parser.add_argument
+    add("--json", type=Path, help="write the numbers to this file")
+    add("--jobs", type=int, default=os.cpu_count())
+    add("--only", default="*", help="pattern of the names of cases")
+    add("--sample", type=int, help="so many cases, by a fixed seed")
+    add("--every", action="store_true", help="all odd values for each argument")
+    add("--limit", type=int, default=20, help="seconds that a case may take")
+    add("--verbose", action="store_true", help="print each case")
+    return parser
 
 
 def Main(arguments=None):
     """Run the command; returns its exit code."""
-    given = Arguments(arguments)
-    cases = Chosen(given)
-    world = World()
+    given = Parser().parse_args(arguments)
+    cases = [case for case in AllCases(given.every) if fnmatch.fnmatch(case.name, given.only)]
+    if given.sample is not None:
+        cases = random.Random(1).sample(cases, min(given.sample, len(cases)))
     outcomes = defaultdict(Counter)
-    for case, outcome, message in Processes(world, given.jobs, given.limit).Run(cases):
+    for case, outcome, message in RunAll(cases, World(), given.jobs, given.limit):
         outcomes[case.target][outcome] += 1
         if outcome in BAD or given.verbose:
             print(f"{outcome:8} {case.name}: {message}", flush=True)
-    Table(outcomes)
+    print(f"{'':42}" + "".join(f"{name:>10}" for name in OUTCOMES))
+    for target, counts in outcomes.items():
+        print(f"{target:42}" + "".join(f"{counts[name]:>10}" for name in OUTCOMES))
     total = sum(outcomes.values(), Counter())
     result = {"cases": len(cases), "crashes": total["crash"], "hangs": total["hang"]}
     result |= {name: total[name] for name in ("silent", "unnamed", "named", "harmless")}
@@ -66,13 +62,6 @@ def Main(arguments=None):
         given.json.write_text(json.dumps(result, indent=1) + "\n")
     print(", ".join(f"{name} {count}" for name, count in result.items()))
     return int(any(total[name] for name in BAD))
-
-
-def Table(outcomes):
-    """What became of the cases of each target."""
-    print(f"{'':42}" + "".join(f"{name:>10}" for name in (*GOOD, *BAD)))
-    for target, counts in outcomes.items():
-        print(f"{target:42}" + "".join(f"{counts[name]:>10}" for name in (*GOOD, *BAD)))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from fuzz_targets import TARGETS
 import ngslac
 
 RUN = Path(__file__).with_name("run.py")
+BAD = ("crashes", "hangs", "silent", "unnamed")
 
 
 def test_sample(tmp_path):
@@ -19,10 +20,8 @@ def test_sample(tmp_path):
     command = [sys.executable, RUN, "--sample", "60", "--jobs", "1", "--json", numbers]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     found = json.loads(numbers.read_text())
-    bad = {name: found[name] for name in ("crashes", "hangs", "silent", "unnamed")}
-    assert not any(bad.values()), done.stdout
-    assert done.returncode == 0
-    assert found["cases"] == 60
+    assert not any(found[name] for name in BAD), done.stdout
+    assert (done.returncode, found["cases"]) == (0, 60)
 
 
 def test_what_the_command_finds(tmp_path):
@@ -31,7 +30,7 @@ def test_what_the_command_finds(tmp_path):
 import os, sys, time
 sys.path.insert(0, {str(RUN.parent)!r})
 from fuzz_cases import Case
-from fuzz_process import Processes
+from fuzz_process import RunAll
 
 class World:
     folder = type("Folder", (), {{"name": {str(tmp_path)!r}}})
@@ -48,14 +47,15 @@ cases = {{
     "named": lambda w: Fail(ValueError("size = -1 must be positive")),
 }}
 made = [Case("target", name, run, ("size",), False) for name, run in cases.items()]
-for case, outcome, _ in Processes(World(), 2, 1).Run(made):
-    assert outcome == case.name.split()[0], (outcome, case.name)
+outcomes = [(case.name.split()[0], outcome) for case, outcome, _ in RunAll(made, World(), 2, 1)]
+assert len(outcomes) == len(cases), outcomes
+assert all(wanted == outcome for wanted, outcome in outcomes), outcomes
 """
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
 def Public():
-    """(name of a target, its parameters) of all public Python callables that take any."""
+    """(name of a target, callable) of all that is public, of Python, and takes arguments."""
     for name in ngslac.__all__:
         thing = getattr(ngslac, name)
         if not callable(thing) or thing.__module__ in ("ngslac._ngslac", "ngslac.errors"):
@@ -63,10 +63,9 @@ def Public():
         yield name, thing
         for method in dir(thing) if inspect.isclass(thing) else ():
             found = getattr(thing, method)
-            own = (getattr(found, "__module__", None) or "").startswith("ngslac.")
-            if (
-                method[0].isupper() and own and found.__module__ != "ngslac.solve.newton"
-            ):  # inner steps
+            module = getattr(found, "__module__", None) or ""
+            inner = module == "ngslac.solve.newton"
+            if method[0].isupper() and module.startswith("ngslac.") and not inner:
                 yield f"{name}.{method}", found
 
 
