@@ -1,95 +1,121 @@
-"""ContactSolver: same solution by every route, quadratic convergence, all kinds of input."""
+"""ContactSolver in 2D and 3D: the law, quadratic convergence, the same solution by every route."""
+
+from functools import partial
 
 import numpy as np
 import pytest
+from law import check_law, shear
 from ngsolve import (
+    BND,
     CF,
     H1,
     BitArray,
+    GridFunction,
     InnerProduct,
+    Integrate,
     LinearForm,
     Parameter,
+    SetNumThreads,
     TaskManager,
+    VectorValued,
     ds,
     x,
+    y,
 )
 from ngsolve.nonlinearsolvers import NewtonSolver
-from press import mixed_press, numpy, press
+from obstacles import block_on_obstacle
+from press import PUSH, mixed_press, numpy, press, solved
 
-from ngslac import BubbleVectorH1, ContactSolver, FormSum
+from ngslac import BubbleVectorH1, FormSum, LoadStepper, SplitSlaveFaces
 
-
-def solved(problem, **flags):
-    solver = problem.solver(**flags)
-    solver.Solve(printing=False)
-    return solver
+KINDS = [("hex", "hex"), ("tet", "hex"), ("prism", "tet"), ("prism_side", "pyramid")]
+TIED = {"tied": True, "friction": None}
 
 
-def check_law(contact, tol=1e-9):
-    """The contact conditions macro by macro, relative to the largest pressure and size."""
-    t = contact.Table()
-    p, size = t["pressure"].max(), t["fullarea"].max()
-    shear = t["traction"] + t["pressure"][:, None] * t["normal"]
-    shear = np.linalg.norm(shear, axis=1)
-    is_open, stick, slip = (t["status"] == k for k in range(3))
-    assert np.all(t["gap"][is_open] > -tol * size)
-    assert np.abs(t["traction"][is_open]).max(initial=0) < tol * p
-    assert np.abs(t["gap"][~is_open]).max(initial=0) < tol * size
-    assert np.all(t["pressure"][~is_open] > -tol * p)
-    bound = t["friction"] * t["pressure"]
-    assert np.all(shear <= bound + tol * p)
-    assert np.abs(np.linalg.norm(t["slip"], axis=1)[stick]).max(initial=0) < tol * size
-    assert shear[slip] == pytest.approx(bound[slip], abs=tol * p)
-    # Friction resists the slip of the slave.
-    tangential = t["traction"] + t["pressure"][:, None] * t["normal"]
-    assert np.all(np.sum(tangential * t["slip"], axis=1)[slip] <= tol * p * size)
+@pytest.fixture(params=[2, 3])
+def dim(request):
+    return request.param
+
+
+def same(problem, reference, tol=1e-10):
+    expected = numpy(reference.gf)
+    assert np.abs(numpy(problem.gf) - expected).max() <= tol * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("nonlinear", [False, True])
-def test_solution_obeys_the_law_with_every_status(nonlinear):
-    problem = mixed_press(nonlinear=nonlinear)
-    solver = solved(problem)
-    assert set(problem.contact.Table()["status"]) == {0, 1, 2}
+def test_solution_obeys_the_law_with_every_status(dim, nonlinear):
+    problem = mixed_press(dim=dim, nonlinear=nonlinear)
+    last = solved(problem).history[-1]
+    table = problem.contact.Table()
+    assert set(table["status"]) == {0, 1, 2}
     check_law(problem.contact)
-    last = solver.history[-1]
-    assert (last.open, last.stick, last.slip) == tuple(
-        np.bincount(problem.contact.Table()["status"], minlength=3)
-    )
+    assert (last.open, last.stick, last.slip) == tuple(np.bincount(table["status"], minlength=3))
+    # The traction of a slipping macro-element points against its slip.
+    traction, slip = (values[table["status"] == 2] for values in (shear(table), table["slip"]))
+    sizes = np.linalg.norm(traction, axis=1) * np.linalg.norm(slip, axis=1)
+    assert np.sum(traction * slip, axis=1) == pytest.approx(-sizes, rel=1e-8)
+    turns = np.degrees(np.arctan2(traction[:, 1], traction[:, 0]))
+    assert dim == 2 or np.ptp(turns) > 1  # the directions differ
 
 
-def test_quadratic_convergence_with_a_nonlinear_bulk():
-    """The last residuals square (up to a constant) once the status is settled."""
-    problem = mixed_press(nonlinear=True)
+@pytest.mark.parametrize("kinds", KINDS)
+def test_solution_obeys_the_law_for_all_shapes(kinds):
+    problem = mixed_press(dim=3, kinds=kinds, n=(3, 2))
+    solved(problem)
+    check_law(problem.contact)
+    assert len(set(problem.contact.Table()["status"])) >= 2
+
+
+@pytest.mark.parametrize(
+    ("dim", "nonlinear", "least", "best"),
+    [(2, True, 3, 1e-9), (3, False, 2, 1e-7), (3, True, 2, 1e-7)],
+)
+def test_quadratic_convergence(dim, nonlinear, least, best):
+    """The last residuals square (up to a constant) once the status is settled.
+
+    In 3D also with a linear bulk: there the direction of slip is nonlinear.
+    """
+    problem = mixed_press(dim=dim, nonlinear=nonlinear)
+    if dim == 3:
+        size = 3 if nonlinear else 1
+        push = (0.005 * size, 0.003 * size, (-0.02 + 0.02 * x + 0.005 * y) * size)
+        problem = mixed_press(dim=3, nonlinear=nonlinear, push=push)
     solver = problem.solver()
     solver.Solve(printing=False, tol=1e-12)
-    settled = [h for h in solver.history if h.number >= 3 and h.changed == 0]
-    errors = np.array([h.equilibrium for h in settled if h.equilibrium > 1e-13])
-    assert len(errors) >= 3
+    settled = [h for h in solver.history if h.number >= 2 and h.changed == 0]
+    errors = np.array([max(h.equilibrium, h.constraint) for h in settled])
+    errors = errors[errors > 1e-13]
+    assert set(problem.contact.Table()["status"]) >= {1, 2}
+    assert len(errors) >= least
+    assert errors[0] > 1e-6
     assert np.all(errors[1:] < 10 * errors[:-1] ** 2 + 1e-13)
-    assert errors[-1] < 1e-9
+    assert errors[-1] < best
+    assert all(h.damping == 1 for h in solver.history)
+    assert len(solver.history) <= 9
 
 
 def test_linear_bulk_converges_in_the_step_after_the_last_change():
     """Everything is piecewise linear in 2D: the right status gives the solution."""
-    problem = mixed_press()
-    solver = solved(problem)
+    solver = solved(mixed_press())
     assert solver.history[-1].equilibrium < 1e-12
     assert solver.history[-1].constraint < 1e-12
     assert len(solver.history) <= 6
 
 
+# --- the same by other routes --------------------------------------------------------------------
+
+
 @pytest.mark.parametrize("law", [{"friction": 0.3}, {}, {"tresca": 0.01}, {"tied": True}])
-@pytest.mark.parametrize("nonlinear", [False, True])
-def test_stock_newton_finds_the_same(law, nonlinear):
+def test_stock_newton_finds_the_same(dim, law):
     """FormSum with NGSolve's NewtonSolver, the pairing fixed in the reference configuration."""
-    mine, stock = (mixed_press(nonlinear=nonlinear, **({"friction": None} | law)) for _ in range(2))
+    flags = {"dim": dim, "nonlinear": True, "n": (2, 1), "friction": None} | law
+    mine, stock = (mixed_press(**flags) for _ in range(2))
     solved(mine)
     newton = NewtonSolver(
         FormSum(stock.a, stock.contact), stock.gf, freedofs=stock.X.FreeDofs(), inverse="umfpack"
     )
     newton.Solve(maxerr=1e-12, maxit=20, printing=False)
-    difference = numpy(mine.gf) - numpy(stock.gf)
-    assert np.abs(difference).max() <= 1e-10 * np.abs(numpy(mine.gf)).max()
+    same(stock, mine)
 
 
 def test_form_sum_applies_both():
@@ -98,134 +124,188 @@ def test_form_sum_applies_both():
     state = problem.gf.vec.CreateVector()
     state.FV().NumPy()[:] = np.random.default_rng(0).normal(size=len(state.FV()))
     form.AssembleLinearization(state)
-    y, bulk, contact = (state.CreateVector() for _ in range(3))
-    form.Apply(state, y)
-    problem.a.Apply(state, bulk)
-    problem.contact.Apply(state, contact)
-    assert numpy(y) == pytest.approx(numpy(bulk) + numpy(contact), rel=1e-12)
-    form.mat.Mult(state, y)
-    problem.a.mat.Mult(state, bulk)
-    problem.contact.mat.Mult(state, contact)
-    assert numpy(y) == pytest.approx(numpy(bulk) + numpy(contact), abs=1e-9)
+    images = []
+    for part in (form, problem.a, problem.contact):
+        applied, product = state.CreateVector(), state.CreateVector()
+        part.Apply(state, applied)
+        part.mat.Mult(state, product)
+        images.append((numpy(applied), numpy(product)))
+    (applied, product), *parts = images
+    assert applied == pytest.approx(sum(p[0] for p in parts), rel=1e-12)
+    assert product == pytest.approx(sum(p[1] for p in parts), abs=1e-9)
     assert form.condense is False
 
 
-@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("high", [False, True])
 @pytest.mark.parametrize("nonlinear", [False, True])
-def test_condensation_changes_nothing(order, nonlinear):
-    problems = [
-        mixed_press(order=order, nonlinear=nonlinear, condense=c, h=0.25) for c in (False, True)
-    ]
-    for problem in problems:
+def test_condensation_changes_nothing(dim, high, nonlinear):
+    order = {2: (2, 4), 3: (2, 3)}[dim][high]
+    given = {"dim": dim, "order": order, "nonlinear": nonlinear, "h": 0.25}
+    given |= {"kinds": ("hex", "hex"), "n": (2, 1) if high else (3, 2)}
+    full, condensed = (mixed_press(condense=c, **given) for c in (False, True))
+    solved(full)
+    solved(condensed)
+    same(condensed, full)
+    free = [sum(map(bool, p.X.FreeDofs(p.a.condense))) for p in (full, condensed)]
+    inside = (order - 1) * (order - 2) if dim == 2 else 3 * (order - 1) ** 3  # of an element
+    assert free[0] - free[1] == inside * full.mesh.ne
+
+
+@pytest.mark.parametrize(
+    ("flags", "route"),
+    [
+        ({}, {"inverse": "umfpack"}),
+        ({}, {"inverse": "sparsecholesky", "solver": "saddle"}),  # which it is not made for
+        (TIED, {"inverse": "umfpack"}),
+        (TIED, {"inverse": "sparsecholesky"}),
+        ({"dim": 3, "n": (3, 2)}, {"inverse": "umfpack"}),
+    ],
+)
+def test_solvers_of_linear_systems_find_the_same(flags, route):
+    reference, other = mixed_press(**flags), mixed_press(**flags)
+    solved(reference)
+    solver = solved(other, **route)
+    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
+    assert "solver" not in route or solver.linear.inverse != "sparsecholesky"
+
+
+@pytest.mark.parametrize(
+    ("dim", "space"),
+    [
+        (2, lambda m, **f: H1(m, dim=2, **f)),
+        (3, lambda m, **f: H1(m, dim=3, **f)),
+        (3, lambda m, **f: VectorValued(H1(m, **f), 3)),
+    ],
+)
+def test_other_spaces_of_the_same_functions(dim, space):
+    reference, other = (press(dim=dim, n=(2, 1), friction=0.3, **s) for s in ({}, {"space": space}))
+    solved(reference)
+    solved(other)
+    assert other.contact.Force() == pytest.approx(reference.contact.Force(), rel=1e-10)
+    check_law(other.contact)
+
+
+@pytest.mark.parametrize("kinds", [None, *KINDS])
+def test_bubbles_and_split_faces(kinds):
+    """Order 1 with either remedy: the law holds, and both find about the same force."""
+    make = partial(press, dim=3, kinds=kinds) if kinds else press
+    split = {"change": lambda mesh: SplitSlaveFaces(mesh, "slave")}
+    bubble = {"space": BubbleVectorH1, "flags": {"slave": "slave"}}
+    forces = []
+    for remedy in (bubble, split):
+        problem = make(order=1, friction=0.3, **remedy)
         solved(problem)
-    full, condensed = (numpy(problem.gf) for problem in problems)
-    assert np.abs(full - condensed).max() <= 1e-10 * np.abs(full).max()
-    kinds = [len(solver_free(problem)) for problem in problems]
-    assert kinds[0] == kinds[1]
-    if order == 4:
-        free = [sum(solver_free(problem)) for problem in problems]
-        assert free[1] < free[0]
+        check_law(problem.contact)
+        forces.append(problem.contact.Force())
+        if remedy is bubble:
+            faces = len([*problem.mesh.Boundaries("slave").Elements()])
+        assert problem.contact.space.nmacros == faces
+    assert forces[0] == pytest.approx(forces[1], rel=0.05)
 
 
-def solver_free(problem):
-    return [bool(b) for b in problem.X.FreeDofs(problem.a.condense)]
+# --- what is given -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("inverse", ["umfpack", None])
-@pytest.mark.parametrize("law", [{}, {"tied": True, "friction": None}])
-def test_inverse(inverse, law):
-    reference, other = mixed_press(**law), mixed_press(**law)
-    solved(reference, inverse="umfpack")
-    solved(other, inverse=inverse)
-    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
-
-
-def test_sparsecholesky_or_the_safe_solver():
-    """Tied is symmetric; whatever sparsecholesky makes of a saddle point, the result is right."""
-    reference, other = press(tied=True), press(tied=True)
-    solved(reference)
-    solved(other, inverse="sparsecholesky")
-    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
-
-
-def test_a_symmetric_solver_on_an_unsymmetric_matrix_is_noticed():
-    reference, other = mixed_press(), mixed_press()
-    solved(reference)
-    solver = solved(other, inverse="sparsecholesky", solver="saddle")
-    assert solver.linear.inverse != "sparsecholesky"
-    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
-
-
-@pytest.mark.parametrize("space", [H1, BubbleVectorH1])
-def test_other_displacement_spaces(space):
-    flags = {"dim": 2} if space is H1 else {"slave": "slave"}
-    order = 2 if space is H1 else 1
-    problem = press(space=space, order=order, flags=flags, friction=0.3)
-    solved(problem)
-    check_law(problem.contact)
-    if space is H1:
-        reference = press(order=2, friction=0.3)
-        solved(reference)
-        assert problem.contact.Force() == pytest.approx(reference.contact.Force(), rel=1e-11)
-
-
-def test_friction_parameter():
+def test_friction_parameter(dim):
     """A Parameter changes the next solve; the limits are frictionless and stick."""
     coefficient = Parameter(0.0)
-    problem = press(friction=coefficient)
-    force = {}
+    problem, fixed = (press(dim=dim, friction=f, kinds=("hex", "hex")) for f in (coefficient, 0.05))
+    force, tangential = {}, {}
     for value in (0.0, 0.05, 10.0):
         coefficient.Set(value)
         problem.gf.vec[:] = 0
         solved(problem)
         force[value] = problem.contact.Force()
-        fixed = press(friction=value)
-        solved(fixed)
-        assert force[value] == pytest.approx(fixed.contact.Force(), rel=1e-9, abs=1e-12)
-    assert force[0.0][0] == pytest.approx(0, abs=1e-12)
-    assert force[0.05][0] == pytest.approx(-0.05 * force[0.05][1], rel=1e-10)
+        table = problem.contact.Table()
+        tangential[value] = table["area"] @ np.linalg.norm(shear(table), axis=1)
+    solved(fixed)
+    assert force[0.05] == pytest.approx(fixed.contact.Force(), rel=1e-9, abs=1e-12)
+    assert force[0.0][:-1] == pytest.approx(0, abs=1e-12)
+    # The directions of slip differ: the bound holds for the sum of sizes, not for the resultant.
+    assert tangential[0.05] == pytest.approx(0.05 * force[0.05][-1], rel=1e-10)
+    along = np.array(PUSH[dim][:-1]) / np.linalg.norm(PUSH[dim][:-1])
+    assert -force[0.05][:-1] == pytest.approx(tangential[0.05] * along, rel=0.02)
+    assert np.linalg.norm(force[0.05][:-1]) == pytest.approx(
+        tangential[0.05], rel=1e-10 if dim == 2 else 5e-3
+    )
     assert set(problem.contact.Table()["status"]) == {1}
+    check_law(problem.contact)
 
 
-def test_friction_depends_on_the_position():
+def test_friction_depends_on_the_position(dim):
     """The mean over each macro-element counts."""
-    problem = press(friction=0.02 + 0.1 * x, push=(0.05, -0.02))
+    slope, push = {2: ((0.1, 0), (0.05, -0.02)), 3: ((0.05, 0.03, 0), (0.05, 0.03, -0.02))}[dim]
+    problem = press(dim=dim, friction=0.02 + slope[0] * x + slope[1] * y, push=push)
     solved(problem)
     table = problem.contact.Table()
-    assert table["friction"] == pytest.approx(0.02 + 0.1 * table["x"][:, 0], rel=1e-12)
+    assert table["friction"] == pytest.approx(0.02 + table["x"] @ slope, rel=1e-12)
     assert set(table["status"]) == {2}
     check_law(problem.contact)
 
 
-@pytest.mark.parametrize("kind", ["form", "vector", "callable", "expression"])
-def test_right_hand_sides(kind):
+def test_right_hand_sides(dim):
     """A traction as rhs does what the same traction does inside of the form."""
-    reference, other = mixed_press(), mixed_press()
-    traction = CF((0.5, -2.0))
-    v = reference.X.TestFunction()[0]
-    reference.a += -InnerProduct(traction, v) * ds("top")
+    reference, *others = (press(dim=dim, friction=0.2, n=(2, 1)) for _ in range(5))
+    traction = CF((0.5, 0.2, -2.0)[3 - dim :])
+    reference.a += -InnerProduct(traction, reference.X.TestFunction()[0]) * ds("top")
     solved(reference)
-    v = other.X.TestFunction()[0]
-    form = LinearForm(InnerProduct(traction, v) * ds("top")).Assemble()
-    half = LinearForm(InnerProduct(0.5 * traction, v) * ds("top")).Assemble()
-    rhs = {
-        "form": form,
-        "vector": form.vec,
-        "callable": lambda: form.vec,
-        "expression": lambda: 2 * half.vec,
-    }
-    solved(other, rhs=rhs[kind])
-    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-12)
+    for other, make in zip(
+        others,
+        (lambda f: f, lambda f: f.vec, lambda f: lambda: f.vec, lambda f: lambda: 1.0 * f.vec),
+        strict=True,
+    ):
+        form = LinearForm(InnerProduct(traction, other.X.TestFunction()[0]) * ds("top")).Assemble()
+        solved(other, rhs=make(form))
+        assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-12)
 
 
-def test_freedofs():
+def test_freedofs(dim):
     """Fixing more than the space does."""
-    free = press(friction=0.3)
-    fixed = press(friction=0.3, flags={"dirichlet": "bottom|top"})
-    bits = BitArray(fixed.X.FreeDofs())
+    free = press(dim=dim, friction=0.3)
+    fixed = press(dim=dim, friction=0.3, flags={"dirichlet": "bottom|top"})
     solved(fixed)
-    solved(free, freedofs=bits)
+    solved(free, freedofs=BitArray(fixed.X.FreeDofs()))
     assert numpy(free.gf) == pytest.approx(numpy(fixed.gf), abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("factor", "tol"), [(0.01, 1e-10), (30.0, 1e-10), (1e-6, 1e-9), (1e6, 1e-9)]
+)
+def test_stiffness_factor_does_not_change_the_solution(dim, factor, tol):
+    reference, other = (mixed_press(dim=dim, n=(2, 1), stiffness=s) for s in (1.0, factor))
+    solved(reference)
+    solved(other)
+    same(other, reference, tol)
+
+
+@pytest.mark.parametrize(
+    ("make", "flags"),
+    [
+        (mixed_press, {"h": 0.5}),
+        (mixed_press, {"h": 0.5, "finite": True, "nonlinear": True}),
+        (mixed_press, {"dim": 3, "n": (2, 1)}),
+        (block_on_obstacle, {"gap": 0.001 * x * x, "friction": 0.2}),
+    ],
+)
+def test_threads_change_nothing_but_rounding(make, flags):
+    """In one thread a solution is the same to the last bit."""
+
+    def solution(threads):
+        SetNumThreads(threads)
+        with TaskManager():
+            problem = make(**flags)
+            solved(problem)
+        return numpy(problem.gf)
+
+    try:
+        one, again, three = [solution(threads) for threads in (1, 1, 3)]
+    finally:
+        SetNumThreads(1)
+    assert one.tobytes() == again.tobytes()
+    assert np.abs(three - one).max() < 1e-13 * np.abs(one).max()
+
+
+# --- what is told --------------------------------------------------------------------------------
 
 
 def test_callback_and_history():
@@ -240,27 +320,59 @@ def test_callback_and_history():
 
 
 def test_printing(capsys):
-    problem = mixed_press()
-    problem.solver().Solve()
+    mixed_press().solver().Solve()
     first, *lines = capsys.readouterr().out.splitlines()
     assert "linear systems: condensed" in first
     assert len(lines) >= 3
     assert all("equilibrium" in line and "constraint" in line for line in lines)
 
 
-def test_threads_change_nothing():
-    one, many = mixed_press(nonlinear=True), mixed_press(nonlinear=True)
-    solved(one)
-    with TaskManager():
-        solved(many)
-    assert numpy(many.gf) == pytest.approx(numpy(one.gf), abs=1e-11)
+def test_reaction_of_the_springs_is_the_contact_force(dim):
+    problem = press(dim=dim, friction=0.3)
+    solved(problem)
+    stretch = problem.gf.components[0] - CF(PUSH[dim])
+    springs = Integrate(1000 * stretch, problem.mesh.Boundaries("top"), BND, order=6)
+    assert problem.contact.Force() == pytest.approx(np.array(springs), abs=1e-9)
 
 
-def test_stiffness_factor_does_not_change_the_solution():
-    reference = mixed_press()
-    solved(reference)
-    for factor in (0.01, 30.0):
-        problem = mixed_press(stiffness=factor)
-        solver = ContactSolver(problem.a, problem.gf, [problem.contact])
+# --- paths in 3D ---------------------------------------------------------------------------------
+
+
+def test_a_path_in_two_directions_leaves_its_trace():
+    """Slid along x, then along y: friction follows the last motion, not the whole way."""
+    direction = Parameter(0.0)
+    push = (0.05 - 0.05 * direction, 0.05 * direction, -0.02)
+    problem = press(dim=3, friction=0.05, push=push, kinds=("hex", "hex"))
+    solver, forces = problem.solver(), []
+    for value in (0.0, 0.5, 1.0):
+        direction.Set(value)
         solver.Solve(printing=False)
-        assert numpy(problem.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
+        forces.append(problem.contact.Force())
+        problem.contact.Commit(problem.gf)
+    assert forces[0][0] < 0
+    assert abs(forces[0][1]) < 1e-3 * abs(forces[0][0])
+    for force in forces[1:]:
+        assert force[0] > 0  # x goes back
+        assert force[1] < 0
+        assert np.linalg.norm(force[:2]) == pytest.approx(0.05 * force[2], rel=1e-2)
+
+
+def test_prescribed_displacements_in_3d():
+    problem = press(dim=3, spring=0, flags={"dirichlet": "bottom|top"}, friction=0.4)
+    problem.load.Set(0.0)
+    V = problem.X.components[0]
+    top = np.array([bool(b) for b in V.GetDofs(problem.mesh.Boundaries("top"))])
+    wanted = GridFunction(V)
+    wanted.Set(CF((0.01, 0.005, -0.02)), definedon=problem.mesh.Boundaries("top"))
+
+    def prescribe(gf):
+        values = gf.components[0].vec.FV().NumPy()
+        values[top] = problem.load.Get() * numpy(wanted)[top]
+
+    stepper = LoadStepper(problem.solver(), problem.load, prescribe=prescribe)
+    steps = stepper.Integrate(steps=2, printing=False)
+    assert [(s.time, s.cuts) for s in steps] == [(0.5, 0), (1.0, 0)]
+    at_top = problem.gf.components[0](problem.mesh(0.5, 0.5, 1))
+    assert at_top == pytest.approx((0.01, 0.005, -0.02), rel=1e-12)
+    assert problem.contact.Force()[2] > 0.5
+    check_law(problem.contact)
