@@ -16,12 +16,6 @@ def seed():
 
 
 @pytest.fixture
-def equal():
-    """Two equal bodies, so that pressure and friction do not interact."""
-    return HertzLine(force=120, radius1=30, radius2=60, young1=2e4, nu1=0.25, young2=2e4, nu2=0.25)
-
-
-@pytest.fixture
 def integral():
     """Integral of a function over (x0, x1), cut at `breaks`, by adaptive quadrature."""
 

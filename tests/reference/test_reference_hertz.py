@@ -1,27 +1,61 @@
-"""Hertz line contact and elastic constants of a pair of bodies."""
+"""Hertz contact of lines and points, and the elastic constants of a pair."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
+from scipy.special import ellipkm1
 
-from ngslac.reference import ContactModulus, DundursBeta, HertzLine
+from ngslac.reference import ContactModulus, DundursBeta, HertzLine, HertzPoint
+
+SPHERES = dict(radius1=50, radius2=50, young1=20e3, nu1=0.3, young2=20e3, nu2=0.3)
+
+
+@pytest.fixture
+def point():
+    return HertzPoint(force=2e3, radius1=50, young1=210e3, nu1=0.3, young2=70e3, nu2=0.2)
 
 
 def test_published_values(seed):
     assert seed.modulus == pytest.approx(57692.3, abs=0.05)
-    assert seed.halfwidth == pytest.approx(6.2146, abs=5e-5)
-    assert seed.peak == pytest.approx(3585.36, abs=5e-3)
+    assert (seed.halfwidth, seed.peak) == (
+        pytest.approx(6.2146, abs=5e-5),
+        pytest.approx(3585.36, abs=5e-3),
+    )
     half = replace(seed, force=17.5e3)
     assert half.halfwidth == pytest.approx(4.394, abs=5e-4)
     assert half.peak == pytest.approx(2535.2, abs=0.05)
 
 
-def test_pressure_carries_the_force(seed, integral):
-    a = seed.halfwidth
+def test_published_spheres():
+    """Case T04 of the reference cases: two equal spheres brought together by 2 + 2."""
+    spheres = HertzPoint.FromApproach(approach=4, **SPHERES)
+    assert spheres.approach == pytest.approx(4, rel=1e-14)
+    assert spheres.contact_radius == pytest.approx(10, rel=1e-14)
+    assert spheres.peak == pytest.approx(2798.33, abs=5e-3)
+    assert spheres.force == pytest.approx(586081, abs=0.5)
+    assert spheres.peak == pytest.approx(20e3 / (pi * (1 - 0.09)) * sqrt(2 * 4 / 50), rel=1e-14)
+
+
+def test_pressure_carries_the_force(seed, point, integral):
+    a, b = seed.halfwidth, point.contact_radius
     assert integral(seed.Pressure, -a, a) == pytest.approx(seed.force, rel=1e-9)
     assert seed.MeanPressure(-2 * a, 3 * a) * 5 * a == pytest.approx(seed.force, rel=1e-13)
+    total = integral(lambda r: 2 * pi * r * point.Pressure(r), 0, b)
+    assert total == pytest.approx(point.force, rel=1e-10)
+    square = 3 * b * np.array([[-1, -1], [1.5, -1], [1.5, 1], [-1, 1]])
+    assert point.MeanPressure(square) * 45 * b**2 == pytest.approx(point.force, rel=1e-13)
+
+
+def test_pressure_is_even_and_ends_at_the_edge(seed, point):
+    for hertz, size in ((seed, seed.halfwidth), (point, point.contact_radius)):
+        x = np.linspace(0, 2 * size, 42)
+        pressure = hertz.Pressure(x)
+        np.testing.assert_array_equal(pressure, hertz.Pressure(-x))
+        assert ((pressure > 0) == (x < size)).all()
+        assert pressure[0] == hertz.peak
 
 
 def test_pressure_closes_the_gap_of_the_parabola(seed, hilbert):
@@ -32,38 +66,39 @@ def test_pressure_closes_the_gap_of_the_parabola(seed, hilbert):
         assert slope == pytest.approx(x / seed.radius, rel=1e-7)
 
 
-def test_mean_pressure_is_the_average(seed, integral):
-    a = seed.halfwidth
-    x0 = np.array([-8.0, -1.0, 0.0, 6.0, 7.0, 2.0])
-    x1 = np.array([-5.0, 1.0, 6.5, 6.3, 9.0, 1.0])
-    means = seed.MeanPressure(x0, x1)
-    for left, right, mean in zip(x0, x1, means, strict=True):
-        low, high = min(left, right), max(left, right)
-        exact = integral(seed.Pressure, low, high, [-a, a]) / (high - low)
-        assert mean == pytest.approx(exact, rel=1e-9, abs=1e-9)
+def test_surfaces_fit_in_contact_and_leave_the_gap_around_it(point, integral):
+    """The motion of both surfaces under the pressure: rings of Boussinesq point forces."""
+    a = point.contact_radius
+    for r in (0.3 * a, 0.95 * a, 1.05 * a, 2 * a, 7 * a):
+
+        def ring(s, r=r):
+            kernel = 4 * ellipkm1(((r - s) / (r + s)) ** 2) / (r + s)
+            return s * point.Pressure(s) * kernel / (pi * point.modulus)
+
+        gap = r**2 / (2 * point.radius) - point.approach + integral(ring, 0, a, [r])
+        assert point.Gap(r) == pytest.approx(gap, abs=1e-8 * point.approach)
+    assert (point.Gap(np.linspace(0, a, 9)) == 0).all()
+    assert point.Gap(1.001 * a) > 0
 
 
-def test_pressure_is_even_and_ends_at_the_edge(seed):
-    x = np.linspace(0, 2 * seed.halfwidth, 41)
-    pressure = seed.Pressure(x)
-    np.testing.assert_array_equal(pressure, seed.Pressure(-x))
-    assert (pressure[x > seed.halfwidth] == 0).all()
-    assert (pressure[x < seed.halfwidth] > 0).all()
-    assert pressure[0] == seed.peak
+def test_two_equal_bodies_are_one_on_a_rigid_plane():
+    """By symmetry the plane of contact stays flat, and each body makes half the approach."""
+    twins, rigid = SPHERES, dict(radius1=50, young1=20e3, nu1=0.3, young2=inf, nu2=0.0)
+    two, one = (HertzLine(force=120, **bodies) for bodies in (twins, rigid))
+    assert (two.halfwidth, two.peak) == pytest.approx((one.halfwidth, one.peak), rel=1e-14)
+    two = HertzPoint.FromApproach(approach=4, **twins)
+    one = HertzPoint.FromApproach(approach=2, **rigid)
+    assert (two.contact_radius, two.force) == pytest.approx(
+        (one.contact_radius, one.force), rel=1e-14
+    )
 
 
-def test_two_equal_cylinders_are_one_on_a_rigid_plane(equal):
-    """By symmetry the plane of contact stays flat."""
-    twins = replace(equal, radius2=equal.radius1)
-    single = HertzLine(force=120, radius1=30, young1=2e4, nu1=0.25, young2=inf, nu2=0.0)
-    assert twins.halfwidth == pytest.approx(single.halfwidth, rel=1e-14)
-    assert twins.peak == pytest.approx(single.peak, rel=1e-14)
-
-
-def test_units_do_not_matter(seed):
-    metre = HertzLine(force=35e6, radius1=0.05, young1=210e9, nu1=0.3, young2=70e9, nu2=0.3)
-    assert metre.halfwidth == pytest.approx(seed.halfwidth * 1e-3, rel=1e-13)
-    assert metre.MeanPressure(0, 1e-3) == pytest.approx(seed.MeanPressure(0, 1) * 1e6, rel=1e-13)
+def test_units_do_not_matter(seed, point):
+    for hertz, where, scale in ((seed, (0, 1), 1e3), (point, ([[0, 0], [0.5, 0.1], [0.1, 2]],), 1)):
+        modulus = dict(young1=210e9, young2=70e9, radius1=0.05)
+        metre = replace(hertz, force=hertz.force * scale, **modulus)
+        mean = metre.MeanPressure(*(1e-3 * np.array(x) for x in where))
+        assert mean == pytest.approx(hertz.MeanPressure(*where) * 1e6, rel=1e-12)
 
 
 def test_dundurs_constant():
@@ -76,8 +111,104 @@ def test_dundurs_constant():
 
 def test_dundurs_constant_is_the_inward_motion_under_pressure():
     """For a uniform strip of pressure p the free strain along the surface is -(1-2nu)p/(2G)."""
-    young, nu = (3.0, 7.0), (0.1, 0.35)
-    strain = [-(1 - 2 * n) * (1 + n) / e for e, n in zip(young, nu, strict=True)]
-    modulus = ContactModulus(young1=3.0, nu1=0.1, young2=7.0, nu2=0.35)
-    beta = DundursBeta(young1=3.0, nu1=0.1, young2=7.0, nu2=0.35)
-    assert strain[0] - strain[1] == pytest.approx(-2 * beta / modulus, rel=1e-13)
+    first, second = (-(1 - 2 * nu) * (1 + nu) / young for young, nu in ((3.0, 0.1), (7.0, 0.35)))
+    bodies = dict(young1=3.0, nu1=0.1, young2=7.0, nu2=0.35)
+    beta, modulus = DundursBeta(**bodies), ContactModulus(**bodies)
+    assert first - second == pytest.approx(-2 * beta / modulus, rel=1e-13)
+
+
+@pytest.mark.parametrize("body", [1, 2])
+def test_axis_stress_sums_up_boussinesq_point_forces(point, integral, body):
+    nu, a = (point.nu1, point.nu2)[body - 1], point.contact_radius
+    for z in (0.2 * a, 0.5 * a, 3 * a):
+
+        def vertical(r, z=z):
+            return -3 * z**3 * r * point.Pressure(r) / np.hypot(r, z) ** 5
+
+        def radial(r, z=z):
+            far = np.hypot(r, z)
+            value = (1 - 2 * nu) * z / far**3 - 3 * z * r**2 / far**5
+            return 0.5 * r * point.Pressure(r) * value
+
+        expected = [integral(f, 0, a) for f in (radial, vertical)]
+        np.testing.assert_allclose(point.AxisStress(z, body=body), expected, rtol=1e-8)
+
+
+def test_deepest_shear(point):
+    def shear(z):
+        radial, vertical = point.AxisStress(z * point.contact_radius)
+        return -abs(radial - vertical) / (2 * point.peak)
+
+    deepest = minimize_scalar(shear, bounds=(0.1, 1.0), method="bounded")
+    assert deepest.x == pytest.approx(0.48, abs=0.005)  # Johnson, section 4.2, nu = 0.3
+    assert -deepest.fun == pytest.approx(0.31, abs=0.001)
+    # -(1 + 2 nu)/2 and -1 at the surface
+    assert point.AxisStress(0.0) == pytest.approx((-0.8 * point.peak, -point.peak), rel=1e-14)
+
+
+def strip_mean(hertz, corners, integral):
+    """Average over a convex polygon from strips along x, whose integral is elementary."""
+    a = hertz.contact_radius
+    sides = list(zip(corners, np.roll(corners, -1, axis=0), strict=True))
+
+    def chord(y):
+        ends = [
+            x0 + (x1 - x0) * (y - y0) / (y1 - y0)
+            for (x0, y0), (x1, y1) in sides
+            if min(y0, y1) < y < max(y0, y1)
+        ]
+        half = sqrt(max(a * a - y * y, 0.0))
+        low, high = np.clip(sorted(ends), -half, half)
+        if low == high:
+            return 0.0
+        root = [x * sqrt(half**2 - x**2) + half**2 * np.arcsin(x / half) for x in (low, high)]
+        return 0.5 * hertz.peak / a * (root[1] - root[0])
+
+    x, y = corners.T
+    cuts = [*y, -a, a]
+    for start, end in sides:  # where a side cuts the edge of the contact
+        side = end - start
+        roots = np.roots([side @ side, 2 * start @ side, start @ start - a**2])
+        cuts += [start[1] + t * side[1] for t in roots[np.isreal(roots)].real if 0 < t < 1]
+    area = 0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+    return integral(chord, min(y), max(y), cuts) / area
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[0.1, 0.2], [0.4, 0.3], [0.2, 0.6]],  # inside
+        [[-0.3, -0.2], [0.5, -0.1], [0.1, 0.4]],  # around the middle
+        [[0.5, 0.5], [1.2, 0.4], [0.6, 1.3]],  # over the edge, corners outside
+        [[-2.0, 0.9], [2.0, 0.95], [0.0, 3.0]],  # an edge is a chord, no corner inside
+        [[-1.5, -1.2], [1.6, -1.3], [1.4, 1.2], [-1.3, 1.7]],  # holds the contact
+        [[0.0, 0.0], [0.7, 0.0], [0.9, 0.8], [0.0, 0.7]],  # the middle is a corner
+        [[-0.4, 0.0], [0.6, 0.0], [0.1, 0.9]],  # the middle is on an edge
+        [[0.6999, 0.7], [0.7201, 0.69], [0.71, 0.73]],  # small, at the edge of the contact
+    ],
+)
+def test_mean_pressure_is_the_average(point, integral, corners):
+    corners = point.contact_radius * np.array(corners)
+    expected = strip_mean(point, corners, integral)
+    for angle in np.linspace(0, 2 * pi, 8, endpoint=False):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        assert point.MeanPressure(corners @ turn) == pytest.approx(expected, rel=1e-9)
+        assert point.MeanPressure((corners @ turn)[::-1]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_mean_pressure_outside_is_exactly_zero(point):
+    triangles = [[[1.0, 0.3], [1.4, 0.2], [1.1, 0.6]], [[1.1, 0.0], [0.0, 9.0], [9.0, 9.0]]]
+    assert (point.MeanPressure(point.contact_radius * np.array(triangles)) == 0).all()
+
+
+def test_mean_pressure_of_many_faces_carries_the_force(point):
+    """Quadrilaterals of a distorted grid: one call, averages times areas add up to the force."""
+    grid = np.stack(np.meshgrid(*2 * [np.linspace(-1.2, 1.2, 14)], indexing="ij"), axis=-1)
+    grid[1:-1, 1:-1] += np.random.default_rng(3).uniform(-0.06, 0.06, (12, 12, 2))
+    grid *= point.contact_radius
+    faces = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=-2)
+    x, y = faces[..., 0], faces[..., 1]
+    areas = 0.5 * (x * np.roll(y, -1, -1) - y * np.roll(x, -1, -1)).sum(axis=-1)
+    means = point.MeanPressure(faces)
+    assert means.shape == (13, 13)
+    assert (means * areas).sum() == pytest.approx(point.force, rel=1e-13)

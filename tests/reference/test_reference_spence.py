@@ -93,19 +93,6 @@ def test_punch_increment_solves_the_singular_integral_equation(hilbert, beta):
         assert beta * residual(t) > 1e-3
 
 
-def test_increment_of_the_hertz_traction_does_not_slip_in_stick(spence, hilbert):
-    """The same equation for the difference of two states, with no use of the punch."""
-    hertz = spence.hertz
-    more = SpenceLine(hertz=replace(hertz, force=hertz.force * 1.0002), friction=0.2)
-    less = SpenceLine(hertz=replace(hertz, force=hertz.force * 0.9998), friction=0.2)
-    scale = hertz.beta * (more.hertz.peak - less.hertz.peak)
-    for x in (0.2 * spence.stick, 0.6 * spence.stick, 0.95 * spence.stick):
-        strain = [
-            hertz.beta * s.hertz.Pressure(x) + hilbert(s.Traction, x, cuts(s)) for s in (more, less)
-        ]
-        assert abs(strain[0] - strain[1]) < 1e-4 * abs(scale)
-
-
 def test_frozen_slip_is_the_same_for_all_points_in_stick(spence, hilbert):
     """Points stuck since they left the slip zone: strain mismatch in proportion to |x|."""
     hertz = spence.hertz
@@ -136,17 +123,6 @@ def test_exchange_of_slave_and_master_changes_the_sign(spence):
     x = np.linspace(-5, 5, 11)
     other = SpenceLine(hertz=swapped, friction=0.2).Traction(x)
     np.testing.assert_allclose(other, -spence.Traction(x), rtol=1e-12)
-
-
-def test_mean_traction_is_the_average(spence, integral):
-    a, c = spence.hertz.halfwidth, spence.stick
-    x0 = np.array([-1.2 * a, -0.02, 0.0, 0.9 * c, 1.1 * c, 1.1 * a, 2.0])
-    x1 = np.array([-0.8 * a, 0.05, 0.3, 0.99 * a, 1.2 * a, 1.2 * a, 1.0])
-    for left, right, mean in zip(x0, x1, spence.MeanTraction(x0, x1), strict=True):
-        low, high = min(left, right), max(left, right)
-        exact = integral(spence.Traction, low, high, cuts(spence)) / (high - low)
-        assert mean == pytest.approx(exact, rel=1e-9, abs=1e-9)
-    assert spence.MeanTraction(-a, a) == pytest.approx(0, abs=1e-10 * spence.hertz.peak)
 
 
 @pytest.mark.parametrize("friction", [5.0, 50.0, 1e4])
