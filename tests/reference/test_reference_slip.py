@@ -107,6 +107,9 @@ def test_no_load_and_all_of_it(kind):
     assert all_of_it.ratio == 0
     pressure = none.hertz.Pressure(r)
     np.testing.assert_allclose(all_of_it.Traction(r), -FRICTION * pressure, rtol=1e-14)
+    triangle = ([0.0], [1.0]) if kind == "line" else ([[0, 0], [1, 0], [0, 1]],)
+    assert (none.MeanTraction(*triangle) == 0).all()
+    assert (slip(all_of_it, r[:9]) > 0).all()
 
 
 def test_reversal(kind, state, integral):
