@@ -10,7 +10,7 @@ __all__ = ["CASES", "MODULES"]
 NAMES = """
 cases_patch
 cases_balance
-cases_stability
+case_infsup
 cases_rates
 cases_hertz
 cases_friction

@@ -10,15 +10,9 @@ macro-elements.
 import argparse
 from pathlib import Path
 
+from elasticity import NAMES
 from signorini import Measure, Rates
 
-NAMES = {
-    "P1": "order 1, two faces",
-    "P1split": "order 1, split faces",
-    "P1bubble": "order 1, bubbles",
-    "P2": "order 2",
-    "P3": "order 3",
-}
 COLUMNS = {"energy": "H1", "l2": "L2", "traction": "L2", "mean": "means"}
 SLOPES = {"energy": (1.0, 1.5), "l2": (2.0, 2.5), "traction": (1.0,), "mean": (1.0,)}
 STYLE = {

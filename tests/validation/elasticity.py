@@ -21,7 +21,15 @@ from ngsolve import Grad as Gradient
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
 from ngslac.materials import Stress
 
-__all__ = ["Displacements", "Material", "Pair", "Samples"]
+__all__ = ["NAMES", "Displacements", "Material", "Pair", "Samples"]
+
+NAMES = {
+    "P1": "order 1, two faces",
+    "P1split": "order 1, split faces",
+    "P1bubble": "order 1, bubbles",
+    "P2": "order 2",
+    "P3": "order 3",
+}
 
 
 @dataclass(frozen=True)
