@@ -11,42 +11,35 @@ import fnmatch
 import json
 import re
 import time
+from importlib import import_module
 from pathlib import Path
 
-import stress_blocks2d
-import stress_blocks3d
-import stress_chains  # noqa: F401  (the problems register themselves)
-import stress_clamped  # noqa: F401
-import stress_finite2d
-import stress_finite3d
-import stress_floating2d
-import stress_holes  # noqa: F401
-import stress_lug  # noqa: F401
-import stress_nobalance  # noqa: F401
-import stress_random  # noqa: F401
-import stress_thin  # noqa: F401
-import stress_units  # noqa: F401
-import stress_unsolvable  # noqa: F401
 from stress_check import Check, CheckEnd, WrongAnswerError
 from stress_problem import PROBLEMS
 from verify import Verifier
 
 from ngslac import ContactConvergenceError
 
-__all__ = ["FIRST", "Main", "RunProblem", "Summary"]
+for file in sorted(Path(__file__).parent.glob("stress_*.py")):
+    import_module(file.stem)  # the problems register themselves
 
 # Iterations and cuts of these are compared from one version to the next.
-FIRST = (stress_blocks2d, stress_blocks3d, stress_finite2d, stress_finite3d, stress_floating2d)
+FIRST = [
+    f"stress_{name}" for name in ("blocks2d", "blocks3d", "finite2d", "finite3d", "floating2d")
+]
 MOST_SOLVES = 150  # linear systems until a problem without solution is named
+
+
+def Module(name):
+    """Where a problem is described."""
+    return PROBLEMS[name].func.__module__
 
 
 def RunProblem(name, printing=False):
     """Solve one problem and check every converged step; returns a dict of results."""
-    problem = PROBLEMS[name]()
+    problem, counts, begin = PROBLEMS[name](), Counts(), time.perf_counter()
     result = {"name": name, "unsolvable": bool(problem.says), "converged": False, "right": None}
     result |= {"error": "", "named": False}
-    begin = time.perf_counter()
-    counts = Counts()
     verify = Verifier(problem)
 
     def Checks(_):
@@ -65,7 +58,7 @@ def RunProblem(name, printing=False):
         if problem.says and re.search(problem.says, str(error), re.IGNORECASE | re.DOTALL):
             result["named"] = counts.lost <= MOST_SOLVES
     return result | {
-        "first": PROBLEMS[name].module in [module.__name__ for module in FIRST],
+        "first": Module(name) in FIRST,
         "steps": len(problem.stepper.steps) if problem.stepper else 0,
         "cuts": counts.failed,
         "iterations": counts.iterations,
@@ -110,11 +103,8 @@ def Summary(results):
         "wrong": sum(r["right"] is False for r in solvable),
         "unsolvable": len(results) - len(solvable),
         "named": Sum("named", results),
-        "iterations": Sum("iterations", solvable),
-        "cuts": Sum("cuts", solvable),
-        "iterations_old": Sum("iterations", first),
-        "cuts_old": Sum("cuts", first),
-        "steps": Sum("steps", solvable),
+        **{key: Sum(key, solvable) for key in ("iterations", "cuts", "steps")},
+        **{f"{key}_old": Sum(key, first) for key in ("iterations", "cuts")},
         "seconds": round(Sum("seconds", results), 1),
     }
 

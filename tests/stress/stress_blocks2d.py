@@ -2,10 +2,8 @@
 
 import numpy as np
 from ngsolve import CF, IfPos, sin, x
-from stress_meshes import Block, Grids
-from stress_problem import Problem, problem
-
-from ngslac import BubbleVectorH1
+from stress_meshes import Grids
+from stress_problem import GROUND, Problem, problem
 
 
 def Waves(seed, amplitude, waves=4):
@@ -21,57 +19,44 @@ def Waves(seed, amplitude, waves=4):
     return wave
 
 
-def TwoBlocks(seed, amplitude, nx=(9, 7), quads=False, height=1.0):
+def TwoBlocks(seed, amplitude, n=(9, 7), kind="trig"):
     """A block with a wavy lower side on a flat, wider one."""
     wave = Waves(seed, amplitude)
 
     def upper(s, t):
         y = wave(s)
-        return s, y + amplitude + t * (height - y)
+        return s, y + amplitude + t * (1.0 - y)
 
-    return Grids(
-        Block("upper", upper, nx[0], 5, quads),
-        Block("lower", (-0.3, -1, 1.3, 0), int(1.6 * nx[1]), 5, quads),
-    )
+    lower = (-0.3, -1, 1.3, 0)
+    return Grids(upper=(upper, (n[0], 5), kind), lower=(lower, (int(1.6 * n[1]), 5), kind))
 
 
-CLAMPED = {"dirichlet": "lower_bottom"}
-PAIR = [("upper_bottom", "lower_top")]
+def Pushed(mesh, motion, stiffness=1000, **options):
+    """Two blocks, the upper one behind a spring that moves."""
+    return Problem(mesh, **options).Spring("upper_top", motion, stiffness)
 
 
 @problem((1, 0.0), (2, 0.3), (3, 0.7), (4, 1.5))
-def RandomGap(argument):
+def RandomGap(seed, friction):
     """A block pressed on a rigid wavy plane in one step, and sheared."""
-    seed, friction = argument
-    mesh = Grids(Block("block", (0, 0, 1, 0.6), 12, 5))
     gap = Waves(seed, 0.03)(x, sin) + 0.01
-    p = Problem(mesh, [("block_bottom", gap)], {"block": 100.0}, law={"friction": friction})
-    p.Spring("block_top", p.load * CF((0.03, -0.06)), 500)
-    return p
+    mesh = Grids(block=((0, 0, 1, 0.6), (12, 5)))
+    p = Problem(mesh, pairs=[("block", gap)], friction=friction)
+    return p.Spring("block_top", (0.03, -0.06), 500)
 
 
 @problem((1, 0.0), (2, 0.2), (3, 0.8), (4, 1.5), (5, 0.5), (6, 1.0))
-def RandomSurface(argument):
+def RandomSurface(seed, friction):
     """Two blocks with random gaps, pressed and pushed aside in one step."""
-    seed, friction = argument
-    mesh = TwoBlocks(seed, 0.02, quads=seed % 2 == 0)
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 60.0}, flags=CLAMPED,
-                law={"friction": friction})  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.04, -0.06 + 0.03 * (x - 0.5))), 1000)
-    return p
+    mesh = TwoBlocks(seed, 0.02, kind=("quad", "trig")[seed % 2])
+    young = {"upper": 100.0, "lower": 60.0}
+    return Pushed(mesh, (0.04, -0.06 + 0.03 * (x - 0.5)), young=young, friction=friction)
 
 
 @problem(1, 2, 3)
 def BadStart(seed):
     """A random start vector of displacements and tractions."""
-    mesh = TwoBlocks(seed, 0.02)
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED, law={"friction": 0.4})
-    p.Spring("upper_top", p.load * CF((0.02, -0.06)), 1000)
-    values, free = p.gf.vec.FV().NumPy(), p.X.FreeDofs()
-    values[:] = np.random.default_rng(seed).normal(size=len(values)) * [bool(b) for b in free]
-    values[: p.X.components[0].ndof] *= 0.1
-    values[p.X.components[0].ndof :] *= 30
-    return p
+    return Pushed(TwoBlocks(seed, 0.02), (0.02, -0.06), friction=0.4).Scatter(seed, 0.1, 30)
 
 
 @problem(0.0, 0.5)
@@ -83,127 +68,94 @@ def Plate(friction):
         top = 0.3 * (px - 0.5) ** 2 - 0.075
         return px, -0.5 + t * (top + 0.5)
 
-    mesh = Grids(Block("plate", (0, 0, 1, 0.02), 30, 1, quads=True), Block("valley", valley, 17, 4))
-    p = Problem(mesh, [("plate_bottom", "valley_top")], {"plate": 1000.0, "valley": 1000.0},
-                flags={"dirichlet": "valley_bottom"}, law={"friction": friction})  # fmt: skip
-    p.Spring("plate_top", CF((0, 0)), 1e-3)
-    p.Traction("plate_top", p.load * CF((0, -0.3)))
-    return p
+    mesh = Grids(plate=((0, 0, 1, 0.02), (30, 1), "quad"), valley=(valley, (17, 4)))
+    p = Problem(mesh, 1000.0, [("plate", "valley")], friction, held="valley_bottom")
+    return p.Spring("plate_top", (0, 0), 1e-3).Traction("plate_top", (0, -0.3))
 
 
 @problem(0.0, 0.6)
 def Cantilever(friction):
     """A slender beam bent on a support in its middle and pulled beyond it."""
-    mesh = Grids(
-        Block("beam", (0, 0, 2, 0.1), 24, 2), Block("support", (1.2, -0.6, 1.7, -0.02), 7, 6)
-    )
-    p = Problem(mesh, [("support_top", "beam_bottom")], {"beam": 1000.0, "support": 1000.0},
-                flags={"dirichlet": "beam_left|support_bottom"}, law={"friction": friction},
-                nonlinear=False)  # fmt: skip
-    p.Traction("beam_right", p.load * CF((0, -1.0)))
-    return p
+    mesh = Grids(beam=((0, 0, 2, 0.1), (24, 2)), support=((1.2, -0.6, 1.7, -0.02), (7, 6)))
+    held, pairs = "beam_left|support_bottom", [("support_top", "beam_bottom")]
+    return Problem(mesh, 1000.0, pairs, friction, held=held).Traction("beam_right", (0, -1.0))
 
 
 @problem((20, 5), (4, 24), (3, 40))
-def Meshes(n):
+def Meshes(*n):
     """A fine against a coarse mesh, and the reverse."""
-    mesh = TwoBlocks(11, 0.01, nx=n)
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED, law={"friction": 0.5})
-    p.Spring("upper_top", p.load * CF((0.03, -0.05)), 1000)
-    return p
+    return Pushed(TwoBlocks(11, 0.01, n), (0.03, -0.05), friction=0.5)
 
 
 @problem((1e6, 1.0), (1.0, 1e6), (1e11, 2e11))
-def Stiffness(young):
+def Stiffness(upper, lower):
     """Soft on stiff, stiff on soft, and Pascal as unit."""
-    mesh = TwoBlocks(12, 0.02)
-    p = Problem(mesh, PAIR, {"upper": young[0], "lower": young[1]}, flags=CLAMPED,
-                law={"friction": 0.4})  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.02, -0.05)), 10 * min(young))
-    return p
+    young = {"upper": upper, "lower": lower}
+    mesh, spring = TwoBlocks(12, 0.02), 10 * min(upper, lower)
+    return Pushed(mesh, (0.02, -0.05), spring, young=young, friction=0.4)
 
 
 @problem()
 def SlipWave():
     """A pressed strip is pulled at one end: slip runs along it until all of it slides."""
-    mesh = Grids(
-        Block("strip", (0, 0, 3, 0.2), 40, 2, quads=True),
-        Block("base", (-0.2, -0.5, 3.2, 0), 37, 3),
-    )
-    p = Problem(mesh, [("strip_bottom", "base_top")], {"strip": 100.0, "base": 1e4},
-                flags={"dirichlet": "base_bottom"}, law={"friction": 0.4})  # fmt: skip
-    p.Traction("strip_top", CF((0, -1)))
-    p.Spring("strip_right", CF((p.load * 0.05, 0)), 1000)
-    p.path = [(1.0, 3)]
-    return p
+    mesh = Grids(strip=((0, 0, 3, 0.2), (40, 2), "quad"), base=((-0.2, -0.5, 3.2, 0), (37, 3)))
+    p = Problem(mesh, {"strip": 100.0, "base": 1e4}, [("strip", "base")], friction=0.4, steps=3)
+    return p.Traction("strip_top", CF((0, -1))).Spring("strip_right", (0.05, 0), 1000)
 
 
 @problem(0.3, 1.0)
 def Cyclic(friction):
     """Shear to and fro, with changing pressure."""
-    mesh = TwoBlocks(13, 0.005)
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED,
-                law={"friction": friction})  # fmt: skip
-    t = p.load
-    p.Spring("upper_top", CF((0.05 * sin(6.283 * t), -0.03 * IfPos(t - 0.25, 1, 4 * t))), 1000)
-    p.path = [(2.0, 8)]
-    return p
+
+    def motion(t):
+        return 0.05 * sin(6.283 * t), -0.03 * IfPos(t - 0.25, 1, 4 * t)
+
+    return Pushed(TwoBlocks(13, 0.005), motion, friction=friction, path=[(2.0, 8)])
 
 
 @problem(0.0, 0.8)
 def PressAndLift(friction):
     """Pressed in one step, lifted beyond the first gap in one step, pressed again."""
-    mesh = TwoBlocks(14, 0.02)
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED,
-                law={"friction": friction})  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.02, -0.05)), 1000)
-    p.path = [(1.0, 1), (-1.0, 1), (1.0, 1)]
-    return p
+    path = [(1.0, 1), (-1.0, 1), (1.0, 1)]
+    return Pushed(TwoBlocks(14, 0.02), (0.02, -0.05), friction=friction, path=path)
 
 
 @problem(0.0, 0.5)
 def Rubber(friction):
     """Nearly incompressible neo-Hooke, compressed in one step."""
-    mesh = TwoBlocks(15, 0.01, nx=(6, 7), quads=True)
-    p = Problem(mesh, PAIR, {"upper": 1.0, "lower": 1000.0}, nu=0.49, nonlinear=True,
-                flags=CLAMPED, law={"friction": friction}, order=3)  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.0, -0.06)), 100)
-    return p
+    young = {"upper": 1.0, "lower": 1000.0}
+    rubber = {"young": young, "nu": 0.49, "nonlinear": True, "order": 3}
+    mesh = TwoBlocks(15, 0.01, (6, 7), "quad")
+    return Pushed(mesh, (0.0, -0.06), 100, friction=friction, **rubber)
 
 
 @problem()
 def Penetration():
     """The bodies overlap at the start; there is no other load."""
-    mesh = Grids(Block("upper", (0, -0.05, 1, 1), 8, 6), Block("lower", (-0.3, -1, 1.3, 0), 9, 6))
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 50.0}, law={"friction": 0.3},
-                flags={"dirichlet": "lower_bottom|upper_top"})  # fmt: skip
-    return p
+    mesh = Grids(upper=((0, -0.05, 1, 1), (8, 6)), lower=((-0.3, -1, 1.3, 0), (9, 6)))
+    young = {"upper": 100.0, "lower": 50.0}
+    return Problem(mesh, young, friction=0.3, held=f"{GROUND}|upper_top")
 
 
 @problem()
 def Sandwich():
     """Three blocks, two contacts, the one in the middle held by them alone."""
     mesh = Grids(
-        Block("upper", (0, 0.5, 1, 1), 8, 4),
-        Block("middle", (-0.1, 0, 1.1, 0.49), 7, 4),
-        Block("lower", (-0.3, -0.5, 1.3, -0.01), 9, 4),
+        upper=((0, 0.5, 1, 1), (8, 4)),
+        middle=((-0.1, 0, 1.1, 0.49), (7, 4)),
+        lower=((-0.3, -0.5, 1.3, -0.01), (9, 4)),
     )
-    pairs = [("upper_bottom", "middle_top"), ("middle_bottom", "lower_top")]
-    p = Problem(mesh, pairs, {"upper": 100.0, "middle": 30.0, "lower": 100.0},
-                flags=CLAMPED, law={"friction": 0.5})  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.02, -0.06)), 1000)
-    return p
+    young = {"upper": 100.0, "middle": 30.0, "lower": 100.0}
+    pairs = [("upper", "middle"), ("middle", "lower")]
+    return Pushed(mesh, (0.02, -0.06), young=young, pairs=pairs, friction=0.5)
 
 
 @problem()
 def Slab():
     """Greco's slab: friction 1, Pascal and metres, opening, slip and stick in one step."""
-    mesh = Grids(Block("slab", (0, 0, 0.04, 0.04), 24, 8))
-    p = Problem(mesh, [("slab_bottom", CF(0.0))], {"slab": 1.3e11}, nu=0.2,
-                flags={"dirichletx": "slab_right"}, law={"friction": 1.0})  # fmt: skip
-    p.Traction("slab_top", p.load * CF((0, -5e7)))
-    p.Traction("slab_left", p.load * CF((15e7, 0)))
-    return p
+    mesh, plane = Grids(slab=((0, 0, 0.04, 0.04), (24, 8))), [("slab", CF(0.0))]
+    p = Problem(mesh, 1.3e11, plane, nu=0.2, heldx="slab_right", friction=1.0)
+    return p.Traction("slab_top", (0, -5e7)).Traction("slab_left", (15e7, 0))
 
 
 @problem()
@@ -213,51 +165,36 @@ def Wedge():
     def wedge(s, t):
         return (s - 0.5) * (0.4 + 0.6 * t), t
 
-    mesh = Grids(Block("wedge", wedge, 6, 10))
-    p = Problem(mesh, [("wedge_left", CF(0.0)), ("wedge_right", CF(0.01))], {"wedge": 100.0},
-                law={"friction": 0.3})  # fmt: skip
-    p.Traction("wedge_top", p.load * CF((0.5, -5)))
-    p.path = [(1.0, 1), (0.1, 1), (1.0, 1)]
-    return p
+    walls = [("wedge_left", CF(0.0)), ("wedge_right", CF(0.01))]
+    path = [(1.0, 1), (0.1, 1), (1.0, 1)]
+    p = Problem(Grids(wedge=(wedge, (6, 10))), pairs=walls, friction=0.3, path=path)
+    return p.Traction("wedge_top", (0.5, -5))
 
 
 @problem("bubble", "condense", "p3")
 def Spaces(kind):
     """Other displacement spaces."""
-    mesh = TwoBlocks(16, 0.02, nx=(7, 6), quads=kind == "condense")
-    space = {"space": BubbleVectorH1, "order": 1} if kind == "bubble" else {}
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED,
-                law={"friction": 0.6}, **{"order": 3} | space,
-                condense=kind == "condense")  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.04, -0.05)), 1000)
-    return p
+    order, mesh = {"bubble": 1}.get(kind, 3), ("trig", "quad")[kind == "condense"]
+    options = {"order": order, "bubble": kind == "bubble", "condense": kind == "condense"}
+    return Pushed(TwoBlocks(16, 0.02, (7, 6), mesh), (0.04, -0.05), friction=0.6, **options)
 
 
 @problem((21, 0.3), (22, 0.9))
-def Rough(argument):
+def Rough(seed, friction):
     """A random sawtooth of sixty slave faces on a coarse block: contact at many separate spots."""
-    seed, friction = argument
     heights = np.random.default_rng(seed).uniform(0, 0.004, 61)
 
     def upper(s, t):
         bottom = np.interp(s, np.linspace(0, 1, 61), heights)
         return s, bottom + t * (0.5 - bottom)
 
-    mesh = Grids(
-        Block("upper", upper, 60, 5, quads=True), Block("lower", (-0.2, -0.5, 1.2, 0), 23, 6)
-    )
-    p = Problem(mesh, PAIR, {"upper": 100.0, "lower": 100.0}, flags=CLAMPED,
-                law={"friction": friction})  # fmt: skip
-    p.Spring("upper_top", p.load * CF((0.006, -0.012)), 1000)
-    return p
+    mesh = Grids(upper=(upper, (60, 5), "quad"), lower=((-0.2, -0.5, 1.2, 0), (23, 6)))
+    return Pushed(mesh, (0.006, -0.012), friction=friction)
 
 
 @problem(0.4, 1.2)
 def Neo(friction):
     """Neo-Hooke bodies; Dirichlet values press and shear by a multiple of the mesh size at once."""
-    mesh = TwoBlocks(23, 0.01, nx=(10, 9))
-    flags = {"dirichlet": "lower_bottom|upper_top"}
-    p = Problem(mesh, PAIR, {"upper": 10.0, "lower": 100.0}, nonlinear=True, flags=flags,
-                law={"friction": friction})  # fmt: skip
-    p.prescribe = {"upper_top": p.load * CF((0.25, -0.15))}
-    return p
+    young, drive = {"upper": 10.0, "lower": 100.0}, {"upper_top": (0.25, -0.15)}
+    mesh = TwoBlocks(23, 0.01, (10, 9))
+    return Problem(mesh, young, friction=friction, nonlinear=True, drive=drive)

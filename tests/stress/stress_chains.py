@@ -6,60 +6,42 @@ from ngsolve import CF
 from stress_meshes import Block, Grids, Outline, Part, Plate, Sketch
 from stress_problem import Problem, problem
 
-__all__ = ["Tower"]
 
-BETWEEN = [("loose_bottom", "base_top"), ("tool_bottom", "loose_top")]
-TOOL = {"dirichlet": "base_bottom|tool_top"}
-
-
-def Loose(gap=0.03, n=(7, 5, 4), quads=False, rest=0.0):
+def Loose(gap=0.03, kind="trig", rest=0.0):
     """A base, a loose block on it, and a tool above."""
     return Grids(
-        Block("base", (-1, -1, 1, 0), n[0], 4, quads),
-        Block("loose", (-0.5, rest, 0.5, 0.6 + rest), n[1], 3),
-        Block("tool", (-0.4, 0.6 + rest + gap, 0.4, 1.1 + rest + gap), n[2], 3, quads),
+        base=((-1, -1, 1, 0), (7, 4), kind),
+        loose=((-0.5, rest, 0.5, 0.6 + rest), (5, 3)),
+        tool=((-0.4, 0.6 + rest + gap, 0.4, 1.1 + rest + gap), (4, 3), kind),
     )
 
 
-def Between(mesh, friction, steps, finite=False, young=(1.0, 1.0, 1.0), **flags):
+def Between(mesh, friction, steps, motion, young=1.0, finite=False):
     """The loose block of `mesh`; without friction a guide keeps it from sliding away."""
-    law = {"finite": True} if finite else {}
-    if friction:
-        law["friction"] = friction
-    p = Problem(mesh, BETWEEN, dict(zip(("base", "loose", "tool"), young, strict=True)), law=law,
-                nonlinear=finite, flags=TOOL | flags, path=[(1.0, steps)])  # fmt: skip
-    if not friction:
-        p.Spring("loose_left", CF((0, 0)), 1e-3 * young[1])
-    return p
+    options = {"finite": finite, "drive": {"tool_top": motion}, "steps": steps}
+    p = Problem(mesh, young, [("loose", "base"), ("tool", "loose")], friction or None, **options)
+    return p if friction else p.Spring("loose_left", (0, 0), 1e-3 * p.young["loose"])
 
 
 @problem((1, 0.3, 0), (2, 0.3, 0), (5, 0.3, 0), (20, 0.3, 0), (1, 0.0, 0), (2, 0.0, 0), (5, 0.0, 0),
          (20, 1.5, 0), (2, 1.5, 0), (5, 0.05, 0), (1, 0.3, 1), (2, 0.3, 1), (5, 0.3, 1),
          (20, 0.3, 1), (5, 1.5, 1), (2, 0.0, 1))  # fmt: skip
-def ThreeBlocks(argument):
+def ThreeBlocks(steps, friction, finite):
     """The tool starts with a gap and closes it: any number of steps leads to the same state."""
-    steps, friction, finite = argument
-    p = Between(Loose(), friction, steps, bool(finite))
-    p.prescribe = {"tool_top": CF((0, -0.05 * p.load))}
-    return p
+    return Between(Loose(), friction, steps, (0, -0.05), finite=bool(finite))
 
 
 @problem((2, 1e4, 1.0, 1.0), (5, 1.0, 1e-4, 1.0), (2, 1e-4, 1.0, 1e4), (5, 1e11, 2e5, 2e11))
-def ThreeMaterials(argument):
+def ThreeMaterials(steps, *young):
     """The same with bodies of very different stiffness."""
-    steps, *young = argument
-    p = Between(Loose(quads=True), 0.3, steps, young=young)
-    p.prescribe = {"tool_top": CF((0, -0.05 * p.load))}
-    return p
+    bodies = dict(zip(("base", "loose", "tool"), young, strict=True))
+    return Between(Loose(kind="quad"), 0.3, steps, (0, -0.05), bodies)
 
 
 @problem((1, 0.01), (2, 0.01), (5, 0.02), (20, 0.0))
-def BothGaps(argument):
+def BothGaps(steps, rest):
     """The loose block hangs between base and tool, which touches it first, and is pushed aside."""
-    steps, rest = argument
-    p = Between(Loose(rest=rest, gap=0.004), 0.4, steps)
-    p.prescribe = {"tool_top": CF((0.01 * p.load, -0.05 * p.load))}
-    return p
+    return Between(Loose(rest=rest, gap=0.004), 0.4, steps, (0.01, -0.05))
 
 
 @problem(0.5, 2.5, 10.0)
@@ -71,77 +53,51 @@ def ThreeMeshes(young):
         Part("tool", Plate(-0.4, 0.63, 0.4, 1.13), 0.17,
              {"bottom": [(0, 0.63)], "top": [(0, 1.13)]}),
     )  # fmt: skip
-    p = Between(mesh, 0.3, 2, young=(young, young, young))
-    p.outlines = False
-    p.prescribe = {"tool_top": CF((0, -0.05 * p.load))}
-    return p
+    return Between(mesh, 0.3, 2, (0, -0.05), young)
 
 
 @problem((1, 0.3, 0), (5, 0.3, 0), (2, 0.3, 1), (1, 0.0, 0), (3, 1.0, 0))
-def PushInGap(argument):
+def PushInGap(steps, friction, finite):
     """The tool moves by less than its gap: nothing happens, and that is an answer."""
-    steps, friction, finite = argument
-    p = Between(Loose(), friction, steps, bool(finite))
-    p.prescribe = {"tool_top": CF((0, -0.02 * p.load))}
-    return p
+    return Between(Loose(), friction, steps, (0, -0.02), finite=bool(finite))
 
 
 @problem((1, 0.3), (5, 0.3), (2, 0.9))
-def HeavyInGap(argument):
+def HeavyInGap(steps, friction):
     """The same; the loose block has a weight, and is as heavy as that at the end."""
-    steps, friction = argument
-    p = Between(Loose(), friction, steps)
-    p.Weight("loose", CF((0, -0.01)))
-    p.prescribe = {"tool_top": CF((0, -0.02 * p.load))}
-    return p
+    return Between(Loose(), friction, steps, (0, -0.02)).Weight("loose", CF((0, -0.01)))
 
 
-def Tower(count, friction, gap, finite=False, n=5):
-    """Blocks of width 1 and height 0.3 on a base, each held by friction alone."""
-    names = ["base"] + [f"block{k}" for k in range(1, count + 1)]
-    blocks = [Block("base", (-0.4, -0.5, 1.4, 0), 9, 3)]
-    for k, name in enumerate(names[1:]):
-        low = k * (0.3 + gap) + gap
-        blocks.append(Block(name, (0, low, 1, low + 0.3), n + k % 3, 2, quads=k % 2 == 0))
-    pairs = [(f"{above}_bottom", f"{below}_top") for below, above in pairwise(names)]
-    law = {"friction": friction} | ({"finite": True} if finite else {})
-    return Problem(Grids(*blocks), pairs, dict.fromkeys(names, 100.0), law=law, nonlinear=finite,
-                   flags={"dirichlet": "base_bottom"})  # fmt: skip
+def Tower(count, friction, gap, steps, force, weight=None, finite=False):
+    """Blocks of width 1 and height 0.3 on a base, each held by friction alone, a force on top."""
+    blocks = [Block("base", (-0.4, -0.5, 1.4, 0), (9, 3))]
+    for k in range(count):
+        low, kind = k * (0.3 + gap) + gap, ("quad", "trig")[k % 2]
+        blocks.append(Block(f"block{k + 1}", (0, low, 1, low + 0.3), (5 + k % 3, 2), kind))
+    pairs = [(above.name, below.name) for below, above in pairwise(blocks)]
+    p = Problem(Grids(*blocks), 100.0, pairs, friction, finite, steps=steps)
+    for above, _ in pairs if weight else []:
+        p.Weight(above, weight)
+    return p.Traction(f"block{count}_top", force)
 
 
 @problem((2, 0.3, 0.0, 1), (3, 0.3, 0.005, 1), (4, 0.6, 0.0, 2), (5, 0.5, 0.002, 5),
          (6, 0.8, 0.0, 1), (3, 0.5, 0.0, 20), (3, 1.5, 0.01, 2), (8, 0.5, 0.0, 2))  # fmt: skip
-def Pile(argument):
+def Pile(count, friction, gap, steps):
     """A stack with weights from the start, pushed at its top: well within friction and balance."""
-    count, friction, gap, steps = argument
-    p = Tower(count, friction, gap)
-    for k in range(1, count + 1):
-        p.Weight(f"block{k}", CF((0, -1.0)))
-    p.Traction(f"block{count}_top", p.load * CF((0.2 * friction * 0.3, -0.1)))
-    p.path = [(1.0, steps)]
-    return p
+    return Tower(count, friction, gap, steps, (0.2 * friction * 0.3, -0.1), CF((0, -1.0)))
 
 
 @problem((2, 0.3, 1), (3, 0.5, 2), (4, 0.5, 5))
-def PileUnderForce(argument):
+def PileUnderForce(count, friction, steps):
     """A stack without weights: the force on its top holds all of it."""
-    count, friction, steps = argument
-    p = Tower(count, friction, 0.0)
-    p.Traction(f"block{count}_top", p.load * CF((0.05, -1.0)))
-    p.path = [(1.0, steps)]
-    return p
+    return Tower(count, friction, 0.0, steps, (0.05, -1.0))
 
 
 @problem((2, 0.4, 1), (3, 0.4, 2), (3, 0.8, 5))
-def LargePile(argument):
+def LargePile(count, friction, steps):
     """A stack with finite sliding."""
-    count, friction, steps = argument
-    p = Tower(count, friction, 0.0, finite=True)
-    for k in range(1, count + 1):
-        p.Weight(f"block{k}", p.load * CF((0, -1.0)))
-    p.Traction(f"block{count}_top", p.load * CF((0.05, -0.5)))
-    p.path = [(1.0, steps)]
-    return p
+    return Tower(count, friction, 0.0, steps, (0.05, -0.5), (0, -1.0), finite=True)
 
 
 # --- chains that are pulled ----------------------------------------------------------------------
@@ -160,31 +116,18 @@ def Link(x0, hooked, headed):
     return corners
 
 
-def Links(count, play, maxh=0.2):
-    """A clamped link and `count` loose ones."""
-    parts, pairs = [], []
-    names = [f"link{k}" for k in range(count + 1)]
-    for k, name in enumerate(names):
-        x0 = (2.0 - play) * k
-        edges = {"wall": [(x0, 0.5)]} if k == 0 else {"head": [(x0 - 1, 0.3), (x0 - 1, -0.3)]}
-        edges |= {"far": [(x0 + 1.4, 0.7)]} if k == count else {
-            "hook": [(x0 + 1, 0.35), (x0 + 1, -0.35)]
-        }  # fmt: skip
-        face = Outline(*Link(x0, k < count, k > 0))
-        parts.append(Part(name, face, maxh * (1 - 0.1 * (k % 3)), edges))
-        if k:
-            pairs.append((f"{name}_head", f"{names[k - 1]}_hook"))
-    return names, pairs, Sketch(*parts)
-
-
 @problem((1, 0.3, 1, 0.0), (2, 0.3, 1, 0.0), (3, 0.3, 2, 0.01), (2, 0.8, 5, 0.02),
          (1, 0.1, 20, 0.005), (2, 0.3, 2, 0.05), (4, 0.2, 1, 0.0))  # fmt: skip
-def Chain(argument):
+def Chain(count, friction, steps, play):
     """Links with play are pulled by a force: each is held by the shoulders of the one before."""
-    count, friction, steps, play = argument
-    names, pairs, mesh = Links(count, play)
-    p = Problem(mesh, pairs, dict.fromkeys(names, 1000.0), law={"friction": friction},
-                flags={"dirichlet": "link0_wall"}, outlines=False)  # fmt: skip
-    p.Traction(f"{names[-1]}_far", p.load * CF((1.0, 0)))
-    p.path = [(1.0, steps)]
-    return p
+    parts = []
+    for k in range(count + 1):
+        x0 = (2.0 - play) * k
+        edges = {"head": [(x0 - 1, 0.3), (x0 - 1, -0.3)]} if k else {"wall": [(x0, 0.5)]}
+        hook, far = {"hook": [(x0 + 1, 0.35), (x0 + 1, -0.35)]}, {"far": [(x0 + 1.4, 0.7)]}
+        edges |= hook if k < count else far
+        face = Outline(*Link(x0, k < count, k > 0))
+        parts.append(Part(f"link{k}", face, 0.2 * (1 - 0.1 * (k % 3)), edges))
+    pairs = [(f"link{k}_head", f"link{k - 1}_hook") for k in range(1, count + 1)]
+    p = Problem(Sketch(*parts), 1000.0, pairs, friction, held="link0_wall", steps=steps)
+    return p.Traction(f"link{count}_far", (1.0, 0))

@@ -1,7 +1,7 @@
 """Is a state that the solver calls converged an answer? Nothing of the solver is used here."""
 
 import numpy as np
-from ngsolve import CF, Det, Grad, GridFunction, Id, IntegrationRule, x, y
+from ngsolve import CF, GridFunction, IntegrationRule, x, y
 from ngsolve.fem import SEGM
 from shapely import Point, Polygon
 
@@ -25,14 +25,14 @@ def Check(problem):
         if not law.get("tied"):
             CheckContact(problem, contact)
     CheckEquilibrium(problem)
-    CheckBodies(problem)
+    if problem.mesh.dim == 2:
+        CheckOutlines(problem)
 
 
 def CheckContact(problem, contact):
     table = contact.Table()
-    paired = table["area"] > 0
-    size = table["fullarea"] ** (1 / (problem.mesh.dim - 1))
-    d = problem.mesh.dim
+    paired, d = table["area"] > 0, problem.mesh.dim
+    size = table["fullarea"] ** (1 / (d - 1))
     traction = problem.gf.vec.FV().NumPy()[contact.form.MultiplierDofs()].reshape(-1, d)
     # Where nothing presses there is rounding only.
     noise = 1e-8 * max(problem.young.values())
@@ -40,8 +40,7 @@ def CheckContact(problem, contact):
     traction = traction / largest
     Require(np.abs(traction[~paired]).max(initial=0), TOLERANCE, "traction without partner")
     normal, gap, slip = (table[k][paired] for k in ("normal", "gap", "slip"))
-    gap, slip = gap / size[paired], slip / size[paired, None]
-    traction = traction[paired]
+    gap, slip, traction = gap / size[paired], slip / size[paired, None], traction[paired]
     pressure = -np.sum(traction * normal, axis=1)
     shear = traction + pressure[:, None] * normal
     Require(-pressure.min(), TOLERANCE, "tension")
@@ -53,38 +52,29 @@ def CheckContact(problem, contact):
     trial = shear - slip / max(np.abs(slip).max(), TOLERANCE)
     length = np.linalg.norm(trial, axis=1)
     projected = trial * np.minimum(1, bound / np.maximum(length, 1e-300))[:, None]
-    closed = pressure > TOLERANCE
-    error = np.linalg.norm(projected - shear, axis=1)[closed]
+    error = np.linalg.norm(projected - shear, axis=1)[pressure > TOLERANCE]
     Require(error.max(initial=0), 10 * TOLERANCE, "slip and friction do not match")
     Require(np.abs(np.sum(slip * normal, axis=1)).max(), TOLERANCE, "slip along the normal")
 
 
 def CheckEquilibrium(problem):
-    gf = problem.gf
+    gf, space = problem.gf, problem.X.components[0]
     residual = gf.vec.CreateVector()
     problem.a.Apply(gf.vec, residual)
-    bulk = residual.FV().NumPy().copy()
-    count = problem.X.components[0].ndof
-    total = bulk[:count].copy()
+    total = residual.FV().NumPy()[: space.ndof].copy()
     # Bodies that move without contact feel rounding only.
-    work = max(problem.work, np.abs(bulk[:count]).max(), Noise(problem))
-    for number, (contact, (_, other)) in enumerate(
-        zip(problem.contacts, problem.pairs, strict=True)
-    ):
-        force = Forces(problem, contact, problem.laws[number])[:count]
+    noise = 1e-8 * max(problem.young.values()) * problem.extent ** (problem.mesh.dim - 1)
+    work = max(problem.work, np.abs(total).max(), noise)
+    for contact, law, (_, other) in zip(problem.contacts, problem.laws, problem.pairs, strict=True):
+        force = Forces(problem, contact, law)[: space.ndof]
         total += force
         work = max(work, np.abs(force).max())
-        resultant = [motion @ force for motion in Translations(problem)]
+        resultant = [motion @ force for motion in Translations(space)]
         if isinstance(other, str):
             Require(np.abs(resultant).max() / work, TOLERANCE, "both sides feel different forces")
     problem.work = work
-    free = np.array([bool(b) for b in problem.X.components[0].FreeDofs()])
+    free = np.array([bool(b) for b in space.FreeDofs()])
     Require(np.abs(total[free]).max() / work, TOLERANCE, "equilibrium")
-
-
-def Noise(problem):
-    """Forces far below it are rounding."""
-    return 1e-8 * max(problem.young.values()) * problem.extent ** (problem.mesh.dim - 1)
 
 
 def Forces(problem, contact, law):
@@ -106,10 +96,10 @@ def Transposed(operator, values):
     return product.FV().NumPy().copy()
 
 
-def Translations(problem):
+def Translations(space):
     """Unit motions of everything, as scalar values of the displacement."""
-    field = GridFunction(problem.X.components[0])
-    for direction in np.eye(problem.mesh.dim):
+    field = GridFunction(space)
+    for direction in np.eye(space.mesh.dim):
         field.Set(CF(tuple(direction)))
         yield field.vec.FV().NumPy().copy()
 
@@ -117,38 +107,28 @@ def Translations(problem):
 # --- geometry ---------------------------------------------------------------------------------
 
 
-def CheckBodies(problem):
-    """No element is turned inside out, no body folded, none in another one."""
-    if problem.nonlinear:
-        F = Id(problem.mesh.dim) + Grad(problem.gf.components[0])
-        points = problem.mesh.MapToAllElements(
-            {kind: IntegrationRule(kind, 3) for kind in Kinds(problem.mesh)},
-            problem.mesh.Materials(".*"),
-        )
-        Require(-np.min(Det(F)(points)), 0, "an element is turned inside out")
-    if problem.mesh.dim == 2 and problem.outlines:
-        CheckOutlines(problem)
-
-
-def Kinds(mesh):
-    return {e.type for e in mesh.Elements()}
-
-
-def Outline(problem, region, positions):
-    """Deformed positions (edges, positions, 2) along boundary edges, in their order."""
-    rule = IntegrationRule([(1 - p,) for p in positions], [1.0] * len(positions))
+def Outline(problem, region, places, moved=1):
+    """Deformed positions (edges, places, 2) along boundary edges, in their order."""
+    rule = IntegrationRule([(1 - place,) for place in places], [1.0] * len(places))
     points = problem.mesh.MapToAllElements({SEGM: rule}, problem.mesh.Boundaries(region))
-    values = (CF((x, y)) + problem.gf.components[0])(points)
-    return values.reshape(-1, len(positions), 2)
+    values = (CF((x, y)) + moved * problem.gf.components[0])(points)
+    return values.reshape(-1, len(places), 2)
 
 
 def CheckOutlines(problem):
-    """On average over a slave edge there is no penetration, and nowhere much of it."""
+    """No body is folded, and no slave edge on average in another body, and nowhere deep in it.
+
+    This is for bodies the boundary of which is one chain of edges in their order, as `Grids` makes
+    it.
+    """
     middles = [(k + 0.5) / 8 for k in range(8)]
     for slave, master in problem.pairs:
         if not isinstance(master, str):
             continue
         name = master.split("|")[0].rsplit("_", 1)[0]
+        ends = Outline(problem, f"{name}_.*", [0.0, 1.0], moved=0)
+        if np.abs(ends[:, 1] - np.roll(ends[:, 0], -1, axis=0)).max() > 1e-9 * problem.extent:
+            continue
         body = Polygon(Outline(problem, f"{name}_.*", [0.0, 0.25, 0.5, 0.75]).reshape(-1, 2))
         if not body.is_valid:
             raise WrongAnswerError(f"body {name} is folded")
@@ -164,7 +144,8 @@ def CheckOutlines(problem):
 
 
 def CheckEnd(problem):
-    """The load has been reached, and an exact solution if there is one."""
+    """The load has been reached, and the force of the first contact if it is known."""
     Require(abs(problem.load.Get() - problem.path[-1][0]), 1e-12, "the load was not reached")
-    if problem.exact:
-        problem.exact(problem)
+    if problem.resultant:
+        error = np.abs(problem.contacts[0].Force() - np.array(problem.resultant)).max()
+        Require(error / np.abs(problem.resultant).max(), 1e-6, "resultant")

@@ -1,125 +1,103 @@
 """Stress set in two dimensions: large deformation and large sliding."""
 
+from functools import partial
+
 import numpy as np
-from ngsolve import CF, IfPos, cos, sin, x, y
+from ngsolve import IfPos, cos, sin, x, y
 from stress_blocks2d import TwoBlocks
-from stress_floating2d import Disc
-from stress_meshes import Block, Grids
-from stress_problem import Problem, problem
+from stress_meshes import Disc, Grids, Polar
+from stress_problem import Moved, Pressed, Problem, problem
 
-PAIR = [("upper_bottom", "lower_top")]
-CLAMPED = {"dirichlet": "lower_bottom"}
-DRIVEN = {"dirichlet": "lower_bottom|upper_top"}
+ROUND = [("upper_left|upper_bottom|upper_right", "lower_top")]
 
 
-def Large(mesh, young=(100.0, 100.0), friction=0.0, pairs=PAIR, names=("upper", "lower"), **flags):
+def Large(mesh, upper=100.0, lower=100.0, friction=0.0, pairs=(("upper", "lower"),), **options):
     """A problem with neo-Hooke bodies and finite sliding."""
-    bodies = dict(zip(names, young, strict=True))
-    law = {"friction": friction, "finite": True} if friction else {"finite": True}
-    return Problem(mesh, pairs, bodies, nonlinear=True, law=law, **{"flags": DRIVEN} | flags)
+    young = options.pop("young", {"upper": upper, "lower": lower})
+    return Problem(mesh, young, pairs, friction or None, finite=True, **options)
 
 
-def Blocks(length=3.0, n=(7, 5), width=1.0, height=0.6, gap=0.01):
+def Top(*motion):
+    """The top is driven: by numbers that grow with the load, or a function of the load."""
+    return {"upper_top": motion if len(motion) > 1 else motion[0]}
+
+
+def Blocks(length=3.0, n=(7, 5), height=0.6):
+    lower = (-0.3, -0.6, length - 0.3, 0)
     return Grids(
-        Block("upper", (0, gap, width, height + gap), n[0], 4, quads=True),
-        Block("lower", (-0.3, -0.6, length - 0.3, 0), int(length * n[1]), 4, quads=True),
+        upper=((0, 0.01, 1.0, height + 0.01), (n[0], 4), "quad"),
+        lower=(lower, (int(length * n[1]), 4), "quad"),
     )
 
 
 @problem((31, 0.0), (32, 0.3), (33, 0.8), (34, 1.5))
-def LargeRandom(argument):
+def LargeRandom(seed, friction):
     """Random surfaces, pressed and sheared by several elements in one step."""
-    seed, friction = argument
-    mesh = TwoBlocks(seed, 0.04, nx=(10, 8), quads=seed % 2 == 0)
-    p = Large(mesh, (10.0, 30.0), friction)
-    p.prescribe = {"upper_top": p.load * CF((0.15, -0.2))}
-    return p
+    mesh = TwoBlocks(seed, 0.04, (10, 8), ("quad", "trig")[seed % 2])
+    return Large(mesh, 10.0, 30.0, friction, drive=Top(0.15, -0.2))
 
 
 @problem(0.0, 0.3, 1.0)
 def LargeSlide(friction):
     """A block slides by more than its length, in steps of three elements."""
-    p = Large(Blocks(), (20.0, 50.0), friction)
-    t = p.load
-    p.prescribe = {"upper_top": CF((IfPos(t - 1, 1.5 * (t - 1), 0), -0.06 * IfPos(t - 1, 1, t)))}
-    p.path = [(1.0, 1), (2.0, 3)]
-    return p
+    drive, path = Top(lambda t: (1.5 * Moved(t), -0.06 * Pressed(t))), [(1.0, 1), (2.0, 3)]
+    return Large(Blocks(), 20.0, 50.0, friction, drive=drive, path=path)
 
 
 @problem(0.0, 0.4)
 def OverEdge(friction):
     """A block slides over the end of the lower one, until half of it hangs over."""
-    p = Large(Blocks(length=1.4, n=(8, 7)), (20.0, 50.0), friction)
-    t = p.load
-    p.prescribe = {"upper_top": CF((IfPos(t - 1, 0.7 * (t - 1), 0), -0.04 * IfPos(t - 1, 1, t)))}
-    p.path = [(1.0, 1), (2.0, 4)]
-    return p
+    drive, path = Top(lambda t: (0.7 * Moved(t), -0.04 * Pressed(t))), [(1.0, 1), (2.0, 4)]
+    return Large(Blocks(1.4, (8, 7)), 20.0, 50.0, friction, drive=drive, path=path)
 
 
 @problem(0.0, 0.5)
 def Indent(friction):
     """A stiff disc pressed into a soft block by half of its radius."""
-    mesh = Grids(
-        Block("upper", lambda s, t: Disc(s, t, 0.4), 8, 8),
-        Block("lower", (-1, -1, 1, -0.001), 23, 9, quads=True),
-    )
-    pairs = [("upper_left|upper_bottom|upper_right", "lower_top")]
-    p = Large(mesh, (1000.0, 1.0), friction, pairs)
-    p.prescribe = {"upper_top": CF((0, -0.2 * p.load))}
-    return p
+    disc = partial(Disc, radius=0.4)
+    mesh = Grids(upper=(disc, (8, 8)), lower=((-1, -1, 1, -0.001), (23, 9), "quad"))
+    return Large(mesh, 1000.0, 1.0, friction, ROUND, drive=Top(0, -0.2))
 
 
 @problem(0.0, 0.4)
 def SoftPunch(friction):
     """A soft block pressed flat on a stiff one, nearly incompressible: it bulges."""
-    p = Large(Blocks(length=1.6, n=(8, 7), height=0.8), (1.0, 1000.0), friction, nu=0.49, order=3)
-    p.prescribe = {"upper_top": CF((0, -0.21 * p.load))}
-    return p
+    options = {"nu": 0.49, "order": 3, "drive": Top(0, -0.21)}
+    return Large(Blocks(1.6, (8, 7), 0.8), 1.0, 1000.0, friction, **options)
 
 
 @problem(0.0, 0.2)
 def Iron(friction):
     """A disc is pressed in and drawn along: shallow ironing."""
-    mesh = Grids(
-        Block("upper", lambda s, t: Disc(s, t, 0.5), 8, 8),
-        Block("lower", (-0.8, -0.7, 2.2, -0.001), 30, 5, quads=True),
-    )
-    pairs = [("upper_left|upper_bottom|upper_right", "lower_top")]
-    p = Large(mesh, (100.0, 10.0), friction, pairs)
-    t = p.load
-    p.prescribe = {"upper_top": CF((IfPos(t - 1, t - 1, 0), -0.12 * IfPos(t - 1, 1, t)))}
-    p.path = [(1.0, 1), (2.0, 5)]
-    return p
+    disc, path = partial(Disc, radius=0.5), [(1.0, 1), (2.0, 5)]
+    mesh = Grids(upper=(disc, (8, 8)), lower=((-0.8, -0.7, 2.2, -0.001), (30, 5), "quad"))
+    drive = Top(lambda t: (Moved(t), -0.12 * Pressed(t)))
+    return Large(mesh, 100.0, 10.0, friction, ROUND, drive=drive, path=path)
 
 
 @problem(0.0, 0.6)
 def Turn(friction):
     """A pressed pair is turned as a whole by a right angle in three steps."""
-    p = Large(Blocks(length=1.6), (50.0, 50.0), friction)
-    t = p.load
-    angle = np.pi / 2 * IfPos(t - 1, t - 1, 0)
-    down = -0.05 * IfPos(t - 1, 1, t)
 
-    def turned(a, b):
-        return CF((cos(angle) * a - sin(angle) * b - x, sin(angle) * a + cos(angle) * b - y))
+    def turned(t, a, b):
+        angle = np.pi / 2 * Moved(t)
+        return cos(angle) * a - sin(angle) * b - x, sin(angle) * a + cos(angle) * b - y
 
-    p.prescribe = {"upper_top": turned(x + 0.02 * IfPos(t - 1, 1, t), y + down),
-                   "lower_bottom": turned(x, y)}  # fmt: skip
-    p.path = [(1.0, 1), (2.0, 3)]
-    return p
+    drive = Top(lambda t: turned(t, x + 0.02 * Pressed(t), y + -0.05 * Pressed(t)))
+    drive |= {"lower_bottom": lambda t: turned(t, x, y)}
+    options = {"drive": drive, "path": [(1.0, 1), (2.0, 3)]}
+    return Large(Blocks(length=1.6), 50.0, 50.0, friction, **options)
 
 
 @problem(0.0, 0.3)
 def Beams(friction):
     """A cantilever bends another one that crosses below its end, and slides along it."""
     mesh = Grids(
-        Block("upper", (0, 0.01, 2, 0.11), 16, 2, quads=True),
-        Block("lower", (1.5, -0.1, 3.5, 0), 19, 2, quads=True),
+        upper=((0, 0.01, 2, 0.11), (16, 2), "quad"),
+        lower=((1.5, -0.1, 3.5, 0), (19, 2), "quad"),
     )
-    p = Large(mesh, (1000.0, 700.0), friction, flags={"dirichlet": "upper_left|lower_right"})
-    p.prescribe = {"upper_left": CF((0, -0.5 * p.load))}
-    p.path = [(1.0, 2)]
-    return p
+    options = {"held": "lower_right", "drive": {"upper_left": (0, -0.5)}, "steps": 2}
+    return Large(mesh, 1000.0, 700.0, friction, **options)
 
 
 @problem(0.0, 0.3)
@@ -136,11 +114,9 @@ def Bumps(friction):
         top = -0.14 + 0.12 * np.exp(-(((px - 1.6) / 0.25) ** 2))
         return px, -0.8 + t * (top + 0.8)
 
-    mesh = Grids(Block("upper", upper, 20, 4, quads=True), Block("lower", lower, 37, 7, quads=True))
-    p = Large(mesh, (20.0, 30.0), friction)
-    p.prescribe = {"upper_top": CF((1.6 * p.load, -0.01 * IfPos(p.load - 0.2, 1, 5 * p.load)))}
-    p.path = [(1.0, 5)]
-    return p
+    mesh = Grids(upper=(upper, (20, 4), "quad"), lower=(lower, (37, 7), "quad"))
+    drive = Top(lambda t: (1.6 * t, -0.01 * IfPos(t - 0.2, 1, 5 * t)))
+    return Large(mesh, 20.0, 30.0, friction, drive=drive, steps=5)
 
 
 @problem(0.0, 0.3)
@@ -151,62 +127,48 @@ def WedgeIn(friction):
         return (2 * s - 1) * (0.12 + 0.2 * t), 0.62 + 0.8 * t
 
     mesh = Grids(
-        Block("wedge", wedge, 4, 8, quads=True),
-        Block("left", (-1.0, 0, -0.15, 0.7), 5, 9, quads=True),
-        Block("right", (0.15, 0, 1.0, 0.7), 5, 7, quads=True),
+        wedge=(wedge, (4, 8), "quad"),
+        left=((-1.0, 0, -0.15, 0.7), (5, 9), "quad"),
+        right=((0.15, 0, 1.0, 0.7), (5, 7), "quad"),
     )
     pairs = [("left_right", "wedge_left"), ("right_left", "wedge_right")]
-    p = Large(mesh, (500.0, 10.0, 10.0), friction, pairs, ("wedge", "left", "right"),
-              flags={"dirichlet": "wedge_top|left_left|right_right"})  # fmt: skip
-    p.prescribe = {"wedge_top": CF((0, -0.4 * p.load))}
-    p.path = [(1.0, 2)]
-    return p
+    young = {"wedge": 500.0, "left": 10.0, "right": 10.0}
+    options = {"held": "left_left|right_right", "drive": {"wedge_top": (0, -0.4)}, "steps": 2}
+    return Large(mesh, young=young, friction=friction, pairs=pairs, **options)
 
 
 @problem(0.5)
 def ToAndFro(friction):
     """Large sliding to and fro."""
-    p = Large(Blocks(), (20.0, 50.0), friction)
-    t = p.load
-    p.prescribe = {"upper_top": CF((0.5 - 0.5 * cos(6.283 * t), -0.05 * IfPos(t - 0.2, 1, 5 * t)))}
-    p.path = [(1.0, 6)]
-    return p
+    drive = Top(lambda t: (0.5 - 0.5 * cos(6.283 * t), -0.05 * IfPos(t - 0.2, 1, 5 * t)))
+    return Large(Blocks(), 20.0, 50.0, friction, drive=drive, steps=6)
 
 
 @problem(0.4)
 def Lift(friction):
     """Pressed, lifted far beyond the first gap, pressed again, one step each."""
-    p = Large(TwoBlocks(35, 0.02), (20.0, 50.0), friction)
-    p.prescribe = {"upper_top": p.load * CF((0.1, -0.12))}
-    p.path = [(1.0, 1), (-2.0, 1), (1.0, 1)]
-    return p
+    path = [(1.0, 1), (-2.0, 1), (1.0, 1)]
+    return Large(TwoBlocks(35, 0.02), 20.0, 50.0, friction, drive=Top(0.1, -0.12), path=path)
 
 
 @problem(0.3, 1.0)
 def LargeBrick(friction):
     """A brick held by nothing but contact, three macro-elements, pushed aside."""
-    p = Large(Blocks(length=1.6, n=(3, 6)), (20.0, 20.0), friction, flags=CLAMPED)
-    p.Traction("upper_top", p.load * CF((0.2, -1)))
-    return p
+    p = Large(Blocks(1.6, (3, 6)), 20.0, 20.0, friction)
+    return p.Traction("upper_top", (0.2, -1))
 
 
 @problem((14, 4), (4, 14))
-def LargeMeshes(n):
+def LargeMeshes(*n):
     """A fine against a coarse mesh, and the reverse."""
-    p = Large(Blocks(length=1.8, n=n), (10.0, 10.0), 0.4)
-    p.prescribe = {"upper_top": p.load * CF((0.25, -0.12))}
-    return p
+    return Large(Blocks(1.8, n), 10.0, 10.0, 0.4, drive=Top(0.25, -0.12))
 
 
 @problem(41, 42)
 def LargeBadStart(seed):
     """A random start vector."""
-    p = Large(TwoBlocks(seed, 0.02), (20.0, 20.0), 0.3, flags=CLAMPED)
-    p.Spring("upper_top", p.load * CF((0.05, -0.1)), 200)
-    values, free = p.gf.vec.FV().NumPy(), p.X.FreeDofs()
-    values[:] = np.random.default_rng(seed).normal(size=len(values)) * [bool(b) for b in free]
-    values[: p.X.components[0].ndof] *= 0.004
-    return p
+    p = Large(TwoBlocks(seed, 0.02), 20.0, 20.0, 0.3)
+    return p.Spring("upper_top", (0.05, -0.1), 200).Scatter(seed, 0.004, 1)
 
 
 @problem(0.0, 0.2)
@@ -214,15 +176,10 @@ def HalfRing(friction):
     """A thin half ring is pressed on a block until it is half as high."""
 
     def ring(s, t):
-        angle, radius = np.pi * (1 + s), 1.0 - 0.1 * t
-        return radius * np.cos(angle), radius * np.sin(angle) + 1
+        px, py = Polar(np.pi * (1 + s), 1.0 - 0.1 * t)
+        return px, py + 1
 
-    mesh = Grids(
-        Block("upper", ring, 31, 1, quads=True),
-        Block("lower", (-1.4, -0.4, 1.4, -0.001), 27, 3, quads=True),
-    )
-    p = Large(mesh, (1000.0, 300.0), friction,
-              flags={"dirichlet": "lower_bottom|upper_left|upper_right"})  # fmt: skip
-    p.prescribe = {"upper_left|upper_right": CF((0, -0.5 * p.load))}
-    p.path = [(1.0, 4)]
-    return p
+    lower = (-1.4, -0.4, 1.4, -0.001)
+    mesh = Grids(upper=(ring, (31, 1), "quad"), lower=(lower, (27, 3), "quad"))
+    options = {"drive": {"upper_left|upper_right": (0, -0.5)}, "steps": 4}
+    return Large(mesh, 1000.0, 300.0, friction, **options)

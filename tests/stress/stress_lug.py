@@ -1,7 +1,7 @@
 """Stress set: a pin in a lug and a fork, in three dimensions; pin and lug are held by contact."""
 
 from netgen.occ import Box, Compound, Cylinder, OCCGeometry, Pnt, X, Y
-from ngsolve import CF, Mesh
+from ngsolve import Mesh
 from stress_problem import Problem, problem
 
 
@@ -37,13 +37,9 @@ def Lug(play):
 
 
 @problem((0.3, 0.002, 1), (0.1, 0.01, 2))
-def PinInLug(argument):
+def PinInLug(friction, play, steps):
     """The lug is pulled: it pulls the pin, and the pin the fork."""
-    friction, play, steps = argument
     pairs = [("fork_hole", "pin_round"), ("lug_hole", "pin_round")]
-    p = Problem(Lug(play), pairs, dict.fromkeys(("fork", "lug", "pin"), 1000.0),
-                law={"friction": friction}, path=[(1.0, steps)],
-                flags={"dirichlet": "fork_far", "dirichlety": "lug_far", "dirichletz": "lug_far"},
-                )  # fmt: skip
-    p.Traction("lug_far", p.load * CF((1.0, 0, 0)))
-    return p
+    held = {"held": "fork_far", "heldy": "lug_far", "heldz": "lug_far"}
+    p = Problem(Lug(play), 1000.0, pairs, friction, steps=steps, **held)
+    return p.Traction("lug_far", (1.0, 0, 0))

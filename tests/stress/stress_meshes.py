@@ -11,21 +11,22 @@ from ngsolve import Mesh
 
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 
-__all__ = ["Block", "Block3D", "Grids", "Grids3D", "Outline", "Part", "Plate", "Rotated", "Sketch"]
-
 
 @dataclass(frozen=True)
 class Block:
-    """The unit square in nx x ny cells, mapped by `shape`; sides are called NAME_bottom etc.
+    """A grid of n = (nx, ny) or (nx, ny, nz) cells; its sides are called NAME_bottom etc.
 
-    `shape` maps arrays (s, t) of the square to (x, y) and keeps the orientation.
+    `place` is a box (x0, y0, x1, y1) or (x0, y0, z0, x1, y1, z1), or in the plane a map of arrays
+    (s, t) of the unit square to (x, y) that keeps the orientation. In space `bend` maps points
+    (n, 3) of the box; if `closed`, its left and right sides on each other.
     """
 
     name: str
-    shape: object
-    nx: int
-    ny: int
-    quads: bool = False
+    place: object
+    n: tuple
+    kind: str = ""  # "trig" or "quad"; in space one of `StructuredBox`, "hex" if there is none
+    bend: object = None
+    closed: bool = False
 
 
 def Box(x0, y0, x1, y1):
@@ -44,18 +45,34 @@ def Rotated(shape, degrees):
     return turned
 
 
-def Grids(*blocks):
-    """An NGSolve mesh of `Block`s that share no nodes; `shape` may be (x0, y0, x1, y1)."""
-    ngmesh = NetgenMesh(dim=2)
+def Polar(angle, radius):
+    """Cartesian coordinates."""
+    return radius * np.cos(angle), radius * np.sin(angle)
+
+
+def Sector(r0, r1):
+    """The map of the square to a quarter of a ring, its bottom inside."""
+    return lambda s, t: Polar(np.pi / 2 * (1 - s), r0 + (r1 - r0) * t)
+
+
+def Disc(s, t, radius=1.0):
+    """The square as a disc that touches y = 0."""
+    a, b = 2 * s - 1, 2 * t - 1
+    return radius * a * np.sqrt(1 - b * b / 2), radius * (1 + b * np.sqrt(1 - a * a / 2))
+
+
+def Grids(*blocks, **named):
+    """An NGSolve mesh of `Block`s that share no nodes; ``name=(place, n, ...)`` is one, too."""
+    blocks = [*blocks, *(Block(name, *rest) for name, rest in named.items())]
+    ngmesh = NetgenMesh(dim=len(blocks[0].n))
     for block in blocks:
-        _Add(ngmesh, block)
+        (_AddGrid if ngmesh.dim == 2 else _AddBoxes)(ngmesh, block)
     ngmesh.Compress()
     return Mesh(ngmesh)
 
 
-def _Add(ngmesh, block):
-    shape = Box(*block.shape) if isinstance(block.shape, tuple) else block.shape
-    nx, ny = block.nx, block.ny
+def _AddGrid(ngmesh, block):
+    shape, (nx, ny) = block.place if callable(block.place) else Box(*block.place), block.n
     s, t = np.meshgrid(np.linspace(0, 1, nx + 1), np.linspace(0, 1, ny + 1), indexing="ij")
     xs, ys = (np.broadcast_to(np.asarray(c, dtype=float), s.shape) for c in shape(s, t))
     domain = ngmesh.AddRegion(block.name, dim=2)
@@ -64,7 +81,7 @@ def _Add(ngmesh, block):
         node[i, j] = ngmesh.Add(MeshPoint(Pnt(xs[i, j], ys[i, j], 0)))
     for i, j in np.ndindex(nx, ny):
         a, b, c, d = node[i, j], node[i + 1, j], node[i + 1, j + 1], node[i, j + 1]
-        for cell in [[a, b, c, d]] if block.quads else [[a, b, c], [a, c, d]]:
+        for cell in [[a, b, c, d]] if block.kind == "quad" else [[a, b, c], [a, c, d]]:
             ngmesh.Add(Element2D(domain, cell))
     # The outline is walked counter-clockwise: the checks rely on this order.
     sides = {"bottom": node[:, 0], "right": node[-1], "top": node[::-1, -1], "left": node[0, ::-1]}
@@ -74,38 +91,16 @@ def _Add(ngmesh, block):
             ngmesh.Add(Element1D([a, b], index=index))
 
 
-@dataclass(frozen=True)
-class Block3D:
-    """A box (x0, y0, z0, x1, y1, z1) in n = (nx, ny, nz) cells of a kind of `StructuredBox`.
-
-    `shape` maps points (n, 3) of the box; if `closed`, its left and right sides on each other.
-    """
-
-    name: str
-    box: tuple
-    n: tuple
-    kind: str = "hex"
-    shape: object = None
-    closed: bool = False
+def _AddBoxes(ngmesh, block):
+    ends = zip(block.place[:3], block.place[3:], block.n, strict=True)
+    grid = [np.linspace(a, b, n + 1) for a, b, n in ends]
+    cells = StructuredBox(*grid, block.kind or "hex", names=lambda side, _: f"{block.name}_{side}")
+    if block.bend:
+        cells = Cells(block.bend(cells.points), cells.cells, cells.faces)
+    AddBody(ngmesh, block.name, Closed(cells, block.name) if block.closed else cells)
 
 
-def Grids3D(*blocks):
-    """An NGSolve mesh of `Block3D`s that share no nodes; sides are called NAME_bottom etc."""
-    ngmesh = NetgenMesh(dim=3)
-    for block in blocks:
-        low, high = block.box[:3], block.box[3:]
-        grid = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, block.n, strict=True)]
-        cells = StructuredBox(
-            *grid, block.kind, names=lambda side, _, name=block.name: f"{name}_{side}"
-        )
-        points = cells.points if block.shape is None else block.shape(cells.points)
-        cells = Cells(points, cells.cells, cells.faces)
-        AddBody(ngmesh, block.name, Closed(cells, block) if block.closed else cells)
-    ngmesh.Compress()
-    return Mesh(ngmesh)
-
-
-def Closed(cells, block):
+def Closed(cells, name):
     """The left and right sides of a block become one, inside of the body."""
     size = np.ptp(cells.points, axis=0).max()
     _, first, number = np.unique(
@@ -116,8 +111,8 @@ def Closed(cells, block):
     def Renumbered(corners):
         return tuple(int(number[i]) for i in corners)
 
-    seam = (f"{block.name}_left", f"{block.name}_right")
-    faces = [(name, Renumbered(face)) for name, face in cells.faces if name not in seam]
+    seam = (f"{name}_left", f"{name}_right")
+    faces = [(side, Renumbered(face)) for side, face in cells.faces if side not in seam]
     return Cells(cells.points[first], [Renumbered(cell) for cell in cells.cells], faces)
 
 

@@ -1,15 +1,18 @@
 """A problem of the stress set: what a user would write, and nothing tuned."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from ngsolve import (
+    CF,
     BilinearForm,
     CoefficientFunction,
     Det,
     Grad,
     GridFunction,
     Id,
+    IfPos,
     InnerProduct,
     Parameter,
     Sym,
@@ -21,39 +24,22 @@ from ngsolve import (
     log,
 )
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
 
-__all__ = ["PROBLEMS", "Problem", "problem"]
+__all__ = ["GROUND", "PROBLEMS", "Lame", "Moved", "Pressed", "Problem", "problem"]
 
 PROBLEMS = {}
+GROUND = "(base|lower)_bottom"  # is held where nothing else is told
 
 
-@dataclass(frozen=True)
-class Made:
-    """Builds a problem when called; knows the module that describes it."""
-
-    function: object
-    arguments: tuple
-    flags: dict
-
-    @property
-    def module(self):
-        return self.function.__module__
-
-    def __call__(self):
-        return self.function(*self.arguments, **self.flags)
-
-
-def problem(*arguments, **flags):
-    """Register a function of one argument as problems NAME-ARGUMENT; without arguments as NAME."""
+def problem(*arguments):
+    """Register a function as problems NAME-ARGUMENT-..., one for each; without any as NAME."""
 
     def register(function):
-        name = function.__name__.lower()
-        for argument in arguments:
-            key = name + "-" + "-".join(map(str, np.atleast_1d(np.array(argument, dtype=object))))
-            PROBLEMS[key] = Made(function, (argument,), flags)
-        if not arguments:
-            PROBLEMS[name] = Made(function, (), flags)
+        for argument in arguments or [()]:
+            values = argument if isinstance(argument, tuple) else (argument,)
+            name = "-".join([function.__name__.lower(), *map(str, values)])
+            PROBLEMS[name] = partial(function, *values)
         return function
 
     return register
@@ -64,68 +50,105 @@ def Lame(E, nu):
     return E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
 
 
+def Pressed(t):
+    """Grows to 1 until the load is 1."""
+    return IfPos(t - 1, 1, t)
+
+
+def Moved(t):
+    """Grows from there on."""
+    return IfPos(t - 1, t - 1, 0)
+
+
 @dataclass
 class Problem:
     """Bodies, contacts, loads and the path of the load parameter.
 
+    Vectors of loads and motions are numbers, which grow with the load, or functions of the load, or
+    coefficient functions, which do not grow.
+
     Parameters
     ----------
     mesh : ngsolve.Mesh
+    young : float or dict
+        Young's modulus of all bodies, or of each.
     pairs : list of (slave, master) or (slave, gap function of a rigid obstacle)
-    young : dict
-        Young's modulus of each body.
+        The names of bodies mean the bottom of the slave and the top of the master.
+    friction, finite, law, own
+        Of every LACContact: coefficient, finite sliding, anything else; number of a pair -> what
+        differs for it.
     nonlinear : bool
-        Neo-Hooke in place of linear elasticity.
-    law : dict
-        For every LACContact.
-    own : dict
-        Number of a pair -> what differs for its LACContact.
-    path : list of (end, steps)
-        For `LoadStepper.Integrate`.
+        Neo-Hooke in place of linear elasticity; with finite sliding if nothing is said.
+    held, heldx, heldy, heldz : str
+        Boundaries with given displacements, or components of these.
+    drive, prescribe : dict
+        Region -> motion; what is driven is held, too.
+    steps, path
+        Of `LoadStepper.Integrate` to the load 1, or a list of (end, steps).
+    resultant : tuple
+        Force of the first contact at the end.
+    says : str
+        What the error of a problem without solution has to say, as a pattern.
     """
 
     mesh: object
-    pairs: list
-    young: dict
-    nu: float = 0.3
-    nonlinear: bool = False
-    order: int = 2
-    space: object = VectorH1
-    flags: dict = field(default_factory=dict)  # of the displacement space
+    young: object = 100.0
+    pairs: list = field(default_factory=lambda: [("upper", "lower")])
+    friction: float | None = None
+    finite: bool = False
     law: dict = field(default_factory=dict)
     own: dict = field(default_factory=dict)
-    path: list = field(default_factory=lambda: [(1.0, 1)])
+    nonlinear: bool | None = None
+    nu: float = 0.3
+    order: int = 2
+    bubble: bool = False
     condense: bool = False
-    load: object = field(default_factory=lambda: Parameter(0.0))
-    prescribe: object = None
-    exact: object = None  # exact(problem) raises AssertionError if the end is wrong
-    outlines: bool = True  # the boundary of each body is one chain of edges, as Grids makes it
-    says: str = ""  # what the error of a problem without solution has to say, as a pattern
+    held: str = GROUND
+    heldx: str = ""
+    heldy: str = ""
+    heldz: str = ""
+    drive: dict = field(default_factory=dict)
+    prescribe: dict = field(default_factory=dict)
+    steps: int = 1
+    path: list | None = None
+    resultant: tuple | None = None
+    says: str = ""
 
     def __post_init__(self):
-        self.stepper = None
+        self.load, self.stepper = Parameter(0.0), None
         self.largest = self.work = 0.0  # traction and force so far, for the checks
-        slaves = [pair[0] for pair in self.pairs]
-        self.laws = [self.law | self.own.get(k, {}) for k in range(len(self.pairs))]
-        V = (
-            self.space(self.mesh, order=self.order, slave="|".join(slaves), **self.flags)
-            if (self.space is not VectorH1)
-            else VectorH1(self.mesh, order=self.order, **self.flags)
-        )
+        self.path = self.path or [(1.0, self.steps)]
+        if not isinstance(self.young, dict):
+            self.young = dict.fromkeys(self.mesh.GetMaterials(), self.young)
+        if self.nonlinear is None:
+            self.nonlinear = self.finite
         points = np.array([v.point for v in self.mesh.vertices])
         self.extent = np.ptp(points, axis=0).max()
-        self.X = V
-        for slave in slaves:
-            self.X = self.X * LACSpace(V, slave=slave)
-        (self.u, *lams), (self.v, *_) = self.X.TnT()
-        self.gf = GridFunction(self.X)
-        self.a = BilinearForm(self.X, condense=self.condense)
+        self.pairs = [(_Side(s, "bottom"), self._Partner(m)) for s, m in self.pairs]
+        self._AddSpaces()
         for body, E in self.young.items():
             self._AddBody(body, *Lame(E, self.nu))
-        self.contacts = []
-        for (_, other), lam, law in zip(self.pairs, lams, self.laws, strict=True):
-            side = "obstacle" if isinstance(other, CoefficientFunction) else "master"
-            self.contacts.append(LACContact(self.u, lam, **{side: other}, **law))
+        self._AddContacts()
+        moved = self.drive | self.prescribe
+        self.prescribe = {region: self._Vector(value) for region, value in moved.items()} or None
+
+    def _Partner(self, other):
+        if isinstance(other, str):
+            return _Side(other, "top")
+        return other if isinstance(other, CoefficientFunction) else other(self.load)
+
+    def _AddSpaces(self):
+        slaves = [slave for slave, _ in self.pairs]
+        held = {"dirichlet": "|".join(filter(None, [self.held, *self.drive]))}
+        held |= {"dirichletx": self.heldx, "dirichlety": self.heldy, "dirichletz": self.heldz}
+        flags = {"order": self.order} | {name: value for name, value in held.items() if value}
+        flags |= {"slave": "|".join(slaves)} if self.bubble else {}
+        self.X = V = (BubbleVectorH1 if self.bubble else VectorH1)(self.mesh, **flags)
+        for slave in slaves:
+            self.X = self.X * LACSpace(V, slave=slave)
+        (self.u, *self.lams), (self.v, *_) = self.X.TnT()
+        self.gf = GridFunction(self.X)
+        self.a = BilinearForm(self.X, condense=self.condense)
 
     def _AddBody(self, body, mu, lame):
         d, u, v = self.mesh.dim, self.u, self.v
@@ -138,23 +161,52 @@ class Problem:
             stress = 2 * mu * strain + lame * Trace(strain) * Id(d)
             self.a += InnerProduct(stress, Sym(Grad(v))) * dx(body)
 
+    def _AddContacts(self):
+        law = {} if self.friction is None else {"friction": self.friction}
+        law |= ({"finite": True} if self.finite else {}) | self.law
+        self.laws, self.contacts = [], []
+        for k, ((_, other), lam) in enumerate(zip(self.pairs, self.lams, strict=True)):
+            self.laws.append(law | self.own.get(k, {}))
+            side = "master" if isinstance(other, str) else "obstacle"
+            self.contacts.append(LACContact(self.u, lam, **{side: other}, **self.laws[-1]))
+
+    def _Vector(self, value):
+        if isinstance(value, tuple):
+            return self.load * CF(value)
+        if not isinstance(value, CoefficientFunction):
+            value = value(self.load)
+        return CF(value) if isinstance(value, tuple) else value
+
     # --- loads -----------------------------------------------------------------------------------
 
     def Spring(self, region, motion, stiffness):
         """Springs between a boundary and something that moves by `motion`."""
+        motion = self._Vector(motion)
         self.a += stiffness * InnerProduct(self.u - motion, self.v) * ds(region)
+        return self
 
     def Traction(self, region, traction):
-        self.a += -InnerProduct(traction, self.v) * ds(region)
+        self.a += -InnerProduct(self._Vector(traction), self.v) * ds(region)
+        return self
 
     def Weight(self, body, force):
-        self.a += -InnerProduct(force, self.v) * dx(body)
+        self.a += -InnerProduct(self._Vector(force), self.v) * dx(body)
+        return self
 
     def Growth(self, body, strain):
         """Thermal strain of a body, the same in all directions; linear bulk only."""
         mu, lame = Lame(self.young[body], self.nu)
-        stress = (2 * mu + self.mesh.dim * lame) * strain
+        stress = (2 * mu + self.mesh.dim * lame) * (strain * self.load)
         self.a += -stress * Trace(Grad(self.v)) * dx(body)
+        return self
+
+    def Scatter(self, seed, displacement, traction):
+        """A random start vector."""
+        values, free = self.gf.vec.FV().NumPy(), self.X.FreeDofs()
+        values[:] = np.random.default_rng(seed).normal(size=len(values)) * [bool(b) for b in free]
+        values[: self.X.components[0].ndof] *= displacement
+        values[self.X.components[0].ndof :] *= traction
+        return self
 
     # --- the script ------------------------------------------------------------------------------
 
@@ -167,3 +219,7 @@ class Problem:
         for end, steps in self.path:
             self.stepper.Integrate(end, steps=steps, callback=callback, printing=printing)
         return self.stepper.steps
+
+
+def _Side(name, side):
+    return name if "_" in name else f"{name}_{side}"

@@ -7,19 +7,14 @@ alone holds rubs, or a weak spring guides it.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from ngsolve import CF, sin, x, y
-from stress_meshes import Block, Block3D, Grids, Grids3D
+from stress_meshes import Block, Grids
 from stress_problem import Problem, problem
 
-from ngslac import BubbleVectorH1
-
-__all__ = ["Draw", "Frame", "Random"]
-
-COUNT = 160
-NUMBERS = [f"{k:03d}" for k in range(COUNT)]
+NUMBERS = [f"{k:03d}" for k in range(160)]
+KINDS = ["hex", "prism", "tet"]
 
 
 @dataclass(frozen=True)
@@ -88,7 +83,9 @@ class Draw:
         return self.rng.choice([0.0, self.rng.uniform(0.001, 0.02)])
 
     def Cells(self):
-        return int(self.rng.integers(3, 10)), int(self.rng.integers(2, 4)), self.rng.random() < 0.5
+        """Their numbers in both directions, and their kind."""
+        n = int(self.rng.integers(3, 10)), int(self.rng.integers(2, 4))
+        return n, "quad" if self.rng.random() < 0.5 else "trig"
 
     def Wave(self):
         """The height of a lower side: flat, or a few waves above 0."""
@@ -96,10 +93,20 @@ class Draw:
         number, phase = self.rng.uniform(2, 9), self.rng.uniform(0, 6)
         return lambda s: amplitude * (1 + np.sin(number * s + phase))
 
+    def Aside(self):
+        """A direction in the plane."""
+        angle = self.rng.uniform(0, 2 * np.pi)
+        return np.array((np.cos(angle), np.sin(angle)))
+
     def Ratio(self, heights, width):
         """A sideways force over a downward one that neither slides nor tips a stack."""
         most = min(0.6 * min(self.friction), 0.15 * width / sum(heights))
         return self.rng.uniform(-most, most)
+
+
+def Base(draw):
+    (nx, ny), kind = draw.Cells()
+    return Block("base", draw.frame.Shape(Sheet(-1, 1, -0.6, 0)), (nx + 4, ny), kind)
 
 
 def Sheet(x0, x1, y0, y1, wave=None):
@@ -112,173 +119,146 @@ def Sheet(x0, x1, y0, y1, wave=None):
     return shape
 
 
+@dataclass
+class Stack:
+    """Bodies above another one, and what the load has to know of them."""
+
+    blocks: list
+    pairs: list
+    heights: list
+    width: float
+    play: float  # sum of the gaps
+
+    @property
+    def names(self):
+        return [block.name for block in self.blocks]
+
+    @property
+    def dim(self):
+        return len(self.blocks[0].n)
+
+
 @problem(*NUMBERS)
 def Random(number):
     """Blocks of random sizes, materials, meshes and friction, under a random load."""
     draw = Draw(number)
     if int(number) % 8 == 7:
-        return Random3D(draw)
+        return Tower3D(draw)
     return {"tower": Tower, "bridge": Bridge, "obstacle": OnObstacle}[draw.kind](draw)
 
 
-def Stack(draw, count, low=0.0, above="base"):
-    """`count` blocks above a height; their blocks, pairs, and what is known of their sizes."""
-    names = [above] + [f"block{k}" for k in range(1, count + 1)]
-    blocks, heights, widths, play = [], [], [], 0.0
-    for name in names[1:]:
+def Pile(draw, count, low=0.0, below="base"):
+    """`count` blocks above a height."""
+    stack = Stack([], [], [], 1.0, 0.0)
+    for k in range(1, count + 1):
         gap, wave = draw.Gap(), draw.Wave()
         height, width = draw.rng.uniform(0.25, 0.6), draw.rng.uniform(0.7, 1.0)
         middle = draw.rng.uniform(-0.05, 0.05)
-        nx, ny, quads = draw.Cells()
         shape = Sheet(middle - width / 2, middle + width / 2, low + gap, low + gap + height, wave)
-        blocks.append(Block(name, draw.frame.Shape(shape), nx, ny, bool(quads)))
+        stack.blocks.append(Block(f"block{k}", draw.frame.Shape(shape), *draw.Cells()))
+        stack.pairs.append((f"block{k}", f"block{k - 1}" if k > 1 else below))
+        stack.heights.append(height)
+        stack.width = min(stack.width, width)
+        stack.play += gap
         low += gap + height
-        play += gap
-        heights.append(height)
-        widths.append(width)
-    pairs = [(f"{upper}_bottom", f"{lower}_top") for lower, upper in pairwise(names)]
-    return blocks, pairs, heights, min(widths), play
+    return stack
 
 
-def Base(draw):
-    nx, ny, quads = draw.Cells()
-    return Block("base", draw.frame.Shape(Sheet(-1, 1, -0.6, 0)), nx + 4, ny, bool(quads))
-
-
-def Make(draw, mesh, pairs, bodies, held):
-    """The problem without its loads; `held` boundaries are clamped."""
+def Make(draw, mesh, stack, below=(), part=1.0):
+    """The problem: the bodies below are clamped, the stack is pressed together, and aside."""
+    bodies, size, top = [*below, *stack.names], draw.frame.size, f"{stack.names[-1]}_top"
     young = dict(zip(bodies, draw.young, strict=False))
-    law = {"finite": True} if draw.finite else {}
-    own = {k: {"friction": f} for k, f in enumerate(draw.friction[: len(pairs)]) if draw.rubs}
-    bubble = {"space": BubbleVectorH1} if draw.order == 1 and draw.bubble else {}
-    p = Problem(mesh, pairs, young, nonlinear=draw.finite, order=draw.order, law=law, own=own,
-                flags={"dirichlet": "|".join(held)}, path=[(1.0, draw.steps)],
-                **bubble)  # fmt: skip
-    if not draw.rubs:
-        for body in bodies:
-            if f"{body}_bottom" not in held:
-                p.Spring(f"{body}_left", CF((0,) * mesh.dim), 1e-3 * young[body] / draw.frame.size)
+    weakest = min(young.values())
+    driven = draw.drive in ("displacement", "spring")
+    vector = Motion(draw, stack, young) if driven else Force(draw, stack, weakest, part)
+    own = {k: {"friction": f} for k, f in enumerate(draw.friction[: len(stack.pairs)]) if draw.rubs}
+    options = {"order": draw.order, "bubble": draw.order == 1 and draw.bubble, "steps": draw.steps}
+    options |= {"held": "|".join(f"{name}_bottom" for name in below), "own": own}
+    options |= {"drive": {top: vector}} if draw.drive == "displacement" else {}
+    p = Problem(mesh, young, stack.pairs, finite=draw.finite, **options)
+    for body in [] if draw.rubs else stack.names:
+        p.Spring(f"{body}_left", (0,) * mesh.dim, 1e-3 * young[body] / size)
+    if draw.drive == "spring":
+        p.Spring(top, vector, 10 * weakest / size)
+    elif draw.drive == "force":
+        p.Traction(top, p.load * vector)
+    elif draw.drive == "weight":
+        for name in stack.names:
+            p.Weight(name, p.load * vector / (sum(stack.heights) * size))
     return p
 
 
-def Load(draw, p, loose, heights, width, play, part=1.0):
-    """Press the stack `loose` together, and aside."""
-    top, frame, rng = f"{loose[-1]}_top", draw.frame, draw.rng
-    weakest = min(p.young.values())
-    if draw.drive in ("displacement", "spring"):
-        soft = heights[int(np.argmin([p.young[name] for name in loose]))]
-        down = play + rng.uniform(0.01, 0.04) * soft
-        motion = p.load * frame.size * frame.Vector(rng.uniform(-1, 1) * down, -down)
-        if draw.drive == "spring":
-            p.Spring(top, motion, 10 * weakest / frame.size)
-        else:
-            p.prescribe = {top: motion}
-    else:
-        force = part * rng.uniform(0.005, 0.03) * weakest
-        vector = frame.Vector(force * draw.Ratio(heights, width), -force)
-        if draw.drive == "force":
-            p.Traction(top, p.load * vector)
-        else:
-            for name in loose:
-                p.Weight(name, p.load * vector / (sum(heights) * frame.size))
-    return p
+def Motion(draw, stack, young):
+    """A motion of the top that closes all gaps, in space turned about the normal, too."""
+    frame, rng, heights = draw.frame, draw.rng, stack.heights
+    if stack.dim == 3:
+        aside = draw.Aside()
+        down = stack.play + rng.uniform(0.01, 0.04) * min(heights)
+        (a, b), turn = frame.size * (rng.uniform(0, 0.5) * down * aside), rng.uniform(-0.03, 0.03)
+        return lambda t: t * CF((a - turn * y, b + turn * x, -frame.size * down))
+    soft = heights[int(np.argmin([young[name] for name in stack.names]))]
+    down = stack.play + rng.uniform(0.01, 0.04) * soft
+    vector = frame.Vector(rng.uniform(-1, 1) * down, -down)
+    return lambda t: t * frame.size * vector
 
 
-def Held(draw, loose, *ground):
-    """Boundaries that are clamped: the ground, and the top where its displacement is given."""
-    return [*ground] + ([f"{loose[-1]}_top"] if draw.drive == "displacement" else [])
+def Force(draw, stack, weakest, part):
+    """A force that neither slides nor tips the stack."""
+    aside = draw.Aside() if stack.dim == 3 else None
+    force = part * draw.rng.uniform(0.005, 0.03) * weakest
+    sideways = force * draw.Ratio(stack.heights, stack.width)
+    if stack.dim == 3:
+        return CF((*(sideways * aside), -force))
+    return draw.frame.Vector(sideways, -force)
 
 
 def Tower(draw):
     """Blocks on a clamped base."""
-    blocks, pairs, heights, width, play = Stack(draw, draw.count)
-    loose = [block.name for block in blocks]
-    mesh = Grids(Base(draw), *blocks)
-    p = Make(draw, mesh, pairs, ["base", *loose], Held(draw, loose, "base_bottom"))
-    return Load(draw, p, loose, heights, width, play)
+    stack = Pile(draw, draw.count)
+    return Make(draw, Grids(Base(draw), *stack.blocks), stack, ["base"])
 
 
 def OnObstacle(draw):
     """Blocks on a rigid, maybe wavy, obstacle: small sliding."""
     draw.finite = False
-    blocks, pairs, heights, width, play = Stack(draw, draw.count)
-    loose = [block.name for block in blocks]
+    stack = Pile(draw, draw.count)
     gap, waves = draw.rng.uniform(0, 0.01, 2)
     obstacle = gap + waves * (1 + sin(draw.rng.uniform(1, 8) * draw.frame.Along()))
-    pairs[0] = (pairs[0][0], draw.frame.size * obstacle)
-    p = Make(draw, Grids(*blocks), pairs, loose, Held(draw, loose))
-    return Load(draw, p, loose, heights, width, play + gap + 2 * waves)
+    stack.pairs[0] = ("block1", draw.frame.size * obstacle)
+    stack.play = stack.play + gap + 2 * waves
+    return Make(draw, Grids(*stack.blocks), stack)
 
 
 def Bridge(draw):
     """A beam on two pillars, of which one is a little lower, and blocks on its middle."""
-    count = min(draw.count, 3)
-    short = draw.Gap() / 4
-    pillars = []
+    count, short, pillars = min(draw.count, 3), draw.Gap() / 4, []
     for name, x0, height in (("base", -0.9, 0.0), ("other", 0.4, -short)):
-        nx, ny, quads = draw.Cells()
         shape = draw.frame.Shape(Sheet(x0, x0 + 0.5, -0.6, height))
-        pillars.append(Block(name, shape, nx, ny, bool(quads)))
-    nx, ny, quads = draw.Cells()
+        pillars.append(Block(name, shape, *draw.Cells()))
+    (nx, ny), kind = draw.Cells()
     thick = draw.rng.uniform(0.2, 0.4)
-    beam = Block("beam", draw.frame.Shape(Sheet(-1, 1, 0, thick)), 2 * nx, ny, bool(quads))
-    blocks, pairs, heights, width, play = Stack(draw, count - 1, thick, "beam") if count > 1 else (
-        [], [], [], 1.0, 0.0
-    )  # fmt: skip
-    loose = ["beam"] + [block.name for block in blocks]
-    pairs = [("base_top", "beam_bottom"), ("other_top", "beam_bottom"), *pairs]
-    held = Held(draw, loose, "base_bottom", "other_bottom")
-    mesh = Grids(*pillars, beam, *blocks)
-    p = Make(draw, mesh, pairs, ["base", "other", *loose], held)
-    return Load(draw, p, loose, [thick, *heights], width, play + short, 0.1)  # it bends
+    beam = Block("beam", draw.frame.Shape(Sheet(-1, 1, 0, thick)), (2 * nx, ny), kind)
+    stack = Pile(draw, count - 1, thick, "beam")
+    stack.pairs[:0] = [("base_top", "beam_bottom"), ("other_top", "beam_bottom")]
+    stack.blocks.insert(0, beam)
+    stack.heights.insert(0, thick)
+    stack.play += short
+    return Make(draw, Grids(*pillars, *stack.blocks), stack, ["base", "other"], 0.1)  # it bends
 
 
-# --- three dimensions ----------------------------------------------------------------------------
-
-
-def Random3D(draw):
-    """Two or three boxes on each other, upright."""
-    rng = draw.rng
-    count, low, blocks, play = min(draw.count, 2), 0.0, [], 0.0
-    size, kinds = draw.frame.size, ["hex", "prism", "tet"]
-    names = ["base"] + [f"block{k}" for k in range(1, count + 1)]
-    n = int(rng.integers(2, 4))
-    base = np.array((-0.7, -0.8, -0.5, 0.8, 0.7, 0.0))
-    blocks = [Block3D("base", tuple(size * base), (n, n + 1, 1), rng.choice(kinds))]
-    heights = []
-    for k, name in enumerate(names[1:]):
+def Tower3D(draw):
+    """One or two boxes on a base, upright."""
+    rng, low, size = draw.rng, 0.0, draw.frame.size
+    n, stack = int(rng.integers(2, 4)), Stack([], [], [], 0.8, 0.0)
+    place = size * np.array((-0.7, -0.8, -0.5, 0.8, 0.7, 0.0))
+    base = Block("base", tuple(place), (n, n + 1, 1), rng.choice(KINDS))
+    for k in range(min(draw.count, 2)):
         gap, height, half = draw.Gap(), rng.uniform(0.3, 0.6), rng.uniform(0.4, 0.5)
-        box = size * np.array((-half, -half, low + gap, half, half, low + gap + height))
+        place = size * np.array((-half, -half, low + gap, half, half, low + gap + height))
         n = int(rng.integers(2, 4)) + k
-        blocks.append(Block3D(name, tuple(box), (n, n, 1), rng.choice(kinds)))
-        low, play = low + gap + height, play + gap
-        heights.append(height)
-    pairs = [(f"{upper}_bottom", f"{lower}_top") for lower, upper in pairwise(names)]
-    draw.order, draw.steps = max(2, min(draw.order, 2)), min(draw.steps, 5)
-    p = Make(draw, Grids3D(*blocks), pairs, names, Held(draw, names, "base_bottom"))
-    return Load3D(draw, p, names[1:], heights, play)
-
-
-def Load3D(draw, p, loose, heights, play):
-    """As in two dimensions, and turned about the normal where it is driven."""
-    top, size, rng = f"{loose[-1]}_top", draw.frame.size, draw.rng
-    weakest, angle = min(p.young.values()), rng.uniform(0, 2 * np.pi)
-    aside = np.array((np.cos(angle), np.sin(angle)))
-    if draw.drive in ("displacement", "spring"):
-        down = play + rng.uniform(0.01, 0.04) * min(heights)
-        slide, turn = rng.uniform(0, 0.5) * down * aside, rng.uniform(-0.03, 0.03)
-        motion = CF((size * slide[0] - turn * y, size * slide[1] + turn * x, -size * down)) * p.load
-        if draw.drive == "spring":
-            p.Spring(top, motion, 10 * weakest / size)
-        else:
-            p.prescribe = {top: motion}
-        return p
-    force = rng.uniform(0.005, 0.03) * weakest
-    sideways = force * draw.Ratio(heights, 0.8) * aside
-    vector = p.load * CF((sideways[0], sideways[1], -force))
-    if draw.drive == "force":
-        p.Traction(top, vector)
-    else:
-        for name in loose:
-            p.Weight(name, vector / (sum(heights) * size))
-    return p
+        stack.blocks.append(Block(f"block{k + 1}", tuple(place), (n, n, 1), rng.choice(KINDS)))
+        stack.pairs.append((f"block{k + 1}", f"block{k}" if k else "base"))
+        stack.heights.append(height)
+        low, stack.play = low + gap + height, stack.play + gap
+    draw.order, draw.steps = 2, min(draw.steps, 5)
+    return Make(draw, Grids(base, *stack.blocks), stack, ["base"])

@@ -5,7 +5,7 @@ import pytest
 from ngsolve import CF, GridFunction, Integrate, VectorH1
 from run import PROBLEMS  # all of them are registered there
 from stress_check import WrongAnswerError
-from stress_meshes import Block, Block3D, Grids, Grids3D
+from stress_meshes import Grids
 from verify import Verifier
 from verify_faces import Faces, Rule
 from verify_rays import MeetFaces
@@ -14,10 +14,10 @@ from verify_rays import MeetFaces
 def Boxes(kind):
     """Two boxes with a gap of 0.1, in the plane if kind is "2d"."""
     if kind == "2d":
-        return Grids(Block("upper", (0, 0.1, 1, 0.5), 3, 2), Block("lower", (-1, -1, 1, 0), 5, 2))
-    return Grids3D(
-        Block3D("upper", (0, 0, 0.1, 1, 1, 0.5), (2, 3, 1), kind),
-        Block3D("lower", (-1, -1, -1, 1, 1, 0), (4, 3, 1), kind),
+        return Grids(upper=((0, 0.1, 1, 0.5), (3, 2)), lower=((-1, -1, 1, 0), (5, 2)))
+    return Grids(
+        upper=((0, 0, 0.1, 1, 1, 0.5), (2, 3, 1), kind),
+        lower=((-1, -1, -1, 1, 1, 0), (4, 3, 1), kind),
     )
 
 
@@ -27,19 +27,16 @@ KINDS = pytest.mark.parametrize("kind", ["2d", "hex", "tet", "prism"])
 @KINDS
 def test_faces_know_their_area_and_outside(kind):
     mesh = Boxes(kind)
-    faces = Faces(mesh, "upper_.*", 2) if kind in ("2d", "tet", "hex") else Faces(
-        mesh, "upper_bottom|upper_top", 2
-    )  # fmt: skip
+    sides = "upper_bottom|upper_top" if kind == "prism" else "upper_.*"  # of one kind
+    faces = Faces(mesh, sides, 2)
     points, weights = Rule(faces.kind, 4)
     tangents = np.einsum("qrn,fnd->fqrd", faces.Slopes(points), faces.position)
     normals = faces.Normals(tangents)
     x = np.einsum("qn,fnd->fqd", faces.Shapes(points), faces.position)
     # The flux of x through a closed surface is the dimension times the volume.
     outside = np.sum(weights * np.sum(normals * (x - [*[0] * (mesh.dim - 1), 0.3]), axis=-1))
-    if kind == "prism":  # the top and the bottom alone
-        assert outside == pytest.approx(0.4)
-    else:
-        assert outside == pytest.approx(mesh.dim * Integrate(CF(1), mesh.Materials("upper")))
+    volume = mesh.dim * Integrate(CF(1), mesh.Materials("upper"))
+    assert outside == pytest.approx(0.4 if kind == "prism" else volume)
 
 
 @KINDS
@@ -63,11 +60,9 @@ def test_rays_meet_what_is_opposite(kind):
 
 def test_fields_are_interpolated_exactly():
     mesh = Boxes("tet")
-    space = VectorH1(mesh, order=2)
-    field = GridFunction(space)
-    field.vec.FV().NumPy()[:] = np.random.default_rng(1).normal(size=space.ndof)
-    faces = Faces(mesh, "upper_bottom", 2)
-    finer = Faces(mesh, "upper_bottom", 5)
+    field = GridFunction(VectorH1(mesh, order=2))
+    field.vec.FV().NumPy()[:] = np.random.default_rng(1).normal(size=len(field.vec))
+    faces, finer = (Faces(mesh, "upper_bottom", degree) for degree in (2, 5))
     values = np.einsum("qn,fnd->fqd", faces.Shapes(finer.powers / 5), faces.Values(field))
     assert np.abs(values - finer.Values(field)).max() < 1e-13
 
@@ -75,78 +70,68 @@ def test_fields_are_interpolated_exactly():
 # --- wrong answers -------------------------------------------------------------------------------
 
 
-def Solved(name):
-    """A verifier of a solved problem, which has looked at the state before the last one."""
-    problem = PROBLEMS[name]()
-    verify = Verifier(problem)
-    problem.Run(callback=lambda _: verify())
-    return problem, verify
+def Scale(factor):
+    def spoil(problem, _):
+        values, dofs = problem.gf.vec.FV().NumPy(), problem.contacts[0].form.MultiplierDofs()
+        values[dofs] *= factor
+
+    return spoil
 
 
-CHECKED = pytest.mark.parametrize("name", ["cyclic-0.3", "largeslide-0.3", "random-007"])
-
-
-def Tractions(problem):
-    """The tractions of the first contact, (macro-elements, d)."""
+def Rub(problem, _):
     dofs = problem.contacts[0].form.MultiplierDofs().reshape(-1, problem.mesh.dim)
-    return problem.gf.vec.FV().NumPy(), dofs
-
-
-@CHECKED
-@pytest.mark.parametrize(
-    ("factor", "what"), [(-1.0, "tension"), (1.1, "work of the contact"), (0.0, "work")]
-)
-def test_wrong_tractions_are_found(name, factor, what):
-    problem, verify = Solved(name)
-    values, dofs = Tractions(problem)
-    values[dofs] *= factor
-    with pytest.raises(WrongAnswerError, match=what):
-        verify()
-
-
-@CHECKED
-def test_too_much_friction_is_found(name):
-    problem, verify = Solved(name)
-    values, dofs = Tractions(problem)
+    values = problem.gf.vec.FV().NumPy()
     normal = problem.contacts[0].Table()["normal"]
     along = np.zeros_like(normal)
     along[:, 0], along[:, 1] = normal[:, 1], -normal[:, 0]
     along[np.linalg.norm(along, axis=1) < 0.5, 0] = 1
     values[dofs] += 2 * np.linalg.norm(values[dofs], axis=1)[:, None] * along
-    with pytest.raises(WrongAnswerError, match="too much friction"):
-        verify()
 
 
-@pytest.mark.parametrize("name", ["cyclic-0.3", "largeslide-0.3"])
-def test_bodies_in_each_other_are_found(name):
-    problem, verify = Solved(name)
+def Sink(problem, _):
     moved = GridFunction(problem.X.components[0])
     moved.Set(problem.mesh.MaterialCF({"upper": CF((0, -0.02))}, default=CF((0, 0))))
     problem.gf.components[0].vec.data += moved.vec
-    with pytest.raises(WrongAnswerError, match="penetration"):
-        verify()
 
 
-def test_friction_with_the_slip_is_found():
-    _, verify = Solved("fullslip-0.2")
+def SlideBack(_, verify):
     verify.sides[0].last.jump[:] += [0.3, 0]  # as if it had slid the other way
-    with pytest.raises(WrongAnswerError, match="slip within friction"):
-        verify()
 
 
-def test_a_body_out_of_balance_is_found():
-    problem, verify = Solved("stack")
+def Load(problem, _):
     problem.Weight("b", CF((0, -0.2)))
-    with pytest.raises(WrongAnswerError, match=r"equilibrium within|work of the contact"):
-        verify()
+
+
+EVERYWHERE = ["cyclic-0.3", "largeslide-0.3", "random-007"]
+
+
+@pytest.mark.parametrize(
+    ("names", "spoil", "what"),
+    [
+        (EVERYWHERE, Scale(-1.0), "tension"),
+        (EVERYWHERE, Scale(1.1), "work of the contact"),
+        (EVERYWHERE, Scale(0.0), "work"),
+        (EVERYWHERE, Rub, "too much friction"),
+        (EVERYWHERE[:2], Sink, "penetration"),
+        (["fullslip-0.2"], SlideBack, "slip within friction"),
+        (["stack"], Load, "equilibrium within|work of the contact"),
+    ],
+)
+def test_wrong_answers_are_found(names, spoil, what):
+    for name in names:
+        problem = PROBLEMS[name]()
+        verify = Verifier(problem)
+        problem.Run(callback=lambda _, verify=verify: verify())
+        spoil(problem, verify)
+        with pytest.raises(WrongAnswerError, match=what):
+            verify()
 
 
 def test_elements_turned_inside_out_are_found():
-    problem, verify = Solved("neo-0.4")
-    flat = GridFunction(problem.X.components[0])
-    flat.Set(CF((0, 0)))
-    values = problem.gf.components[0].vec
-    values.data = flat.vec
-    values.FV().NumPy()[:] += np.random.default_rng(1).normal(size=len(values))
+    problem = PROBLEMS["neo-0.4"]()
+    verify = Verifier(problem)
+    verify._Orientation()
+    values = problem.gf.components[0].vec.FV().NumPy()
+    values[:] = np.random.default_rng(1).normal(size=len(values))
     with pytest.raises(WrongAnswerError, match="inside out"):
         verify._Orientation()
