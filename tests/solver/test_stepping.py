@@ -1,141 +1,296 @@
-"""LoadStepper: steps, cuts, commits, and what it leaves when it gives up."""
+"""LoadStepper and TimeStepper: steps and cuts, what callbacks see, what they may not do."""
 
+import continued
 import numpy as np
 import pytest
-from ngsolve import CF, GridFunction
+from motions import bar, elastic, on_ground, sliding
+from netgen.libngpy._meshing import _GetStatus
+from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Det,
+    Grad,
+    GridFunction,
+    Id,
+    Mesh,
+    Parameter,
+    Trace,
+    Variation,
+    VectorH1,
+    dx,
+    sqrt,
+)
+from ngsolve.meshes import MakeStructured2DMesh
 from press import mixed_press, numpy, press
 
-from ngslac import ContactConvergenceError, LoadStepper
+from ngslac import (
+    ContactConvergenceError,
+    ContactSolver,
+    LACContact,
+    LACSpace,
+    LoadStepper,
+    TimeStepper,
+)
+from ngslac.steps.balance import EnergyBalance
 
 
-def stepper(problem, **flags):
-    return LoadStepper(problem.solver(), problem.load, **flags)
-
-
-def unloaded(**flags):
-    problem = mixed_press(**flags)
+def loading(make=mixed_press, *, predict=True, **flags):
+    problem = make(**flags)
     problem.load.Set(0.0)
-    return problem
+    return LoadStepper(problem.solver(), problem.load, predict=predict)
 
 
-def test_steps_reach_the_end_and_call_back():
-    problem, seen = unloaded(nonlinear=True), []
-    steps = stepper(problem).Integrate(steps=4, printing=False, callback=seen.append)
+# --- both kinds of steps -------------------------------------------------------------------------
+
+TOOLS = {"load": lambda: loading(nonlinear=True), "time": lambda: bar(n=8, dt=0.25).stepper}
+
+
+@pytest.fixture(params=TOOLS)
+def name(request):
+    return request.param
+
+
+def ran(name, end=1.0, stepper=None, **flags):
+    """A stepper after steps of 1/4."""
+    stepper = stepper or TOOLS[name]()
+    if name == "load":
+        flags["steps"] = round(4 * (end - stepper.load.Get()))
+    steps = stepper.Integrate(end, printing=False, **flags)
+    return stepper, steps
+
+
+def test_steps_reach_the_end_and_call_back(name):
+    """NGSolve's status line follows them, and is as before after them."""
+    seen, lines, before = [], [], _GetStatus()
+    stepper, steps = ran(
+        name, callback=lambda step: (seen.append(step), lines.append(_GetStatus()))
+    )
     assert seen == steps
-    assert [s.time for s in steps] == pytest.approx([0.25, 0.5, 0.75, 1.0])
-    assert [s.number for s in steps] == [1, 2, 3, 4]
-    assert all(s.iterations >= 1 and s.cuts == 0 for s in steps)
-    assert problem.load.Get() == 1.0
+    assert [step.time for step in steps] == pytest.approx([0.25, 0.5, 0.75, 1.0])
+    assert [step.number for step in steps] == [1, 2, 3, 4]
+    assert all(step.iterations >= 1 and step.cuts == 0 for step in steps)
+    assert getattr(stepper, name).Get() == 1.0
+    assert lines == [(f"contact: {name} steps", pytest.approx(100 * step.time)) for step in steps]
+    assert _GetStatus() == before
+
+
+def test_continues_where_it_stopped(name):
+    stepper, _ = ran(name, 0.5)
+    ran(name, 1.0, stepper)
+    other, _ = ran(name)
+    assert numpy(stepper.solver.gf) == pytest.approx(numpy(other.solver.gf), abs=1e-12)
+    assert [step.number for step in stepper.steps] == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: (loading(nonlinear=True), 1.0, {"steps": 1}),
+        lambda: (
+            loading(press, friction=2.0, nonlinear=True, push=(0.3, -0.05)),
+            1.0,
+            {"steps": 1},
+        ),
+        lambda: (
+            on_ground(gap=0.01, dt=0.4, nonlinear=True, order=1).throw(0, -1).stepper,
+            0.8,
+            {},
+        ),
+    ],
+)
+def test_a_failing_step_is_cut_and_grows_again(make, capsys):
+    stepper, end, flags = make()
+    steps = stepper.Integrate(end, maxit=4, **flags)
+    assert sum(step.cuts for step in steps) > 0
+    sizes = np.diff([0, *(step.time for step in steps)])
+    assert sizes.min() > 0
+    assert sizes.max() > 1.5 * sizes.min()
+    assert getattr(stepper, "load" if flags else "time").Get() == steps[-1].time == end
+    assert "halved" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("call", "match"),
+    [
+        (lambda stepper, parameter: parameter.Set(0.01), "callback has set the {name} from .* to "),
+        (
+            lambda stepper, parameter: stepper.solver.gf.vec.FV().NumPy().fill(np.nan),
+            "callback has put NaN or infinite values into gf",
+        ),
+    ],
+)
+def test_what_a_callback_must_not_do_between_steps(name, call, match):
+    """With a load that is set back it would never come to an end."""
+    stepper = TOOLS[name]()
+    parameter = getattr(stepper, name)
+    with pytest.raises(ValueError, match=match.format(name=name)):
+        ran(name, stepper=stepper, callback=lambda step: call(stepper, parameter))
+
+
+def test_what_a_callback_changes_stays():
+    """A step that fails after it goes back to what it left, not to the state before."""
+    stepper = continued.half(continued.bouncing())
+
+    def prescribe(_):
+        if stepper.time.Get() > 0.55:
+            raise RuntimeError("enough")
+
+    def stop(_):
+        stepper.velocity.vec[:] = 0
+
+    stepper.prescribe = prescribe
+    with pytest.raises(RuntimeError, match="enough"):
+        stepper.Integrate(0.58, printing=False, callback=stop)
+    assert stepper.time.Get() == pytest.approx(0.54)
+    assert not np.any(numpy(stepper.velocity))
+
+
+# --- steps of a load -----------------------------------------------------------------------------
 
 
 def test_the_callback_sees_the_committed_state():
-    problem = unloaded()
-    forces = []
+    stepper, forces = loading(), []
+    (contact,) = stepper.solver.contacts
 
     def callback(step):
-        problem.contact.Evaluate(problem.gf)
-        assert problem.contact.Table()["slip"][problem.contact.Table()["status"] > 0] == (
-            pytest.approx(0, abs=1e-14)
-        )
-        forces.append(problem.contact.Force()[1])
+        contact.Evaluate(stepper.solver.gf)
+        table = contact.Table()
+        assert table["slip"][table["status"] > 0] == pytest.approx(0, abs=1e-14)
+        forces.append(contact.Force()[1])
 
-    stepper(problem).Integrate(steps=3, printing=False, callback=callback)
+    stepper.Integrate(steps=3, printing=False, callback=callback)
     assert np.all(np.diff(forces) > 0)
-
-
-def test_continues_where_it_stopped():
-    problem = unloaded()
-    tool = stepper(problem)
-    tool.Integrate(0.5, steps=2, printing=False)
-    tool.Integrate(1.0, steps=2, printing=False)
-    other = unloaded()
-    stepper(other).Integrate(1.0, steps=4, printing=False)
-    assert numpy(problem.gf) == pytest.approx(numpy(other.gf), abs=1e-12)
-    assert [s.number for s in tool.steps] == [1, 2, 3, 4]
 
 
 def test_unloading_goes_back():
     """Frictionless contact has no memory: back at zero nothing is left."""
-    problem = unloaded(friction=None)
-    tool = stepper(problem)
-    tool.Integrate(1.0, steps=2, printing=False)
-    assert np.abs(numpy(problem.gf)).max() > 1e-3
-    tool.Integrate(0.0, steps=2, printing=False)
-    assert np.abs(numpy(problem.gf.components[0])).max() < 1e-12
+    stepper = loading(friction=None)
+    displacement = stepper.solver.gf.components[0]
+    stepper.Integrate(1.0, steps=2, printing=False)
+    assert np.abs(numpy(displacement)).max() > 1e-3
+    stepper.Integrate(0.0, steps=2, printing=False)
+    assert np.abs(numpy(displacement)).max() < 1e-12
 
 
 @pytest.mark.parametrize("predict", [False, True])
 def test_prediction_does_not_change_the_solution(predict):
-    problem, reference = unloaded(nonlinear=True), unloaded(nonlinear=True)
-    stepper(problem, predict=predict).Integrate(steps=3, printing=False)
+    stepper, reference = loading(nonlinear=True, predict=predict), mixed_press(nonlinear=True)
+    stepper.Integrate(steps=3, printing=False)
     for load in (1 / 3, 2 / 3, 1.0):
         reference.load.Set(load)
         reference.solver().Solve(printing=False)
         reference.contact.Commit(reference.gf)
-    assert numpy(problem.gf) == pytest.approx(numpy(reference.gf), abs=1e-8)
+    assert numpy(stepper.solver.gf) == pytest.approx(numpy(reference.gf), abs=1e-8)
 
 
-def test_prescribed_displacements():
-    problem = press(spring=0, flags={"dirichlet": "bottom|top"}, friction=0.4)
-    problem.load.Set(0.0)
-    V = problem.X.components[0]
-    top = np.array([bool(b) for b in V.GetDofs(problem.mesh.Boundaries("top"))])
-    wanted = GridFunction(V)
-    wanted.Set(CF((0.01, -0.02)), definedon=problem.mesh.Boundaries("top"))
-
-    def prescribe(gf):
-        values = gf.components[0].vec.FV().NumPy()
-        values[top] = problem.load.Get() * numpy(wanted)[top]
-
-    stepper(problem, prescribe=prescribe).Integrate(steps=3, printing=False)
-    at_top = problem.gf.components[0](problem.mesh(0.5, 1))
-    assert at_top == pytest.approx((0.01, -0.02), rel=1e-12)
-    assert problem.contact.Force()[1] > 0.5
-
-
-# The full Newton step turns elements inside out, where the bulk's energy has no value.
-HARD = {"friction": 2.0, "nonlinear": True, "push": (0.3, -0.05)}
-
-
-def test_a_failing_step_is_cut(capsys):
-    problem = press(**HARD)
-    problem.load.Set(0.0)
-    steps = stepper(problem).Integrate(steps=1, maxit=5)
-    assert len(steps) > 1
-    assert sum(s.cuts for s in steps) >= 1
-    assert steps[-1].time == problem.load.Get() == 1.0
-    assert np.all(np.diff([s.time for s in steps]) > 0)
-    assert "halved" in capsys.readouterr().out
-
-
-def test_steps_grow_again_after_a_cut():
-    """After a step that had to be cut the next one is twice as long."""
-    problem = unloaded(nonlinear=True)
-    steps = stepper(problem).Integrate(steps=1, maxit=4, printing=False)
-    sizes = np.diff([0, *(s.time for s in steps)])
-    assert steps[0].cuts > 0
-    assert sizes.max() > 1.5 * sizes[0]
-
-
-def test_giving_up_leaves_the_last_converged_step():
-    problem = unloaded(nonlinear=True)
-    tool = stepper(problem, maxcuts=2)
-    tool.Integrate(0.5, steps=2, printing=False)
-    before, committed = numpy(problem.gf), problem.contact.form.Vectors("reference")
-    with pytest.raises(ContactConvergenceError):
-        tool.Integrate(1.0, steps=1, maxit=1, tol=1e-14, printing=False)
-    assert problem.load.Get() == 0.5
-    assert np.array_equal(numpy(problem.gf), before)
-    assert np.array_equal(problem.contact.form.Vectors("reference"), committed)
-    assert len(tool.steps) == 2
-    tool.Integrate(1.0, steps=2, printing=False)
-    assert problem.load.Get() == 1.0
+def test_a_prediction_that_is_worse_than_none_is_dropped():
+    """Wrong by a factor of a thousand, the extrapolation leads astray: the last state is better."""
+    stepper = loading(press, friction=0.5)
+    solver, starts = stepper.solver, []
+    stepper.Integrate(0.5, steps=2, printing=False)
+    before, solve = numpy(solver.gf), solver.Solve
+    solver.Solve = lambda **flags: (starts.append(numpy(solver.gf)), solve(**flags))[1]
+    increment, size = stepper.State()["last"]
+    stepper.SetState(stepper.State() | {"last": (increment, size / 1000)})
+    stepper.Integrate(0.75, steps=1, printing=False)
+    assert np.array_equal(starts[0], before)
+    stepper.Integrate(1.0, steps=1, printing=False)  # a right one helps
+    assert not np.array_equal(starts[1], before)
 
 
 def test_cut_steps_reach_the_same_solution():
     """Without friction the path does not matter."""
-    problem, fine = (unloaded(nonlinear=True, friction=None) for _ in range(2))
-    steps = stepper(problem).Integrate(steps=1, maxit=4, printing=False)
-    stepper(fine).Integrate(steps=8, printing=False)
-    assert sum(s.cuts for s in steps) > 0
-    assert numpy(problem.gf) == pytest.approx(numpy(fine.gf), abs=1e-8)
+    stepper, fine = (loading(nonlinear=True, friction=None) for _ in range(2))
+    steps = stepper.Integrate(steps=1, maxit=4, printing=False)
+    fine.Integrate(steps=8, printing=False)
+    assert sum(step.cuts for step in steps) > 0
+    assert numpy(stepper.solver.gf) == pytest.approx(numpy(fine.solver.gf), abs=1e-8)
+
+
+# --- steps in time -------------------------------------------------------------------------------
+
+
+def test_a_static_solution_stays():
+    """In equilibrium nothing moves, and the static solver is as before."""
+    motion = sliding(speed=0.0)
+    before = numpy(motion.gf)
+    size = np.abs(before).max()
+    motion.run(0.2)
+    assert numpy(motion.gf) == pytest.approx(before, abs=1e-12 * size)
+    motion.stepper.static.Solve(printing=False)
+    assert numpy(motion.gf) == pytest.approx(before, abs=1e-10 * size)
+
+
+def test_displacement_anywhere_in_the_product_space():
+    mesh = MakeStructured2DMesh(quads=True, nx=1, ny=1)
+    V, W = VectorH1(mesh, order=2), VectorH1(mesh, order=1, dirichlet=".*")
+    X = W * LACSpace(V, slave="bottom") * V
+    (w, lam, u), (dw, _, v) = X.TnT()
+    a = BilinearForm(elastic(u, v) + elastic(w, dw))
+    gf, time = GridFunction(X), Parameter(0)
+    contact = LACContact(u, lam, obstacle=CF(1.0))
+    stepper = TimeStepper(ContactSolver(a, gf, contact), 2.0, dt=0.5, time=time)
+    stepper.velocity.components[2].Set((0, -0.5))
+    stepper.Integrate(1.0, printing=False)
+    assert time.Get() == 1.0
+    assert gf.components[2](mesh(0.3, 0.2)) == pytest.approx((0, -0.5), abs=1e-12)
+    assert stepper.balance.kinetic == pytest.approx(0.25)
+
+
+def test_a_state_without_energy_is_no_solution():
+    motion = on_ground(gap=1.0, dt=0.1, maxcuts=1).throw(0, -1.0)
+    motion.run(0.1)
+    before = numpy(motion.gf)
+    # Has no value below -0.15, as that of an element turned inside out.
+    motion.stepper.energy = sqrt(motion.gf.components[0][1] + 0.15)
+    with pytest.raises(ContactConvergenceError, match="inside out"):
+        motion.run(0.2)
+    assert numpy(motion.gf) == pytest.approx(before, abs=0.05 + 1e-12)
+    assert motion.time.Get() <= 0.15
+    motion.stepper.energy = CF(float("nan"))
+    with pytest.raises(ValueError, match="energy is NaN or infinite where the motion begins"):
+        motion.run(0.2)
+
+
+def strain_energy(u):
+    F = Id(2) + Grad(u)
+    C = F.trans * F
+    return 0.5 * (Trace(C - Id(2)) + 3 * Det(C) ** (-1 / 3) - 3)
+
+
+def test_steps_that_bring_in_energy_are_cut(capsys):
+    """A ball bounces off a block, in steps in which waves cross it nine times."""
+    ball, block = Circle((0, 1.1), 1.0).Face(), MoveTo(-3, -1).Rectangle(6, 1).Face()
+    ball.edges.name = ball.faces.name = "ball"
+    block.edges.Max(Y).name, block.edges.Min(Y).name = "top", "fix"
+    ball.faces.maxh, block.faces.maxh = 0.6, 1.0
+    mesh = Mesh(OCCGeometry(Compound([block, ball]), dim=2).GenerateMesh()).Curve(2)
+    V = VectorH1(mesh, order=2, dirichlet="fix")
+    X = V * LACSpace(V, slave="ball")
+    u, lam = X.TrialFunction()
+    a, gf = BilinearForm(X), GridFunction(X)
+    a += Variation(strain_energy(u) * dx)
+    solver = ContactSolver(a, gf, LACContact(u, lam, master="top", finite=True))
+    energy = strain_energy(gf.components[0])
+    stepper = TimeStepper(solver, 1.0, dt=12.0, rho_inf=0.8, energy=energy)
+    stepper.velocity.components[0].Set((0, -0.0115), definedon=mesh.Materials("ball"))
+    totals = np.array([step.balance.total for step in stepper.Integrate(60.0)])
+    begin = 0.5 * np.pi * 0.0115**2
+    assert totals.max() < 1.02 * begin
+    assert totals[-1] > 0.3 * begin
+    assert "of the energy; halved" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "changes", "won"),
+    [
+        (1.5, {"internal": 0.2, "external": 0.0, "friction": 0.1, "impact": 0.2}, 0.0),
+        (3.0, {"internal": 0.0, "external": 0.5, "friction": 0.1, "impact": -0.6}, 0.5 / 4),
+        (3.0, {"internal": 0.0, "external": 0.0, "friction": 0.0, "impact": 0.0}, 1.0 / 4),
+    ],
+)
+def test_energy_won_is_that_of_contact_and_time_integration(kinetic, changes, won):
+    before = EnergyBalance(0.0, 2.0, 1.0)
+    assert before.After(1.0, kinetic, **changes).Won(before) == pytest.approx(won, abs=1e-15)
+    assert EnergyBalance().Won(EnergyBalance()) == 0.0

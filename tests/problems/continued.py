@@ -7,7 +7,7 @@ second half and writes the end values there.
 import sys
 
 import numpy as np
-from motions import elastic, neo_hooke, on_ground, values
+from motions import neo_hooke, on_ground, values
 from netgen.occ import MoveTo, OCCGeometry
 from ngsolve import (
     CF,
@@ -23,32 +23,39 @@ from ngsolve import (
     dx,
     y,
 )
+from press import press
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes import TwoBlocks
-from ngslac.steps.restart import LoadMesh, LoadState
-from ngslac.steps.time import TimeStepper
+from ngslac import (
+    ContactSolver,
+    LACContact,
+    LACSpace,
+    LoadMesh,
+    LoadState,
+    LoadStepper,
+    TimeStepper,
+)
 
 # Pardiso's results depend on where its memory lies, so that two runs of the same script differ.
 INVERSE = "umfpack"
 
 
-def loading(mesh=None, *, finite=False, nonlinear=True, **law):
+def loading(mesh=None, *, nonlinear=True, friction=0.3, **law):
     """A block pushed down and aside on another one; the parameter is the load."""
-    mesh = mesh or TwoBlocks(0.3, overhang=0.3)
-    V = VectorH1(mesh, order=2, dirichlet="bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    load = Parameter(0.0)
-    a = BilinearForm(X)
-    a += Variation(neo_hooke(u, 10.0).Compile() * dx) if nonlinear else elastic(u, v, 10.0)
+    problem = press(
+        change=lambda fresh: mesh or fresh,
+        h=0.3,
+        mesh_flags={"structured": False},
+        nonlinear=nonlinear,
+        spring=0,
+        friction=friction,
+        **law,
+    )
+    u, v = problem.X.TrialFunction()[0], problem.X.TestFunction()[0]
+    load = problem.load
+    load.Set(0.0)
     # Down first, then aside, so that what was stuck begins to slip.
-    at = CF((0.1 * load * load, -0.05 * load))
-    a += 100 * InnerProduct(u - at, v) * ds("top")
-    law = {"friction": 0.3} | ({"finite": True} if finite else {}) | law
-    contact = LACContact(u, lam, master="master", **law)
-    solver = ContactSolver(a, GridFunction(X), contact, inverse=INVERSE)
-    return LoadStepper(solver, load)
+    problem.a += 400 * InnerProduct(u - load * CF((0.1 * load, -0.05)), v) * ds("top")
+    return LoadStepper(problem.solver(inverse=INVERSE), load)
 
 
 def slotted(h=0.35, width=0.08):
@@ -64,35 +71,24 @@ def slotted(h=0.35, width=0.08):
 
 def squeezed(mesh=None):
     """The slot is closed, and its sides slide: self-contact."""
-    mesh = mesh or slotted()
-    V = VectorH1(mesh, order=2)
+    V = VectorH1(mesh or slotted(), order=2)
     X = V * LACSpace(V, slave="slot")
     (u, lam), (v, _) = X.TnT()
     load = Parameter(0.0)
     a = BilinearForm(X)
     a += Variation(neo_hooke(u, 10.0).Compile() * dx)
     above, below = (IfPos(side * y - 0.999, 300, 0) for side in (1, -1))
-    at = CF((0.1 * load * load, -0.4 * load))
+    at = load * CF((0.1 * load, -0.4))
     a += (above * InnerProduct(u - at, v) + below * InnerProduct(u, v)) * ds("outside")
     contact = LACContact(u, lam, master="slot", friction=0.3, finite=True)
     return LoadStepper(ContactSolver(a, GridFunction(X), contact, inverse=INVERSE), load)
 
 
-def bouncing(mesh=None, *, rho_inf=0.9):
+def bouncing(mesh=None, **flags):
     """A block thrown at the ground."""
-    motion = on_ground(
-        mesh=mesh,
-        inverse=INVERSE,
-        gap=0.05,
-        gravity=1.0,
-        friction=0.4,
-        dt=0.04,
-        rho_inf=rho_inf,
-        divisions=(3, 3),
-    )
-    if mesh is None:
-        motion.throw(0.6, -0.8)
-    return motion.stepper
+    given = {"gap": 0.05, "gravity": 1.0, "friction": 0.4, "dt": 0.04, "rho_inf": 0.9}
+    motion = on_ground(mesh=mesh, inverse=INVERSE, divisions=(3, 3), **given, **flags)
+    return (motion if mesh else motion.throw(0.6, -0.8)).stepper
 
 
 MAKE = {
@@ -104,26 +100,23 @@ MAKE = {
 }
 
 
-def half(stepper, part):
+def half(stepper, part=1):
     """The first or second half of the way, to 0.5 or to 1."""
-    if isinstance(stepper, LoadStepper):
-        stepper.Integrate(0.5 * part, steps=3, printing=False)
-    else:
-        stepper.Integrate(0.5 * part, printing=False)
+    flags = {"steps": 3} if isinstance(stepper, LoadStepper) else {}
+    stepper.Integrate(0.5 * part, printing=False, **flags)
     return stepper
 
 
 def outcome(stepper):
     """All end values as numpy arrays."""
-    table = stepper.solver.contacts[0].Table()
-    found = {
-        "gf": values(stepper.solver.gf),
-        "numbers": np.array([s.number for s in stepper.steps]),
-    }
+    (contact,) = stepper.solver.contacts
+    found = contact.Table() | {"reference": contact.form.Vectors("reference")}
+    found["gf"] = values(stepper.solver.gf)
+    found["numbers"] = np.array([step.number for step in stepper.steps])
     if isinstance(stepper, TimeStepper):
         found["velocity"] = values(stepper.velocity)
         found |= {f"energy_{name}": rows for name, rows in stepper.Table().items()}
-    return found | table | {"reference": stepper.solver.contacts[0].form.Vectors("reference")}
+    return found
 
 
 def main(folder):

@@ -1,0 +1,232 @@
+"""Bodies held by contact alone: what holds them, what no contact can balance, what is said."""
+
+import numpy as np
+import pytest
+from ngsolve import CF, GridFunction, InnerProduct, VectorH1, ds, x, y
+from press import numpy, press
+
+from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
+from ngslac.arrays import AsNumPy, ScalarDofs
+from ngslac.bodies.bodies import Bodies
+from ngslac.bodies.rigidbalance import RigidBalance
+from ngslac.bodies.rigidmotions import RigidMotions, Turned
+
+
+def loaded(*still, side=0.0, gap=0.0, on="top", spring=0, **flags):
+    """A traction (side * load + x, y) on a block that starts above another one by the gap."""
+    problem = press(spring=spring, **flags)
+    v, d = problem.X.TestFunction()[0], problem.mesh.dim
+    moving = CF((side * problem.load,) + (0,) * (d - 1))
+    problem.a += -InnerProduct(CF(still) + moving, v) * ds(on)
+    problem.load.Set(0.0)
+    apart = {"upper": CF((0,) * (d - 1) + (gap,))}
+    problem.gf.components[0].Set(problem.mesh.MaterialCF(apart, default=CF((0,) * d)))
+    return problem
+
+
+def stepper(problem, **flags):
+    return LoadStepper(problem.solver(), problem.load, **flags)
+
+
+# --- what contact holds --------------------------------------------------------------------------
+
+COARSE = {"mesh_flags": {"h_master": 0.2}}
+GUIDED = {"dirichletx": "left_upper", "dirichlet": "bottom"}
+PLANE = {"h": 0.35, "master": None, "obstacle": CF(0.05)}
+# Three or four macro-elements are few, a single step from a gap is long.
+HELD = [
+    *({"gap": gap, "h": h, "friction": F, **COARSE} for gap in (0.0, 0.02, 0.2)
+      for h, F in ((0.26, 0.2), (0.35, 1.5))),
+    *({"friction": F, **PLANE} for F in (0.2, 1.5)),
+    {"gap": 0.01, "friction": 0.5},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("flags", HELD, ids=str)
+def test_friction_holds_a_body(flags):
+    problem = loaded(0, -1, side=0.1, **flags)
+    if "h" in flags:
+        assert 3 <= problem.contact.space.nmacros <= 4
+    steps = stepper(problem).Integrate(steps=1, printing=False)
+    assert sum(step.cuts for step in steps) == 0
+    assert problem.contact.Force() == pytest.approx([-0.1, 1], abs=1e-9)
+    assert np.all(problem.contact.Table()["gap"] > -1e-9)
+
+
+@pytest.mark.parametrize(
+    ("problem", "force"),
+    [
+        (lambda: loaded(0, -1, flags=GUIDED), 1.0),
+        # The master floats; 1.4 is its length with its overhang.
+        (lambda: loaded(0, 1, on="bottom", spring=1e3, friction=0.5, flags={"dirichlet": ""}), 1.4),
+    ],
+)
+def test_contact_holds_what_is_guided_and_what_lies_below(problem, force):
+    problem = problem()
+    problem.solver().Solve(printing=False)
+    assert problem.contact.Force() == pytest.approx([0, force], abs=1e-9)
+
+
+# --- what nothing holds --------------------------------------------------------------------------
+
+BOTTOM = {"dirichlet": "bottom"}
+MOTIONS = "translation in x", "translation in y", "rotation"
+FLIES = "body 'upper' is pulled away (translation in y, towards +y): contact can only push"
+
+
+@pytest.mark.parametrize(
+    ("load", "flags", "initial", "said"),
+    [
+        ((0, -1), {}, "gap", MOTIONS[:1]),
+        ((0, -1), {"flags": GUIDED}, "none", MOTIONS[1:2]),
+        ((0, -1), {"flags": BOTTOM}, "none", MOTIONS),
+        ((0, -1), {"flags": BOTTOM | {"dirichlety": "top"}}, "none", MOTIONS[:1]),
+        ((0, -1), {"flags": BOTTOM | {"dirichletx": "top"}}, "none", MOTIONS[1:]),
+        ((0, 1), {"friction": 0.5}, "gap", [FLIES]),
+    ],
+)
+def test_every_free_motion_is_named(load, flags, initial, said):
+    problem = loaded(*load, **flags)
+    error = ContactConvergenceError if said == [FLIES] else FloatingBodyError
+    with pytest.raises(error) as caught:
+        problem.solver(initial=initial).Solve(printing=False)
+    found = str(caught.value)
+    if said != [FLIES]:
+        assert "start in contact" in found
+        said = [f"body 'upper' floats ({motion})" for motion in said]
+        assert found.split(":")[0].count("floats") == len(said)
+    assert all(words in found for words in said)
+    assert not np.any(numpy(problem.gf))
+
+
+# --- what no contact traction balances -----------------------------------------------------------
+
+
+def told(*traction, **flags):
+    """What is said of a traction on top of a block held by contact alone."""
+    problem = loaded(*traction, **flags)
+    a, gf, contact = problem.a, problem.gf, problem.contact
+    a.AssembleLinearization(gf.vec)
+    contact.Prepare(a.mat)
+    contact.Evaluate(gf)
+    residual = gf.vec.CreateVector()
+    a.Apply(gf.vec, residual)
+    bodies = Bodies(a.mat, contact, AsNumPy(ScalarDofs(gf.space.FreeDofs(), gf.space)))
+    forces = residual.FV().NumPy()[bodies.first :][: bodies.count]
+    return RigidBalance(bodies, [contact]).Find(forces)
+
+
+COULOMB, TRESCA = {"friction": 0.2}, {"tresca": 0.2}
+SLIDES, LIMIT = "body 'upper' slides away", "friction is at its limit"
+COUPLE = (0.5 - y, x - 0.5, -1.0)
+
+
+@pytest.mark.parametrize("law", [COULOMB, TRESCA], ids=str)
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_block_slides_from_the_limit_on(law, side):
+    assert told(0.1999 * side, -1, **law) == ""
+    found = told(0.2001 * side, -1, **law)
+    assert f"{SLIDES} (translation in x, towards {'-+'[side > 0]}x)" in found
+    assert LIMIT in found
+
+
+@pytest.mark.parametrize("law", [COULOMB, TRESCA], ids=str)
+@pytest.mark.parametrize("angle", [0.0, 0.3, 2.5])
+def test_a_block_slides_in_any_direction(law, angle):
+    """The cone is replaced by a polygon around it, half a per cent wider at most."""
+    way = np.array([np.cos(angle), np.sin(angle)])
+    assert told(*(0.199 * way), -1, dim=3, **law) == ""
+    assert SLIDES in told(*(0.202 * way), -1, dim=3, **law)
+
+
+def test_a_block_tips_over_from_the_limit_on():
+    """Pressures are constant on macro-elements: the outermost one has its middle within."""
+    length = 1 / press(friction=2.0).contact.space.nmacros
+    limit = (1 - length) / 2  # the block is 1 wide and 1 high
+    assert told(0.999 * limit, -1, friction=2.0) == ""
+    assert "'upper' tips over (rotation)" in told(1.001 * limit, -1, friction=2.0)
+
+
+@pytest.mark.parametrize(
+    ("traction", "law", "words"),
+    [
+        ((0, 0.1), {}, FLIES),
+        ((0, 0.1), {"friction": 0.3}, FLIES),
+        ((0, 0), {"friction": 0.3}, ""),  # nothing pushes
+        ((0.3, 1), {"tied": True}, ""),
+        (COUPLE, {"friction": 0.5}, ""),
+        (COUPLE, {"friction": 0.1}, f"body 'upper' turns (rotation about z): {LIMIT}"),
+    ],
+)
+def test_what_is_said_of_a_load(traction, law, words):
+    found = told(*traction, dim=len(traction), **law)
+    assert words in found if words else found == ""
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_rotations_of_a_deformed_mesh(dim):
+    mesh = press(dim=dim).mesh
+    space = VectorH1(mesh, order=2)
+    motions, _, size = RigidMotions(space)
+    center = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :dim].mean(axis=0)
+    u, expected = GridFunction(space), GridFunction(space)
+    u.Set(CF((0.3 * x - y, x**2, 0.2 * x * y)[:dim]))
+    # Arms of a rotation about z, or in the plane.
+    arms = [(c + u[k] - center[k]) / size for k, c in enumerate((x, y))]
+    expected.Set(CF((-arms[1], arms[0], 0.0)[:dim]))
+    found = (motions + Turned(space, numpy(u), size))[:, -1]
+    assert found == pytest.approx(numpy(expected), abs=1e-9)
+
+
+# --- steps to the limit --------------------------------------------------------------------------
+
+
+def counted(solver):
+    """The numbers of linear systems of its further solves, one for each attempt."""
+    solve, systems = solver.Solve, []
+
+    def Solve(**flags):
+        try:
+            return solve(**flags)
+        finally:
+            systems.append(len(solver.history) - 1)
+
+    solver.Solve = Solve
+    return systems
+
+
+@pytest.mark.parametrize(
+    ("steps", "said"),
+    [
+        (1, "the step from load 0 to 1 fails"),
+        (3, r"fails: .*; up to a load of 0\.5 there is one$"),
+        (10, r"the step from load 0\.5 to 0\.6 fails"),
+    ],
+)
+def test_steps_end_at_the_limit_of_friction_and_say_where(steps, said):
+    """Friction carries half of the load; what fails is the load at the end of a long step."""
+    problem = loaded(0, -1, side=0.2, friction=0.1)
+    tool = stepper(problem)
+    systems = counted(tool.solver)
+    with pytest.raises(ContactConvergenceError, match=said) as error:
+        tool.Integrate(steps=steps, printing=False)
+    assert f"no equilibrium: {SLIDES} (translation in x, towards +x): {LIMIT}" in str(error.value)
+    assert len(systems) < 25
+    if steps == 10:
+        assert 0.5 - 0.1 / 2**8 <= problem.load.Get() <= 0.5 + 1e-9
+    else:
+        tool.Integrate(0.49, steps=1, printing=False)
+    expected = -0.2 * problem.load.Get()
+    assert problem.contact.Force()[0] == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_load_beyond_friction_ends_after_few_systems(finite):
+    problem = loaded(0, -1, side=0.15, friction=0.1, finite=finite, nonlinear=finite)
+    tool = stepper(problem)
+    systems = counted(tool.solver)
+    with pytest.raises(FloatingBodyError, match="'upper' slides away") as error:
+        tool.Integrate(steps=2, printing=False)
+    assert error.value.exhausted
+    assert error.value.certain != finite
+    assert sum(systems) < (150 if finite else 30)
