@@ -2,24 +2,17 @@
 
 import numpy as np
 import pytest
+from bricks import KINDS, RIM, ball, brick, middle, slave_faces
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
-from ngsolve import (
-    BND,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
-    Mesh,
-    Sym,
-    VectorH1,
-    dx,
-)
-from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
+from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Mesh, Sym, VectorH1, dx
+from partitions import SPACES, check_partition, sizes
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
 
+REMEDY = r"Remedy: SplitSlaveFaces\(mesh, slave\), BubbleVectorH1\(mesh, slave=...\)"
 
-def Overhanging(h=0.1):
+
+def overhanging(h=0.1):
     """A block of length 2 on a wider one; the second half of its lower side is clamped."""
     upper = MoveTo(0, 0).LineTo(1, 0, "free").LineTo(2, 0, "clamped").LineTo(2, 1)
     upper = upper.LineTo(0, 1, "top").LineTo(0, 0).Face()
@@ -29,38 +22,31 @@ def Overhanging(h=0.1):
     return Mesh(OCCGeometry(Compound([upper, lower]), dim=2).GenerateMesh(maxh=h))
 
 
-def Sizes(space):
-    macros = np.array(space.macros)
-    return np.bincount(macros[macros >= 0])
-
-
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_half_of_a_slave_clamped(order):
-    mesh = Overhanging()
+    mesh = overhanging()
     V = VectorH1(mesh, order=order, dirichlet="bottom|clamped")
-    sizes = Sizes(LACSpace(V, slave="free|clamped"))
-    assert sizes.sum() == sum(e.mat in ("free", "clamped") for e in mesh.Elements(BND))
-    assert sizes.max() <= 4 * np.median(sizes)
+    many = sizes(LACSpace(V, slave="free|clamped"))
+    assert sum(many) == len(slave_faces(mesh, "free|clamped"))
+    assert many[-1] <= 4 * np.median(many)
 
 
-@pytest.mark.parametrize("hexes", [True, False])
-@pytest.mark.parametrize("space", [VectorH1, BubbleVectorH1], ids=["plain", "bubble"])
-def test_half_of_a_slave_clamped_in_3d(space, hexes):
+@pytest.mark.parametrize("kind", ["tet", "hex"])
+@pytest.mark.parametrize("space", ["VectorH1", "Bubble"])
+def test_half_of_a_slave_clamped_in_3d(space, kind):
     """Clamped are the vertices beyond the middle: boundaries of the mesh need not show it."""
-    mesh = MakeStructured3DMesh(hexes=hexes, nx=8, ny=4, nz=1)
-    flags = {"slave": "bottom"} if space is BubbleVectorH1 else {}
-    V = space(mesh, order=2, **flags)
-    for el in mesh.Boundaries("bottom").Elements():
+    mesh = brick(kind, 6, 1)
+    V = SPACES[space](mesh, order=2)
+    for el in slave_faces(mesh):
         if min(mesh[v].point[0] for v in el.vertices) > 0.4:
             for dof in V.GetDofNrs(el):
                 V.FreeDofs().Clear(dof)
-    sizes = Sizes(LACSpace(V, slave="bottom"))
-    assert sizes.max() <= 7
+    assert sizes(LACSpace(V, slave="bottom"))[-1] <= 7
 
 
 def test_clamped_part_of_a_slave_presses():
     """The clamped half is a rigid punch: it holds off the master, and Check() names it."""
-    mesh = Overhanging(0.2)
+    mesh = overhanging(0.2)
     V = VectorH1(mesh, order=2, dirichlet="bottom|clamped")
     X = V * LACSpace(V, slave="free|clamped")
     (u, lam), (v, _) = X.TnT()
@@ -81,47 +67,108 @@ def test_clamped_part_of_a_slave_presses():
     assert "prescribed       " in str(report)
 
 
-@pytest.fixture
-def mesh():
-    return MakeStructured2DMesh(nx=6, ny=2)
+def test_a_single_quadrilateral():
+    """One clamped face has no vertex inside: refused, unless it has a dof of its own."""
+    mesh = brick("hex", 1, 1)
+    with pytest.raises(Exception, match=rf"of 1 face\(s\) of boundary 'bottom'.*0\.5.*{REMEDY}"):
+        LACSpace(VectorH1(mesh, order=1, dirichlet=RIM), slave="bottom")
+    for V in (VectorH1(mesh, order=2, dirichlet=RIM), SPACES["Bubble"](mesh, dirichlet=RIM)):
+        Q = LACSpace(V, slave="bottom")
+        check_partition(Q)
+        assert Q.nmacros == 1
+
+
+def test_two_triangles():
+    """Order 2 has the dof of the diagonal, and no more; order 1 has nothing."""
+    mesh = brick("tet", 1, 1)
+    with pytest.raises(Exception, match=rf"of 2 face\(s\) of boundary 'bottom'.*{REMEDY}"):
+        LACSpace(VectorH1(mesh, order=1), slave="bottom")
+    Q = LACSpace(VectorH1(mesh, order=2, dirichlet=RIM), slave="bottom")
+    check_partition(Q)
+    assert Q.nmacros == 1
+    assert len(Q.CoreDofs(0)) == 3
+    assert LACSpace(SPACES["Bubble"](mesh, order=1, dirichlet=RIM), slave="bottom").nmacros == 2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_clamped_slave(kind):
+    mesh = brick(kind, 2, 1)
+    for fixed in ("dirichlet", "dirichlety" if mesh.dim == 2 else "dirichletz"):
+        V = BubbleVectorH1(mesh, order=1, slave="bottom", **{fixed: "bottom"})
+        with pytest.raises(Exception, match="no Dirichlet condition on the slave faces"):
+            LACSpace(V, slave="bottom")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_macro_element_per_face_only_where_that_is_stable(kind):
+    """The classical failures are refused: order 1, and order 2 on triangles."""
+    mesh = brick(kind, 2, 1)
+    numbers = list(range(len(slave_faces(mesh))))
+    stable = 3 if kind in ("tet", "prism") else 2
+    for order in range(1, stable):
+        with pytest.raises(Exception, match=rf"1 face\(s\) of boundary 'bottom'.*{REMEDY}"):
+            LACSpace(VectorH1(mesh, order=order), slave="bottom", macros=numbers)
+    for V in (VectorH1(mesh, order=stable), SPACES["Bubble"](mesh, order=1)):
+        assert LACSpace(V, slave="bottom", macros=numbers).nmacros == len(numbers)
+
+
+def test_pairs_of_order_one_are_refused():
+    """Two triangles hold no vertex inside, whatever their number on the surface."""
+    mesh = brick("tet", 4, 1)
+    pairs = np.arange(len(slave_faces(mesh))) // 2
+    with pytest.raises(Exception, match=r"2 face\(s\) of boundary 'bottom'"):
+        LACSpace(VectorH1(mesh, order=1), slave="bottom", macros=pairs)
+
+
+@pytest.mark.parametrize("kind", ["trig", "hex"])
+def test_given_macro_elements(kind):
+    mesh = brick(kind, 4, 1)
+    faces = slave_faces(mesh)
+    quarters = [middle(mesh, el)[:-1] > 0.5 for el in faces]
+    given = np.array([sum(2**i * int(far) for i, far in enumerate(q)) for q in quarters])
+    for macros in (given.tolist(), tuple(given), given, given.astype(np.uint8)):
+        Q = LACSpace(VectorH1(mesh, order=1), slave="bottom", macros=macros)
+        check_partition(Q)
+        assert [Q.macros[el.nr] for el in faces] == given.tolist()
 
 
 @pytest.mark.parametrize(
     ("macros", "error", "text"),
     [
+        ([0] * 5, ValueError, "macros has 5 entries, but there are 6 slave faces"),
+        ([0, 0, 0, 0, 2, 2], ValueError, "macro-element 1 has no face"),
         ([2**31 - 1] * 6, ValueError, "macros holds the number 2147483647, but 6 slave faces"),
         ([2**70] * 6, ValueError, "macros.*out of range|macros holds"),
         ([-1] * 6, ValueError, "negative number -1"),
         ([0.5] * 6, TypeError, "macros.*0.5"),
+        ([float("nan")] * 6, TypeError, "macros.*nan"),
         (["a"] * 6, TypeError, "macros.*'a'"),
         ("000000", TypeError, "macros.*'000000'"),
         (7, TypeError, "macros = 7"),
         ([0, 0, 1, 1, 0, 0], ValueError, "macro-element 0 of 4 faces that do not hang together"),
     ],
 )
-def test_macros_that_are_none(mesh, macros, error, text):
+def test_macros_that_are_none(macros, error, text):
     with pytest.raises(error, match=text):
-        LACSpace(VectorH1(mesh, order=2), slave="bottom", macros=macros)
-
-
-def test_macros_of_any_integers(mesh):
-    for macros in (np.arange(6) // 2, np.arange(6, dtype=np.uint8) // 2, (0, 0, 1, 1, 2, 2)):
-        assert LACSpace(VectorH1(mesh, order=2), slave="bottom", macros=macros).nmacros == 3
+        LACSpace(VectorH1(brick("trig", 6), order=2), slave="bottom", macros=macros)
 
 
 @pytest.mark.parametrize("parts", [1, 2, 3])
 def test_macros_that_bend(parts):
     """Arcs of 120 degrees and more have no normal that stands for them."""
-    disk = Circle((0, 0), 1).Face()
-    disk.edges.name = "rim"
-    mesh = Mesh(OCCGeometry(disk, dim=2).GenerateMesh(maxh=0.4))
-    angles = [
-        np.arctan2(*sum(np.array(mesh[v].point) for v in el.vertices)[::-1])
-        for el in mesh.Boundaries("rim").Elements()
-    ]
-    macros = (np.array(angles) + np.pi) * parts // (2 * np.pi)
+    mesh = ball(2, 0.4, order=1)
+    points = [middle(mesh, el) for el in slave_faces(mesh, "surface")]
+    macros = (np.arctan2(*np.transpose(points)[::-1]) + np.pi) * parts // (2 * np.pi)
     with pytest.raises(ValueError, match=r"faces that bend by more than 60 degrees"):
-        LACSpace(VectorH1(mesh, order=2), slave="rim", macros=macros.astype(int).tolist())
+        LACSpace(VectorH1(mesh, order=2), slave="surface", macros=macros.astype(int).tolist())
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_points_that_are_no_numbers(order):
+    """Nothing is made of a surface with a lost vertex."""
+    mesh = brick("tet", 2, 1, mapping=lambda p: np.where(p[:, [0]] == 0.5, np.nan, p))
+    with pytest.raises(Exception, match="boundary 'bottom'"):
+        LACSpace(VectorH1(mesh, order=order), slave="bottom")
 
 
 def test_check_names_large_and_bent_macro_elements():
@@ -130,7 +177,7 @@ def test_check_names_large_and_bent_macro_elements():
     ring = Circle((0, 0), 2).Face() - Circle((0, 0), 1).Face()
     ring.edges.name = "ring"
     mesh = Mesh(OCCGeometry(Compound([disk, ring]), dim=2).GenerateMesh(maxh=0.1))
-    n = sum(e.mat == "rim" for e in mesh.Elements(BND))
+    n = len(slave_faces(mesh, "rim"))
     macros = [0] * (n // 7) + list(range(1, n - n // 7 + 1))
     V = VectorH1(mesh, order=2)
     X = V * LACSpace(V, slave="rim", macros=macros)

@@ -1,206 +1,301 @@
-"""SplitSlaveFaces: the mesh modification of the Local Average Contact paper, in 2D."""
+"""SplitSlaveFaces: the mesh modification of the Local Average Contact paper, in 2D and 3D."""
 
-from math import pi
+from itertools import combinations, product
 
 import numpy as np
 import pytest
-from netgen.geom2d import SplineGeometry
-from ngsolve import BND, CF, ET, H1, VOL, Integrate, Mesh, Periodic, dx
-from ngsolve.meshes import MakeStructured2DMesh
-from splitmeshes import (
-    DISKS,
+from bricks import brick, glued, slave_faces
+from ngsolve import BBBND, BBND, BND, H1, VOL, Mesh, Periodic
+from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
+from splits import (
+    CELLS,
+    ROUND,
     area,
+    block,
+    check_split,
     elements,
-    inner_vertices,
-    interface_mesh,
     is_conforming,
-    length,
+    mesh_of,
     min_jacobian,
-    occ_disk,
-    occ_ring,
-    square,
+    parents,
+    shapes,
+    single_cell,
+    split_of,
     vertices,
+    volume,
 )
 
 from ngslac import SplitSlaveFaces
 
-
-@pytest.mark.parametrize("slave", ["left", "left|bottom", "top|bottom", ".*"])
-def test_straight_triangles(slave):
-    mesh = square()
-    split = SplitSlaveFaces(mesh, slave)
-    n = sum(1 for _ in mesh.Boundaries(slave).Elements())
-    assert split.ne == mesh.ne + n
-    assert split.nv == mesh.nv + n
-    assert split.GetNE(BND) == mesh.GetNE(BND) + n
-    assert inner_vertices(mesh, split, slave) == [1] * n
-    assert area(split) == pytest.approx(1, rel=1e-14)
-    for name in mesh.GetBoundaries():
-        assert length(split, name) == pytest.approx(length(mesh, name), rel=1e-14)
-    assert min_jacobian(split) > 0
-    assert is_conforming(split)
+PATTERNS = [  # shape, slave face, keyword, volume elements, parts of the face, new vertices
+    ("trig", 0, "pyramids", {"trig": 2}, {"segm": 2}, 1),
+    ("quad", 0, "pyramids", {"quad": 4}, {"segm": 3}, 4),
+    ("tet", 0, "pyramids", {"tet": 3}, {"trig": 3}, 1),
+    ("pyramid", 0, "pyramids", {"tet": 4}, {"trig": 4}, 1),
+    ("pyramid", 1, "pyramids", {"tet": 3, "pyramid": 1}, {"trig": 3}, 1),
+    ("prism", 0, "pyramids", {"tet": 1, "pyramid": 3}, {"trig": 3}, 1),
+    ("prism", 2, "pyramids", {"tet": 2, "pyramid": 2}, {"trig": 4}, 1),
+    ("hex", 1, "pyramids", {"pyramid": 5}, {"trig": 4}, 1),
+    ("hex", 1, "hexes", {"hex": 6}, {"quad": 5}, 8),
+    ("prism", 2, "hexes", {"tet": 2, "pyramid": 2}, {"trig": 4}, 1),
+]
 
 
-@pytest.mark.parametrize("slave", ["left", "left|bottom", "top|bottom", ".*"])
-def test_straight_quadrilaterals(slave):
-    mesh = MakeStructured2DMesh(quads=True, nx=3, ny=4)
-    split = SplitSlaveFaces(mesh, slave)
-    n = sum(1 for _ in mesh.Boundaries(slave).Elements())
-    assert split.ne == mesh.ne + 3 * n
-    assert split.nv == mesh.nv + 4 * n
-    assert split.GetNE(BND) == mesh.GetNE(BND) + 2 * n
-    assert all(el.type == ET.QUAD for el in split.Elements(VOL))
-    assert inner_vertices(mesh, split, slave) == [2] * n
-    assert area(split) == pytest.approx(1, rel=1e-14)
-    assert length(split) == pytest.approx(4, rel=1e-14)
-    assert min_jacobian(split) > 0
-    assert is_conforming(split)
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(("shape", "face", "hexes", "volumes", "faces", "nodes"), PATTERNS)
+def test_patterns_of_single_cells(shape, face, hexes, volumes, faces, nodes, mirrored):
+    mesh = single_cell(shape, mirrored and shape not in ("trig", "quad"))
+    split = SplitSlaveFaces(mesh, f"f{face}", hexes=hexes)
+    check_split(mesh, split)
+    assert shapes(split) == volumes
+    assert split.nv == mesh.nv + nodes
+    slave = [el.type.name.lower() for el in slave_faces(split, f"f{face}")]
+    assert {name: slave.count(name) for name in slave} == faces
+    assert split.GetNE(BND) == mesh.GetNE(BND) + sum(faces.values()) - 1
 
 
-def test_counts_of_single_cells():
-    """All cells, boundary cells included, and nodes, as published for DECOUPE_LAC."""
-    quad = SplitSlaveFaces(MakeStructured2DMesh(quads=True, nx=1, ny=1), "bottom|right")
-    assert (quad.ne + quad.GetNE(BND), quad.nv) == (15, 12)
-    geo = SplineGeometry()
-    points = [geo.AppendPoint(*p) for p in [(0, 0), (1, 0), (0, 1)]]
-    for i, name in enumerate("abc"):
-        geo.Append(["line", points[i], points[(i + 1) % 3]], bc=name)
-    mesh = Mesh(geo.GenerateMesh(maxh=10))
-    assert mesh.ne == 1
-    trig = SplitSlaveFaces(mesh, "a")
-    assert (trig.ne + trig.GetNE(BND), trig.nv) == (6, 4)
-    assert SplitSlaveFaces(mesh, ".*").ne == 4
+@pytest.mark.parametrize(
+    ("shape", "slave", "hexes", "cells", "nodes"),
+    [
+        ("trig", "f0", "pyramids", 6, 4),
+        ("quad", "f0|f1", "pyramids", 15, 12),
+        ("hex", "f1", "pyramids", 26, 9),
+        ("hex", "f1", "hexes", 28, 16),
+    ],
+)
+def test_published_counts(shape, slave, hexes, cells, nodes):
+    """All cells of DECOUPE_LAC's own tests, with boundary cells and the twelve edges in 3D."""
+    split = SplitSlaveFaces(single_cell(shape), slave, hexes=hexes)
+    assert split.ne + split.GetNE(BND) + 12 * (split.dim == 3) == cells
+    assert split.nv == nodes
 
 
-@pytest.mark.parametrize("quads", [False, True])
-def test_only_slave_elements_change(quads):
-    mesh = MakeStructured2DMesh(quads=quads, nx=4, ny=4)
+@pytest.mark.parametrize("hexes", ["pyramids", "hexes"])
+@pytest.mark.parametrize("shape", CELLS)
+def test_several_slave_faces_of_one_element(shape, hexes):
+    mesh = single_cell(shape)
+    names = mesh.GetBoundaries()
+    for pair in [*combinations(names, 2), names]:
+        split = SplitSlaveFaces(mesh, "|".join(pair), hexes=hexes)
+        check_split(mesh, split)
+        for name in names:
+            assert (len(slave_faces(split, name)) == 1) == (name not in pair)
+    counts = {"trig": 4, "tet": 9, "pyramid": 12, "hex": 20 if hexes == "pyramids" else 31}
+    assert split.ne == counts.get(shape, split.ne)
+
+
+@pytest.mark.parametrize("slave", ["top", "top|left", "left|right", ".*"])
+@pytest.mark.parametrize("kind", ["trig", "quad", "square", "tet", "prism", "hex", "hexes", "cube"])
+def test_bricks(kind, slave):
+    mesh = block(kind, 3)
+    split = split_of(mesh, kind, slave)
+    check_split(mesh, split)
+    numbers = parents(mesh, split, slave)
+    old, new = elements(mesh, BND), elements(split, BND)
+    for parent in set(numbers.values()):
+        pieces = [set(new[nr][0]) for nr, p in numbers.items() if p == parent]
+        corners = {v for piece in pieces for v in piece if v < mesh.nv}
+        assert corners == set(old[parent][0])
+        inner = set.union(*pieces) - corners
+        assert len(inner) == {"quad": 2, "hexes": 4}.get(kind, 1)
+        assert all(inner & piece for piece in pieces)
+    if mesh.dim == 2:
+        more = np.array([split.ne - mesh.ne, split.nv - mesh.nv]) / len(slave_faces(mesh, slave))
+        assert more.tolist() == ([3, 4] if kind == "quad" else [1, 1])
+        assert set(shapes(split)) == set(shapes(mesh))
+    else:
+        assert split.GetNE(BBND) == mesh.GetNE(BBND)
+
+
+@pytest.mark.parametrize("kind", ["trig", "quad", "tet", "prism", "hex"])
+def test_only_slave_elements_change(kind):
+    mesh = brick(kind, layers=3)
     split = SplitSlaveFaces(mesh, "top")
-    slave = {edge.nr for el in mesh.Boundaries("top").Elements() for edge in el.edges}
-    kept = [
-        old
-        for old, el in zip(elements(mesh), mesh.Elements(VOL), strict=True)
-        if not slave & {edge.nr for edge in el.edges}
-    ]
-    assert len(kept) == mesh.ne - 4
+    slave = {v for el in slave_faces(mesh, "top") for v in elements(mesh, BND)[el.nr][0]}
+    kept = [el for el in elements(mesh) if len(slave & set(el[0])) < mesh.dim]
+    assert len(kept) == mesh.ne - len(slave_faces(mesh, "top"))
     assert set(kept) <= set(elements(split))
-    np.testing.assert_array_equal(vertices(split)[: mesh.nv], vertices(mesh))
+    others = [el for el in elements(mesh, BND) if el[1] != "top"]
+    assert set(others) <= set(elements(split, BND))
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-@pytest.mark.parametrize("disk", DISKS)
-def test_curved_geometry(disk, order):
-    """The split halves (or thirds) the slave edges, the error falls by more than half."""
-    mesh = DISKS[disk]()
-    if order > 1:
-        mesh.Curve(order)
-    before = abs(area(mesh) - pi), abs(length(mesh) - 2 * pi)
-    split = SplitSlaveFaces(mesh, "rim")
+@pytest.mark.parametrize(
+    ("name", "order"),
+    [*product(ROUND, (1, 2, 3)), *product(("disk", "disk of quadrilaterals", "spline disk"), (4,))],
+)
+def test_curved_geometry(name, order):
+    """In 2D the slave edges get shorter, in 3D their edges do not: the error falls less."""
+    make, exact_volume, exact_area = ROUND[name]
+    mesh = make().Curve(order)
+    before = abs(volume(mesh) - exact_volume), abs(area(mesh, "surface") - exact_area)
+    flat = area(mesh, "flat")
+    split = SplitSlaveFaces(mesh, "surface")
     assert split.GetCurveOrder() == order
-    factor = {1: 0.3, 2: 0.08, 3: 0.08, 4: 0.03}[order]
-    assert abs(area(split) - pi) < factor * before[0]
-    assert abs(length(split) - 2 * pi) < factor * before[1]
+    factor = {1: 0.3, 2: 0.08, 3: 0.08, 4: 0.03}[order] if mesh.dim == 2 else 0.6
+    assert abs(volume(split) - exact_volume) < factor * before[0]
+    assert abs(area(split, "surface") - exact_area) < factor * before[1]
+    assert area(split, "flat") == pytest.approx(flat, rel=1e-12, abs=1e-12)
     assert min_jacobian(split) > 0
     assert is_conforming(split)
-    assert (abs(area(mesh) - pi), abs(length(mesh) - 2 * pi)) == before
-    radius = np.linalg.norm(vertices(split)[mesh.nv :], axis=1)
-    assert np.sum(abs(radius - 1) < 1e-12) == split.GetNE(BND) - mesh.GetNE(BND)
+    assert abs(volume(mesh) - exact_volume) == before[0]
+    new = vertices(split)[mesh.nv :]
+    radius = np.linalg.norm(new if "sphere" in name or name == "ball" else new[:, :2], axis=1)
+    at = abs(radius - 1) < (1e-12 if mesh.dim == 2 else 1e-8)
+    assert at.sum() == (split.GetNE(BND) - mesh.GetNE(BND)) / (mesh.dim - 1)
+    assert mesh.dim == 2 or all(at)
+    for higher in (2, 3) if order == 1 else ():
+        assert min_jacobian(split.Curve(higher)) > 0
 
 
-def test_concave_boundary():
-    mesh = occ_ring().Curve(3)
-    split = SplitSlaveFaces(mesh, "rim")
-    assert abs(area(split) - area(mesh)) < 1e-3
-    assert abs(length(split, "rim") - 2 * pi) < 0.08 * abs(length(mesh, "rim") - 2 * pi)
-    assert length(split, "outer") == pytest.approx(length(mesh, "outer"), rel=1e-14)
+@pytest.mark.parametrize("name", ["csg hemisphere", "cylinder"])
+def test_round_and_flat_faces_of_one_element(name):
+    mesh = ROUND[name][0]().Curve(2)
+    slave = {face.nr for el in mesh.Elements(BND) for face in el.faces}
+    assert any(sum(f.nr in slave for f in el.faces) == 2 for el in mesh.Elements(VOL))
+    split = SplitSlaveFaces(mesh, "surface|flat")
+    assert abs(volume(split) - ROUND[name][1]) < 0.5 * abs(volume(mesh) - ROUND[name][1])
     assert min_jacobian(split) > 0
+    assert is_conforming(split)
+    assert split.GetNE(BND) == 3 * mesh.GetNE(BND)
 
 
-def test_names_are_kept():
-    mesh = occ_ring()
-    split = SplitSlaveFaces(mesh, "rim")
-    assert split.GetBoundaries() == mesh.GetBoundaries()
+@pytest.mark.parametrize("name", ["plate", "occ hemisphere"])
+def test_names_are_kept(name):
+    mesh = ROUND[name][0]()
+    split = SplitSlaveFaces(mesh, "surface")
     assert split.GetMaterials() == mesh.GetMaterials()
+    assert split.GetBoundaries() == mesh.GetBoundaries()
     assert split.GetBBoundaries() == mesh.GetBBoundaries()
+    if mesh.dim == 3:
+        assert (set(mesh.GetBBoundaries()), set(mesh.GetBBBoundaries())) == ({"rim"}, {"corner"})
+        assert split.GetBBBoundaries() == mesh.GetBBBoundaries()
+        for vb in (BBND, BBBND):
+            assert elements(split, vb) == elements(mesh, vb)
 
 
-def test_mesh_is_untouched():
-    mesh = occ_disk().Curve(2)
+@pytest.mark.parametrize("name", ["disk", "occ hemisphere"])
+def test_mesh_is_untouched(name):
+    mesh = ROUND[name][0]().Curve(2)
     space = H1(mesh, order=2)
-    before = elements(mesh), elements(mesh, BND), vertices(mesh), area(mesh)
-    SplitSlaveFaces(mesh, "rim")
+    before = elements(mesh), elements(mesh, BND), vertices(mesh).tolist(), volume(mesh)
+    SplitSlaveFaces(mesh, ".*")
     space.Update()
-    assert elements(mesh) == before[0]
-    assert elements(mesh, BND) == before[1]
-    np.testing.assert_array_equal(vertices(mesh), before[2])
-    assert area(mesh) == before[3]
+    assert (elements(mesh), elements(mesh, BND), vertices(mesh).tolist(), volume(mesh)) == before
     assert mesh.GetCurveOrder() == 2
 
 
-@pytest.mark.parametrize("quads", [False, True])
-def test_interface_between_materials(quads):
-    mesh = interface_mesh(quads)
+@pytest.mark.parametrize(("dim", "quads"), [(2, False), (2, True), (3, False)])
+def test_interface_between_materials(dim, quads):
+    mesh = glued(dim, 0.3 if dim == 2 else 0.6, quads)
+    n = len(slave_faces(mesh, "interface"))
     split = SplitSlaveFaces(mesh, "interface")
-    n = sum(1 for _ in mesh.Boundaries("interface").Elements())
-    assert split.GetNE(BND) == mesh.GetNE(BND) + (2 if quads else 1) * n
-    assert inner_vertices(mesh, split, "interface") == [2 if quads else 1] * n
-    assert area(split) == pytest.approx(2, rel=1e-14)
+    check_split(mesh, split)
+    new = vertices(split)[mesh.nv :]
+    assert np.sum(abs(new[:, 0] - 1) < 1e-12) == (2 if quads else 1) * n
+    assert quads or split.nv == mesh.nv + n
+    assert split.ne >= mesh.ne + 2 * (dim - 1) * n
     for material in "AB":
-        assert Integrate(CF(1) * dx(material), split) == pytest.approx(1, rel=1e-14)
+        assert volume(split, material) == pytest.approx(1, rel=1e-13)
+    if dim == 3:
+        sides = [(f.domin, f.domout) for f in split.ngmesh.FaceDescriptors()]
+        assert sides == [(f.domin, f.domout) for f in mesh.ngmesh.FaceDescriptors()]
+
+
+@pytest.mark.parametrize("below", ["hex", "prism"])
+def test_interface_between_shapes(below):
+    """A pyramid stands on another element: hexes="hexes" must not hang their common face."""
+    points = [(i, j, 0.5 * k) for i, j, k in CELLS["hex"][0]]  # their common face is the largest
+    cell = range(8) if below == "hex" else (0, 7, 4, 1, 6, 5)  # a prism with the same top
+    faces = (
+        CELLS["hex"][1]
+        if below == "hex"
+        else [(4, 5, 6, 7), (0, 1, 5, 4), (0, 7, 6, 1), (0, 4, 7), (1, 6, 5)]
+    )
+    tip = [(4, 5, 8), (5, 6, 8), (6, 7, 8), (7, 4, 8)]
+    inner = f"f{faces.index((4, 5, 6, 7))}"
+    cells = [cell, (4, 5, 6, 7, 8)]
+    mesh = mesh_of([*points, (0.5, 0.5, 2)], cells, [*faces, *tip], inside=inner)
+    for hexes in ("pyramids", "hexes"):
+        split = SplitSlaveFaces(mesh, inner, hexes=hexes)
+        check_split(mesh, split)
+        assert split.ne == (5 if below == "hex" else 4) + 4
+    if below == "hex":
+        split = SplitSlaveFaces(mesh, "f[1-9]", hexes="hexes")  # all but the base
+        check_split(mesh, split)
+        assert shapes(split)["hex"] == 20
+
+
+@pytest.mark.parametrize("name", ["disk", "occ hemisphere"])
+def test_mesh_moved_off_its_geometry_stays_straight(name):
+    mesh = ROUND[name][0]()
+    for p in mesh.ngmesh.Points():
+        p[0] = 2 * p[0]
+    moved = Mesh(mesh.ngmesh)
+    check_split(moved, SplitSlaveFaces(moved, "surface"))
+
+
+@pytest.mark.parametrize("hexes", ["pyramids", "hexes"])
+@pytest.mark.parametrize("kind", ["quad", "tet", "prism", "hex"])
+def test_mapped_bricks_without_geometry(kind, hexes):
+    if kind == "quad":
+        plane = lambda s, t: (1 + s + 0.2 * t * t, t + 0.1 * s)  # noqa: E731
+        mesh, rel = MakeStructured2DMesh(quads=True, nx=4, ny=4, mapping=plane), 1e-14
+    else:
+
+        def Map(p):
+            s, t, r = p.T
+            return np.stack([s + 0.2 * t * r, t - 0.1 * r * r, 1e-3 * (r + 0.2 * s * t)], axis=1)
+
+        mesh, rel = brick(kind, 3, mapping=Map), 1e-12 if kind == "tet" else 3e-2
+    split = SplitSlaveFaces(mesh, "top|left", hexes=hexes)
+    assert min_jacobian(split) > 0
+    assert is_conforming(split)
+    assert volume(split) == pytest.approx(volume(mesh), rel=rel)
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "factor"),
+    [
+        ("disk", 3, 0.1),
+        ("disk of quadrilaterals", 3, 0.1),
+        ("spline disk", 3, 0.1),
+        ("occ hemisphere", 2, 0.2),
+    ],
+)
+def test_refine_afterwards(name, order, factor):
+    make, exact, _ = ROUND[name]
+    split = SplitSlaveFaces(make(), "surface").Curve(order)
+    ne, error = split.ne, abs(volume(split) - exact)
+    split.Refine()
+    split.Curve(order)
+    assert split.ne == 2**split.dim * ne
+    assert abs(volume(split) - exact) < factor * error
     assert min_jacobian(split) > 0
     assert is_conforming(split)
 
 
-def test_mesh_moved_off_its_geometry_stays_straight():
-    mesh = occ_disk()
-    for p in mesh.ngmesh.Points():
-        p[0] = 2 * p[0]
-    moved = Mesh(mesh.ngmesh)
-    split = SplitSlaveFaces(moved, "rim")
-    assert area(split) == pytest.approx(area(moved), rel=1e-14)
-    assert length(split) == pytest.approx(length(moved), rel=1e-14)
-
-
-def test_mapped_mesh_without_geometry():
-    mesh = MakeStructured2DMesh(
-        quads=True, nx=4, ny=4, mapping=lambda s, t: (1 + s + 0.2 * t * t, t + 0.1 * s)
-    )
-    split = SplitSlaveFaces(mesh, "left|top")
-    assert area(split) == pytest.approx(area(mesh), rel=1e-14)
-    assert min_jacobian(split) > 0
-
-
-@pytest.mark.parametrize("disk", DISKS)
-def test_refine_afterwards(disk):
-    split = SplitSlaveFaces(DISKS[disk](), "rim").Curve(3)
-    ne, nv = split.ne, split.nv
-    error = abs(area(split) - pi)
-    split.Refine()
-    split.Curve(3)
-    assert split.ne == 4 * ne
-    assert split.nv > nv
-    assert abs(area(split) - pi) < 0.1 * error
-    assert min_jacobian(split) > 0
-
-
-def test_split_after_local_refinement_and_again():
-    mesh = occ_disk()
+@pytest.mark.parametrize(("name", "order", "tol"), [("disk", 3, 1e-4), ("occ hemisphere", 2, 1e-3)])
+def test_split_after_local_refinement_and_again(name, order, tol):
+    make, exact, _ = ROUND[name]
+    mesh = make()
     for el in mesh.Elements(VOL):
         mesh.SetRefinementFlag(el, el.nr % 5 == 0)
     mesh.Refine()
-    mesh.Curve(3)
-    split = mesh
+    split = mesh.Curve(order)
     for _ in range(2):
-        n = split.GetNE(BND)
-        split = SplitSlaveFaces(split, "rim")
-        assert split.GetNE(BND) == 2 * n
-        assert abs(area(split) - pi) < 1e-4
+        n = len(slave_faces(split, "surface"))
+        split = SplitSlaveFaces(split, "surface")
+        assert len(slave_faces(split, "surface")) == split.dim * n
+        assert abs(volume(split) - exact) < tol
         assert min_jacobian(split) > 0
 
 
-def test_periodic_mesh_keeps_its_identification():
-    mesh = MakeStructured2DMesh(quads=False, nx=4, ny=4, periodic_x=True)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_periodic_mesh_keeps_its_identification(dim):
+    make = MakeStructured2DMesh if dim == 2 else MakeStructured3DMesh
+    mesh = make(nx=3, ny=3, periodic_x=True, **({} if dim == 2 else {"nz": 2}))
     split = SplitSlaveFaces(mesh, "top")
-    free = sum(Periodic(H1(split)).FreeDofs())
-    assert free == split.nv - 5
-    SplitSlaveFaces(mesh, "left")
+    held = sum(v.point[0] == 0 for v in mesh.vertices)
+    assert sum(Periodic(H1(split)).FreeDofs()) == split.nv - held
+    if dim == 2:
+        SplitSlaveFaces(mesh, "left")
