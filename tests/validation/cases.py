@@ -14,6 +14,7 @@ case_infsup
 cases_rates
 cases_hertz
 cases_friction
+cases_slab
 cases_hertz3d
 cases_friction3d
 cases_large

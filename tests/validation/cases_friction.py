@@ -1,4 +1,4 @@
-"""Friction in 2D with closed-form solutions: Cattaneo-Mindlin, Spence, and the slab."""
+"""Friction in 2D with closed-form solutions: Cattaneo-Mindlin, Spence."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import test_validation_cattaneo as cattaneo
-import test_validation_greco as slab
-import test_validation_slab3d as slab3d
 import test_validation_spence as spence
 from problems_cylinder import STICK, Model
 from problems_punch import CoupledPunch, StickRatio
-from report_bounds import Element, Means, MeshSpread, Stated, Tolerance
+from report_bounds import Element, Means, MeshSpread, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
-
-from ngslac.reference import GRECO_SLAB
 
 
 def _OfShearedState(text, profile, state, shear, exact_shear):
@@ -104,47 +100,6 @@ def Spence(quick):
     return Outcome(rows, Figure(Draw, size=(6.5, 3.8)), caption)
 
 
-def Slab(quick):
-    cases = {"2D, order 2": lambda: slab.Solve(2, "none")}
-    if not quick:
-        cases["2D, order 1 with bubbles"] = lambda: slab.Solve(1, "bubble")
-        cases["3D slice of hexahedra, order 2"] = lambda: slab3d.Solve("hex", 2, "none")
-    rows, found = [], {name: solve() for name, solve in cases.items()}
-    limit, manual = Stated(5e-3, "`GRECO_SLAB`"), Stated(5e-2, "manual of code_aster")
-    for name, outcome in found.items():
-        for at, ours, reference in zip(
-            GRECO_SLAB.abscissae, outcome.displacement, GRECO_SLAB.converged, strict=True
-        ):
-            text = f"{name}: displacement at x = {1e3 * at:g} mm"
-            rows.append(Row(text, 1e6 * ours, 1e6 * reference, limit, "µm"))
-    first = next(iter(found.values()))
-    for at, ours, published in zip(
-        GRECO_SLAB.abscissae, first.displacement, GRECO_SLAB.published, strict=True
-    ):
-        text = f"the first one against the published value at x = {1e3 * at:g} mm"
-        rows.append(Row(text, 1e6 * ours, 1e6 * published, manual, "µm"))
-
-    def Draw(left, right):
-        table = first.table
-        ends = [1e3 * x for x in slab.Ends(table)]
-        Profile(left, *ends, 1e-6 * table["pressure"], table["status"])
-        friction = -1e-6 * table["traction"][:, 0]
-        left.plot(1e3 * table["x"][:, 0], friction, color=INK, lw=0.9, label="friction")
-        left.set_ylabel("pressure, friction [MPa]")
-        left.set_xlabel("x [mm]")
-        left.legend(loc="upper left")
-        x = 1e3 * np.array(GRECO_SLAB.abscissae)
-        right.plot(x, 1e6 * np.array(GRECO_SLAB.published), "s", color=GREY, label="published")
-        for marker, (name, outcome) in zip("ox+", found.items(), strict=False):
-            right.plot(x, 1e6 * outcome.displacement, marker, color=BLUE, label=name)
-        right.set_xlabel("x [mm]")
-        right.set_ylabel("displacement [µm]")
-        right.legend()
-
-    caption = "Left: pressure and friction along the plane. Right: displacements of the base."
-    return Outcome(rows, Figure(Draw, columns=2), caption)
-
-
 CASES = [
     Case(
         "cattaneo2d",
@@ -169,17 +124,5 @@ CASES = [
         "coupled equations solved by quadrature (`tests/validation/problems_punch.py`).",
         "pytest tests/validation/test_validation_spence.py",
         Spence,
-    ),
-    Case(
-        "slab",
-        "A compressed slab with friction 1",
-        "Half of a slab is pressed down on a rigid plane and in from its side (the benchmark of "
-        "the French group GRECO, in SI units). Along the plane it is open, slips and sticks. The "
-        "last published value is 3 % too low.",
-        "Code_aster, test SSNV128 (manual V6.04.128; accepted there: 5 %), and the limit of mesh "
-        "refinement, `GRECO_SLAB`.",
-        "pytest tests/validation/test_validation_greco.py "
-        "tests/validation/test_validation_slab3d.py",
-        Slab,
     ),
 ]
