@@ -11,7 +11,8 @@ NAMES = """
 cases_patch
 cases_balance
 case_infsup
-cases_rates
+case_signorini
+case_mms_large
 cases_hertz
 cases_friction
 cases_slab

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import patch3d
-from convergence_table import NAMES
-from elasticity import Displacements, Material, Pair
+from elasticity import NAMES, Displacements, Material, Pair
 from largepatch_problem import MATERIALS, SPRING
 from ngsolve import CF
 from patch3d_pictures import InterfacePicture
