@@ -1,0 +1,151 @@
+"""A cylinder on a block with friction: what the rows of both cases leave out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases_friction import (
+    FLAT,
+    GUESS,
+    HERTZ,
+    HISTORY,
+    LOADED,
+    LOW,
+    SHEARED,
+    SLIP,
+    STICK,
+    Model,
+    Run,
+    TractionErrors,
+)
+from problems_punch import CoupledPunch, StickRatio
+
+from ngslac.reference import CattaneoMindlin, StickZone
+
+
+@pytest.fixture(scope="module")
+def history():
+    """Macro-elements, force and moment: pressed, then in each of the exact states."""
+    model = Model(SHEARED)
+    pressed = model.Press(3)
+    states = []
+    for exact in HISTORY:
+        macros = model.Shear(exact.shear)
+        states.append((exact, macros, model.contact.Force(), model.contact.Moment((0, 0))))
+    return pressed, states
+
+
+def inside(macros):
+    """All but the macro-elements at the edge of the contact."""
+    return np.abs(macros.middle) < HERTZ.halfwidth - 2 * macros.size
+
+
+def test_equal_materials_stick_under_pressure(history):
+    pressed, _ = history
+    slips = pressed.status == SLIP  # at the very edge, where there is no pressure
+    assert np.all(np.abs(pressed.middle[slips]) > HERTZ.halfwidth - pressed.size)
+    assert np.abs(pressed.traction).max() <= 2e-3 * HERTZ.peak
+    exact = HERTZ.MeanPressure(pressed.start, pressed.end)
+    assert np.abs(pressed.pressure - exact)[inside(pressed)].max() <= 5e-3 * HERTZ.peak
+
+
+@pytest.mark.parametrize(
+    ("number", "largest", "mean"), [(0, 0.03, 0.004), (1, 0.045, 0.008), (2, 0.045, 0.008)]
+)
+def test_cattaneo_and_mindlin(history, number, largest, mean):
+    """Loads, pressure, stick zone and tractions; reversed, these have kinks at both its ends."""
+    pressed, states = history
+    exact, macros, force, moment = states[number]
+    scale = SHEARED.force
+    np.testing.assert_allclose(force, [exact.shear, scale], rtol=0, atol=1e-10 * scale)
+    assert abs(moment) <= 1e-6 * scale * HERTZ.halfwidth
+    assert np.abs(macros.pressure - pressed.pressure).max() <= 2e-3 * HERTZ.peak
+    zone, ends = np.array(macros.Zone(STICK)), np.array([-1, 1]) * exact.stick
+    np.testing.assert_allclose(zone, ends, rtol=0, atol=macros.size)
+    np.testing.assert_allclose(zone, ends, rtol=0.02)
+    edge = np.abs(macros.Zone(STICK, SLIP))
+    np.testing.assert_allclose(edge, HERTZ.halfwidth, rtol=0, atol=macros.size)
+    errors = TractionErrors(macros, exact)
+    assert np.abs(errors[inside(macros)]).max() <= largest
+    assert np.sqrt(np.mean(errors**2)) <= mean
+    if number:  # without memory the contact would show the tractions of this load alone
+        alone = CattaneoMindlin(hertz=HERTZ, shear=exact.shear, friction=SHEARED.friction)
+        assert np.linalg.norm(TractionErrors(macros, alone)) >= 8 * np.linalg.norm(errors)
+
+
+def test_slip_of_the_first_loading(history):
+    _, macros, *_ = history[1][0]
+    inner = np.abs(macros.middle) < 0.9 * HERTZ.halfwidth
+    exact = LOADED.Slip(macros.middle[inner])
+    assert np.abs(macros.slip[inner] - exact).max() <= 0.015 * np.abs(exact).max()
+    assert np.abs(macros.slip[macros.status == STICK]).max() <= 1e-9 * np.abs(exact).max()
+
+
+# ---------------------------------------------------------------- Spence
+
+
+@pytest.fixture(scope="module")
+def low():
+    return Run(LOW)
+
+
+def test_low_load_agrees_with_spence(low):
+    """The shear traction on the flat master is that on the slave plus p x/R.
+
+    In the compatibility of both, each counts with the compliance of its body: 1/4 steel, 3/4 of it
+    the block's.
+    """
+    # The zone ends at a node; on this mesh one lies near enough for the second bound.
+    assert low.stick == pytest.approx(low.spence.ratio, abs=low.macro)
+    assert low.stick == pytest.approx(low.spence.ratio, rel=0.02)
+    x, ratio = low.Ratio()
+    error = ratio - np.abs(low.spence.zone.HertzFriction(x)) / LOW.friction
+    assert np.abs(error).max() <= 0.06
+    slope, stick = x * low.halfwidth / LOW.hertz.radius, x < low.stick
+    before = np.sqrt(np.mean(error[stick] ** 2))
+    after = np.sqrt(np.mean((error + 0.75 * slope / LOW.friction)[stick] ** 2))
+    assert after <= min(0.015, 0.6 * before)
+
+
+@pytest.mark.slow
+def test_low_load_agrees_with_spence_on_a_finer_mesh():
+    run = Run(replace(LOW, h=0.015))  # a macro-element is 2.4 % of the half width
+    assert run.stick == pytest.approx(run.spence.ratio, rel=0.02)
+
+
+def test_contact_is_a_stick_zone_inside_a_slip_zone_and_carries_the_load(low):
+    macros = low.macros
+    assert macros.Zone(STICK)[0] == pytest.approx(0.0, abs=1e-12)
+    assert macros.Zone(STICK)[1] == pytest.approx(macros.Zone(SLIP)[0], abs=1e-12)
+    assert macros.Zone(STICK, SLIP)[1] == pytest.approx(low.halfwidth, abs=macros.size)
+    assert low.force[1] == pytest.approx(LOW.force / 2, rel=1e-10)
+    slips = macros.status == SLIP
+    bound = -LOW.friction * macros.pressure[slips]
+    np.testing.assert_allclose(macros.traction[slips], bound, rtol=1e-10)
+
+
+@pytest.mark.parametrize("friction", GUESS)
+def test_coupled_punch_agrees_with_the_closed_form_where_that_is_exact(friction):
+    exact, guess = StickZone(beta=1 / 7, friction=friction), GUESS[friction]
+    assert StickRatio(1 / 7, friction, guess, coupled=False) == pytest.approx(exact.ratio, rel=2e-4)
+    x = np.array([0.1, 0.3, 0.5, 0.7, 0.85])
+    punch = CoupledPunch(beta=1 / 7, friction=friction, coupled=False)
+    expected = exact.HertzFriction(x) / friction
+    np.testing.assert_allclose(punch.HertzFriction(x, guess), expected, atol=5e-4)
+
+
+@pytest.mark.parametrize("friction", GUESS)
+def test_flat_contact_agrees_with_the_coupled_solution(friction):
+    flat, guess = Run(FLAT[friction]), GUESS[friction]
+    beta = abs(flat.problem.hertz.beta)
+    exact = StickRatio(beta, friction, guess)
+    assert flat.stick == pytest.approx(exact, abs=flat.macro)
+    # What Goodman's approximation changes is less than that.
+    assert exact == pytest.approx(flat.spence.ratio, rel=0.03)
+    x, ratio = flat.Ratio()
+    error = ratio - CoupledPunch(beta=beta, friction=friction).HertzFriction(x, guess)
+    assert np.abs(error).max() <= 0.015
+    assert np.sqrt(np.mean(error**2)) <= 0.006
+    # Coupled is better than Goodman's approximation: the difference is seen.
+    goodman = ratio - np.abs(flat.spence.zone.HertzFriction(x)) / friction
+    assert np.linalg.norm(error) < 0.8 * np.linalg.norm(goodman)
