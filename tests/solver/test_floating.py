@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, GridFunction, InnerProduct, VectorH1, ds, x, y
+from loaded import loaded
+from ngsolve import CF, GridFunction, VectorH1, x, y
 from press import numpy, press
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
@@ -10,18 +11,6 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
-
-
-def loaded(*still, side=0.0, gap=0.0, on="top", spring=0, **flags):
-    """A traction (side * load + x, y) on a block that starts above another one by the gap."""
-    problem = press(spring=spring, **flags)
-    v, d = problem.X.TestFunction()[0], problem.mesh.dim
-    moving = CF((side * problem.load,) + (0,) * (d - 1))
-    problem.a += -InnerProduct(CF(still) + moving, v) * ds(on)
-    problem.load.Set(0.0)
-    apart = {"upper": CF((0,) * (d - 1) + (gap,))}
-    problem.gf.components[0].Set(problem.mesh.MaterialCF(apart, default=CF((0,) * d)))
-    return problem
 
 
 def stepper(problem, **flags):

@@ -2,82 +2,42 @@
 
 import numpy as np
 import pytest
-from netgen.occ import Compound, MoveTo, OCCGeometry
-from ngsolve import (
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    InnerProduct,
-    Mesh,
-    Sym,
-    Trace,
-    Variation,
-    VectorH1,
-    ds,
-    dx,
-    log,
-)
+from law import shear
+from loaded import loaded
+from ngsolve import VectorH1
+from press import solved
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
+from ngslac import BubbleVectorH1, LACSpace
 from ngslac.meshes import TwoBlocks
-from ngslac.meshes.blocks3d import TwoBlocks3D
 
-PUSH = 0.02
 SOLVERS = ["direct", "saddle"]
+GUIDED = {"dirichlet": "bottom", "dirichletx": "slave|top"}
 
 
-def linear(u, v):
-    return (2 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) + Trace(Grad(u)) * Trace(Grad(v))) * dx
+def pressed(*, push=1.0, dim=2, overhang=0.0, flags=GUIDED, mesh_flags=None, **law):
+    """Pressed down by a traction."""
+    mesh_flags = {"overhang": overhang} | (mesh_flags or {})
+    return loaded(*(0,) * (dim - 1), -push, dim=dim, flags=flags, mesh_flags=mesh_flags, **law)
 
 
-def neo_hooke(u):
-    F = Id(u.dim) + Grad(u)
-    return Variation((InnerProduct(F, F) - 2 * log(Det(F)) + log(Det(F)) ** 2 / 2) * dx)
+def oblique(slope):
+    return {"shape": "oblique", "slope": slope, "height": 2.0 if slope < 60 else 20.0}
 
 
-def problem(V, slave="slave", push=PUSH, **law):
-    """Pressed down by `push`: contact, solution and a solver of each kind."""
-    X = V * LACSpace(V, slave=slave)
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += neo_hooke(u) if law.get("finite") else linear(u, v)
-    a += push * v[V.mesh.dim - 1] * ds("top")
-    gf, contact = GridFunction(X), LACContact(u, lam, master="master", **law)
-    return contact, gf, lambda solver=None: ContactSolver(a, gf, contact, solver=solver)
-
-
-def inclined(slope):
-    """Two blocks that meet in a line of this slope, of height 1 over it."""
-    lower = MoveTo(0, -1).LineTo(1, -1, "bottom").LineTo(1, slope).LineTo(0, 0, "master").Close()
-    upper = MoveTo(0, 0).LineTo(1, slope, "slave").LineTo(1, 1 + slope, "side")
-    upper = upper.LineTo(0, 1 + slope, "top").LineTo(0, 0, "side")
-    shapes = lower.Face(), upper.Face()
-    for shape, name, h in zip(shapes, ("master", "slave"), (0.3, 0.21), strict=True):
-        for edge in shape.edges:
-            if edge.name == name:
-                edge.maxh = h
-    return Mesh(OCCGeometry(Compound(shapes), dim=2).GenerateMesh(maxh=0.35))
+def bubbles(mesh, *, order, **fixed):
+    return BubbleVectorH1(mesh, order=1, slave="slave", **fixed)
 
 
 @pytest.mark.pairwise
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("law", [{}, {"friction": 0.3}, {"tied": True}], ids=str)
 @pytest.mark.parametrize(
-    "space",
-    [
-        lambda m, **fixed: VectorH1(m, order=1, **fixed),
-        lambda m, **fixed: VectorH1(m, order=2, **fixed),
-        lambda m, **fixed: BubbleVectorH1(m, order=1, slave="slave", **fixed),
-    ],
-    ids=["P1", "P2", "bubble"],
+    "space", [{"order": 1}, {"order": 2}, {"space": bubbles}], ids=["P1", "P2", "bubble"]
 )
 def test_tangent_prescribed_in_2d(space, law, solver):
-    V = space(TwoBlocks(0.2, 0.3), dirichlet="bottom", dirichletx="slave|top")
-    contact, _, make = problem(V, **law)
-    make(solver).Solve(printing=False)
-    assert contact.Force()[1] == pytest.approx(PUSH, rel=1e-9)
+    contact = (problem := pressed(h=0.2, **space, **law)).contact
+    solved(problem, solver=solver)
+    assert contact.Force()[1] == pytest.approx(1.0, rel=1e-9)
     assert np.all(contact.Table()["pressure"] > 0)
     assert np.abs(contact.Table()["gap"]).max() < 1e-12
 
@@ -87,92 +47,90 @@ def test_tangent_prescribed_in_2d(space, law, solver):
 @pytest.mark.parametrize("kind", ["hex", "tet"])
 @pytest.mark.parametrize("fixed", ["x", "xy"])
 def test_tangents_prescribed_in_3d(fixed, kind, solver):
-    flags = {f"dirichlet{c}": "slave|top" if c in fixed else "top" for c in "xy"}
-    V = VectorH1(TwoBlocks3D(kind, n_slave=4, n_master=3), order=1, dirichlet="bottom", **flags)
-    contact, _, make = problem(V, friction=0.3)
-    make(solver).Solve(printing=False)
-    assert contact.Force()[2] == pytest.approx(PUSH, rel=1e-9)
+    sides = {f"dirichlet{c}": "slave|top" if c in fixed else "top" for c in "xy"}
+    flags = {"flags": {"dirichlet": "bottom"} | sides, "kinds": (kind, kind), "n": (4, 3)}
+    problem = pressed(dim=3, order=1, friction=0.3, **flags)
+    solved(problem, solver=solver)
+    assert problem.contact.Force()[2] == pytest.approx(1.0, rel=1e-9)
 
 
 def test_plane_strain_in_3d_is_that_of_2d():
     """u_y = 0 everywhere on a slab of hexahedra: pressures and frictions are those of quads."""
     flags = {"dirichlet": "bottom", "dirichletx": "top"}
-    quads = TwoBlocks(1 / 4, 1 / 3, quads=True, structured=True)
-    slab = TwoBlocks3D(n_slave=4, n_master=3, layers=(4, 3))
+    quads, slab = {"quads": True, "h_master": 1 / 3}, {"layers": (4, 3)}
+    problems = (
+        pressed(h=1 / 4, friction=0.1, flags=flags, mesh_flags=quads),
+        pressed(
+            dim=3, kinds=("hex", "hex"), n=(4, 3), friction=0.1,
+            flags=flags | {"dirichlety": ".*"}, mesh_flags=slab,
+        ),
+    )  # fmt: skip
     tables = []
-    for V in VectorH1(quads, order=2, **flags), VectorH1(slab, order=2, dirichlety=".*", **flags):
-        contact, _, make = problem(V, friction=0.1)
-        make().Solve(printing=False)
-        table = contact.Table()
-        assert np.abs(table["traction"][:, 1:-1]).max(initial=0) < 1e-12
+    for problem in problems:
+        solved(problem)
+        table = problem.contact.Table()
+        assert np.abs(table["traction"][:, 1:-1]).max(initial=0) < 1e-10
         order = np.argsort(table["x"][:, 0].round(6), kind="stable")
-        tables.append([table[name][order] for name in ("pressure", "traction", "status")])
-    for flat, deep in zip(*tables, strict=True):
-        columns = [0, -1] if flat.ndim > 1 else slice(None)
-        deep = deep[:, columns] if flat.ndim > 1 else deep
-        np.testing.assert_allclose(deep, np.repeat(flat, 4, axis=0), atol=1e-9)
+        found = np.column_stack([table["pressure"], table["traction"][:, [0, -1]], table["status"]])
+        tables.append(found[order])
+    np.testing.assert_allclose(tables[1], np.repeat(tables[0], 4, axis=0), atol=1e-8)
 
 
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_inclined_slave(solver, finite):
     """The normal is no axis: without friction no shear, with friction its bound."""
-    slope = 0.6
-    V = VectorH1(inclined(slope), order=2, dirichlet="bottom", dirichletx="slave|side|top")
-    n = np.array([slope, -1]) / np.hypot(slope, 1)
-    for friction, ratio in (None, 0), (0.3, 0.3):
-        contact, _, make = problem(V, push=0.005, friction=friction, finite=finite)
-        make(solver).Solve(printing=False)
-        force = contact.Force()
-        shear = abs(force @ [n[1], -n[0]] / (force @ n))
+    slope = 31.0
+    sides = {"dirichlet": "bottom", "dirichletx": "slave|left_upper|right_upper|top"}
+    n = np.array([np.sin(np.radians(slope)), -np.cos(np.radians(slope))])
+    flags = {"finite": finite, "nonlinear": finite, "flags": sides, "mesh_flags": oblique(slope)}
+    for friction in (None, 0.3):
+        problem = pressed(push=0.1, friction=friction, **flags)
+        solved(problem, solver=solver)
+        force = problem.contact.Force()
+        ratio = abs(force @ [n[1], -n[0]] / (force @ n))
         # Slave faces tilt a little where everything turns with the deformation.
-        assert shear == pytest.approx(ratio, abs=5e-3 if finite else 1e-9)
+        assert ratio == pytest.approx(friction or 0, abs=5e-3 if finite else 1e-9)
         assert force @ n < 0
 
 
-@pytest.mark.parametrize("angle", [90, 88])
-def test_normal_that_cannot_be_reached(angle):
-    mesh = inclined(1.0) if angle == 90 else inclined(np.tan(np.radians(angle)))
-    flags = {"dirichlet": "slave"} if angle == 90 else {"dirichletx": "slave"}
+@pytest.mark.parametrize(("slope", "fixed"), [(45, "dirichlet"), (88, "dirichletx")])
+def test_normal_that_cannot_be_reached(slope, fixed):
+    mesh = TwoBlocks(0.3, **oblique(slope))
     with pytest.raises(Exception, match=r"no displacement is free there along the normal.*Remedy"):
-        LACSpace(VectorH1(mesh, order=2, **flags), slave="slave")
+        LACSpace(VectorH1(mesh, order=2, **{fixed: "slave"}), slave="slave")
 
 
 def test_dragged_slave_rubs():
     """A slave that is moved along the master carries friction, though it cannot follow it."""
-    mesh = TwoBlocks(0.2, 0.3)
-    V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="slave|right_upper|left_upper|top")
-    contact, gf, make = problem(V, friction=0.3)
-    make().Solve(printing=False)
+    sides = {"dirichlet": "bottom", "dirichletx": "slave|right_upper|left_upper|top"}
+    problem = pressed(flags=sides, friction=0.3)
+    contact, gf, solver = problem.contact, problem.gf, solved(problem)
     contact.Commit(gf)
-    gf.components[0].components[0].Set(0.1, definedon=mesh.Materials("upper"))
-    solver = make()
-    solver.Solve(printing=False)
-    contact.Commit(gf)
-    assert contact.Force() == pytest.approx([-0.3 * PUSH, PUSH], rel=1e-9)
-    table = contact.Table()
-    assert np.all(table["status"] == 2)
-    solver.Solve(printing=False)  # nothing moves: the traction stays
-    assert contact.Force() == pytest.approx([-0.3 * PUSH, PUSH], rel=1e-9)
-    assert np.abs(contact.Table()["traction"] - table["traction"]).max() < 1e-9
+    gf.components[0].components[0].Set(0.1, definedon=problem.mesh.Materials("upper"))
+    tables = []
+    for _ in range(2):  # in the second one nothing moves: the traction stays
+        solver.Solve(printing=False)
+        contact.Commit(gf)
+        assert contact.Force() == pytest.approx([-0.3, 1], rel=1e-9)
+        tables.append(contact.Table())
+    assert np.all(tables[0]["status"] == 2)
+    assert np.abs(tables[1]["traction"] - tables[0]["traction"]).max() < 1e-9
 
 
 def test_sticking_traction_is_kept_over_steps():
-    V = VectorH1(TwoBlocks(0.2, 0.3), order=2, dirichlet="bottom", dirichletx="slave|top")
-    contact, gf, make = problem(V, friction=0.9)
-    solver = make()
-    solver.Solve(printing=False)
+    problem = pressed(friction=0.9)
+    solver, contact = solved(problem), problem.contact
     before = contact.Table()
-    contact.Commit(gf)
+    contact.Commit(problem.gf)
     solver.Solve(printing=False)
     assert np.all(before["status"] == 1)
-    assert np.abs(before["traction"][:, 0]).max() > 1e-4 * PUSH
-    np.testing.assert_allclose(contact.Table()["traction"], before["traction"], atol=1e-10)
+    assert np.abs(shear(before)).max() > 1e-4
+    np.testing.assert_allclose(contact.Table()["traction"], before["traction"], atol=1e-9)
 
 
 def test_tied_slave_follows_the_master_in_its_free_direction():
-    V = VectorH1(TwoBlocks(0.2, 0.3), order=2, dirichlet="bottom", dirichletx=".*")
-    contact, _, make = problem(V, tied=True, push=-PUSH)  # pulled
-    make().Solve(printing=False)
-    assert contact.Force() == pytest.approx([0, -PUSH], abs=1e-12)
-    assert contact.Table()["pressure"] == pytest.approx(-PUSH, rel=1e-9)  # uniform
+    problem = pressed(push=-1.0, tied=True, flags={"dirichlet": "bottom", "dirichletx": ".*"})
+    solved(problem)
+    assert problem.contact.Force() == pytest.approx([0, -1], abs=1e-10)
+    assert problem.contact.Table()["pressure"] == pytest.approx(-1, rel=1e-9)  # uniform
