@@ -6,9 +6,10 @@ import netgen.occ as occ
 import numpy as np
 import pytest
 from bricks import ball, brick, by_hand, slave_faces, unstructured
+from measures import area
 from netgen.csg import CSGeometry, Plane, Pnt, Sphere, Vec
 from netgen.geom2d import SplineGeometry
-from ngsolve import BND, CF, ET, VOL, Det, Integrate, IntegrationRule, Mesh, ds, dx, specialcf
+from ngsolve import BND, CF, ET, VOL, Det, Integrate, IntegrationRule, Mesh, specialcf
 from scipy.spatial import ConvexHull
 
 from ngslac import SplitSlaveFaces
@@ -115,14 +116,6 @@ ROUND = {  # mesh, volume, area of the slave boundary "surface"
     "cylinder": (cylinder, PI, 2 * PI),
     "plate in 3D": (lambda: hole(3), 9 - PI, 2 * PI),
 }
-
-
-def volume(mesh, materials=".*"):
-    return Integrate(CF(1) * dx(materials), mesh)
-
-
-def area(mesh, boundary=".*"):
-    return Integrate(CF(1) * ds(boundary), mesh)
 
 
 def vertices(mesh):

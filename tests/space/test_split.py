@@ -5,12 +5,12 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 from bricks import brick, glued, slave_faces
+from measures import area, volume
 from ngsolve import BBBND, BBND, BND, H1, VOL, Mesh, Periodic
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 from splits import (
     CELLS,
     ROUND,
-    area,
     block,
     check_split,
     elements,
@@ -22,7 +22,6 @@ from splits import (
     single_cell,
     split_of,
     vertices,
-    volume,
 )
 
 from ngslac import SplitSlaveFaces

@@ -1,0 +1,139 @@
+"""Meshes of the builders with the exact sizes of their bodies and boundaries."""
+
+from functools import cache
+from math import asin, cos, hypot, pi, radians, sin, sqrt, tan
+from unittest.mock import ANY
+
+import pytest
+
+from ngslac.meshes import (
+    CordMesh,
+    CylinderOnBlock,
+    DiscInRing,
+    HertzMesh,
+    IndentationMesh,
+    SphereOnBlock,
+    TwoBlocks,
+    TwoBlocks3D,
+    TwoSpheres,
+)
+from ngslac.meshes.boxes import KINDS
+
+KINDS2D = [
+    {},
+    {"quads": True},
+    {"structured": True},
+    {"structured": True, "quads": True},
+    {"curved": True},
+]
+
+
+def Sizes(rel=1e-12, factor=1, **sizes):
+    return {name: pytest.approx(factor * size, rel=rel) for name, size in sizes.items()}
+
+
+def Hertz(half):
+    n = 1 if half else 2
+    sizes = Sizes(1e-12, n, block=20000, master=16, top=84, bottom=100, side=200)
+    sizes |= Sizes(1e-8, n, slave=15) | Sizes(2e-5, n, cylinder=pi * 1250, arc=50 * pi - 15)
+    return sizes | (Sizes(sym=300) if half else {})
+
+
+def Blocks(rise, turn=None, rounding=1e-12):
+    """Of unit width; the interface rises by `rise` along x, in 3D turned by an angle."""
+    along = {"left": rise / 2, "right": -rise / 2}
+    if turn is not None:
+        along = {side: cos(radians(turn)) * dz for side, dz in along.items()}
+        along["front"] = sin(radians(turn)) * rise / 2
+        along["back"] = -along["front"]
+    sides = {
+        f"{s}_{b}": 1 + n * dz for b, n in (("upper", 1), ("lower", -1)) for s, dz in along.items()
+    }
+    contact = dict.fromkeys(("slave", "master"), hypot(1, rise))
+    return Sizes(top=1, bottom=1, **contact, **sides) | Sizes(rounding, upper=1, lower=1)
+
+
+MODELS = {"quarter": (1, {"sym_x": 1, "sym_y": 1}), "half": (2, {"sym_y": 2}), "full": (4, {})}
+
+
+def Zone(radius, zone):
+    """Areas of a quarter of a spherical cap, and of the rest of the half sphere."""
+    rest = sqrt(radius**2 - zone**2)
+    return pi / 2 * radius * (radius - rest), pi / 2 * radius * rest
+
+
+def Ball(model):
+    n, planes = MODELS[model]
+    (slave, cap), master = Zone(50, 6), pi * 6.4**2 / 4
+    sizes = Sizes(1e-12, n, block=1e6, bottom=1e4, side=2e4)
+    sizes |= Sizes(1e-4, n, slave=slave, master=master, surface=1e4 - master)
+    sizes |= Sizes(1e-2, n, sphere=pi * 50**3 / 6, top=pi * 625, cap=cap)
+    return sizes | {
+        name: pytest.approx(m * (1e4 + pi * 625), rel=1e-2) for name, m in planes.items()
+    }
+
+
+def Balls(model):
+    n, planes = MODELS[model]
+    (slave, upper), (master, lower) = Zone(50, 13), Zone(80, 13 * 16 / 15)
+    sizes = Sizes(1e-3, n, slave=slave, master=master)
+    sizes |= Sizes(1e-2, n, upper=pi * 50**3 / 6, lower=pi * 80**3 / 6, top=pi * 625)
+    sizes |= Sizes(1e-2, n, cap_upper=upper, cap_lower=lower, bottom=pi * 1600)
+    return sizes | {name: pytest.approx(m * pi / 4 * 8900, rel=1e-2) for name, m in planes.items()}
+
+
+def Slice(model):
+    n, arc = (1 if model == "quarter" else 2), 50 * asin(3.3 / 50)
+    sizes = Sizes(1e-12, n, block=1e4, master=3.52, surface=96.48, top=50, bottom=100, side=100)
+    sizes |= Sizes(1e-3, n, slave=arc) | Sizes(0.03, n, cylinder=pi * 625, cap=25 * pi - arc)
+    sizes |= Sizes(0.03, n, sym_y=2 * (1e4 + pi * 625))
+    return sizes | (Sizes(sym_x=150) if model == "quarter" else {})
+
+
+CORD = Sizes(plate=800, symx=50, symy=50, master=80, back=100) | Sizes(1e-6, slave=62.5)
+CORD |= Sizes(1e-3, rubber=pi * 625, free=25 * pi - 62.5)
+RING = Sizes(symx=98, symy=98) | Sizes(1e-5, disc=pi * 625, ring=pi / 4 * (100**2 - 52**2))
+RING |= Sizes(1e-5, slave=25 * pi, master=26 * pi, outer=50 * pi)
+PUNCH = Sizes(block=1600, slave=5, top=35, side=40, bottom=40, sym=40)
+PUNCH |= Sizes(1e-8, master=100 * asin(5.5 / 100)) | {"cylinder": ANY, "back": ANY}
+RISES = {"flat": 0.0, "oblique": tan(radians(15))}
+
+CASES = {  # function, its arguments, sizes of materials and boundaries
+    **{f"hertz {half}": (HertzMesh, {"h": 1.0, "half": half}, Hertz(half)) for half in (0, 1)},
+    **{
+        f"{shape} {kind}": (
+            TwoBlocks,
+            {"shape": shape, "slope": 15, **kind},
+            Blocks(rise) | ({"arc": ANY} if "curved" in kind else {}),
+        )
+        for shape, rise in RISES.items()
+        for kind in KINDS2D
+    },
+    **{
+        f"{shape} {kind}": (
+            TwoBlocks3D,
+            {"kind_upper": kind, "shape": shape, "slope": 15, "perturb": 0.2},
+            Blocks(rise, 30, 3e-10 if kind == "pyramid" else 1e-12),
+        )
+        for shape, rise in RISES.items()
+        for kind in KINDS
+    },
+    **{f"ball {m}": (SphereOnBlock, {"h": 1.5, "zone": 6, "model": m}, Ball(m)) for m in MODELS},
+    **{
+        f"balls {m}": (TwoSpheres, {"h": 2.5, "radius_lower": 80, "zone": 13, "model": m}, Balls(m))
+        for m in MODELS
+    },
+    **{
+        f"slice {m}": (CylinderOnBlock, {"h": 1.0, "zone": 3.3, "model": m}, Slice(m))
+        for m in ("quarter", "full")
+    },
+    "punch": (IndentationMesh, {"h": 0.5}, PUNCH),
+    "cord": (CordMesh, {"h": 4.0}, CORD),
+    "ring": (DiscInRing, {"h": 4.0, "clearance": 2.0}, RING),
+}
+
+
+@cache
+def MeshOf(name):
+    make, arguments, _ = CASES[name]
+    return make(**arguments)

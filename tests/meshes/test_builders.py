@@ -1,0 +1,329 @@
+"""The mesh builders: names, sizes, normals, meshes that do not match, invariance, bad input."""
+
+import doctest
+import importlib
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from builders import CASES, KINDS2D, MeshOf
+from measures import area, connectivity, determinants, flux, samples, vertices_of, volume
+from netgen.occ import unit_square
+from ngsolve import (
+    CF,
+    ET,
+    H1,
+    L2,
+    VOL,
+    GridFunction,
+    InnerProduct,
+    Integrate,
+    Mesh,
+    VectorH1,
+    VectorValued,
+    x,
+    y,
+    z,
+)
+
+from ngslac.meshes import (
+    CheckNonMatching,
+    CheckNonMatching3D,
+    CordMesh,
+    CylinderOnBlock,
+    HertzMesh,
+    IndentationMesh,
+    PointForce,
+    RotationMatrix,
+    SphereOnBlock,
+    TwoBlocks,
+    TwoBlocks3D,
+    TwoSpheres,
+)
+from ngslac.meshes.boxes import KINDS
+
+TURN = ((1.0, 2.0, -0.5), 67.0)
+
+
+def Distance(mesh):
+    return (CheckNonMatching if mesh.dim == 2 else CheckNonMatching3D)(mesh)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_names_sizes_and_orientation(name):
+    """Normals point outwards, all elements have the same sense, no vertex is common."""
+    mesh, expected = MeshOf(name), CASES[name][2]
+    measured = {part: volume(mesh, part) for part in mesh.GetMaterials()}
+    measured |= {part: area(mesh, part) for part in mesh.GetBoundaries()}
+    assert measured.keys() == expected.keys()
+    for part, size in expected.items():
+        assert measured[part] == size, part
+    outer = "|".join({*mesh.GetBoundaries()} - {"arc" if "curved" in name else ""})
+    assert flux(mesh, outer) == pytest.approx(mesh.dim * volume(mesh), rel=1e-6)
+    values = determinants(mesh)  # Netgen's hexahedra have a negative one
+    assert values.min() * values.max() > 0
+    one, other = (vertices_of(mesh.Materials(body)) for body in dict.fromkeys(mesh.GetMaterials()))
+    assert not one & other
+    assert len(one | other) == mesh.nv
+    assert "ring" in name or Distance(mesh) > 5e-4
+
+
+FRAMES = {
+    2: [{"scale": 1e-3}, {"angle": 37.0}, {"scale": 1e3, "angle": -120.0}],
+    3: [{"scale": 1e-3}, {"rotation": TURN}, {"scale": 1e3, "rotation": ("z", -120.0)}],
+}
+UNSTRUCTURED = {"unstructured": True, "shape": "oblique"}
+MOVED = [
+    *((HertzMesh, {"h": 1.0, "half": half}) for half in (True, False)),
+    *((TwoBlocks, {"shape": "oblique"} | kind) for kind in KINDS2D),
+    (TwoBlocks3D, {"kind_upper": "prism", "kind_lower": "tet", "perturb": 0.2}),
+    (TwoBlocks3D, UNSTRUCTURED),
+    (SphereOnBlock, {"h": 2.0}),
+    (TwoSpheres, {"h": 2.0}),
+    (CylinderOnBlock, {"h": 1.0}),
+]
+
+
+@pytest.mark.pairwise
+@pytest.mark.parametrize(("make", "options"), MOVED)
+@pytest.mark.parametrize("which", [0, 1, 2])
+def test_frame_and_units(make, options, which):
+    """Coordinates follow, the topology does not change."""
+    mesh = make(**options)
+    frame = FRAMES[mesh.dim][which if make is not CylinderOnBlock else 0]
+    moved = make(**options, **frame)
+    assert connectivity(moved) == connectivity(mesh)
+    assert moved.GetBoundaries() == mesh.GetBoundaries()
+    assert moved.GetCurveOrder() == mesh.GetCurveOrder()
+    matrix = RotationMatrix(frame.get("rotation", ("z", frame.get("angle", 0.0))))
+    matrix = frame.get("scale", 1.0) * matrix[: mesh.dim, : mesh.dim]
+    size = np.abs(samples(mesh)).max() * frame.get("scale", 1.0)
+    # OCC projects points to spheres with a precision of its own.
+    tol = 1e-10 if make in (SphereOnBlock, TwoSpheres) else 1e-12
+    assert np.abs(samples(moved) - samples(mesh) @ matrix.T).max() < tol * size
+
+
+@pytest.mark.parametrize(
+    ("make", "options", "h"),
+    [
+        (HertzMesh, {"width": 2.0, "height": 4.0}, 1.0),
+        (SphereOnBlock, {}, 2.0),
+        (TwoSpheres, {}, 2.0),
+    ],
+)
+def test_size_of_the_bodies(make, options, h):
+    mesh, small = make(h), make(h / 50, radius=1.0, **options)
+    assert connectivity(small) == connectivity(mesh)
+    assert np.abs(50 * samples(small) - samples(mesh)).max() < 1e-10 * 100
+
+
+@pytest.mark.pairwise
+@pytest.mark.parametrize("kind", [*KINDS2D, *KINDS])
+@pytest.mark.parametrize("overhang", [0.3, -0.3, 0.25])
+@pytest.mark.parametrize("aligned", [True, False])
+def test_overhang(kind, overhang, aligned):
+    """The wider block's faces outside have names of their own, if they are aligned."""
+    if kind in KINDS2D:
+        mesh = TwoBlocks(0.2, overhang=overhang, aligned=aligned, **kind)
+        least, rims = 5e-4, {"{}_left": abs(overhang), "{}_right": abs(overhang)}
+    else:
+        mesh = TwoBlocks3D(kind, overhang=overhang, aligned=aligned, perturb=0.2)
+        least, rims = 1e-4, {"{}_rim": (1 + 2 * abs(overhang)) ** 2 - 1}
+    wide, narrow = ("master", "slave") if overhang > 0 else ("slave", "master")
+    body, outside = ("lower" if overhang > 0 else "upper"), sum(rims.values())
+    assert area(mesh, narrow) == pytest.approx(1, rel=1e-12)
+    assert area(mesh, wide) == pytest.approx(1 if aligned else 1 + outside, rel=1e-12)
+    for name, size in rims.items():
+        assert area(mesh, name.format(wide)) == pytest.approx(size if aligned else 0, rel=1e-12)
+    assert volume(mesh, body) == pytest.approx(1 + outside, rel=3e-10)
+    assert Distance(mesh) > least
+
+
+@pytest.mark.parametrize(
+    ("make", "options"),
+    [
+        *((TwoBlocks, {"h_slave": 0.25, "h_master": h}) for h in (0.25, 0.125, 0.5)),
+        *((HertzMesh, {"h": 1, "half": h, "ratio": r}) for h in (0, 1) for r in (0.5, 1.0, 2.0)),
+    ],
+)
+def test_equal_or_nested_sizes_do_not_match(make, options):
+    assert Distance(make(**options)) > 5e-4
+
+
+class TestHertz:
+    def test_named_vertices(self):
+        mesh = HertzMesh(1)
+        for name, height in (("load", 100), ("foot", 0)):
+            (nr,) = vertices_of(mesh.BBoundaries(name))
+            assert mesh.vertices[nr].point == pytest.approx((0, height), abs=1e-9)
+
+    @pytest.mark.parametrize("h", [1.0, 0.5, 0.3])
+    def test_contact_edges_have_equal_sizes(self, h):
+        mesh = HertzMesh(h)
+        slave, master = Sizes(mesh, "slave"), Sizes(mesh, "master")
+        assert np.ptp(slave) < 1e-6 * h
+        assert np.ptp(master) < 1e-9 * h
+        assert slave.mean() == pytest.approx(h, rel=0.01)
+        assert master.mean() == pytest.approx(0.73 * h, rel=0.06)
+
+    def test_dofs_under_refinement(self):
+        dofs = [VectorH1(HertzMesh(h), order=2).ndof for h in (1, 0.5, 0.25)]
+        assert 5000 < dofs[1] < 10000
+        assert all(1.4 * a < b < 2.6 * a for a, b in pairwise(dofs))
+
+    @pytest.mark.parametrize("order", [1, 2, 3])
+    def test_curve_order(self, order):
+        mesh = HertzMesh(1, order=order, scale=1e-3)
+        assert mesh.GetCurveOrder() == order
+        error = abs(volume(mesh, "cylinder") * 1e6 / (math.pi * 50**2 / 2) - 1)
+        assert error < {1: 7e-3, 2: 2e-5, 3: 5e-6}[order]
+
+
+def Sizes(mesh, name):
+    """Lengths or areas of the faces of a boundary."""
+    return np.array([a for a in Integrate(1, mesh.Boundaries(name), element_wise=True) if a])
+
+
+class TestBlocks:
+    def test_structured_elements(self):
+        quads = TwoBlocks(0.25, 0.2, structured=True, quads=True)
+        trigs = TwoBlocks(0.25, 0.2, structured=True)
+        assert (quads.ne, trigs.ne) == (4 * 4 + 5 * 5, 2 * (4 * 4 + 5 * 5))
+        assert quads.nv == trigs.nv == 5 * 5 + 6 * 6
+
+    def test_curved_edges_lie_inside(self):
+        mesh = TwoBlocks(curved=True)
+        arc = area(mesh, "arc")
+        assert arc > 2.02  # two arcs over a height of 1 each
+        assert area(TwoBlocks(curved=True, order=1), "arc") < arc - 1e-4
+        assert Integrate(y * y, mesh.Boundaries("slave|master")) == pytest.approx(0, abs=1e-25)
+
+    def test_unstructured(self):
+        mesh = TwoBlocks3D(n_slave=(4, 3), n_master=2, aligned=False, overhang=-0.2, **UNSTRUCTURED)
+        assert {el.type for el in mesh.Elements(VOL)} == {ET.TET}
+        assert determinants(mesh).min() > 0
+        assert flux(mesh) == pytest.approx(3 * volume(mesh), rel=1e-12)
+        assert area(mesh, "slave") == pytest.approx(1.96 / math.cos(math.radians(20)), rel=1e-12)
+        ends = (vertices_of(mesh.Boundaries(name)) for name in ("slave", "front_upper"))
+        assert len(set.intersection(*ends)) == 5
+
+
+@pytest.mark.parametrize("model", ["quarter", "half", "full"])
+def test_spheres_are_round(model):
+    """They go through the origin, are round between their vertices, and end at planes."""
+    mesh = MeshOf(f"balls {model}")
+    for name, centre in (("slave", 50), ("master", -80)):
+        distance = CF((x, y, z - centre))
+        error = (InnerProduct(distance, distance) / centre**2 - 1) ** 2
+        rms = math.sqrt(Integrate(error, mesh.Boundaries(name)) / area(mesh, name))
+        assert rms < 1e-5  # the gap at the end of the zone is 0.068 of the radius
+        points = [mesh.vertices[nr].point for nr in vertices_of(mesh.Boundaries(name))]
+        least = np.linalg.norm(points, axis=1).min() / np.sqrt(Sizes(mesh, name).mean())
+        assert model != "quarter" or least < 1e-12
+    planes = {"top": z - 50, "bottom": z + 80, "sym_x": x, "sym_y": y}
+    for name in planes.keys() & set(mesh.GetBoundaries()):
+        assert Integrate(planes[name] ** 2, mesh.Boundaries(name)) < 1e-15
+
+
+def test_sizes_in_the_contact_zone():
+    """Twelve elements along a contact radius of a tenth: few displacements, equal sizes."""
+    mesh = SphereOnBlock(5 / 12, zone=6.5)
+    assert 20000 < VectorH1(mesh, order=2).ndof < 30000
+    for name, h in (("slave", 5 / 12), ("master", 0.5)):
+        edges = np.sqrt(4 / math.sqrt(3) * Sizes(mesh, name))  # of equilateral triangles
+        assert edges.mean() == pytest.approx(h, rel=0.1)
+        assert edges.max() < 1.7 * h
+
+
+def test_slices_are_prisms():
+    mesh = MeshOf("slice quarter")
+    assert {el.type for el in mesh.Elements(VOL)} == {ET.PRISM}
+    assert {el.type for el in mesh.Boundaries("slave|master").Elements()} == {ET.QUAD}
+
+
+class TestPointForce:
+    @pytest.mark.parametrize("order", [1, 2, 3])
+    def test_is_the_value_at_the_vertex(self, order):
+        mesh = HertzMesh(2, order=order)  # isoparametric: linear fields are in the space
+        scalar = H1(mesh, order=order)
+        for V in (VectorH1(mesh, order=order), VectorValued(scalar, 2), scalar**2):
+            u, load = GridFunction(V), PointForce(V, (5, -7))
+            u.Set(CF((x + 2 * y, y - 3 * x)))
+            assert load.InnerProduct(u.vec) == pytest.approx(5 * 200 - 7 * 100, rel=1e-12)
+            assert np.count_nonzero(load.FV().NumPy()) == 2
+        X = L2(mesh, order=0) * V
+        both = PointForce(X, (5, -7), component=1).FV().NumPy()
+        assert np.all(both[: mesh.ne] == 0)
+        assert both[mesh.ne :] == pytest.approx(load.FV().NumPy(), abs=0)
+
+    def test_unknown_vertex(self):
+        V = VectorH1(Mesh(unit_square.GenerateMesh(maxh=0.5)), order=1)
+        with pytest.raises(ValueError, match="no vertex named 'load'"):
+            PointForce(V, (0, 1))
+
+
+SIZED = {
+    HertzMesh: ["h", "radius", "width", "height", "ratio", "zone", "scale"],
+    SphereOnBlock: ["h", "radius", "width", "height", "ratio", "zone", "scale"],
+    TwoSpheres: ["h", "radius", "radius_lower", "ratio", "zone", "scale"],
+    CylinderOnBlock: ["h", "radius", "width", "ratio", "zone", "scale"],
+    IndentationMesh: ["h", "radius", "zone", "size"],
+    CordMesh: ["h", "zone"],
+    TwoBlocks: ["h_slave", "h_master", "width", "height", "scale"],
+    TwoBlocks3D: ["width", "height", "scale"],
+}
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("make", "name"), [(m, name) for m, names in SIZED.items() for name in names]
+)
+def test_bad_sizes(make, name, value):
+    first = {} if make in (TwoBlocks, TwoBlocks3D) else {"h": 2.0}
+    with pytest.raises(ValueError, match=f"{name} must be positive"):
+        make(**first | {name: value})
+
+
+@pytest.mark.parametrize(
+    ("make", "options", "message"),
+    [
+        (HertzMesh, {"h": 1, "zone": 95}, "zone is too long"),
+        (IndentationMesh, {"h": 1, "zone": 35}, "zone = 35 is too long"),
+        (CylinderOnBlock, {"h": 1, "zone": 46}, "zone is too wide"),
+        (CylinderOnBlock, {"h": 1, "width": 2}, "zone is too wide"),
+        (CylinderOnBlock, {"h": 1, "model": "half"}, 'model must be "quarter" or "full"'),
+        *(
+            (make, {"h": 2} | options, message)
+            for make in (SphereOnBlock, TwoSpheres)
+            for options, message in (
+                ({"model": "eighth"}, 'model must be "quarter", "half" or "full"'),
+                ({"zone": 49.0}, "zone is too wide for the sphere"),
+            )
+        ),
+        (SphereOnBlock, {"h": 2, "width": 5}, "zone is too wide for the block"),
+        (TwoSpheres, {"h": 2, "radius_lower": 7}, "zone is too wide for the lower sphere"),
+        (TwoBlocks, {"shape": "round"}, 'shape must be "flat" or "oblique"'),
+        (TwoBlocks, {"structured": True, "curved": True}, "structured or curved, not both"),
+        (TwoBlocks, {"shape": "oblique", "slope": 70}, "leaves the blocks"),
+        (TwoBlocks3D, {"shape": "round"}, 'shape must be "flat" or "oblique"'),
+        (TwoBlocks3D, {"shape": "oblique", "slope": 60}, "leaves the blocks"),
+        (TwoBlocks3D, {"n_slave": 0}, "divisions must be"),
+        (TwoBlocks3D, {"n_master": (1, 2, 3)}, "divisions must be"),
+        (TwoBlocks3D, {"kind_upper": "wedge"}, "kind must be one of"),
+        (TwoBlocks3D, {"unstructured": True, "perturb": 0.1}, "has no perturb"),
+        (TwoBlocks3D, {"unstructured": True, "overhang": 0.1}, "aligned=False with an overhang"),
+        (TwoBlocks3D, {"n_slave": 2, "n_master": 2}, "coincides with a master face"),
+        (TwoBlocks3D, {"n_slave": 2, "n_master": 4}, r"slave vertex \(0.5, 0.5, 0\) faces"),
+    ],
+)
+def test_refused(make, options, message):
+    with pytest.raises(ValueError, match=message):
+        make(**options)
+
+
+@pytest.mark.parametrize("name", ["blocks3d", "boxes", "cylinders", "geometry3d", "spheres"])
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(f"ngslac.meshes.{name}"))
+    assert result.attempted > 0
+    assert result.failed == 0
