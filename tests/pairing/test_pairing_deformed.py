@@ -1,135 +1,232 @@
-"""Pairing in the configuration of a GridFunction."""
+"""Pairing in the configuration of a GridFunction; what cannot be paired is an error."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from circles import disc_in_ring
-from ngsolve import CF, GridFunction, VectorH1, x, y
-from strips import Strip, areas_by_face, contact_on, moved, on_line, overlap, strip_mesh
+from ngsolve import CF, GridFunction, VectorH1, x, y, z
+from sheets import (
+    Motion,
+    Sheet,
+    areas_by_face,
+    areas_by_pair,
+    contact_on,
+    displaced,
+    face_sizes,
+    faces_of,
+    in_plane,
+    projected_overlaps,
+    sheet_mesh,
+    two_sheets,
+)
 
-SLAVE, MASTER = np.linspace(0, 1, 6), np.linspace(-0.15, 0.9, 9)
-
-
-def two_strips():
-    upper = Strip("upper", on_line(SLAVE, 0.05), (0, 0.5), "slave")
-    lower = Strip("lower", on_line(MASTER), (0, -0.5), "master")
-    return strip_mesh(upper, lower)
-
-
-def displaced(contact, **fields):
-    """A GridFunction on the contact's space with given displacements of the materials."""
-    gf = GridFunction(contact.form.fes)
-    cfs = {name: CF(field) for name, field in fields.items()}
-    gf.components[0].Set(contact.mesh.MaterialCF(cfs, default=CF((0, 0))))
-    return gf
-
-
-def rigid(angle, shift=(0.0, 0.0)):
-    c, s = np.cos(angle), np.sin(angle)
-    return (c * x - s * y - x + shift[0], s * x + c * y - y + shift[1])
+BOX = ((-0.15, -0.1), (0.9, 0.8))
+KINDS = {2: ("edge", "edge"), 3: ("mixed", "mixed")}
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("shift", [0.0, 0.3, -0.57, 0.85])
-def test_translation_of_the_slave(order, shift):
-    contact = contact_on(two_strips(), order=order)
-    contact.Update(displaced(contact, upper=(shift, 0.1)))
-    exact = overlap(SLAVE + shift, MASTER).sum(axis=1)
+@pytest.fixture(params=KINDS)
+def dim(request):
+    return request.param
+
+
+def sheets(dim, seed=2):
+    return two_sheets(np.random.default_rng(seed), KINDS[dim], BOX, 0.05)
+
+
+class Linear:
+    """The motion of points X to matrix X + shift."""
+
+    def __init__(self, matrix, shift=0.0):
+        self.matrix = np.asarray(matrix, dtype=float)
+        self.shift = np.broadcast_to(shift, len(self.matrix)).astype(float)
+
+    def __call__(self, points):
+        return points @ self.matrix.T + self.shift
+
+    @property
+    def field(self):
+        place, rows = (x, y, z), (self.matrix - np.eye(len(self.matrix))).tolist()
+        moves = [sum(a * r for a, r in zip(row, place, strict=False)) for row in rows]
+        return [move + s for move, s in zip(moves, self.shift.tolist(), strict=True)]
+
+
+MOTIONS = {
+    "shift": Linear(np.eye(3), (0.3, -0.2, 0.1)),
+    "turn about the normal": Linear([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]),
+    "stretch": Linear(np.diag([1.7, 0.6, 1.0]), (-0.3, 0.1, 0)),
+    "shear": Linear([[1, 0.5, 0], [0, 1, 0], [0.2, -0.1, 1]]),
+    "far": Linear(np.eye(2), (-0.57, 0.1)),
+    "narrower": Linear(np.diag([0.6, 0.2]), (0.0, 0.02)),
+    "inclined": Linear([[1, 0.1], [0.12, 1]]),
+}
+
+
+@pytest.mark.pairwise
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("body", ["upper", "lower"])
+def test_linear_motions_of_one_body(order, name, body):
+    """Overlaps of the moved faces by shapely, and sizes of the moved slave faces."""
+    motion = MOTIONS[name]
+    contact = contact_on(sheet_mesh(*sheets(len(motion.matrix))), order=order)
+    contact.Update(displaced(contact, **{body: motion.field}))
+    slave, master = (faces_of(contact.mesh, region)[1] for region in ("slave", "master"))
+    slave, master = ([motion(c) for c in slave], master) if body == "upper" else (
+        slave, [motion(c) for c in master])  # fmt: skip
+    exact = projected_overlaps(slave, master).sum(axis=1)
     assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
-    assert contact.Segments().gap == pytest.approx(0.15, abs=1e-13)
+    assert contact.Table()["fullarea"] == pytest.approx(face_sizes(slave), rel=1e-12)
+    contact.Update()
+    exact = projected_overlaps(*(faces_of(contact.mesh, r)[1] for r in ("slave", "master")))
+    assert areas_by_face(contact) == pytest.approx(exact.sum(axis=1), abs=1e-12)
 
 
-@pytest.mark.parametrize("angle", [0.1, np.pi / 2, 3.0])
-def test_rigid_motion_of_everything_changes_nothing(angle):
-    contact = contact_on(two_strips())
-    reference = contact.Segments()
-    motion = rigid(angle, (0.3, 7.0))
-    contact.Update(displaced(contact, upper=motion, lower=motion))
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_rigid_motion_of_everything_changes_nothing(dim, seed):
+    contact = contact_on(sheet_mesh(*sheets(dim)))
+    reference, R = contact.Segments(), Motion(dim, seed).R
+    motion = Linear(R, (0.3, 7.0, -2.0)[:dim])
+    contact.Update(displaced(contact, upper=motion.field, lower=motion.field))
     there = contact.Segments()
     assert there.master.tolist() == reference.master.tolist()
-    assert there.area == pytest.approx(reference.area, rel=1e-12)
-    assert there.gap == pytest.approx(reference.gap, abs=1e-13)
-    points = moved(reference.slave_points.reshape(-1, 2), angle, 1, (0.3, 7.0))
-    assert there.slave_points.reshape(-1, 2) == pytest.approx(points, abs=1e-12)
-    normal = moved([[0.0, -1.0]], angle)[0]
-    assert contact.Table()["normal"] == pytest.approx(np.tile(normal, (5, 1)), abs=1e-12)
+    assert there.area == pytest.approx(reference.area, abs=1e-12)
+    assert there.gap == pytest.approx(reference.gap, abs=1e-12)
+    assert there.slave_points == pytest.approx(motion(reference.slave_points), abs=1e-12)
+    normals = np.tile(-R[:, -1], (contact.space.nmacros, 1))
+    assert contact.Table()["normal"] == pytest.approx(normals, abs=1e-12)
 
 
-@pytest.mark.parametrize("stretch", [-0.4, 0.5, 3.0])
-def test_stretch_of_the_slave(stretch):
-    contact = contact_on(two_strips())
-    contact.Update(displaced(contact, upper=(stretch * x, 0.2 * (y - 0.05))))
-    exact = overlap((1 + stretch) * SLAVE, MASTER).sum(axis=1)
-    assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
-    assert contact.Table()["fullarea"] == pytest.approx(0.2 * (1 + stretch) * np.ones(5), rel=1e-12)
+def test_moved_mesh_and_displaced_mesh_pair_alike(dim):
+    """Moved by SetDeformation, by Update, and made there: three ways to the same segments."""
+    motion = MOTIONS["shear" if dim == 3 else "inclined"]
+    upper, lower = sheets(dim)
+    near, far = motion(upper.points), motion(upper.points + upper.depth)
+    sides = [replace(s, renumbered=None) for s in (upper, lower)]
+    made = contact_on(sheet_mesh(replace(sides[0], points=near, depth=far - near), sides[1]))
+    mesh = sheet_mesh(*sides)
+    updated = contact_on(mesh)
+    updated.Update(displaced(updated, upper=motion.field))
+    found = [areas_by_pair(updated)]
+    deformation, none = GridFunction(VectorH1(mesh, order=1)), CF((0,) * dim)
+    deformation.Set(mesh.MaterialCF({"upper": CF(tuple(motion.field))}, default=none))
+    mesh.SetDeformation(deformation)
+    found.append(areas_by_pair(contact_on(mesh)))
+    expected = areas_by_pair(made)
+    for other in found:
+        for pair in expected.keys() | other.keys():
+            assert other.get(pair, 0) == pytest.approx(expected.get(pair, 0), abs=1e-13)
 
 
-@pytest.mark.parametrize("stretch", [-0.3, 0.5])
-def test_stretch_of_the_master(stretch):
-    contact = contact_on(two_strips())
-    contact.Update(displaced(contact, lower=(stretch * x, -0.1)))
-    exact = overlap(SLAVE, (1 + stretch) * MASTER).sum(axis=1)
-    assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
-    assert contact.Segments().gap == pytest.approx(0.15, abs=1e-13)
-
-
-def test_shear_opens_the_gap_linearly():
-    """The slave is turned by a shear y += 0.3 x: gap along the turned normal, not vertical."""
-    contact = contact_on(two_strips())
-    contact.Update(displaced(contact, upper=(0, 0.3 * x)))
-    table, segments = contact.Table(), contact.Segments()
-    normal = np.array([0.3, -1.0]) / np.hypot(0.3, 1)
-    assert table["normal"] == pytest.approx(np.tile(normal, (5, 1)), abs=1e-13)
-    middle = segments.slave_points.mean(axis=1)
-    assert segments.gap == pytest.approx(middle[:, 1] / -normal[1], rel=1e-12)
-    # What is paired is where the rays end on the master.
-    ends = segments.master_points[:, :, 0]
-    assert ends.min() == pytest.approx(0.05 * 0.3, abs=1e-12)
-    assert ends.max() == pytest.approx(MASTER[-1], abs=1e-12)
-
-
-def test_update_without_gf_returns_to_the_reference():
-    contact = contact_on(two_strips())
-    reference = areas_by_face(contact)
-    contact.Update(displaced(contact, upper=(0.4, 0)))
+def test_gaps_count_from_the_configuration(dim):
+    """Linear in the displacement from the paired configuration on, and back to the reference."""
+    contact = contact_on(sheet_mesh(*sheets(dim)))
+    reference, pick = areas_by_face(contact), slice(None, None, 1 if dim == 3 else 2)
+    gf = displaced(contact, upper=(0.1, 0.05, -0.02)[pick])
+    contact.Update(gf)
     assert areas_by_face(contact) != pytest.approx(reference)
+    contact.form.SetConstant(1.0)
+    contact.Evaluate(gf)
+    paired = contact.Table()["area"] > 0
+    assert contact.Table()["gap"][paired] == pytest.approx(0.03, abs=1e-13)
+    assert contact.Table()["slip"] == pytest.approx(0, abs=1e-15)
+    contact.Evaluate(displaced(contact, upper=(0.13, 0.05, -0.06)[pick]))
+    assert contact.Table()["gap"][paired] == pytest.approx(-0.01, abs=1e-13)
+    slip = np.tile([0.03, 0, 0][:dim], (paired.sum(), 1))
+    assert contact.Table()["slip"][paired] == pytest.approx(slip, abs=1e-13)
     contact.Update()
     assert areas_by_face(contact) == pytest.approx(reference, abs=1e-15)
 
 
-def test_the_gap_in_the_table_is_that_of_the_configuration():
-    """Gaps are linear in the displacement from the paired configuration on, not the reference."""
-    contact = contact_on(two_strips())
-    gf = displaced(contact, upper=(0.1, -0.02))
-    contact.Update(gf)
-    contact.form.SetConstant(1.0)
-    contact.Evaluate(gf)
-    assert contact.Table()["gap"][:4] == pytest.approx(0.03, abs=1e-13)
-    assert contact.Table()["slip"] == pytest.approx(0, abs=1e-15)
-    contact.Evaluate(displaced(contact, upper=(0.13, -0.06)))
-    assert contact.Table()["gap"][:4] == pytest.approx(-0.01, abs=1e-13)
-    assert contact.Table()["slip"][:4] == pytest.approx(np.tile([0.03, 0], (4, 1)), abs=1e-13)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("boundary", ["slave", "master"])
+def test_values_that_are_not_finite(dim, boundary, value):
+    """An error that says where; the pairing stays as it was."""
+    contact = contact_on(sheet_mesh(*sheets(dim)))
+    before = areas_by_face(contact)
+    gf = displaced(contact)
+    dofs = contact.form.component.GetDofs(contact.mesh.Boundaries(boundary))
+    gf.components[0].vec.FV().NumPy()[np.flatnonzero([bool(b) for b in dofs])[3]] = value
+    with pytest.raises(Exception, match=f"boundary '{boundary}'.*NaN or infinite"):
+        contact.Update(gf)
+    assert areas_by_face(contact) == pytest.approx(before, abs=0)
 
 
-@pytest.mark.parametrize("order", [2, 3])
-def test_inflated_disc_on_curved_elements(order):
-    """A straight mesh bent by the displacement, and a curved one that is stretched."""
-    mesh = disc_in_ring(order=order, n_inner=16, n_outer=22)
-    contact = contact_on(mesh, slave="disc", master="ring", order=order)
-    before = contact.Table()
-    contact.Update(displaced(contact, disc=(0.05 * x, 0.05 * y)))
-    after = contact.Table()
-    assert after["area"] == pytest.approx(1.05 * before["area"], rel=1e-6)
-    assert contact.Segments().gap == pytest.approx(0.05, abs=2e-4)
-    assert after["normal"] == pytest.approx(before["normal"], abs=1e-12)
+def outcome(call):
+    """What a call returns, or the message of its error."""
+    try:
+        return call()
+    except Exception as error:
+        return str(error)
 
 
-def test_mesh_deformation_is_part_of_the_reference():
-    """With mesh.SetDeformation the deformed mesh is paired."""
-    mesh = two_strips()
-    deformation = GridFunction(VectorH1(mesh, order=1))
-    deformation.Set(mesh.MaterialCF({"upper": CF((0.3, 0.1))}, default=CF((0, 0))))
-    mesh.SetDeformation(deformation)
+PLANE = in_plane([[-1, -1], [2, -1], [2, 2], [-1, 2]], -0.1)
+ARROW = [[0, 0], [1, 0], [0.2, 0.2], [0, 1]]
+FOLDED = {
+    "collinear triangle": [[0, 0], [0.5, 0.25], [1, 0.5]],
+    "bow tie": [[0, 0], [1, 1], [1, 0], [0, 1]],
+    "arrow": ARROW,
+    "arrow, numbered on": [*ARROW[1:], ARROW[0]],
+    "point": [[0.5, 0.5]] * 4,
+}
+
+
+def update_to(shape, region, seed):
+    """Deforms a good face of a slave or master surface into a bad one."""
+    n, up, motion = len(shape), 1 if region == "slave" else -1, Motion(3, seed)
+    good, bad = in_plane([[0, 0], [1, 0], [1, 1], [0, 1]][:n]), in_plane(shape)
+    body = Sheet("body", good, [tuple(range(n))], (0, 0, 0.5 * up), region)
+    other = Sheet("other", up * PLANE, [(0, 1, 2, 3)], (0, 0, -up),
+                  "master" if up > 0 else "slave")  # fmt: skip
+    mesh = sheet_mesh(body, other, motion=motion)
     contact = contact_on(mesh)
-    exact = overlap(SLAVE + 0.3, MASTER).sum(axis=1)
-    assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
-    assert contact.Segments().gap == pytest.approx(0.15, abs=1e-13)
+    gf = GridFunction(contact.form.fes)
+    values = gf.components[0].vec.FV().NumPy().reshape(3, -1)
+    for v in mesh.vertices:
+        near = np.linalg.norm(motion(good) - v.point, axis=1)
+        if near.min() < 1e-12:
+            dofs = contact.form.component.components[0].GetDofNrs(v)
+            values[:, dofs[0]] = (motion(bad) - motion(good))[near.argmin()]
+    contact.Update(gf)
+    return contact
+
+
+@pytest.mark.parametrize("seed", [None, 1, 2])
+@pytest.mark.parametrize("face", FOLDED)
+def test_degenerate_slave_faces_are_an_error(face, seed):
+    with pytest.raises(Exception, match="slave surface is degenerate"):
+        update_to(FOLDED[face], "slave", seed)
+
+
+@pytest.mark.parametrize("seed", [None, 1])
+@pytest.mark.parametrize("face", FOLDED)
+def test_degenerate_master_faces_are_no_partners(face, seed):
+    """An error, or no more area than there is."""
+    contact = outcome(lambda: update_to(FOLDED[face], "master", seed))
+    if isinstance(contact, str):
+        assert "never meet" in contact or "degenerate" in contact
+    else:
+        segments = contact.Segments()
+        assert np.all(segments.area > 0)
+        assert segments.gap == pytest.approx(0.1, abs=1e-9)
+        assert segments.area.sum() < (0.5 if face == "bow tie" else 0.2 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_wild_displacements_do_no_harm(dim, seed):
+    """Random displacements of all sizes: segments with positive finite areas, or an error."""
+    rng = np.random.default_rng(seed)
+    motion = Motion(dim, seed, 10.0 ** rng.integers(-6, 7))
+    contact = contact_on(sheet_mesh(*sheets(dim, seed), motion=motion), order=1 + seed % 3)
+    size = np.ptp([v.point for v in contact.mesh.vertices], axis=0).max()
+    gf = displaced(contact)
+    values = gf.components[0].vec.FV().NumPy()
+    values[:] = size * 10.0 ** rng.uniform(-12, 0) * rng.normal(size=len(values))
+    error = outcome(lambda: contact.Update(gf))
+    if error is not None:
+        assert "never meet" in error or "degenerate" in error
+        return
+    segments, table = contact.Segments(), contact.Table()
+    assert segments.area.min() > 0
+    for array in (segments.area, segments.gap, segments.master_points, table["normal"]):
+        assert np.all(np.isfinite(array))
+    assert np.all(table["area"] <= (1 + 1e-3) * table["fullarea"])

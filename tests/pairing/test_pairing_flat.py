@@ -1,143 +1,257 @@
-"""Pairing of flat surfaces: the overlap of two divisions of a line is known by hand."""
+"""Pairing of flat surfaces against the plane geometry of shapely."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from strips import (
-    Strip,
+import shapely
+from ngsolve import TaskManager
+from pyngcore import GetNumThreads, SetNumThreads
+from sheets import (
+    FLAT,
+    PAIRS,
+    SHIFTED,
+    WIDER,
+    Motion,
+    Sheet,
     areas_by_face,
+    areas_by_pair,
     contact_on,
-    moved,
-    on_line,
-    overlap,
-    slave_elements,
-    strip_mesh,
+    dimension,
+    face_sizes,
+    faces_of,
+    flat,
+    grid,
+    lower,
+    outlines,
+    projected_overlaps,
+    sheet_mesh,
+    two_sheets,
+    upper,
 )
 
-fast = settings(derandomize=True, deadline=None, max_examples=150, database=None)
+KINDS = ("edge", *FLAT)
+pairs = pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
 
 
-@st.composite
-def divisions(draw):
-    """Nodes of a divided interval; lengths of neighbours differ by up to a factor of fifty."""
-    lengths = draw(st.lists(st.floats(0.02, 1.0), min_size=1, max_size=6))
-    start = draw(st.floats(-1.0, 1.0))
-    return start + np.concatenate([[0.0], np.cumsum(lengths)])
+def moved(sheets, *motion, **flags):
+    motion = Motion(sheets[0].points.shape[1], *motion)
+    return contact_on(sheet_mesh(*sheets, motion=motion), **flags)
 
 
-@st.composite
-def configurations(draw):
-    """Two divided lines that overlap, their opening, and a motion of both."""
-    slave, master = draw(divisions()), draw(divisions())
-    lap = min(slave[-1], master[-1]) - max(slave[0], master[0])
-    if lap < 1e-3:  # bring them together: that they never meet is an error of its own
-        master = master + slave[0] - master[0] + draw(st.floats(-0.01, 0.01))
-    return {
-        "slave": slave,
-        "master": master,
-        "opening": draw(st.sampled_from([0.0, 1e-6, 0.1, 1.0]) | st.floats(-0.001, 1.0)),
-        "angle": draw(st.floats(0, 2 * np.pi)),
-        "scale": 10.0 ** draw(st.integers(-6, 6)),
-        "flipped": draw(st.tuples(st.booleans(), st.booleans())),
-    }
+def check_pairs(contact):
+    """Every pair against the intersection of both faces seen along the slave normal.
+
+    To 1e-12 of the face's area, or what rounding the coordinates makes of its longest side.
+    """
+    (slave, own), (master, others) = (faces_of(contact.mesh, r) for r in ("slave", "master"))
+    exact, found = projected_overlaps(own, others), areas_by_pair(contact)
+    got = [[found.pop((s, m), 0.0) for m in master] for s in slave]
+    assert not found
+    size, far = face_sizes(own), np.abs(np.concatenate(own + others)).max()
+    thick = np.ones(len(own)) if contact.mesh.dim == 2 else [np.ptp(c, axis=0).max() for c in own]
+    rounding = 8e-15 * far * np.array(thick)
+    error = np.abs(np.array(got) - exact) / np.maximum(1e-12 * size, rounding)[:, None]
+    assert error.max() < 1
+    return exact, size
 
 
-def two_strips(conf, **flags):
-    upper = Strip("upper", on_line(conf["slave"], conf["opening"]), (0, 0.5), "slave",
-                  flipped=conf["flipped"][0])  # fmt: skip
-    lower = Strip("lower", on_line(conf["master"]), (0, -0.5), "master",
-                  flipped=conf["flipped"][1])  # fmt: skip
-    return strip_mesh(upper, lower, angle=conf["angle"], scale=conf["scale"], **flags)
+CASES = [(("edge", "edge"), seed) for seed in range(20)]
+CASES += [((a, b), seed) for a in FLAT for b in FLAT for seed in range(2)]
 
 
-@fast
-@given(configurations())
-def test_paired_area_is_the_overlap_and_the_gap_the_opening(conf):
-    contact = contact_on(two_strips(conf))
-    scale = conf["scale"]
-    exact = overlap(conf["slave"], conf["master"])
-    assert areas_by_face(contact) / scale == pytest.approx(exact.sum(axis=1), rel=1e-12, abs=1e-12)
-    segments = contact.Segments()
-    assert segments.gap / scale == pytest.approx(conf["opening"], rel=1e-12, abs=1e-12)
-    # Segment by segment: each lies between one slave and one master face.
-    first_slave, first_master = slave_elements(contact)[0], segments.master.min()
-    first_master -= np.flatnonzero(exact.sum(axis=0) > 1e-13)[0]
-    found = np.zeros_like(exact)
-    found[segments.slave - first_slave, segments.master - first_master] += segments.area / scale
-    assert found == pytest.approx(exact, rel=1e-12, abs=1e-12)
-    assert np.sum(exact > 1e-12) <= len(segments) <= np.sum(exact > 0)
-
-
-@fast
-@given(configurations())
-def test_segments_tile_each_slave_face(conf):
-    contact = contact_on(two_strips(conf))
-    segments = contact.Segments()
-    back = moved(segments.slave_points.reshape(-1, 2), -conf["angle"], 1 / conf["scale"])
-    ends = np.sort(back[:, 0].reshape(-1, 2), axis=1)
-    assert back[:, 1] == pytest.approx(conf["opening"], abs=1e-12)
-    assert ends[:, 1] - ends[:, 0] == pytest.approx(segments.area / conf["scale"], abs=1e-12)
-    ends = ends[np.argsort(ends[:, 0])]
-    assert ends[1:, 0] == pytest.approx(ends[:-1, 1], abs=1e-12)  # neither holes nor overlaps
-    slave, master = conf["slave"], conf["master"]
-    assert ends[0, 0] == pytest.approx(max(slave[0], master[0]), abs=1e-12)
-    assert ends[-1, 1] == pytest.approx(min(slave[-1], master[-1]), abs=1e-12)
-    across = segments.master_points - segments.slave_points
-    normal = moved([[0.0, -1.0]], conf["angle"], conf["scale"])[0]
-    assert across.reshape(-1, 2) / conf["scale"] == pytest.approx(
-        np.tile(conf["opening"] * normal / conf["scale"], (2 * len(segments), 1)), abs=1e-12
-    )
-
-
-@fast
-@given(configurations())
-def test_report_and_table_agree_with_the_overlap(conf):
-    contact = contact_on(two_strips(conf))
+@pytest.mark.parametrize(("kinds", "seed"), CASES)
+def test_areas_of_all_pairs(kinds, seed):
+    """Random meshes, openings, slopes, motions and units; table and report say the same."""
+    rng = np.random.default_rng(seed)
+    box = (SHIFTED, WIDER, ((0.2, 0.3), (0.7, 1.1)))[seed % 3]
+    slope = rng.choice([0, 1]) * rng.uniform(-0.3, 0.3, 2)
+    sheets = two_sheets(rng, kinds, box, rng.choice([0.0, 0.01, 0.5]), slope)
+    scale = 10.0 ** rng.integers(-4, 5)
+    contact = moved(sheets, seed, scale, penetration=scale)
+    exact, size = check_pairs(contact)
+    area = exact.sum(axis=1)
+    assert exact.max() > 0.05 * size.max()
+    assert areas_by_face(contact) == pytest.approx(area, abs=1e-12 * size.max())
+    if box is WIDER:
+        assert areas_by_face(contact) == pytest.approx(size, rel=1e-12)
     table, report = contact.Table(), contact.Check()
-    size = np.diff(conf["slave"])
-    exact = overlap(conf["slave"], conf["master"]).sum(axis=1)
-    exact[exact <= 1e-5 * size] = 0  # slivers count as unpaired
-    assert table["fullarea"] / conf["scale"] == pytest.approx(size, rel=1e-12)
-    assert table["area"] / conf["scale"] == pytest.approx(exact, abs=1e-12)
-    assert report.paired_area / conf["scale"] == pytest.approx(exact.sum(), rel=1e-12)
-    assert report.unpaired.tolist() == np.flatnonzero(exact == 0).tolist()
-    partial = (exact > 0) & (exact < (1 - 1e-6) * size)
+    assert table["fullarea"] == pytest.approx(size, rel=1e-12)
+    assert table["area"] == pytest.approx(area, abs=1e-12 * size.max())
+    assert report.paired_area == pytest.approx(area.sum(), rel=1e-12)
+    area[area <= 1e-5 * size] = 0  # slivers count as unpaired
+    assert report.unpaired.tolist() == np.flatnonzero(area == 0).tolist()
+    partial = (area > 0) & (area < (1 - 1e-6) * size)
     assert report.partial.tolist() == np.flatnonzero(partial).tolist()
-    expected = moved([[0.0, -1.0]], conf["angle"])
-    assert table["normal"] == pytest.approx(np.tile(expected, (len(size), 1)), abs=1e-12)
 
 
-@pytest.mark.parametrize("shift", [(0.0, 0.0), (1e3, -1e3)])
-@pytest.mark.parametrize("angle", [0.0, 0.6457718232379019, np.pi / 2, 4.0])
-def test_a_motion_changes_nothing(angle, shift):
-    conf = {"slave": np.linspace(0, 1, 8), "master": np.linspace(-0.2, 0.83, 12), "opening": 0.01}
-    conf |= {"angle": 0.0, "scale": 1.0, "flipped": (False, [True, False] * 5 + [True])}
-    reference = contact_on(two_strips(conf)).Segments()
-    there = contact_on(two_strips(conf | {"angle": angle}, shift=shift)).Segments()
-    tol = 1e-13 * (1 + 1e3 * np.linalg.norm(shift))
-    assert there.slave.tolist() == reference.slave.tolist()
-    assert there.master.tolist() == reference.master.tolist()
-    assert there.area == pytest.approx(reference.area, abs=tol)
-    assert there.gap == pytest.approx(reference.gap, abs=tol)
-    points = moved(reference.slave_points.reshape(-1, 2), angle, 1.0, shift)
-    assert there.slave_points.reshape(-1, 2) == pytest.approx(points, abs=tol)
+@pairs
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_gap_of_tilted_planes(kinds, scale):
+    """The mean over a pair is the distance of the planes at the centroid of its overlap."""
+    slope, motion = np.array([0.2, -0.35]), Motion(dimension(kinds), 5, scale, (2.0, 0, 0))
+    sheets = two_sheets(np.random.default_rng(7), kinds, gap=0.02, slope=slope)
+    segments = contact_on(sheet_mesh(*sheets, motion=motion)).Segments()
+    for i, corners in enumerate(map(motion.back, outlines(segments))):
+        assert corners[:, -1] == pytest.approx(0, abs=1e-12 / min(scale, 1))
+        shape = flat(corners[:, :-1])
+        assert segments.area[i] / scale ** (motion.R.shape[0] - 1) == pytest.approx(
+            shape.area, abs=1e-13
+        )
+        centroid = np.array(shape.centroid.coords[0])[: corners.shape[1] - 1]
+        gap = 0.02 - centroid @ slope[: len(centroid)]
+        assert segments.gap[i] / scale == pytest.approx(gap, abs=1e-11 + 1e-15 / shape.area)
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e3, 1e9])
-def test_the_unit_of_length_changes_nothing(scale):
-    conf = {"slave": np.linspace(0, 1, 8), "master": np.linspace(-0.2, 0.83, 12), "opening": 0.01}
-    conf |= {"angle": 0.3, "scale": 1.0, "flipped": (False, False)}
-    reference = contact_on(two_strips(conf)).Segments()
-    there = contact_on(two_strips(conf | {"scale": scale})).Segments()
-    assert there.master.tolist() == reference.master.tolist()
-    assert there.area / scale == pytest.approx(reference.area, rel=1e-11)
-    assert there.gap / scale == pytest.approx(reference.gap, rel=1e-11)
+@pairs
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 0.3, 20.0, -0.05])
+def test_parallel_planes(kinds, gap):
+    """Touching, nearly, open by far more than the size of faces, penetrating: segments tile."""
+    motion = Motion(dimension(kinds), 3)
+    mesh = sheet_mesh(*two_sheets(np.random.default_rng(3), kinds, WIDER, gap), motion=motion)
+    contact = contact_on(mesh)
+    segments, normal = contact.Segments(), -motion.R[:, -1]
+    assert segments.gap == pytest.approx(gap, abs=1e-13 * (1 + abs(gap)))
+    across = (segments.master_points - segments.slave_points).reshape(-1, len(normal))
+    assert across == pytest.approx(np.tile(gap * normal, (len(across), 1)), abs=1e-12)
+    normals = contact.Table()["normal"]
+    assert normals == pytest.approx(np.tile(normal, (len(normals), 1)), abs=1e-13)
+
+    shapes = [flat(motion.back(p)[:, :-1]) for p in outlines(segments)]
+    assert shapely.area(shapes) == pytest.approx(segments.area, abs=1e-14)
+    assert shapely.union_all(shapes).area == pytest.approx(1, rel=1e-12)
+    assert segments.area.sum() == pytest.approx(1, rel=1e-13)
+    numbers, corners = faces_of(mesh, "slave")
+    faces = [flat(motion.back(c)[:, :-1]).buffer(1e-12) for c in corners]
+    owners = (faces[i] for i in np.searchsorted(numbers, segments.slave))
+    assert all(face.contains(shape) for face, shape in zip(owners, shapes, strict=True))
 
 
-def test_matching_nodes_give_no_slivers():
-    nodes = np.linspace(0, 1, 11)
-    conf = {"slave": nodes, "master": nodes, "opening": 0.0, "angle": 0.7, "scale": 3.0}
-    contact = contact_on(two_strips(conf | {"flipped": (True, False)}))
-    assert len(contact.Segments()) == 10
-    assert contact.Check().paired_area == pytest.approx(3.0, rel=1e-14)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", [None, 1, 2])
+def test_matching_faces_give_no_slivers(kind, seed):
+    points, faces = grid(kind, rng=np.random.default_rng(4))
+    rng = np.random.default_rng(5)
+    sheets = [upper((points, faces), renumbered=rng), lower((points, faces[::-1]), renumbered=rng)]
+    contact = moved(sheets, seed, 3.0)
+    segments = contact.Segments()
+    assert len(segments) == len(faces)
+    check_pairs(contact)
+    centers = [{n: c.mean(axis=0) for n, c in zip(*faces_of(contact.mesh, r), strict=True)}
+               for r in ("slave", "master")]  # fmt: skip
+    for s, m in zip(segments.slave, segments.master, strict=True):
+        assert centers[0][s] == pytest.approx(centers[1][m], abs=1e-13)
+
+
+@pytest.mark.parametrize("seed", [None, 1, 2])
+@pytest.mark.parametrize(("kinds", "number"), [(("edge", "edge"), 6), (("quad", "trig"), 72)])
+def test_edges_on_edges(kinds, number, seed):
+    """A grid on one three times finer: every second edge lies on an edge of the other side."""
+    coarse, fine = grid(kinds[0], 2), grid(kinds[1], 6)
+    for slave, master in ((coarse, fine), (fine, coarse)):
+        contact = moved([upper(slave), lower(master)], seed)
+        assert len(contact.Segments()) == number
+        assert contact.Segments().area == pytest.approx(1 / number, rel=1e-11)
+
+
+@pytest.mark.parametrize("seed", [None, 3])
+@pytest.mark.parametrize(
+    ("kind", "corner"),
+    [("edge", (1, 0)), ("quad", (1.0, 0.0)), ("quad", (1.0, 1.0)), ("quad", (0.5, 1.0))],
+)
+def test_touching_at_an_edge_or_a_corner_is_no_contact(kind, corner, seed):
+    """A second slave body that overlaps keeps the pairing alive."""
+    there, box = ((3, 0), (4, 1)), (corner, np.add(corner, 1))
+    sheets = [upper(grid(kind, 2)), upper(grid(kind, 1, there), name="second")]
+    sheets += [lower(grid(kind, 3, box)), lower(grid(kind, 3, there), name="other")]
+    contact = moved(sheets, seed)
+    assert areas_by_face(contact)[:-1] == pytest.approx(0, abs=1e-13)
+    assert areas_by_face(contact)[-1] == pytest.approx(1, abs=1e-13)
+    assert np.all(contact.Table()["area"][:-1] == 0)
+    assert contact.Segments().area.min() > 1e-3
+
+
+@pytest.mark.parametrize("kinds", PAIRS[1:], ids="-".join)
+@pytest.mark.parametrize("stretch", [(1e3, 1.0), (1.0, 1e-3), (1e2, 1e-3)])
+def test_anisotropic_faces(kinds, stretch):
+    rng = np.random.default_rng(8)
+    sheets = [
+        Sheet(s.name, s.points * (*stretch, 1.0), s.faces, s.depth, s.face, renumbered=rng)
+        for s in two_sheets(rng, kinds, gap=0.01)
+    ]
+    check_pairs(moved(sheets, 8))
+
+
+@pytest.mark.parametrize("kind", ["edge", "mixed"])
+@pytest.mark.parametrize("swap", [False, True])
+def test_strongly_graded_faces(swap, kind):
+    """Sizes from 1 to 1e-6 on both sides, towards different points."""
+    grades = [np.concatenate([[0], 10.0 ** np.arange(-6, 1)]) for _ in range(2)]
+    grades[1] = 1.1 - 1.1 * grades[1][::-1] if swap else 0.13 + grades[1]
+    points, faces = grid(kind, 7)
+    both = [(grade[np.rint(7 * points).astype(int)], faces) for grade in grades]
+    contact = moved([upper(both[0]), lower(both[1], -1e-3)], 2)
+    exact, size = check_pairs(contact)
+    assert areas_by_face(contact).sum() == pytest.approx(exact.sum(), rel=1e-12)
+    big = size > 1e-3
+    assert areas_by_face(contact)[big] == pytest.approx(exact.sum(axis=1)[big], rel=1e-12)
+
+
+@pytest.mark.parametrize(("kinds"), [("edge", "edge"), ("mixed", "quad")])
+@pytest.mark.parametrize("size", [1.0, 50.0, 1e4])
+def test_one_huge_face_and_many_small_ones(size, kinds):
+    many = grid(kinds[0], 6, rng=np.random.default_rng(6))
+    one = grid(kinds[1], 1, ((0.5 - size, 0.3 - size), (0.3 + size, 0.6 + size)))
+    for slave, master in ((one, many), (many, one)):
+        contact = moved([upper(slave), lower(master, -0.1)], 1)
+        check_pairs(contact)
+        assert contact.Segments().area.sum() == pytest.approx(1, rel=1e-12 + 1e-15 * size)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("kinds", [("edge", "edge"), ("mixed", "trig"), 6, 12, 7])
+def test_motion_and_unit_change_nothing(kinds, finite):
+    """Also of squares of 6 x 6 faces on others: matching, nested, neither; rounded twice."""
+
+    def areas(scale=1.0, at=0.0):
+        if isinstance(kinds, tuple):
+            sheets = two_sheets(np.random.default_rng(9), kinds, gap=0.02, slope=(0.1, 0))
+        else:
+            sheets = [upper(grid("quad", 6)), lower(grid("quad", kinds))]
+            rng, last = np.random.default_rng(0), at * np.finfo(float).eps / 2
+            sheets[0].points[:] += last * rng.choice([-1, 0, 1], sheets[0].points.shape)
+        d = sheets[0].points.shape[1]
+        motion = Motion(d, 4, scale, scale * at * np.array((1, -0.7, 0.3)))
+        contact = contact_on(sheet_mesh(*sheets, motion=motion), finite=finite)
+        found = {pair: area / scale ** (d - 1) for pair, area in areas_by_pair(contact).items()}
+        gap = contact.Table()["gap"] / scale
+        return found, np.where(contact.Table()["area"] > 0, gap, 0), len(contact.Segments())
+
+    expected, gap, number = areas()
+    for scale, at in ((1e-9, 0), (1e6, 0), (1, 1e2), (1, 1e4), (1e-6, 1e4), (1e6, 1e4)):
+        found, other, count = areas(scale, at)
+        assert count == number
+        assert found == pytest.approx(expected, abs=1e-13 + 1e-15 * at)
+        assert other == pytest.approx(gap, abs=1e-11 + 1e-15 * at)
+
+
+def entries(contact):
+    """Values and columns of the operators D and M, segments and table."""
+    found = [np.array(part) for operator in contact.Mortar() for part in operator.CSR()[:2]]
+    names = ("slave", "master", "area", "gap", "slave_points", "master_points")
+    segments = contact.Segments()
+    return [*found, *(getattr(segments, name) for name in names), *contact.Table().values()]
+
+
+@pytest.mark.parametrize(("kinds", "n"), [(("edge", "edge"), 100), (("mixed", "mixed"), 8)])
+def test_the_number_of_threads_does_not_matter(kinds, n):
+    rng = np.random.default_rng(1)
+    contact = moved(two_sheets(rng, kinds, WIDER, 0.01, slope=(0.05, 0), n=(n, n + 1)), 1)
+    alone, number = entries(contact), GetNumThreads()
+    assert len(contact.Segments()) > 300
+    try:
+        for threads in (1, 2, 4):
+            SetNumThreads(threads)
+            with TaskManager():
+                contact.Update()
+                assert all(map(np.array_equal, alone, entries(contact)))
+    finally:
+        SetNumThreads(number)

@@ -1,142 +1,108 @@
-"""Where the search ends: the paired part of the slave is what lies within its limits."""
+"""Where the search ends, and what the report says of it."""
+
+import re
 
 import numpy as np
 import pytest
 from netgen.meshing import NgException
-from netgen.occ import Axis, Box, Compound, MoveTo, OCCGeometry, WorkPlane, X, Y, Z
+from netgen.occ import Compound, Glue, MoveTo, OCCGeometry, WorkPlane, Y
 from ngsolve import Mesh, VectorH1
+from sheets import WIDER, contact_on, face_sizes, grid, lower, outlines, sheet_mesh, upper
 
 from ngslac import LACContact, LACSpace
+from ngslac.meshes import TwoBlocks
 
 
-def contact(mesh, order=2, **options):
-    V = VectorH1(mesh, order=order)
-    (u, lam), _ = (V * LACSpace(V, slave="slave")).TnT()
-    return LACContact(u, lam, master="master", **options)
+@pytest.fixture(params=["edge", "quad"])
+def kind(request):
+    return request.param
 
 
-def area(mesh, **options):
-    paired = contact(mesh, **options)
-    paired.Update()
-    return paired.Table()["area"].sum()
+def wedge(kind, shift=0.0, slope=(-0.2, 0), n=1):
+    """A unit square above a wider master: a gap from 0 to 0.2, less what it is sunk by."""
+    slave = upper(grid("mixed" if kind == "quad" else kind, n), -shift)
+    return sheet_mesh(slave, lower(grid(kind, 2, WIDER), slope=slope))
 
 
-def wedge(h=3.0, shift=0.0):
-    """A unit square above a master from (-0.5, 0.1) to (1.5, -0.3): a gap from 0 to 0.2."""
-    upper = MoveTo(0, shift).Rectangle(1, 1).Face()
-    upper.edges.Min(Y).name = "slave"
-    lower = MoveTo(-0.5, -2).LineTo(1.5, -2, "bottom").LineTo(1.5, -0.3)
-    lower = lower.LineTo(-0.5, 0.1, "master").LineTo(-0.5, -2).Face()
-    return Mesh(OCCGeometry(Compound([upper, lower]), dim=2).GenerateMesh(maxh=h))
+LIMITS = [(0, {"maxdist": d}, d / 0.2) for d in (0.19, 0.08, 0.013)]
+LIMITS += [(0.2, {"penetration": d, "maxdist": 0.5}, d / 0.2) for d in (0.19, 0.08, 0.013)]
+LIMITS += [(0.1, {"penetration": 0.03, "maxdist": 0.05}, 0.4)]  # both ends at once
 
 
-def wedge3d(h=1.0, shift=0.0):
-    """The same, extruded by one; h of the master is another."""
-    upper = Box((0, 0, shift), (1, 1, shift + 1))
-    upper.faces.Min(Z).name = "slave"
-    profile = WorkPlane().MoveTo(-0.5, -2).LineTo(1.5, -2).LineTo(1.5, -0.3)
-    lower = profile.LineTo(-0.5, 0.1).LineTo(-0.5, -2).Face().Extrude(2)
-    lower = lower.Rotate(Axis((0, 0, 0), X), 90).Move((0, 1.5, 0))
-    top = max(lower.faces, key=lambda face: face.center.z)
-    top.name, top.maxh = "master", 0.7 * h
-    return Mesh(OCCGeometry(Compound([upper, lower])).GenerateMesh(maxh=h))
+@pytest.mark.parametrize(("shift", "limits", "exact"), LIMITS)
+def test_pairing_ends_at_the_limits(kind, shift, limits, exact):
+    """No point of a segment is lost: its weights make up its size."""
+    contact = contact_on(wedge(kind, shift), **limits)
+    segments = contact.Segments()
+    assert contact.Table()["area"].sum() == pytest.approx(exact, rel=1e-10)
+    if kind == "edge":
+        assert segments.area == pytest.approx(face_sizes(outlines(segments)), rel=1e-12)
+    gaps = np.linalg.norm(segments.master_points - segments.slave_points, axis=-1)
+    assert gaps.max() == pytest.approx(max(limits[k] for k in limits if limits[k] < 0.2))
 
 
-@pytest.mark.parametrize("make", [wedge, wedge3d])
-@pytest.mark.parametrize("maxdist", [0.19, 0.137, 0.08, 0.013])
-def test_openings_end_at_maxdist(make, maxdist):
-    assert area(make(), maxdist=maxdist) == pytest.approx(maxdist / 0.2, rel=1e-10)
-
-
-@pytest.mark.parametrize("make", [wedge, wedge3d])
-@pytest.mark.parametrize("penetration", [0.19, 0.137, 0.08, 0.013])
-def test_interpenetration_ends_at_penetration(make, penetration):
-    """The square is sunk by 0.2: gaps from -0.2 to 0."""
-    found = area(make(shift=-0.2), penetration=penetration, maxdist=0.5)
-    assert found == pytest.approx(penetration / 0.2, rel=1e-10)
-
-
-@pytest.mark.parametrize("make", [wedge, wedge3d])
-def test_both_ends_at_once(make):
-    """Sunk by 0.1: gaps from -0.1 to 0.1, of which -0.03 to 0.05 is seen."""
-    assert area(make(shift=-0.1), penetration=0.03, maxdist=0.05) == pytest.approx(0.4, rel=1e-10)
-
-
-def bowl(h):
-    """A unit square above a disc of radius 2 that it touches in the middle of its lower side."""
-    upper = MoveTo(-1, 0).Rectangle(2, 1).Face()
-    upper.edges.Min(Y).name = "slave"
-    lower = WorkPlane().MoveTo(0, -2).Circle(2).Face()
-    lower.edges.name = "master"
-    mesh = Mesh(OCCGeometry(Compound([upper, lower]), dim=2).GenerateMesh(maxh=h))
-    mesh.Curve(3)
-    return mesh
+def occ_mesh(upper, lower, slave, master, h, join=Compound):
+    slave.name, master.name = "slave", "master"
+    return Mesh(OCCGeometry(join([upper, lower]), dim=2).GenerateMesh(maxh=h))
 
 
 def test_curved_faces_converge():
-    maxdist = 0.1
-    exact = 2 * np.sqrt(2**2 - (2 - maxdist) ** 2)
-    errors = [abs(area(bowl(h), maxdist=maxdist) - exact) for h in (0.6, 0.3)]
+    """A unit square above a disc of radius 2 that it touches in the middle of its lower side."""
+    errors, maxdist = [], 0.1
+    for h in (0.6, 0.3):
+        square, disc = MoveTo(-1, 0).Rectangle(2, 1).Face(), WorkPlane().MoveTo(0, -2).Circle(2)
+        disc = disc.Face()
+        mesh = occ_mesh(square, disc, square.edges.Min(Y), disc.edges[0], h).Curve(3)
+        found = contact_on(mesh, maxdist=maxdist).Table()["area"].sum()
+        errors.append(abs(found - 2 * np.sqrt(2**2 - (2 - maxdist) ** 2)))
     assert errors[0] < 2e-3
     assert errors[1] < 0.5 * errors[0] or errors[1] < 1e-7
 
 
-def test_no_point_of_a_segment_is_lost():
-    """The weights of each segment make up its length."""
-    mesh = wedge(h=0.3)
-    paired = contact(mesh, maxdist=0.1)
-    segments = paired.Segments()
-    lengths = np.linalg.norm(segments.slave_points[:, 1] - segments.slave_points[:, 0], axis=1)
-    assert segments.area == pytest.approx(lengths, rel=1e-12)
-    assert np.linalg.norm(
-        segments.master_points - segments.slave_points, axis=2
-    ).max() == pytest.approx(0.1)
+def test_an_overlap_that_is_too_deep_names_penetration(kind):
+    mesh, words = wedge(kind, 0.3, (0, 0)), r"overlap by up to 0\.3, deeper than penetration = 0\.1"
+    with pytest.raises(NgException, match=rf"{words}[^$]*give penetration = 0\.33"):
+        contact_on(mesh)
+    assert contact_on(mesh, penetration=0.33).Table()["area"].sum() == pytest.approx(1)
 
 
-def blocks(gap, dim=2):
-    """Two unit blocks with meshes that do not match, the upper one at this height."""
-    if dim == 2:
-        lower, upper = (MoveTo(0, y).Rectangle(1, 1).Face() for y in (-1, gap))
-        master, slave = lower.edges.Max(Y), upper.edges.Min(Y)
-    else:
-        lower, upper = (Box((0, 0, z), (1, 1, z + 1)) for z in (-1, gap))
-        master, slave = lower.faces.Max(Z), upper.faces.Min(Z)
-    master.name, slave.name = "master", "slave"
-    master.maxh, slave.maxh = 0.4, 0.3
-    return Mesh(OCCGeometry(Compound([lower, upper]), dim=dim).GenerateMesh(maxh=0.5))
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_an_overlap_that_is_too_deep_names_penetration(dim):
-    with pytest.raises(NgException, match=r"overlap by up to 0\.3, deeper than penetration = 0\.1"):
-        contact(blocks(-0.3, dim)).Update()
-    with pytest.raises(NgException, match=r"give penetration = 0\.33"):
-        contact(blocks(-0.3, dim)).Update()
-    assert area(blocks(-0.3, dim), penetration=0.33) == pytest.approx(1)
-
-
-def test_surfaces_apart_do_not_overlap():
+def test_surfaces_apart_do_not_overlap(kind):
     with pytest.raises(NgException, match=r"within maxdist = 0\.2; check the regions"):
-        contact(blocks(0.5), maxdist=0.2).Update()
+        contact_on(wedge(kind, -0.5, (0, 0)), maxdist=0.2)
 
 
-def test_all_of_two_boundaries_do_not_overlap():
+def test_all_of_two_boundaries_do_not_overlap(kind):
     """From the far side of the slave a normal backwards leaves the master at its far side."""
-    mesh = blocks(0.0)
-    for name, number in (("slave", 1), ("master", 0)):
-        names = [mesh.GetBoundaries()[i] for i in range(len(mesh.GetBoundaries()))]
-        assert name in names
-        for i in range(4):
-            mesh.ngmesh.SetBCName(4 * number + i, name)
-    assert not len(contact(Mesh(mesh.ngmesh)).Check().overlapping)
+    slave, master = upper(grid(kind), rest="slave"), lower(grid(kind, 4), rest="master")
+    assert not len(contact_on(sheet_mesh(slave, master)).Check().overlapping)
 
 
-@pytest.mark.parametrize("make", [wedge, wedge3d])
-def test_the_report_names_what_overlaps_in_part(make):
-    report = contact(make(h=0.4, shift=-0.2), penetration=0.05, order=1 + (make is wedge)).Check()
+def test_the_report_names_what_overlaps_in_part(kind):
+    report = contact_on(wedge(kind, 0.2, n=4), penetration=0.05).Check()
     assert report.deepest == pytest.approx(0.2, rel=0.15)
     assert 0 < len(report.overlapping) <= report.nmacros
     assert f"give penetration = {1.1 * report.deepest:.4g}" in str(report)
-    plain = contact(make(h=0.4), maxdist=0.1, order=1 + (make is wedge)).Check()
+    plain = contact_on(wedge(kind, n=4), maxdist=0.1).Check()
     assert not len(plain.overlapping)
     assert "deep overlap" not in str(plain)
+
+
+def test_positions_in_a_report_have_any_unit():
+    mesh = TwoBlocks(0.5, overhang=-0.2, aligned=False, structured=True, scale=1e-7)
+    V = VectorH1(mesh, order=2)
+    contact = LACContact(*(V * LACSpace(V, slave="slave")).TrialFunction(), master="master")
+    (line,) = [text for text in str(contact.Check()).splitlines() if "overhanging" in text]
+    assert re.search(r"0 at \(\d[.\d]*e-09, 0\)", line)
+
+
+@pytest.mark.parametrize(("join", "shared"), [(Glue, 1), (Compound, 0)])
+def test_shared_vertices_are_reported(join, shared):
+    """Two bodies whose sides enclose an angle with its tip at the origin: it cannot open there."""
+    above = MoveTo(0, 0).LineTo(1, 0).LineTo(1, 1).LineTo(0, 1).Close().Face()
+    below = MoveTo(0, 0).LineTo(0, -1).LineTo(1, -1).LineTo(1, -0.1).Close().Face()
+    above.maxh, below.maxh = 0.3, 0.2
+    report = contact_on(occ_mesh(above, below, above.edges[0], below.edges[3], 1, join)).Check()
+    assert len(report.shared) == shared
+    words = "shared vertices  1, of slave and master: (0, 0)"
+    assert words in str(report) if shared else "shared" not in str(report)
+    assert report.paired_area == pytest.approx(1, rel=1e-2)

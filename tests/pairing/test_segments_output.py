@@ -5,97 +5,149 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from ngsolve import CF, VectorH1
+import shapely
+from ngsolve import CF
 from ngsolve.webgui import Draw
-from strips import Strip, contact_on, on_line, strip_mesh
+from sheets import (
+    SHIFTED,
+    Motion,
+    contact_on,
+    dimension,
+    grid,
+    outlines,
+    sheet_mesh,
+    two_sheets,
+    upper,
+)
 
-from ngslac import LACContact, LACSpace
+QUAD, POLYGON = 9, 7  # VTK's numbers
+KINDS = [("edge", "edge"), ("mixed", "mixed")]
 
 
-@pytest.fixture
-def contact():
-    upper = Strip("upper", on_line(np.linspace(0, 1, 6), 0.05), (0, 0.5), "slave")
-    lower = Strip("lower", on_line(np.linspace(-0.2, 0.93, 8)), (0, -0.5), "master")
-    return contact_on(strip_mesh(upper, lower, angle=0.3))
+def pair(kinds, seed=3, slope=(0, 0)):
+    sheets = two_sheets(np.random.default_rng(1), kinds, SHIFTED, 0.05, slope)
+    return contact_on(sheet_mesh(*sheets, motion=Motion(dimension(kinds), seed)))
+
+
+@pytest.fixture(params=KINDS)
+def contact(request):
+    return pair(request.param)
 
 
 def arrays_of(path):
-    """All DataArrays of a VTU file by name."""
+    """All DataArrays of a VTU file by name, and the number of cells and points."""
     piece = ET.parse(path).getroot().find("UnstructuredGrid/Piece")
     values = {}
     for array in piece.iter("DataArray"):
         kind = {"Int64": int, "Float64": float}[array.get("type")]
         numbers = np.array([kind(t) for t in array.text.split()])
         values[array.get("Name")] = numbers.reshape(-1, int(array.get("NumberOfComponents")))
-    return piece, values
+    return values, int(piece.get("NumberOfCells")), int(piece.get("NumberOfPoints"))
+
+
+def polygon_area(corners):
+    """Area of a plane polygon in space."""
+    p = corners - corners[0]
+    return 0.5 * np.linalg.norm(np.cross(p[:-1], p[1:]).sum(axis=0))
 
 
 @pytest.mark.parametrize("name", ["segments.vtu", "segments", "gap_0.25"])
 def test_vtu_holds_the_segments(contact, tmp_path, name):
-    segments = contact.Segments()
+    """Between both sides in the plane, and the polygons of one after the other in space."""
+    segments, sides = contact.Segments(), contact.mesh.dim - 1
     path = segments.WriteVTU(tmp_path / name)
     assert path == tmp_path / (name if name.endswith(".vtu") else f"{name}.vtu")
-    piece, arrays = arrays_of(path)
+    arrays, cells, points = arrays_of(path)
     n = len(segments)
     assert n >= 10
-    assert int(piece.get("NumberOfCells")) == n
-    assert int(piece.get("NumberOfPoints")) == len(arrays["points"]) == 4 * n
+    assert cells == sides * n == len(arrays["offsets"])
+    assert points == len(arrays["points"])
     for field in ("slave", "master", "area", "gap"):
-        assert np.array_equal(arrays[field].ravel(), getattr(segments, field)), field
-    assert np.all(arrays["types"] == 9)
-    assert np.array_equal(arrays["offsets"].ravel(), 4 * np.arange(1, n + 1))
-    corners = arrays["points"][arrays["connectivity"].reshape(-1, 4)]
-    assert np.array_equal(corners[:, :2, :2], segments.slave_points)
-    assert np.array_equal(corners[:, :1:-1, :2], segments.master_points)
-    assert not np.any(corners[:, :, 2])
+        expected = np.tile(getattr(segments, field), sides)
+        assert np.array_equal(arrays[field].ravel(), expected), field
+    ends = [p.reshape(-1, sides + 1) for p in (segments.slave_points, segments.master_points)]
+    if sides == 1:
+        assert np.all(arrays["types"] == QUAD)
+        assert np.array_equal(arrays["offsets"].ravel(), 4 * np.arange(1, n + 1))
+        corners = arrays["points"][arrays["connectivity"].reshape(-1, 4)]
+        assert np.array_equal(corners[:, :2, :2].reshape(-1, 2), ends[0])
+        assert np.array_equal(corners[:, :1:-1, :2].reshape(-1, 2), ends[1])
+        assert not np.any(corners[:, :, 2])
+        areas, expected = [polygon_area(c) for c in corners], segments.area * segments.gap
+    else:
+        assert np.all(arrays["types"] == POLYGON)
+        assert np.array_equal(arrays["side"].ravel(), np.repeat([1, 2], n))
+        assert np.array_equal(arrays["connectivity"].ravel(), np.arange(points))
+        assert np.array_equal(arrays["points"], np.concatenate(ends))
+        corners = np.split(arrays["points"], arrays["offsets"].ravel()[:-1])
+        areas, expected = [polygon_area(c) for c in corners], np.tile(segments.area, 2)
+    assert areas == pytest.approx(expected, abs=1e-13)  # parallel planes
 
 
-def test_vtu_quadrilaterals_are_the_gap(contact, tmp_path):
-    """The polygon from slave to master and back has the area of the gap's integral."""
-    segments = contact.Segments()
-    _, arrays = arrays_of(segments.WriteVTU(str(tmp_path / "a.vtu")))
-    p = arrays["points"].reshape(-1, 4, 3)
-    q = np.roll(p, -1, axis=1)
-    polygon = 0.5 * np.abs(np.sum(p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0], axis=1))
-    assert polygon == pytest.approx(segments.area * segments.gap, rel=1e-12)
+def test_corners_are_counted():
+    segments = pair(KINDS[1]).Segments()
+    assert segments.first.shape == (len(segments) + 1,)
+    assert segments.first[0] == 0
+    assert segments.first[-1] == len(segments.slave_points) == len(segments.master_points)
+    assert set(np.diff(segments.first)) <= set(range(3, 9))
 
 
-def test_webgui_data_are_lines_along_the_normals(contact):
-    data = contact._GetWebguiData()
+def test_vtu_of_a_tilted_master(tmp_path):
+    """Master polygons lie in the master's plane and project onto those of the slave."""
+    segments = pair(KINDS[1], seed=None, slope=(-0.5, 0)).Segments()
+    arrays, *_ = arrays_of(segments.WriteVTU(tmp_path / "tilted"))
+    slave, master = np.split(arrays["points"], 2)
+    assert master[:, 2] == pytest.approx(-0.05 - 0.5 * master[:, 0], abs=1e-13)
+    assert master[:, :2] == pytest.approx(slave[:, :2], abs=1e-13)
+    cells = [shapely.Polygon(c) for c in np.split(slave[:, :2], segments.first[1:-1])]
+    assert shapely.union_all(cells).area == pytest.approx(0.8, rel=1e-12)
+
+
+def test_webgui_data_are_outlines_and_normals(contact):
+    data, segments = contact._GetWebguiData(), contact.Segments()
     json.dumps(data)  # has to travel to a browser
     assert data["type"] == "lines"
-    segments = contact.Segments()
     position = np.array(data["position"]).reshape(-1, 2, 3)
-    assert len(position) == 2 * len(segments)
-    across = position[:, 1] - position[:, 0]
-    normal = np.append(contact.Table()["normal"][0], 0)
-    assert across == pytest.approx(np.tile(0.05 * normal, (len(across), 1)), abs=1e-13)
+    sides, across = np.split(position, [len(position) - len(segments)])
+    normal = np.append(contact.Table()["normal"][0], 0)[:3]
+    if contact.mesh.dim == 2:
+        across = position  # all of them
+        assert len(sides) == len(segments)
+    else:
+        corners = outlines(segments)
+        starts = np.concatenate(corners)
+        ends = np.concatenate([np.roll(c, -1, axis=0) for c in corners])
+        assert np.array_equal(sides, np.stack([starts, ends], axis=1))
+        middles = np.array([c.mean(axis=0) for c in corners])
+        assert across[:, 0] == pytest.approx(middles, abs=1e-14)
+    expected = np.tile(0.05 * normal, (len(across), 1))
+    assert across[:, 1] - across[:, 0] == pytest.approx(expected, abs=1e-13)
 
 
-def test_draw_takes_the_contact_as_an_object(contact, tmp_path):
+def test_draw_takes_the_contact_and_its_fields(contact, tmp_path):
     path = tmp_path / "contact.html"
     Draw(contact.mesh, objects=[contact], filename=str(path))
-    text = path.read_text()
-    assert "contact segments" in text
-    assert len(text) > 1000
-
-
-def test_draw_fields_on_the_slave_side(contact, tmp_path):
-    path = tmp_path / "normal.html"
+    assert "contact segments" in path.read_text()
     contact.form.SetConstant(1.0)
-    Draw(contact.pressure, contact.mesh.Boundaries("slave"), filename=str(path))
-    assert path.stat().st_size > 1000
+    for field in (contact.pressure, contact.gap, contact.traction):
+        field_path = tmp_path / f"{field.name}.html"
+        Draw(field, contact.mesh.Boundaries("slave"), filename=str(field_path))
+        assert field_path.stat().st_size > 1000
 
 
-def test_vtk_corner_points_of_an_obstacle(tmp_path):
+@pytest.mark.parametrize("kind", ["edge", "trig", "quad"])
+def test_obstacle_takes_whole_faces(kind, tmp_path):
     """An obstacle has no master surface: its points lie one gap along the normal."""
-    upper = Strip("upper", on_line(np.linspace(0, 1, 6)), (0, 0.5), "slave")
-    mesh = strip_mesh(upper)
-    V = VectorH1(mesh, order=2)
-    u, lam = (V * LACSpace(V, slave="slave")).TrialFunction()
-    segments = LACContact(u, lam, obstacle=CF(0.25)).Segments()
+    body = upper(grid(kind, 2))
+    dim, n = body.points.shape[1], len(body.faces)
+    mesh = sheet_mesh(body, motion=Motion(dim, 2))
+    segments = contact_on(mesh, obstacle=CF(0.25)).Segments()
+    assert len(segments) == n
     assert np.all(segments.master == -1)
     assert segments.gap == pytest.approx(0.25, rel=1e-14)
-    assert segments.area == pytest.approx(0.2, rel=1e-13)
-    _, arrays = arrays_of(segments.WriteVTU(tmp_path / "obstacle"))
-    assert len(arrays["area"]) == 5
+    assert segments.area == pytest.approx(1 / n, rel=1e-13)
+    assert [len(corners) for corners in outlines(segments)] == n * [len(body.faces[0])]
+    across = np.linalg.norm(segments.master_points - segments.slave_points, axis=-1)
+    assert across == pytest.approx(0.25, rel=1e-13)
+    arrays, *_ = arrays_of(segments.WriteVTU(tmp_path / "obstacle"))
+    assert len(arrays["area"]) == (dim - 1) * n

@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
+import shapely
 
 
 def area(corners):
@@ -56,8 +57,7 @@ def exact_intersection(p, q):
             if d[i] >= 0:
                 clipped.append(corner)
         result = clipped
-    n = len(result)
-    sides = ((result[i - 1], result[i]) for i in range(n))
+    sides = ((result[i - 1], result[i]) for i in range(len(result)))
     return float(sum((a[0] * b[1] - a[1] * b[0] for a, b in sides), Fraction(0)) / 2)
 
 
@@ -77,7 +77,8 @@ def power(rng, least, most):
     return 10.0 ** rng.uniform(least, most)
 
 
-# ---------------------------------------------------------------- families of pairs
+def across(e):
+    return np.array([-e[1], e[0]])
 
 
 def anything(rng):
@@ -87,8 +88,8 @@ def anything(rng):
 def sliver(rng):
     """A thin quadrilateral, sometimes a needle, across a polygon."""
     p, e = convex(rng), rng.normal(size=2)
-    across, c = power(rng, -14, -1) * np.array([-e[1], e[0]]), p.mean(axis=0)
-    return p, np.array([c - e, c + e, c + e + across, c - e + rng.uniform(0, 1) * across])
+    thin, c = power(rng, -14, -1) * across(e), p.mean(axis=0)
+    return p, np.array([c - e, c + e, c + e + thin, c - e + rng.uniform(0, 1) * thin])
 
 
 def nearly_parallel(rng):
@@ -109,11 +110,7 @@ def common_edge(rng):
     p = convex(rng)
     e = p[1] - p[0]
     start, end = rng.choice([0, 0, -0.3, 0.3]), rng.choice([1, 1, 0.8, 1.2])
-    tip = (
-        p[0]
-        + rng.uniform(0, 1) * e
-        + rng.choice([-1, 1]) * power(rng, -6, 0) * np.array([-e[1], e[0]])
-    )
+    tip = p[0] + rng.uniform(0, 1) * e + rng.choice([-1, 1]) * power(rng, -6, 0) * across(e)
     q = np.array([p[0] + start * e, p[0] + end * e, tip])
     return p, q if area(q) > 0 else q[::-1]
 
@@ -139,37 +136,19 @@ def similar(rng):
 def apart(rng):
     """A polygon and its mirror image behind a side: they share a side or nothing."""
     p = convex(rng)
-    e = (p[1] - p[0]) / np.linalg.norm(p[1] - p[0])
-    normal = np.array([-e[1], e[0]])
+    normal = across((p[1] - p[0]) / np.linalg.norm(p[1] - p[0]))
     shift = rng.choice([0, 0, power(rng, -16, 0)])
-    mirrored = p - 2 * np.outer((p - p[0]) @ normal, normal) - shift * normal
-    return p, mirrored[::-1]
+    return p, (p - 2 * np.outer((p - p[0]) @ normal, normal) - shift * normal)[::-1]
 
 
 def grid_points(rng):
     """Corners on a small grid: every coincidence there is."""
-    while True:
-        p, q = (hull(rng.integers(0, 4, (6, 2)).tolist()) for _ in range(2))
-        if len(p) > 2 and len(q) > 2:
-            return np.array(p, dtype=float), np.array(q, dtype=float)
-
-
-def hull(points):
-    """Convex hull of points with integer coordinates, without corners on its sides."""
-    points = sorted(set(map(tuple, points)))
-
-    def half(points):
-        chain = []
-        for p in points:
-            while len(chain) > 1 and (
-                (chain[-1][0] - chain[-2][0]) * (p[1] - chain[-2][1])
-                <= (chain[-1][1] - chain[-2][1]) * (p[0] - chain[-2][0])
-            ):
-                chain.pop()
-            chain.append(p)
-        return chain[:-1]
-
-    return half(points) + half(points[::-1])
+    found = []
+    while len(found) < 2:
+        hull = shapely.convex_hull(shapely.MultiPoint(rng.integers(-3, 4, (6, 2))))
+        if hull.area > 0:
+            found.append(np.array(shapely.orient_polygons(hull).exterior.coords)[:-1])
+    return found
 
 
 FAMILIES = [

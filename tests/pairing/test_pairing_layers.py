@@ -1,0 +1,230 @@
+"""Which faces pair where there are several: the nearest one that looks back."""
+
+import numpy as np
+import pytest
+import shapely
+from sheets import (
+    FLAT,
+    Motion,
+    Sheet,
+    areas_by_face,
+    contact_on,
+    faces_of,
+    flat,
+    flat_box,
+    grid,
+    in_plane,
+    lower,
+    mean_gap,
+    sheet_mesh,
+    upper,
+)
+
+WIDE = ((-0.1, -0.1), (1.1, 1.1))
+
+
+@pytest.fixture(params=["edge", "mixed"])
+def kind(request):
+    """In the plane and in space."""
+    return request.param
+
+
+def area_at(contact, gap):
+    """Slave area whose segments have a mean gap."""
+    segments = contact.Segments()
+    return segments.area[np.abs(segments.gap - gap) < 1e-9].sum()
+
+
+def random_plates(rng, kind, gaps, slope=0.0):
+    """A slave over plates at random places: their shapes seen from above, and all sheets."""
+    kinds = ["edge"] if kind == "edge" else FLAT
+    shapes, sheets = [], [upper(grid(rng.choice(kinds), rng=rng), renumbered=rng)]
+    for k, gap in enumerate(gaps):
+        low = rng.uniform(-0.2, 0.6, 2)
+        box = low, low + rng.uniform(0.2, 1, 2)
+        surface = grid(rng.choice(kinds), 2, box, rng)
+        tilt = slope * rng.uniform(-1, 1, 2)
+        middle = np.mean(surface[0], axis=0) @ tilt[: surface[0].shape[1]]
+        shapes.append(flat_box(*(ends[: surface[0].shape[1]] for ends in box)))
+        sheets.append(lower(surface, -gap - middle, 1e-3, f"plate{k}", tilt, renumbered=rng))
+    return shapes, sheets
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_layers_hide_what_is_behind(kind, seed):
+    """Two to four parallel plates of any sizes, one of them penetrated, against shapely."""
+    rng = np.random.default_rng(seed)
+    scale = 10.0 ** rng.integers(-3, 4)
+    gaps = rng.permutation([0.02, -0.03, 0.1, 0.4])[: rng.integers(2, 5)]
+    plates, sheets = random_plates(rng, kind, gaps)
+    motion = Motion(2 if kind == "edge" else 3, seed, scale)
+    mesh = sheet_mesh(*sheets, motion=motion)
+    contact = contact_on(mesh, penetration=0.2 * scale)
+
+    numbers, corners = faces_of(mesh, "slave")
+    shapes = [flat(motion.back(c)[:, :-1]) for c in corners]
+    exact, hidden = np.zeros((len(shapes), len(gaps))), shapely.Polygon()
+    for k in np.argsort(np.abs(gaps)):
+        exact[:, k] = shapely.area(shapely.intersection(shapes, plates[k].difference(hidden)))
+        hidden = hidden.union(plates[k])
+    segments, got = contact.Segments(), np.zeros_like(exact)
+    layer = np.argmin(np.abs(segments.gap[:, None] / scale - gaps), axis=1)
+    assert segments.gap / scale == pytest.approx(gaps[layer], abs=1e-10)
+    area = segments.area / scale ** (mesh.dim - 1)
+    np.add.at(got, (np.searchsorted(numbers, segments.slave), layer), area)
+    assert got == pytest.approx(exact, abs=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_crossing_layers_cover_what_their_union_covers(kind, seed):
+    """Inclined plates that pass through each other: who is nearest varies, but no area is lost."""
+    rng = np.random.default_rng(100 + seed)
+    plates, sheets = random_plates(rng, kind, rng.uniform(0, 0.4, 5), slope=0.6)
+    mesh = sheet_mesh(*sheets)
+    contact = contact_on(mesh, penetration=2.0, maxdist=5.0)
+    union = shapely.union_all(plates)
+    exact = [flat(c[:, :-1]).intersection(union).area for c in faces_of(mesh, "slave")[1]]
+    assert areas_by_face(contact) == pytest.approx(exact, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", [None, 1])
+def test_of_tilted_layers_the_nearest_where_they_overlap_counts(kind, seed):
+    """A wide inclined plate is far away on average, but in front of a strip at its near end."""
+    wide = lower(grid(kind, 1), -0.001, 0.005, slope=(-1, 0))
+    strip = lower(grid(kind, 1, ((0, 0), (0.1, 1))), -0.3, name="strip")
+    slave = upper(grid(kind, 2))
+    mesh = sheet_mesh(slave, wide, strip, motion=Motion(slave.points.shape[1], seed))
+    contact = contact_on(mesh)
+    assert set(contact.Segments().master) <= set(faces_of(mesh, "master")[0][: len(wide.faces)])
+    assert contact.Segments().area.sum() == pytest.approx(1, rel=1e-12)
+    assert mean_gap(contact) == pytest.approx(0.501, rel=1e-12)
+
+
+def test_two_masters_side_by_side_at_different_heights(kind):
+    across = 1 if kind == "edge" else 0.8
+    left, right = ((-0.3, -0.1), (0.45, 1.1)), ((0.62, -0.1), (1.2, 0.8))
+    contact = contact_on(sheet_mesh(
+        upper(grid(kind)), lower(grid(kind, 3, left), -0.1, name="left"),
+        lower(grid(kind, 3, right), -0.2, name="right"),
+    ))  # fmt: skip
+    assert area_at(contact, 0.1) == pytest.approx(0.45, rel=1e-12)
+    assert area_at(contact, 0.2) == pytest.approx(0.38 * across, rel=1e-12)
+    assert contact.Segments().area.sum() == pytest.approx(0.45 + 0.38 * across, rel=1e-12)
+
+
+def test_two_slaves_on_one_master(kind):
+    second = upper(grid(kind, 3, ((0.55, 0.1), (1.3, 0.9))), 0.25, name="second")
+    first = upper(grid(kind, 2, ((0, 0), (0.4, 1))))
+    master = lower(grid(kind, 5, ((-0.1, -0.1), (1, 1.1))))
+    areas = areas_by_face(contact_on(sheet_mesh(first, second, master)))
+    number = len(first.faces)
+    assert areas[:number].sum() == pytest.approx(0.4, rel=1e-12)
+    assert areas[number:].sum() == pytest.approx(0.45 * (1 if kind == "edge" else 0.8), rel=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.02, 0.3])
+def test_nearest_counts_penetration_too(kind, depth):
+    """A plate that is penetrated a little is nearer than one that is far open."""
+    near, far = lower(grid(kind, 3, WIDE), depth, 0.005), lower(grid(kind, 4, WIDE), -0.2, name="f")
+    contact = contact_on(sheet_mesh(upper(grid(kind)), near, far), penetration=0.5)
+    expected = -depth if depth < 0.2 else 0.2
+    assert contact.Segments().gap == pytest.approx(expected, rel=1e-12)
+    assert contact.Check().paired_area == pytest.approx(1, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("maxdist", "penetration"), [(0.15, 0.05), (0.3, 0.5), (1.0, 0.05), (0.05, 0.5)]
+)
+def test_maxdist_and_penetration_limit_the_search(kind, maxdist, penetration):
+    gaps = np.array([0.0, 0.1, 0.2, 0.4, 0.8, -0.3])
+    one = "edge" if kind == "edge" else "quad"
+    slaves = [upper(grid(one, 1, ((k, 0), (k + 1, 1))), name=f"s{k}") for k in range(6)]
+    bodies = [
+        lower(grid(kind, 3, ((k + 0.01, 0), (k + 0.99, 1))), -gap, 0.005, f"b{k}")
+        for k, gap in enumerate(gaps)
+    ]
+    mesh = sheet_mesh(*slaves, *bodies)
+    contact = contact_on(mesh, maxdist=maxdist, penetration=penetration)
+    seen = (gaps < maxdist) & (gaps > -penetration)
+    assert areas_by_face(contact) == pytest.approx(0.98 * seen, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [None, 4])
+def test_faces_that_look_away_never_pair(kind, seed):
+    """Slave and master are the whole boundaries of both blocks: only the facing sides pair."""
+    slave = upper(grid(kind, 2), 0.05, rest="slave")
+    master = lower(grid(kind, 3, ((-0.2, -0.1), (0.7, 1.1))), rest="master")
+    contact = contact_on(sheet_mesh(slave, master, motion=Motion(slave.points.shape[1], seed)))
+    assert contact.Segments().area.sum() == pytest.approx(0.7, rel=1e-12)
+    assert contact.Segments().gap == pytest.approx(0.05, rel=1e-11)
+
+
+def test_only_faces_that_look_away_is_an_error(kind):
+    mesh = sheet_mesh(upper(grid(kind)), lower(grid(kind), -0.1, -0.05))
+    with pytest.raises(Exception, match="never meet"):
+        contact_on(mesh)
+
+
+def test_side_walls_pair_across_a_slit(kind):
+    """Whole boundaries beside each other: only the walls of the slit see each other."""
+    left = upper(grid(kind, 3, ((-1, 0), (0, 1))), depth=1, rest="slave")
+    right = lower(grid(kind, 4, ((0.02, -0.5), (1, 1.5))), 0.7, 1, rest="master")
+    contact = contact_on(sheet_mesh(left, right))
+    segments = contact.Segments()
+    assert segments.slave_points[..., 0] == pytest.approx(0, abs=1e-14)
+    assert segments.area.sum() == pytest.approx(0.7, rel=1e-12)
+    assert segments.gap == pytest.approx(0.02, rel=1e-11)
+
+
+def test_a_thin_body_does_not_pair_through_itself(kind):
+    """The upper side of a thin plate must not see the plate below as a deep penetration."""
+    slave = upper(grid(kind, 2), depth=0.02, rest="slave")
+    mesh = sheet_mesh(slave, lower(grid(kind), depth=0.02, rest="master"))
+    contact = contact_on(mesh, penetration=0.01)
+    assert contact.Check().paired_area == pytest.approx(1, rel=1e-12)
+    assert contact.Segments().gap == pytest.approx(0, abs=1e-14)
+
+
+@pytest.mark.parametrize("angle", [0.0, 60.0, 75.0, 78.0])
+def test_steep_masters_pair_up_to_a_limit(kind, angle):
+    """Planes at up to 80 degrees: the master's projection on the slave counts."""
+    t, across = np.radians(angle), 1 if kind == "edge" else 0.7
+    points, faces = grid(kind, 3, ((0, 0.2), (2, 0.9)))
+    tilted = in_plane(points * ([np.cos(t), 1][: points.shape[1]]), -0.1)
+    tilted[:, -1] -= points[:, 0] * np.sin(t)
+    depth = -0.3 * np.array([np.sin(t), 0, np.cos(t)])[:: 1 if kind == "mixed" else 2]
+    mesh = sheet_mesh(upper(grid(kind, 2)), Sheet("lower", tilted, faces, depth, "master"))
+    contact, width = contact_on(mesh), min(2 * np.cos(t), 1)
+    assert contact.Segments().area.sum() == pytest.approx(across * width, rel=1e-12)
+    assert mean_gap(contact) == pytest.approx(0.1 + np.tan(t) * width / 2, rel=1e-12)
+
+
+def box(kind, n):
+    """The surface of the unit square or cube: points and faces."""
+    numbers, faces = {}, []
+    points, cells = grid(kind, n)
+    for axis in range(points.shape[1] + 1):
+        for end in (0.0, 1.0):
+            side = np.insert(points, axis, end, axis=1)
+            index = [numbers.setdefault(tuple(p.round(9).tolist()), len(numbers)) for p in side]
+            turn = 1 if (end == 1) == (axis != 1) else -1
+            faces += [tuple(index[i] for i in cell[::turn]) for cell in cells]
+    return np.array(list(numbers)), faces
+
+
+@pytest.mark.parametrize("gap", [0.02, -0.02])
+@pytest.mark.parametrize("seed", [None, 5])
+def test_a_cube_in_a_cavity(kind, gap, seed):
+    """All sides at once: each side sees its own wall and none of the others."""
+    (points, faces), (outer, walls) = box(kind, 3), box("edge" if kind == "edge" else "quad", 2)
+    size, d = 1 + 2 * gap, points.shape[1]
+    outer = 0.5 + size * (outer - 0.5)
+    mesh = sheet_mesh(
+        Sheet("cube", points, faces, 0.3 * (0.5 - points), "slave"),
+        Sheet("cavity", outer, walls, 0.3 * (outer - 0.5), "master"),
+        motion=Motion(d, seed, 10.0),
+    )
+    segments = contact_on(mesh).Segments()
+    area = 2 * d * min(1, size) ** (d - 1)
+    assert segments.area.sum() / 10 ** (d - 1) == pytest.approx(area, rel=1e-12)
+    assert segments.gap / 10 == pytest.approx(gap, rel=1e-10)
