@@ -79,6 +79,7 @@ def press(
     order=2,
     push=None,
     nonlinear=False,
+    bulk=None,
     spring=1000.0,
     condense=False,
     space=VectorH1,
@@ -94,7 +95,8 @@ def press(
     """Block "upper", its top held by springs that move by load * push, on a clamped block "lower".
 
     `h` is of 2D, `kinds` and `n` are of 3D; `mesh_flags` go to TwoBlocks or TwoBlocks3D, `change`
-    makes another mesh of it, `flags` go to the displacement space, the rest to LACContact.
+    makes another mesh of it, `bulk(u, v, load)` other integrals, `flags` go to the displacement
+    space, the rest to LACContact.
     """
     mesh = two_blocks(dim, h=h, kinds=kinds, n=n, **(mesh_flags or {}))
     if change:
@@ -104,7 +106,8 @@ def press(
     (u, lam), (v, _) = X.TnT()
     load = Parameter(1.0)
     a = BilinearForm(X, condense=condense)
-    a += neo_hooke(u) if nonlinear else linear(u, v)
+    for part in bulk(u, v, load) if bulk else [neo_hooke(u) if nonlinear else linear(u, v)]:
+        a += part
     if spring:
         a += spring * InnerProduct(u - load * CF(push or PUSH[dim]), v) * ds("top")
     contact = LACContact(u, lam, master=master, **law)

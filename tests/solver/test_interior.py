@@ -28,27 +28,33 @@ from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
 
 
-def hooke(u, v, young=1.0, nu=0.3):
-    return InnerProduct(Stress(Sym(Grad(u)), young, nu), Sym(Grad(v)))
+def problem(mesh, pairs, load, *, held="", tied=(), space=None, **law):
+    """Displacement of order 2, a contact for each pair of slave and master; E = 1, nu = 0.3.
 
-
-def problem(mesh, pairs, bulk, dirichlet="", tied=(), **given):
-    """Displacement of order 2, a contact for each pair of slave and master."""
-    V = VectorH1(mesh, order=2, dirichlet=dirichlet, **given.pop("space", {}))
+    `load(v, t)` is subtracted from the bulk, t the parameter `load` of the problem.
+    """
+    V = VectorH1(mesh, order=2, dirichlet=held, **(space or {}))
     fes = V
     for slave, _ in pairs:
         fes = fes * LACSpace(V, slave=slave)
     (u, *lams), (v, *_) = fes.TnT()
-    load, a = Parameter(1.0), BilinearForm(fes)
-    a += bulk(u, v, load)
+    t, a, gf = Parameter(1.0), BilinearForm(fes), GridFunction(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1.0, 0.3), Sym(Grad(v))) * dx
+    if load:
+        a += -1.0 * load(u, v, t)
     contacts = [
-        LACContact(u, lam, master=master, **({"tied": True} if slave in tied else given))
+        LACContact(u, lam, master=master, **({"tied": True} if slave in tied else law))
         for lam, (slave, master) in zip(lams, pairs, strict=True)
     ]
-    gf = GridFunction(fes)
-    return SimpleNamespace(
-        load=load, gf=gf, contacts=contacts, mesh=mesh, solver=ContactSolver(a, gf, contacts)
-    )
+    solver = ContactSolver(a, gf, contacts)
+    return SimpleNamespace(load=t, gf=gf, contacts=contacts, mesh=mesh, solver=solver)
+
+
+def solved(*args, **flags):
+    """Force and contact table of each contact."""
+    p = problem(*args, **flags)
+    p.solver.Solve(printing=False)
+    return [(c.Force(), c.Table()) for c in p.contacts]
 
 
 def blocks(*boxes):
@@ -63,40 +69,33 @@ def blocks(*boxes):
     return Mesh(OCCGeometry(Compound(faces), dim=2).GenerateMesh())
 
 
-def leaves(friction, tied=False, count=2, length=30.0):
+ON_BASE = [("low1", "high0")]
+
+
+def leaves(friction, tied=(), count=2):
     """Thin leaves, clamped at the left; the last one is pressed down at its tip."""
-    boxes = [(0, k, length, k + 1, (1.3, 1.0)[k % 2]) for k in range(count)]
+    boxes = [(0, k, 30.0, k + 1, (1.3, 1.0)[k % 2]) for k in range(count)]
     pairs = [(f"low{k}", f"high{k - 1}") for k in range(1, count)]
-    clamps = "|".join(f"left{k}" for k in range(count))
-    return problem(
-        blocks(*boxes),
-        pairs,
-        lambda u, v, load: hooke(u, v) * dx + 1e-6 * load * v[1] * ds(f"right{count - 1}"),
-        clamps,
-        tied=("low1",) if tied else (),
-        friction=friction,
-    )
+    clamps, tip = "|".join(f"left{k}" for k in range(count)), f"right{count - 1}"
+    press = lambda u, v, t: -1e-6 * t * v[1] * ds(tip)  # noqa: E731
+    return solved(blocks(*boxes), pairs, press, held=clamps, tied=tied, friction=friction)
 
 
 @pytest.mark.parametrize("friction", [None, 0.3, 1.0])
 def test_leaves_in_bending(friction):
     """Two leaves meet at their tips alone, where the upper one hands on a part of its load."""
-    p = leaves(friction)
-    p.solver.Solve(printing=False)
-    contact = p.contacts[0]
-    table = contact.Table()
+    ((force, table),) = leaves(friction)
     assert table["pressure"].min() >= 0
     assert table["gap"].min() > -1e-10 * table["gap"].max()
     # Half of the load each: alike leaves that bend alike, the slope at the tip counts a little.
-    assert contact.Force()[1] == pytest.approx(0.5e-6, rel=0.05)
+    assert force[1] == pytest.approx(0.5e-6, rel=0.05)
     assert table["x"][table["status"] > 0][:, 0].min() > 0.9 * 30
 
 
 def test_leaves_some_of_them_tied():
-    p = leaves(None, tied=True, count=3)
-    p.solver.Solve(printing=False)
-    assert p.contacts[0].Force()[1] + 1e-6 > 0
-    assert p.contacts[1].Table()["pressure"].min() >= 0
+    (force, _), (_, table) = leaves(None, tied=("low1",), count=3)
+    assert force[1] + 1e-6 > 0
+    assert table["pressure"].min() >= 0
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
@@ -116,16 +115,12 @@ def test_pin_that_meets_its_hole_at_one_point(scale):
             elif edge.center.x**2 + edge.center.y**2 < 1.5 * radius**2:
                 edge.name, edge.maxh = name, size * scale
     mesh = Mesh(OCCGeometry(Compound([pin, plate]), dim=2).GenerateMesh(maxh=scale, grading=0.4))
-    p = problem(
-        mesh.Curve(2),
-        [("slave", "master")],
-        lambda u, v, load: hooke(u, v) * dx + 1e-4 / scale * load * v[1] * dx("pin"),
-        "far",
-        space={"dirichletx": "middle"},
-    )
-    p.solver.Solve(printing=False)
-    weight = 1e-4 / scale * Integrate(CF(1), mesh, definedon=mesh.Materials("pin"))
-    assert p.contacts[0].Force()[1] == pytest.approx(weight, rel=1e-8)
+    weight = 1e-4 / scale
+    pull = lambda u, v, t: -weight * t * v[1] * dx("pin")  # noqa: E731
+    free = {"dirichletx": "middle"}
+    ((force, _),) = solved(mesh.Curve(2), [("slave", "master")], pull, held="far", space=free)
+    area = Integrate(CF(1), mesh, definedon=mesh.Materials("pin"))
+    assert force[1] == pytest.approx(weight * area, rel=1e-8)
 
 
 def test_slip_in_all_directions_holds_a_ring():
@@ -138,13 +133,12 @@ def test_slip_in_all_directions_holds_a_ring():
     ring.faces.Min(Z).name, ring.faces.Max(Z).name = "slave", "top"
     plate.faces.Max(Z).name, plate.faces.Min(Z).name = "master", "bottom"
     mesh = Mesh(OCCGeometry(Compound([ring, plate])).GenerateMesh()).Curve(2)
-    heat = mesh.MaterialCF({"ring": 2e-3}, default=0)
+    heat = mesh.MaterialCF({"ring": 2e-3}, default=0) / (1 - 2 * 0.3)
 
-    def bulk(u, v, load):
-        grown = 1 / (1 - 2 * 0.3) * heat * load * Trace(Grad(v))
-        return (hooke(u, v) - grown) * dx + 2e-4 * load * v[2] * ds("top")
+    def load(u, v, t):
+        return heat * t * Trace(Grad(v)) * dx - 2e-4 * t * v[2] * ds("top")
 
-    p = problem(mesh, [("slave", "master")], bulk, "bottom", friction=0.15)
+    p = problem(mesh, [("slave", "master")], load, held="bottom", friction=0.15)
     p.load.Set(0)
     steps = LoadStepper(p.solver, p.load).Integrate(steps=3, printing=False)
     assert [step.cuts for step in steps] == [0, 0, 0]
@@ -156,8 +150,8 @@ def test_slip_in_all_directions_holds_a_ring():
 def test_loose_block_under_a_tool_that_comes_down(steps):
     """As long as the tool does not touch nothing pushes the block: it stays."""
     mesh = blocks((-1, -1, 1, 0, 0.5), (-0.5, 0, 0.5, 0.6, 0.35), (-0.4, 0.63, 0.4, 1.1, 0.3))
-    pairs = [("low1", "high0"), ("low2", "high1")]
-    p = problem(mesh, pairs, lambda u, v, _: hooke(u, v) * dx, "low0|high2", friction=0.3)
+    pairs = [*ON_BASE, ("low2", "high1")]
+    p = problem(mesh, pairs, None, held="low0|high2", friction=0.3)
     p.load.Set(0)
     down = {"high2": CF((0, -0.05)) * p.load}
     LoadStepper(p.solver, p.load, prescribe=down).Integrate(steps=steps, printing=False)
@@ -169,23 +163,16 @@ def test_loose_block_under_a_tool_that_comes_down(steps):
 @pytest.mark.parametrize("size", [1e-4, 1e-10, 1e-16])
 def test_force_is_that_of_the_load_however_small(size):
     mesh = blocks((0, -1, 1, 0, 0.35), (0, 1e-12, 1, 1, 0.26))
-
-    def bulk(u, v, load):
-        return hooke(u, v) * dx + size * load * v[1] * ds("high1")
-
-    p = problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
-    p.solver.Solve(printing=False)
-    assert p.contacts[0].Force()[1] == pytest.approx(size, rel=1e-8)
+    press = lambda u, v, t: -size * t * v[1] * ds("high1")  # noqa: E731
+    ((force, _),) = solved(mesh, ON_BASE, press, held="low0", friction=0.3)
+    assert force[1] == pytest.approx(size, rel=1e-8)
 
 
 def dragged(share):
     """A block that is pressed down and dragged to the side by a share of the friction."""
     mesh = blocks((-1, -1, 3, 0, 0.6), (0, 0, 2, 0.3, 0.21))
-
-    def bulk(u, v, load):
-        return hooke(u, v) * dx + 1e-3 * load * (v[1] - 0.3 * share * v[0]) * ds("low1")
-
-    return problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
+    drag = lambda u, v, t: -1e-3 * t * (v[1] - 0.3 * share * v[0]) * ds("low1")  # noqa: E731
+    return problem(mesh, ON_BASE, drag, held="low0", friction=0.3)
 
 
 def test_more_than_friction_carries():
@@ -202,20 +189,43 @@ def test_more_than_friction_carries():
 def test_nearly_all_that_friction_carries():
     p = dragged(0.97)
     p.solver.Solve(printing=False)
-    normal, along = p.contacts[0].Force()[1], abs(p.contacts[0].Force()[0])
+    along, normal = np.abs(p.contacts[0].Force())
     assert along == pytest.approx(0.3 * 0.97 * normal, rel=1e-8)
 
 
-def test_bodies_of_one_material_are_told_apart():
-    mesh = blocks((0, -1, 5, 0, 0.9), (0.2, 0, 1, 0.8, 0.4), (3.2, 0, 4, 0.8, 0.4))
-    domains = [mesh.Materials(f"block{k}") for k in (1, 2)]
+THREE = ((0, -1, 5, 0, 0.9), (0.2, 0, 1, 0.8, 0.4), (3.2, 0, 4, 0.8, 0.4))
 
-    def bulk(u, v, load):
-        return hooke(u, v) * dx - 1e-3 * load * v[1] * dx(definedon=domains[1])
 
-    p = problem(mesh, [("low1|low2", "high0")], bulk, "low0", friction=0.3)
-    with pytest.raises(FloatingBodyError, match="body 'block2'"):
-        p.solver.Solve(printing=False)
+@pytest.mark.parametrize(
+    ("boxes", "slave", "load", "friction", "message"),
+    [
+        # Bodies of one material are told apart.
+        (THREE, "low1|low2", lambda u, v, t: 1e-3 * v[1] * dx("block2"), 0.3, "body 'block2'"),
+        (
+            (THREE[0], (0.2, 0, 1, 0.8, 2.0)),
+            "low1",
+            lambda u, v, t: -1e-3 * x * v[1] * ds("high1"),
+            0.3,
+            "1 macro-elements only: refine its slave surface",
+        ),
+        (THREE[:2], "low1", lambda u, v, t: CF((1e-9, -1e-3)) * v * ds("high1"), None, "'block1'"),
+    ],
+)
+def test_bodies_that_nothing_holds(boxes, slave, load, friction, message):
+    with pytest.raises(FloatingBodyError, match=message):
+        solved(blocks(*boxes), [(slave, "high0")], load, held="low0", friction=friction)
+
+
+@pytest.mark.parametrize(("spring", "shift"), [(1e-7, 0.0), (1e-4, 1e5)])
+def test_weak_spring_holds_a_block_that_slides_freely(spring, shift):
+    """Also far from the origin."""
+    mesh = blocks((shift, -1, shift + 5, 0, 0.9), (shift + 0.2, 0, shift + 1, 0.8, 0.4))
+    pull = CF((1e-9, -1e-3))
+    load = lambda u, v, t: (pull * v - spring * u[0] * v[0]) * ds("high1")  # noqa: E731
+    p = problem(mesh, ON_BASE, load, held="low0")
+    p.solver.Solve(printing=False)
+    moved = Integrate(p.gf.components[0][0] * ds(mesh.Boundaries("high1")), mesh) / 0.8
+    assert moved == pytest.approx(1e-9 / spring, rel=0.05)
 
 
 def test_step_of_the_barrier_is_a_newton_step():
@@ -233,8 +243,7 @@ def test_step_of_the_barrier_is_a_newton_step():
     law.nu = rng.uniform(0.5, 2, 5) * law.rubs
     stiffness, mu = law.Stiffness(), 1e-2
     jump = 1e-3 * rng.standard_normal((5, 3))
-    change = law.Change(mu) - np.einsum("kij,kj->ki", stiffness, jump)
-    step = law.Step(change)
+    step = law.Step(law.Change(mu) - np.einsum("kij,kj->ki", stiffness, jump))
     along = jump - np.sum(jump * normal, axis=1)[:, None] * normal
     assert law.p * step.g + law.g * step.p == pytest.approx(mu - law.p * law.g)
     assert step.g == pytest.approx(gap - law.g - np.sum(jump * normal, axis=1))
@@ -256,33 +265,3 @@ def test_middle_of_the_barrier_is_inside_and_knows_the_gaps():
     assert np.all(np.linalg.norm(law.t, axis=1) <= 0.5 * law.s)
     assert law.p[0] == 3  # closed: the gap follows the pressure
     assert law.g[3] == pytest.approx(50)  # open: the pressure follows the gap
-
-
-@pytest.mark.parametrize(("spring", "shift"), [(0.0, 0.0), (1e-7, 0.0), (0.0, 1e5), (1e-4, 1e5)])
-def test_weak_spring_holds_a_block_that_slides_freely(spring, shift):
-    mesh = blocks((shift, -1, shift + 5, 0, 0.9), (shift + 0.2, 0, shift + 1, 0.8, 0.4))
-    pull = CF((1e-9, -1e-3))
-
-    def bulk(u, v, load):
-        held = spring * u[0] * v[0] - pull * v
-        return hooke(u, v) * dx + held * ds(mesh.Boundaries("high1"))
-
-    p = problem(mesh, [("low1", "high0")], bulk, "low0")
-    if not spring:
-        with pytest.raises(FloatingBodyError, match="'block1'"):
-            p.solver.Solve(printing=False)
-        return
-    p.solver.Solve(printing=False)
-    moved = Integrate(p.gf.components[0][0] * ds(mesh.Boundaries("high1")), mesh) / 0.8
-    assert moved == pytest.approx(1e-9 / spring, rel=0.05)
-
-
-def test_a_body_turns_on_a_single_macro_element():
-    mesh = blocks((0, -1, 5, 0, 0.9), (0.2, 0, 1, 0.8, 2.0))
-
-    def bulk(u, v, load):
-        return hooke(u, v) * dx + 1e-3 * x * v[1] * ds(mesh.Boundaries("high1"))
-
-    p = problem(mesh, [("low1", "high0")], bulk, "low0", friction=0.3)
-    with pytest.raises(FloatingBodyError, match="1 macro-elements only: refine its slave surface"):
-        p.solver.Solve(printing=False)
