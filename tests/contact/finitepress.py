@@ -2,7 +2,7 @@
 
 import numpy as np
 from blocks import macro_dofs
-from finiteform import POSITIONS, rotation
+from form import POSITIONS, rotation
 from ngsolve import CF, BilinearForm, Grad, GridFunction, Id, Parameter, Variation, VectorH1, dx
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper

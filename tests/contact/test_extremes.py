@@ -2,67 +2,51 @@
 
 import numpy as np
 import pytest
-from blocks import C, vector
-from netgen.occ import Compound, MoveTo, OCCGeometry, Y
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Mesh, VectorH1, dx
+from blocks import block_mesh, contact_form, random_state, residual, vector
+from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
 
 from ngslac import LACContact, LACSpace
 from ngslac._ngslac import MergeMatrices
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 
-finite = pytest.mark.parametrize("finite", [False, True])
+sliding = pytest.mark.parametrize("finite", [False, True])
 
 
-def contact_on(mesh, order, **flags):
-    """A contact that is not paired, and an elastic bulk."""
-    V = VectorH1(mesh, order=order, dirichlet="bottom|top")
-    (u, lam), (v, _) = (V * LACSpace(V, slave="slave")).TnT()
-    contact = LACContact(u, lam, master="master", **flags)
-    return contact, lambda: BilinearForm(InnerProduct(Grad(u), Grad(v)) * dx).Assemble().mat
-
-
-@finite
+@sliding
 @pytest.mark.parametrize(("dim", "order"), [(2, 16), (3, 10)])
 def test_high_order(dim, order, finite):
     mesh = TwoBlocks(0.5, 0.4) if dim == 2 else TwoBlocks3D("hex", n_slave=1, n_master=2)
-    contact, _ = contact_on(mesh, order, finite=finite)
+    V = VectorH1(mesh, order=order)
+    u, lam = (V * LACSpace(V, slave="slave")).TrialFunction()
+    contact = LACContact(u, lam, master="master", finite=finite)
     contact.Update()
     table = contact.Table()
     np.testing.assert_allclose(table["area"], table["fullarea"], rtol=1e-8)
 
 
-@finite
+@sliding
 def test_tractions_whose_squares_are_zero(finite):
-    contact, stiffness = contact_on(TwoBlocks(0.4, 0.5), 2, friction=0.2, finite=finite)
-    contact.Prepare(stiffness())
-    gf, residual = GridFunction(contact.form.fes), vector(contact)
+    contact = contact_form(block_mesh(2), friction=0.2, finite=finite)
+    gf, out = GridFunction(contact.form.fes), vector(contact)
     gf.components[1].vec[:] = -1e-170
-    contact.form.AssembleStep(gf.vec, residual)
-    assert np.any(residual.FV().NumPy()[: gf.components[0].space.ndof])
+    contact.form.AssembleStep(gf.vec, out)
+    assert np.any(out.FV().NumPy()[: gf.components[0].space.ndof])
     assert np.isfinite(np.asarray(contact.mat.CSR()[0])).all()
 
 
 def far_away(at, finite):
-    """Two blocks, their meshes translated by `at`, in a smooth motion; contact and its residual."""
-    lower, upper = (MoveTo(0, y).Rectangle(1, 1).Face() for y in (-1, 0))
-    lower.edges.Max(Y).name, upper.edges.Min(Y).name = "master", "slave"
-    lower.edges.Max(Y).maxh, upper.edges.Min(Y).maxh = 0.3, 0.25
-    mesh = Mesh(OCCGeometry(Compound([lower, upper]), dim=2).GenerateMesh(maxh=0.5))
+    """A contact translated by `at`, in a motion, and its residual."""
+    mesh = block_mesh(2)
     for vertex in mesh.ngmesh.Points():
         vertex[0] += at
-    contact, _ = contact_on(mesh, 2, finite=finite, friction=0.3)
-    contact.Update()
-    contact.form.SetConstant(C)
-    gf = GridFunction(contact.form.fes)
-    gf.vec.FV().NumPy()[:] = 1e-6 * np.random.default_rng(0).normal(size=gf.vec.size)
-    residual = gf.vec.CreateVector()
-    contact.Evaluate(gf)
-    contact.Apply(gf.vec, residual)
-    return contact, residual.FV().NumPy()
+    contact = contact_form(mesh, finite=finite, friction=0.3)
+    state = 1e-6 * random_state(contact)
+    contact.form.Evaluate(vector(contact, state))
+    return contact, residual(contact, state)
 
 
-@finite
+@sliding
 def test_gaps_and_residuals_are_those_at_the_origin(finite):
     """A power of two leaves coordinates their digits to 1e-9: gaps of 1e-6 must not feel it."""
     (near, expected), (far, found) = (far_away(at, finite) for at in (0.0, 2.0**23))
@@ -75,8 +59,8 @@ def test_gaps_and_residuals_are_those_at_the_origin(finite):
 
 
 def test_scales_of_merged_matrices_have_any_stride():
-    _, stiffness = contact_on(TwoBlocks(0.5, 0.4), 1)
-    mat = stiffness()
+    u, v = VectorH1(TwoBlocks(0.5, 0.4), order=1).TnT()
+    mat = BilinearForm(InnerProduct(Grad(u), Grad(v)) * dx).Assemble().mat
     scale, x = np.linspace(1, 2, mat.height), mat.CreateColVector()
     x.FV().NumPy()[:] = np.cos(np.arange(mat.height))
     y, z = ((MergeMatrices(mat, [], values) * x).Evaluate().FV().NumPy().copy()

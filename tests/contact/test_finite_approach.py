@@ -1,72 +1,48 @@
 """Finite sliding: what two mirrored bodies do while they approach each other is no slip."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from blocks import contact_form
-from finiteform import FiniteForm
-from netgen.occ import ArcOfCircle, Box, Compound, Face, OCCGeometry, Pnt, Segment, Sphere, Wire
-from ngsolve import Mesh
+from curved import bend
+from form import Form
+from ngsolve import CF, sqrt, x, y
+from sheets import grid, lower, sheet_mesh, upper
 
 RADIUS = 2.0
 
 
-def segments(h=0.1):
-    """Two cylinder segments, mirror images of each other with different meshes, apart by 0.02."""
+class Pair(Form):
+    """Two round bodies, mirror images with different meshes, apart by 0.02, led to each other.
 
-    def segment(up):
-        def at(s):
-            return Pnt(s, up * (0.01 + RADIUS - np.sqrt(RADIUS**2 - s**2)), 0)
+    They touch at the corner of parts of a cylinder (kind "edge"), in the middle of spheres.
+    """
 
-        corners = [at(1), Pnt(1, up, 0), Pnt(0, up, 0), at(0)]
-        lines = [Segment(p, q) for p, q in pairwise(corners)]
-        face = Face(Wire([ArcOfCircle(at(0), at(0.5), at(1)), *lines]))
-        face.faces.name = "upper" if up > 0 else "lower"
-        face.edges.name = "side"
-        for edge in face.edges:
-            if abs(edge.center.y) < 0.5 and 0.1 < edge.center.x < 0.9:
-                edge.name, edge.maxh = ("slave", h) if up > 0 else ("master", 1.37 * h)
-        return face
-
-    shape = Compound([segment(1), segment(-1)])
-    return Mesh(OCCGeometry(shape, dim=2).GenerateMesh(maxh=0.5)).Curve(2)
-
-
-def balls():
-    """Two half balls one above the other, with different meshes, apart by 0.02."""
-    parts = []
-    for up, name, h in ((1, "upper", 0.35), (-1, "lower", 0.45)):
-        height = up * (RADIUS + 0.01)
-        cut = Box(Pnt(-0.8, -0.8, min(0, up)), Pnt(0.8, 0.8, max(0, up)))
-        part = Sphere(Pnt(0, 0, height), RADIUS) * cut
-        part.solids.name, part.faces.name = name, "side"
-        face = min(part.faces, key=lambda f: abs(f.center.z))
-        face.name, face.maxh = ("slave" if up > 0 else "master"), h
-        parts.append(part)
-    return Mesh(OCCGeometry(Compound(parts)).GenerateMesh(maxh=0.8)).Curve(2)
-
-
-class Pair(FiniteForm):
-    """Each body moves by half of the way."""
-
-    def __init__(self, mesh):
+    def __init__(self, kind="edge"):
+        box = ((0, 0), (1, 1)) if kind == "edge" else ((-0.8, -0.8), (0.8, 0.8))
+        n = (10, 7) if kind == "edge" else (5, 4)
+        slave, master = upper(grid(kind, n[0], box), 0.01), lower(grid(kind, n[1], box), -0.01)
+        mesh = sheet_mesh(slave, master)
+        off = x * x if kind == "edge" else x * x + y * y
+        up = mesh.BoundaryCF({"slave": 1, "master": -1}, default=0)
+        lift = up * (RADIUS - sqrt(RADIUS**2 - off))
+        bend(mesh, 2, CF((0, 0, lift)[3 - mesh.dim :]), "slave|master")
         super().__init__(contact_form(mesh, finite=True, friction=0.3))
 
     def approach(self, way, degrees=0.0):
+        """Each body moves by half of the way; slip and gap where all of it is paired."""
         self.lead(way, degrees, shares=(0.5, -0.5))
         table = self.table()
         whole = table["area"] > 0.99 * table["fullarea"]
         return table["slip"][whole], table["gap"][whole]
 
 
-@pytest.mark.parametrize(("make", "degrees"), [(segments, 0.0), (segments, 70.0), (balls, 70.0)])
-def test_mirror_images_do_not_slip(make, degrees):
+@pytest.mark.parametrize(("kind", "degrees"), [("edge", 0.0), ("edge", 70.0), ("trig", 70.0)])
+def test_mirror_images_do_not_slip(kind, degrees):
     """Whatever the angle between their surfaces and the way: up to a quarter radian here.
 
     Normals lead across a gap g to a point that is level with another one: g sin(a) / R off.
     """
-    pair = Pair(make())
+    pair = Pair(kind)
     slip, gap = pair.approach(-0.02 * np.eye(pair.dim)[-1], degrees)
     near = gap < 0.15
     assert near.sum() >= 4
@@ -76,7 +52,7 @@ def test_mirror_images_do_not_slip(make, degrees):
 
 def test_nothing_has_slipped_after_a_commit():
     """The bodies move away from each other: what still approaches is given some slip in advance."""
-    pair = Pair(segments())
+    pair = Pair()
     for way in ((0.02, 0.03), (0.04, 0.06)):
         assert np.abs(pair.approach(way)[0]).max() > 0.015
         pair.contact.Commit(pair.gf)
@@ -87,14 +63,14 @@ def test_nothing_has_slipped_after_a_commit():
 
 def test_sliding_is_slip():
     """In the middle, where both surfaces are level, all of the way along them."""
-    slip, _ = Pair(segments()).approach((0.05, -0.02))
+    slip, _ = Pair().approach((0.05, -0.02))
     assert slip[0] == pytest.approx([0.05, 0.0], abs=2e-3)
     assert np.linalg.norm(slip, axis=1).max() <= 0.055
 
 
 def test_slip_in_advance_does_not_feed_on_itself():
     """It is that of the whole last step: what was given before is no part of it."""
-    pair = Pair(segments())
+    pair = Pair()
     for k in range(1, 7):
         pair.approach((0.004 * k, -0.003 * k))
         pair.contact.Commit(pair.gf)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from blocks import contact_form, macro_dofs
-from finiteform import FiniteForm, rotation
 from finitepress import Led, blocks2d, blocks3d
+from form import Form, rotation
 from ngsolve import IfPos, x
 
 TOL = 1e-10
@@ -100,7 +100,7 @@ def test_turned_in_large_steps(dim):
 
 def unstrained(dim):
     mesh = blocks2d(0.34) if dim == 2 else blocks3d("hex", "tet", n=(2, 3))
-    return FiniteForm(contact_form(mesh, finite=True, friction=0.5))
+    return Form(contact_form(mesh, finite=True, friction=0.5))
 
 
 @pytest.mark.parametrize("degrees", [30, 90, 200])

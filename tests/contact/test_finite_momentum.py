@@ -7,8 +7,8 @@ the slave and of the master although its mean vanishes.
 import numpy as np
 import pytest
 from blocks import macro_dofs
-from finiteform import POSITIONS
 from finitepress import Led, blocks2d, blocks3d
+from form import POSITIONS
 from ngsolve import CF, sin, x
 
 

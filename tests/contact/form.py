@@ -1,8 +1,8 @@
-"""Contact forms of finite sliding between two small bodies, far from the reference."""
+"""A contact form in a state, far from the reference with finite sliding: its derivative."""
 
 import numpy as np
 import scipy.sparse
-from blocks import C, macro_dofs
+from blocks import C, macro_dofs, residual
 from ngsolve import CF, GridFunction, cos, sin, x, y, z
 
 from ngslac.meshes.geometry3d import RotationMatrix
@@ -15,7 +15,7 @@ def rotation(dim, degrees, axis=(1.0, -2.0, 0.5)):
     return RotationMatrix(("z" if dim == 2 else axis, degrees))[:dim, :dim]
 
 
-class FiniteForm:
+class Form:
     """A paired contact with a fixed scale, and the state in which it is looked at."""
 
     def __init__(self, contact):
@@ -23,14 +23,8 @@ class FiniteForm:
         self.dim = contact.mesh.dim
         self.gf = GridFunction(contact.form.fes)
         self.u = self.gf.components[-2]
-        self.x, self.y = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        contact.Update()
-        contact.form.SetConstant(C)
+        self.values = self.gf.vec.FV().NumPy()
         self.multipliers = macro_dofs(contact)
-
-    @property
-    def values(self):
-        return self.gf.vec.FV().NumPy()
 
     def table(self):
         self.contact.Evaluate(self.gf)
@@ -93,11 +87,6 @@ class FiniteForm:
             self.values[dofs] = trial + C * (table["slip"][m] - table["gap"][m] * n)
             turn += 1
 
-    def residual(self, state):
-        self.x.FV().NumPy()[:] = state
-        self.contact.Apply(self.x, self.y)
-        return self.y.FV().NumPy().copy()
-
     def repaired_residual(self, state, area):
         """With the points of this state; the multipliers' rows divided by its areas, times `area`.
 
@@ -106,32 +95,34 @@ class FiniteForm:
         kept = self.values.copy()
         self.values[:] = state
         self.follow()
-        residual, now = self.residual(state), self.contact.Table()["area"]
-        residual[self.multipliers[now > 0]] *= (area / np.where(now > 0, now, 1))[now > 0, None]
+        rows, now = residual(self.contact, state), self.contact.Table()["area"]
+        rows[self.multipliers[now > 0]] *= (area / np.where(now > 0, now, 1))[now > 0, None]
         self.values[:] = kept
-        return residual
+        return rows
 
     def matrix(self, of_newton=False):
         """Derivative with fixed points, or that of the solver, which sees the rim move."""
-        self.x.FV().NumPy()[:] = self.values
         if of_newton:
             self.contact.form.BeginSolve()
-            self.contact.form.AssembleStep(self.x, self.y)
+            self.contact.form.AssembleStep(self.gf.vec, self.gf.vec.CreateVector())
         else:
-            self.contact.AssembleLinearization(self.x)
+            self.contact.AssembleLinearization(self.gf.vec)
         rows, columns, values = (np.array(a) for a in self.contact.mat.COO())
         return scipy.sparse.csc_matrix((values, (rows, columns)), shape=2 * (len(self.values),))
 
-    def derivative_error(self, columns=80, *, repaired=False, seed=0, eps=1e-6):
+    def derivative_error(self, columns, *, repaired=False, eps=1e-6):
         """Largest deviation of the matrix from central differences, over its largest entry.
 
         Of the columns that are not empty `columns` are looked at, and some empty ones, and the
         whole along two random directions. `repaired`: points of each state, matrix of the solver.
         """
-        exact, state = self.matrix(repaired), self.values.copy()
-        area = self.contact.Table()["area"].copy()
-        R = (lambda s: self.repaired_residual(s, area)) if repaired else self.residual
-        random = np.random.default_rng(seed)
+        exact, state, contact = self.matrix(repaired), self.values.copy(), self.contact
+        area = contact.Table()["area"].copy()
+
+        def R(state):
+            return self.repaired_residual(state, area) if repaired else residual(contact, state)
+
+        random = np.random.default_rng(0)
         used = np.flatnonzero(np.diff(exact.indptr))
         empty = np.setdiff1d(np.arange(len(state)), used)
         chosen = [random.permutation(used)[:columns], random.permutation(empty)[: columns // 10]]

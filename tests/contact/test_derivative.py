@@ -1,0 +1,159 @@
+"""The matrix of the contact form against central differences of its residual.
+
+Between two calls of `Follow` quadrature points and master faces stay, and so they do here. With
+finite sliding slip counts from a committed configuration other than the one looked at.
+"""
+
+import numpy as np
+import pytest
+from blocks import block_mesh, contact_form, matrix, mixed_state, moved, random_state, residual
+from form import Form
+from ngsolve import CF, H1, x, y, z
+
+LAWS = {  # and the bound of the tangential traction over the normal one
+    "frictionless": ({}, 0.5),
+    "coulomb": ({"friction": 0.7}, 0.7),
+    "tresca": ({"tresca": 0.6}, 0.6),
+    "coulomb and tresca": ({"friction": 0.9, "tresca": 0.6}, 0.6),
+}
+SMALL = {
+    **{name: law for name, (law, _) in LAWS.items()},
+    "coulomb of place": {"friction": 0.8 + 0.4 * x * y},
+    "tied": {"tied": True},
+    "obstacle": {"obstacle": 0.1 * x - 0.05 * y},
+    "obstacle with friction": {"obstacle": CF(0.1), "friction": 0.5},
+    "obstacle with tresca": {"obstacle": CF(0.1), "tresca": 0.5},
+}
+EVERY = {"frictionless": {0, 2}, "obstacle": {0, 2}}
+# The cells of the upper and the lower block and their divisions.
+SHAPES = [("hex", "hex", 3, 2), ("tet", "tet", 3, 2), ("prism", "prism_side", 3, 2)]
+SHAPES += [("prism_side", "pyramid", 3, 2), ("pyramid", "tet", 3, 2)]
+SIZES = {(3, "order 1"): ("hex", "tet", 4, 3), (3, "order 3"): ("hex", "tet", 2, 1)}
+OTHERS = ["order 1", "order 3", "H1(dim)", "VectorValued", "bubble"]
+CASES = [(dim, (), "order 2", law) for dim in (2, 3) for law in SMALL]
+CASES += [(3, cells, "order 2", "coulomb") for cells in SHAPES]
+CASES += [(d, SIZES.get((d, space), ()), space, "coulomb") for d in (2, 3) for space in OTHERS]
+
+
+@pytest.mark.parametrize(("dim", "cells", "space", "law"), CASES)
+def test_small_sliding(dim, cells, space, law):
+    contact = contact_form(block_mesh(dim, *cells), space, **SMALL[law])
+    tied, few = {0, 1} if dim == 2 else {1}, dim == 3 and space != "order 2"
+    expected = tied if law == "tied" else None if few else EVERY.get(law, {0, 1, 2})
+    form = Form(contact)
+    form.values[:] = mixed_state(contact, expected)
+    assert form.derivative_error(contact.nscalars) <= 1e-7
+
+
+@pytest.mark.parametrize(("dim", "flags"), [(2, {}), (3, {"rotation": None})])
+def test_small_sliding_from_a_deformed_configuration(dim, flags):
+    """Pairing, gaps and slips of a configuration other than the reference."""
+    contact = contact_form(block_mesh(dim, **flags), friction=0.7)
+    field = (0.1 * y + 0.03 * x * x, 0.05 * x * (z if dim == 3 else 1), 0.04 * x * y)[:dim]
+    gf, form = moved(contact, field, field), Form(contact)
+    contact.Update(gf)
+    contact.form.SetConstant(2.0)
+    for seed in range(20):
+        form.values[:] = gf.vec.FV().NumPy() + random_state(contact, seed)
+        if set(form.table()["status"]) == {0, 1, 2}:
+            break
+    assert set(form.table()["status"]) == {0, 1, 2}
+    assert form.derivative_error(contact.nscalars) <= 1e-7
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_displacement_is_not_the_first_component(dim, finite):
+    """The dofs of the displacement do not begin at zero."""
+    contact = contact_form(block_mesh(dim), before=[lambda m: H1(m, order=1)], friction=0.7,
+                           finite=finite)  # fmt: skip
+    form, front = Form(contact), contact.mesh.nv
+    form.values[:] = 0.01 * random_state(contact)
+    assert contact.form.offset == front
+    assert form.derivative_error(40) <= 1e-7
+    assert not np.any(matrix(contact, form.values)[:front])
+    assert not np.any(residual(contact, form.values)[:front])
+
+
+def finite_form(dim, *cells, space="order 2", law="coulomb", **flags):
+    solid = {"shape": "flat", "rotation": None, "overhang": 0.0, "height": 0.5}
+    mesh = block_mesh(dim, *cells, **(({"angle": 0.0} if dim == 2 else solid) | flags))
+    return Form(contact_form(mesh, space, finite=True, **LAWS[law][0]))
+
+
+def deformed(form, bound=0.7, *, shift=0.12, noise=0.004):
+    """Committed in one configuration, moved on to another, with every status."""
+    form.bend(0.05, 0.0, degrees=30, noise=noise, seed=1)
+    form.commit()
+    form.bend(0.08, shift, degrees=50, noise=noise, seed=2)
+    form.follow()
+    form.impose(bound)
+    table = form.table()
+    return table, set(table["status"][table["area"] > 0])
+
+
+FINITE = [(2, (), space, law) for space in ("order 1", "order 2", "order 3") for law in LAWS]
+FINITE += [(2, (), space, "coulomb") for space in OTHERS[2:]]
+FINITE += [(3, ("hex", "tet", 2, 1), space, "coulomb") for space in OTHERS[1:]]
+FINITE += [
+    (3, (upper, "hex", 4, 3), "order 1", law)
+    for upper, law in zip(("tet", "hex", "prism", "hex"), LAWS, strict=True)
+]
+FINITE += [
+    (3, (upper, lower, 2, 3), "order 2", "coulomb")
+    for upper, lower in (("tet", "hex"), ("hex", "prism"), ("prism", "tet"))
+]
+
+
+@pytest.mark.parametrize(("dim", "cells", "space", "law"), FINITE)
+def test_finite_sliding(dim, cells, space, law):
+    form = finite_form(dim, *cells, space=space, law=law)
+    _, statuses = deformed(form, LAWS[law][1])
+    assert statuses == EVERY.get(law, {0, 1, 2})
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-8
+
+
+@pytest.mark.parametrize("overhang", [0.3, -0.3])
+@pytest.mark.parametrize(
+    ("dim", "cells", "flags"),
+    [(2, (), {}), (2, (), {"quads": True}), (3, ("hex", "tet", 3, 2), {})],
+)
+def test_one_surface_reaches_beyond_the_other(overhang, dim, cells, flags):
+    """Some macro-elements have no partner, or on a part only; some have had none before."""
+    form = finite_form(dim, *cells, overhang=overhang, **flags)
+    table, statuses = deformed(form, shift=0.35)
+    share = table["area"] / table["fullarea"]
+    assert np.any((share > 0) & (share < 0.9))
+    assert statuses == {0, 1, 2}
+    assert form.derivative_error(6) <= 1e-8
+
+
+@pytest.mark.parametrize(("dim", "cells"), [(2, ()), (3, ("tet", "tet", 5, 4))])
+@pytest.mark.parametrize("overhang", [0.3, -0.3])
+def test_newton_matrix_with_moving_points(dim, cells, overhang):
+    """The surfaces are paired anew for each difference: what overlaps changes at the rim.
+
+    On straight faces quadrature is exact, so that nothing else comes from the points.
+    """
+    form = finite_form(dim, *cells, space="order 1", overhang=overhang)
+    table, statuses = deformed(form, shift=0.35, noise=0.0)
+    share = table["area"] / table["fullarea"]
+    assert np.any((share > 0.05) & (share < 0.95))
+    assert statuses == {0, 1, 2}
+    assert form.derivative_error(40 if dim == 2 else 10, repaired=True) <= 1e-7
+
+
+@pytest.mark.parametrize("kinds", [("hex", "tet"), ("tet", "hex")], ids="-".join)
+def test_no_rim_inside_the_master(kinds):
+    """Curved faces leave slits between their facets; nothing ends there.
+
+    Where the slave alone dictates the direction, that does not jump there either.
+    """
+    form = finite_form(3, *kinds, 2, 5, overhang=0.5)
+    history = form.contact.form.History()
+    history["share"][:] = 0.0  # as if the master were soft
+    form.contact.form.SetHistory(history)
+    table, _ = deformed(form, shift=0.05, noise=0.0)
+    assert table["area"] == pytest.approx(table["fullarea"], rel=1e-6)
+    fixed, moving = form.matrix(), form.matrix(of_newton=True)
+    assert abs(moving - fixed).max() <= 1e-12 * abs(fixed).max()
