@@ -37,7 +37,7 @@ def test_tractions_whose_squares_are_zero(finite):
 
 def far_away(at, finite):
     """A contact translated by `at`, in a motion, and its residual."""
-    mesh = block_mesh(2)
+    mesh = block_mesh(2, 0.25, angle=0.0, overhang=0.0)
     for vertex in mesh.ngmesh.Points():
         vertex[0] += at
     contact = contact_form(mesh, finite=finite, friction=0.3)
