@@ -90,6 +90,9 @@ def test_gap_of_tilted_planes(kinds, scale):
     slope, motion = np.array([0.2, -0.35]), Motion(dimension(kinds), 5, scale, (2.0, 0, 0))
     sheets = two_sheets(np.random.default_rng(7), kinds, gap=0.02, slope=slope)
     segments = contact_on(sheet_mesh(*sheets, motion=motion)).Segments()
+    below = motion.back(segments.master_points.reshape(-1, len(motion.R)))
+    plane = -0.02 + below[:, :-1] @ slope[: len(motion.R) - 1]
+    assert below[:, -1] == pytest.approx(plane, abs=1e-12 / min(scale, 1))
     for i, corners in enumerate(map(motion.back, outlines(segments))):
         assert corners[:, -1] == pytest.approx(0, abs=1e-12 / min(scale, 1))
         shape = flat(corners[:, :-1])

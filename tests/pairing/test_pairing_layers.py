@@ -132,23 +132,6 @@ def test_nearest_counts_penetration_too(kind, depth):
     assert contact.Check().paired_area == pytest.approx(1, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("maxdist", "penetration"), [(0.15, 0.05), (0.3, 0.5), (1.0, 0.05), (0.05, 0.5)]
-)
-def test_maxdist_and_penetration_limit_the_search(kind, maxdist, penetration):
-    gaps = np.array([0.0, 0.1, 0.2, 0.4, 0.8, -0.3])
-    one = "edge" if kind == "edge" else "quad"
-    slaves = [upper(grid(one, 1, ((k, 0), (k + 1, 1))), name=f"s{k}") for k in range(6)]
-    bodies = [
-        lower(grid(kind, 3, ((k + 0.01, 0), (k + 0.99, 1))), -gap, 0.005, f"b{k}")
-        for k, gap in enumerate(gaps)
-    ]
-    mesh = sheet_mesh(*slaves, *bodies)
-    contact = contact_on(mesh, maxdist=maxdist, penetration=penetration)
-    seen = (gaps < maxdist) & (gaps > -penetration)
-    assert areas_by_face(contact) == pytest.approx(0.98 * seen, abs=1e-12)
-
-
 @pytest.mark.parametrize("seed", [None, 4])
 def test_faces_that_look_away_never_pair(kind, seed):
     """Slave and master are the whole boundaries of both blocks: only the facing sides pair."""

@@ -5,7 +5,6 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-import shapely
 from ngsolve import CF
 from ngsolve.webgui import Draw
 from sheets import (
@@ -24,14 +23,10 @@ QUAD, POLYGON = 9, 7  # VTK's numbers
 KINDS = [("edge", "edge"), ("mixed", "mixed")]
 
 
-def pair(kinds, seed=3, slope=(0, 0)):
-    sheets = two_sheets(np.random.default_rng(1), kinds, SHIFTED, 0.05, slope)
-    return contact_on(sheet_mesh(*sheets, motion=Motion(dimension(kinds), seed)))
-
-
 @pytest.fixture(params=KINDS)
 def contact(request):
-    return pair(request.param)
+    sheets = two_sheets(np.random.default_rng(1), request.param, SHIFTED, 0.05)
+    return contact_on(sheet_mesh(*sheets, motion=Motion(dimension(request.param), 3)))
 
 
 def arrays_of(path):
@@ -76,31 +71,13 @@ def test_vtu_holds_the_segments(contact, tmp_path, name):
         areas, expected = [polygon_area(c) for c in corners], segments.area * segments.gap
     else:
         assert np.all(arrays["types"] == POLYGON)
+        assert np.array_equal(np.append(0, arrays["offsets"][:n]), segments.first)
         assert np.array_equal(arrays["side"].ravel(), np.repeat([1, 2], n))
         assert np.array_equal(arrays["connectivity"].ravel(), np.arange(points))
         assert np.array_equal(arrays["points"], np.concatenate(ends))
         corners = np.split(arrays["points"], arrays["offsets"].ravel()[:-1])
         areas, expected = [polygon_area(c) for c in corners], np.tile(segments.area, 2)
     assert areas == pytest.approx(expected, abs=1e-13)  # parallel planes
-
-
-def test_corners_are_counted():
-    segments = pair(KINDS[1]).Segments()
-    assert segments.first.shape == (len(segments) + 1,)
-    assert segments.first[0] == 0
-    assert segments.first[-1] == len(segments.slave_points) == len(segments.master_points)
-    assert set(np.diff(segments.first)) <= set(range(3, 9))
-
-
-def test_vtu_of_a_tilted_master(tmp_path):
-    """Master polygons lie in the master's plane and project onto those of the slave."""
-    segments = pair(KINDS[1], seed=None, slope=(-0.5, 0)).Segments()
-    arrays, *_ = arrays_of(segments.WriteVTU(tmp_path / "tilted"))
-    slave, master = np.split(arrays["points"], 2)
-    assert master[:, 2] == pytest.approx(-0.05 - 0.5 * master[:, 0], abs=1e-13)
-    assert master[:, :2] == pytest.approx(slave[:, :2], abs=1e-13)
-    cells = [shapely.Polygon(c) for c in np.split(slave[:, :2], segments.first[1:-1])]
-    assert shapely.union_all(cells).area == pytest.approx(0.8, rel=1e-12)
 
 
 def test_webgui_data_are_outlines_and_normals(contact):
