@@ -8,7 +8,8 @@ __all__ = ["CASES", "MODULES"]
 
 # In the order of the report, a line for each module.
 NAMES = """
-cases_patch
+case_patch
+case_patch_large
 cases_balance
 case_infsup
 case_signorini

@@ -1,138 +1,93 @@
-"""Patch tests (T01): a constant stress passes a non-matching interface without error.
-
-The exact solution is in the discrete spaces, hence the only errors are those of rounding. The two
-blocks are loaded by the tractions of the constant stress wherever they do not touch and are not
-held; the displacements where they are held are exact.
-"""
-
-import math
+"""Patch tests beyond those of the cases: all that a constant stress has to pass, in 2D and 3D."""
 
 import numpy as np
 import pytest
-from elasticity import Displacements, Material, Pair
-from ngsolve import CF, H1, FESpace, TaskManager, VectorH1, VectorValued, x, y
+from case_patch import (
+    FREE,
+    HELD,
+    LAWS,
+    MESHES,
+    OBLIQUE_3D,
+    PRESSURE,
+    Axes,
+    Blocks,
+    Errors,
+    Linear,
+    Published,
+    Solved,
+    Stress,
+    TractionError,
+)
+from elasticity import NAMES, Displacements, Field, Material, Pair, StressError
+from ngsolve import (
+    H1,
+    BilinearForm,
+    FESpace,
+    GridFunction,
+    InnerProduct,
+    LinearForm,
+    Sym,
+    TaskManager,
+    VectorH1,
+    VectorValued,
+    ds,
+    dx,
+    specialcf,
+)
+from ngsolve import Grad as Gradient
 
 from ngslac.meshes import TwoBlocks
 
-TOL = 1e-12
-HELD = "bottom|left_upper"
-FREE = "top|right_upper|left_lower|right_lower|(master|slave)_(left|right)"
-PRESSURE, SHEAR, FRICTION = 25.0, 4.0, 0.3
-KINDS = ["P1", "P1split", "P1bubble", "P2", "P3"]
-MESHES = {
-    "flat": {},
-    "coarse slave": {"h_slave": 0.34, "h_master": 0.1},
-    "fine slave": {"h_slave": 0.1, "h_master": 0.34},
-    "oblique": {"shape": "oblique"},
-    "rotated": {"angle": 37.0},
-    "structured": {"structured": True},
-    "structured oblique": {"structured": True, "shape": "oblique", "slope": -31.0},
-    "quads": {"quads": True},
-    "quad grid": {"quads": True, "structured": True, "shape": "oblique"},
-    "wide master": {"overhang": 0.3},
-    "wide slave": {"overhang": -0.3, "shape": "oblique"},
-}
+TOL = {2: 1e-12, 3: 1e-11}
+SHAPES = ["tet", "hex", "prism", "prism_side", "pyramid"]
+BELOW = dict(zip(SHAPES, [*SHAPES[1:], SHAPES[0]], strict=True))  # another shape as master
+SPACES_3D = [f"P{order}{part}" for order in (1, 2) for part in ("", "bubble", "split")]
 CURVED = {
     "curved": {"curved": True},
     "curved oblique": {"curved": True, "shape": "oblique", "h_slave": 0.34, "h_master": 0.2},
     "curved quads": {"curved": True, "quads": True},
     "curved cubic": {"curved": True, "order": 3},
 }
-# Traction of the contact, and slip of the slave, that fit each law.
-LAWS = {
-    "frictionless": ({}, 0.0, 0.0),
-    "stick": ({"friction": FRICTION}, SHEAR, 0.0),
-    "slip": ({"friction": FRICTION}, FRICTION * PRESSURE, -2e-3),
-    "slip back": ({"friction": FRICTION}, -FRICTION * PRESSURE, 1e-3),
-    "tresca": ({"tresca": SHEAR}, SHEAR, -1e-3),
-    "tied": ({"tied": True}, SHEAR, 0.0),
-}
+UNSTRUCTURED = OBLIQUE_3D | {"n_slave": 3, "n_master": 2, "unstructured": True, "perturb": 0.0}
+# The blocks of both dimensions in which the load has some other form.
+OBLIQUE = [(None, kind, MESHES["oblique"]) for kind in NAMES]
+OBLIQUE += [((shape,), space, OBLIQUE_3D) for shape in SHAPES for space in ("P1bubble", "P2")]
+PUBLISHED = [(None, kind, young) for kind in NAMES for young in (2e-6, 2000.0, 2e11)]
+PUBLISHED += [
+    ((shape, None), space, (2e-6, 2e11)[(k + n) % 2])
+    for k, shape in enumerate(SHAPES[:3])
+    for n, space in enumerate(("P1", "P1bubble", "P2"))
+]
 
 
-def Frame(slope=20.0, shape="flat", angle=0.0, **_):
-    """Tangent, and normal out of the upper block."""
-    a = math.radians(angle + (slope if shape == "oblique" else 0.0))
-    return np.array([math.cos(a), math.sin(a)]), np.array([math.sin(a), -math.cos(a)])
-
-
-def Stress(options, *, shear=0.0, pressure=PRESSURE, along=-7.0):
-    """A constant stress with the given traction on the interface."""
-    t, n = Frame(**options)
-    across = np.outer(n, t) + np.outer(t, n)
-    return -pressure * np.outer(n, n) + shear * across + along * np.outer(t, t)
-
-
-def Linear(gradient, shift=(0.0, 0.0), middle=(0.5, 0.0)):
-    """A linear displacement without rotation about the middle of the interface."""
-    r = [x - middle[0], y - middle[1]]
-    return CF(tuple(gradient[i, 0] * r[0] + gradient[i, 1] * r[1] + shift[i] for i in range(2)))
-
-
-def Middle(options):
-    a = math.radians(options.get("angle", 0.0))
-    return 0.5 * math.cos(a), 0.5 * math.sin(a)
-
-
-def Tractions(mesh, stress, options):
-    """Of a constant stress on all outer boundaries."""
-    n = Frame(**options)[1]
-    right, up = Frame(angle=options.get("angle", 0.0))
-    normals = {"top": -up, "bottom": up, "left_": -right, "right_": right, "master": -n, "slave": n}
-    names = mesh.GetBoundaries()
-    where = {name: v for name in names for key, v in normals.items() if name.startswith(key)}
-    return mesh.BoundaryCF({name: tuple(stress @ v) for name, v in where.items()})
-
-
-def Patch(pair, options, stress, *, slip=0.0, lower=None):
-    """Load, hold and solve; returns the largest errors of stress and traction."""
-    mesh, size = pair.mesh, np.abs(stress).max()
-    upper = pair.material if isinstance(pair.material.young, float) else Material()
-    fields = {
-        "left_upper": Linear(upper.Strain(stress), slip * Frame(**options)[0], Middle(options)),
-        "bottom": Linear((lower or upper).Strain(stress), middle=Middle(options)),
-    }
-    pair.Hold(mesh.BoundaryCF(fields), HELD)
-    pair.Load(Tractions(mesh, stress, options), FREE)
-    pair.Solve(tol=1e-13)
-    table = pair.contact.Table()
-    exact = np.where(table["area"][:, None] > 0, table["normal"] @ stress, 0.0)
-    return pair.StressError(stress), np.abs(table["traction"] - exact).max() / size
-
-
-def CheckLaw(options, kind, law, *, slave="slave", master="master"):
-    flags, shear, slip = LAWS[law]
-    mesh = TwoBlocks(**{"h_slave": 0.25, **options})
-    V = Displacements(mesh, kind, slave=slave, dirichlet=HELD)
-    pair = Pair(V, Material(), slave=slave, master=master, **flags)
-    stress = Stress(options, shear=shear)
-    errors = Patch(pair, options, stress, slip=slip)
-    assert max(errors) <= TOL
-    table = pair.contact.Table()
-    size = np.abs(stress).max() / 2000.0
-    closed = table["area"] > 0
-    assert np.abs(table["gap"][closed]).max() <= TOL * size
-    assert set(table["status"][closed]) == {2 if slip or law == "frictionless" else 1}
+def Check(space, law, cells=None, *, swapped=False, **options):
+    sides = ("master", "slave") if swapped else ("slave", "master")
+    pair, stress, errors = Solved(space, law, cells, slave=sides[0], master=sides[1], **options)
+    dim, slip, table = pair.mesh.dim, LAWS[law][2], pair.contact.Table()
+    assert max(errors) <= TOL[dim]
+    assert dim == 2 or len(table["area"]) > 1
+    assert table["area"] == pytest.approx(table["fullarea"], rel=1e-12)
+    assert np.abs(table["gap"]).max() <= TOL[dim] * np.abs(stress).max() / Material().young
+    assert set(table["status"]) == {2 if slip or law == "frictionless" else 1}
     if slip:
-        side = 1 if slave == "slave" else -1
-        assert table["slip"] == pytest.approx(
-            np.tile(side * slip * Frame(**options)[0], (len(closed), 1)), rel=1e-10, abs=1e-13
-        )
+        exact = (-slip if swapped else slip) * Axes(dim, **options)[:, 0]
+        assert np.abs(table["slip"] - exact).max() <= 1e-12
 
 
 @pytest.mark.pairwise
-@pytest.mark.parametrize("law", ["frictionless", "stick", "slip"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("kind", NAMES)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_constant_stress(mesh, kind, law):
-    CheckLaw(MESHES[mesh], kind, law)
+def test_constant_stress_2d(mesh, kind, law):
+    Check(kind, law, **MESHES[mesh])
 
 
 @pytest.mark.pairwise
 @pytest.mark.parametrize("law", ["frictionless", "stick", "slip back"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", NAMES)
 @pytest.mark.parametrize("mesh", ["oblique", "quad grid", "wide master", "wide slave"])
-def test_slave_and_master_swapped(mesh, kind, law):
-    CheckLaw(MESHES[mesh], kind, law, slave="master", master="slave")
+def test_slave_and_master_swapped_2d(mesh, kind, law):
+    Check(kind, law, swapped=True, **MESHES[mesh])
 
 
 @pytest.mark.parametrize("law", ["frictionless", "stick", "slip"])
@@ -142,72 +97,66 @@ def test_slave_and_master_swapped(mesh, kind, law):
 )
 def test_curved_interior_edges(mesh, kind, law):
     """A space has the linear functions of x and y if its order is at least that of the elements."""
-    CheckLaw(CURVED[mesh], kind, law)
+    Check(kind, law, **CURVED[mesh])
 
 
-@pytest.mark.parametrize("law", ["slip back", "tresca"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_other_laws(kind, law):
-    CheckLaw(MESHES["oblique"], kind, law)
+@pytest.mark.pairwise
+@pytest.mark.parametrize("law", ["stick", "slip", "tied"])
+@pytest.mark.parametrize("space", SPACES_3D)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_constant_shear_3d(shape, space, law):
+    """Friction in a direction that is none of the mesh; the frame is turned at random."""
+    Check(space, law, (shape, BELOW[shape]), **OBLIQUE_3D)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("mesh", ["oblique", "quads", "wide slave", "wide master"])
-def test_tied(mesh, kind):
-    CheckLaw(MESHES[mesh], kind, "tied")
+@pytest.mark.pairwise
+@pytest.mark.parametrize("law", ["tresca", "slip"])
+@pytest.mark.parametrize("space", ["P1bubble", "P2"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_slave_and_master_swapped_3d(shape, space, law):
+    Check(space, law, (shape, BELOW[shape]), swapped=True, **OBLIQUE_3D)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_tied_takes_tension(kind):
-    options = MESHES["structured oblique"]
-    V = Displacements(TwoBlocks(**options), kind, dirichlet=HELD)
-    pair = Pair(V, Material(), tied=True)
-    stress = Stress(options, pressure=-PRESSURE, shear=3 * PRESSURE, along=11.0)
-    assert max(Patch(pair, options, stress)) <= TOL
+@pytest.mark.parametrize(
+    ("cells", "space", "law", "options"),
+    [
+        *((("tet", "hex"), f"P3{part}", "slip", OBLIQUE_3D) for part in ("", "bubble", "split")),
+        *((("tet", "hex"), "P2", "stick", OBLIQUE_3D | {"scale": s}) for s in (1e-3, 1e3)),
+        ((), "P1", "frictionless", UNSTRUCTURED),
+        ((), "P1bubble", "slip", UNSTRUCTURED),
+        ((), "P1split", "stick", UNSTRUCTURED),
+        ((), "P2", "slip", UNSTRUCTURED),
+    ],
+)
+def test_order_three_units_of_length_and_unstructured_tetrahedra(cells, space, law, options):
+    Check(space, law, cells, **options)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_slave_region_reaches_beyond_the_master(kind):
-    """Macro-elements without partner stay open while their faces carry the load."""
-    options = {"overhang": -0.3, "h_slave": 0.2, "shape": "oblique"}
-    mesh, region = TwoBlocks(**options), "slave|slave_left|slave_right"
-    V = Displacements(mesh, kind, slave=region, dirichlet=HELD)
-    pair = Pair(V, Material(), slave=region, friction=FRICTION)
-    stress = Stress(options, shear=SHEAR)
-    assert max(Patch(pair, options, stress)) <= TOL
-    table = pair.contact.Table()
-    assert np.any(table["area"] == 0)
-    assert table["area"].sum() == pytest.approx(1 / math.cos(math.radians(20)), rel=1e-13)
+@pytest.mark.parametrize(("cells", "space", "options"), OBLIQUE)
+def test_tied_takes_tension(cells, space, options):
+    pair = Pair(Blocks(space, cells, **options), Material(), tied=True)
+    stress = Stress(pair.mesh.dim, options, pressure=-PRESSURE, shear=3 * PRESSURE)
+    assert max(Errors(pair, options, stress)) <= TOL[pair.mesh.dim]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_two_materials(kind):
+@pytest.mark.parametrize(("cells", "space", "options"), OBLIQUE)
+def test_two_materials(cells, space, options):
     """Without friction the blocks may extend differently along the interface."""
-    options = MESHES["oblique"]
-    mesh = TwoBlocks(**options)
-    soft = Material(young=60.0)
-    young = mesh.MaterialCF({"upper": Material().young, "lower": soft.young})
-    V = Displacements(mesh, kind, dirichlet=HELD)
-    pair = Pair(V, Material(young=young))
-    assert max(Patch(pair, options, Stress(options), lower=soft)) <= TOL
+    V, soft = Blocks(space, cells, **options), Material(young=60.0)
+    young = V.mesh.MaterialCF({"upper": Material().young, "lower": soft.young})
+    stress = Stress(V.mesh.dim, options)
+    errors = Errors(Pair(V, Material(young=young)), options, stress, lower=soft)
+    assert max(errors) <= TOL[V.mesh.dim]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("young", [2e-6, 2000.0, 2e11])
-def test_as_published(kind, young):
-    """The case of code_aster SSNP170: pressure on top, one symmetry and one support per block."""
-    mesh = TwoBlocks(0.25, quads=kind == "P2")
-    V = Displacements(mesh, kind, dirichletx="left.*", dirichlety="bottom")
-    pair = Pair(V, Material(young=young))
-    pressure = 0.0125 * young
-    stress = np.diag([0.0, -pressure])
-    pair.Load(CF((0.0, -pressure)), "top")
-    pair.Solve(tol=1e-13)
-    table = pair.contact.Table()
-    assert pair.StressError(stress) <= TOL
-    assert np.abs(table["pressure"] / pressure - 1).max() <= TOL
+@pytest.mark.parametrize(("cells", "space", "young"), PUBLISHED)
+def test_as_published(cells, space, young):
+    pair, pressure = Published(space, cells, quads=space == "P2", young=young)
+    dim, table = pair.mesh.dim, pair.contact.Table()
+    assert pair.StressError(np.diag([0.0] * (dim - 1) + [-pressure])) <= TOL[dim]
+    assert np.abs(table["pressure"] / pressure - 1).max() <= TOL[dim]
     assert np.all(table["status"] != 0)
-    assert np.abs(table["area"] / table["fullarea"] - 1).max() <= TOL
+    assert np.abs(table["area"] / table["fullarea"] - 1).max() <= TOL[dim]
 
 
 def Scalar(V):
@@ -235,12 +184,39 @@ def test_displacement_spaces(space, order, law):
     make, product = SPACES[space]
     V = make(TwoBlocks(**options), order=order, dirichlet=HELD)
     pair = Pair(V, Material(), product=product, **flags)
-    assert max(Patch(pair, options, Stress(options, shear=shear), slip=slip)) <= TOL
+    assert max(Errors(pair, options, Stress(2, options, shear=shear), slip=slip)) <= TOL[2]
 
 
-def test_threads_change_nothing():
-    """The same figures with and without a TaskManager around everything."""
-    options = MESHES["oblique"]
-    CheckLaw(options, "P1bubble", "slip")
+@pytest.mark.parametrize(
+    ("cells", "options"), [(None, MESHES["oblique"]), (("tet", "hex"), OBLIQUE_3D)]
+)
+def test_in_threads(cells, options):
     with TaskManager():
-        CheckLaw(options, "P1bubble", "slip")
+        Check("P1bubble", "slip", cells, **options)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_surface_loads_on_pyramids(order):
+    """With the tractions on the surface the bulk is wrong by 1e-10, with contact and without."""
+    V = Blocks(f"P{order}", ("pyramid",), **OBLIQUE_3D)
+    pair, stress = Pair(V, Material()), Stress(3, OBLIQUE_3D)
+    exact = Linear(3, OBLIQUE_3D, Material().Strain(stress))
+    pair.Hold(exact, HELD)
+    pair.LoadStress(stress, FREE)
+    pair.Solve(tol=1e-13)
+    held = f"{HELD}|slave|master"
+    bulk = BulkError(Displacements(V.mesh, f"P{order}", dirichlet=held), held, exact, stress)
+    assert TOL[3] < bulk < 1e-9
+    assert max(pair.StressError(stress), TractionError(pair, stress)) < 5 * bulk
+
+
+def BulkError(V, held, exact, stress):
+    """Error of the stress in the solution with tractions on the surface and without contact."""
+    u, v = V.TnT()
+    a = BilinearForm(InnerProduct(Material().Stress(Sym(Gradient(u))), Sym(Gradient(v))) * dx)
+    load = LinearForm(InnerProduct(Field(stress) * specialcf.normal(3), v) * ds(FREE))
+    gf = GridFunction(V)
+    gf.Set(exact, definedon=V.mesh.Boundaries(held))
+    rest = (load.Assemble().vec - a.Assemble().mat * gf.vec).Evaluate()
+    gf.vec.data += a.mat.Inverse(V.FreeDofs()) * rest
+    return StressError(V.mesh, Material().Stress(Sym(Gradient(gf))), stress)
