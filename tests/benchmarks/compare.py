@@ -11,7 +11,6 @@ its table. The drivers and what they measure: `peers/README.md`. `--quick` runs 
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import platform
@@ -22,9 +21,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from _compare_tables import Missing, Table
+from benchmark_frame import Markdown, Parser, WriteJSON
 
-__all__ = ["CASES", "PEERS", "Case", "Peer", "Run", "main"]
+__all__ = ["CASES", "PEERS", "Case", "Missing", "Peer", "Run", "main"]
 
 FOLDER = Path(__file__).parent / "peers"
 MISSING = 3  # exit code of a peer that is not installed
@@ -44,59 +43,58 @@ class Peer:
 
 @dataclass(frozen=True)
 class Case:
-    """A problem: its title, mesh, options for the peers, and sizes of the slave faces in mm."""
+    """A problem: its title, mesh, size of the slave faces in mm, figures, options for the peers."""
 
     title: str
     problem: str
-    options: tuple
-    sizes: tuple
+    size: float
     errors: tuple
+    options: tuple = ()
 
 
+@dataclass(frozen=True)
+class Missing:
+    """A run without a result, and why."""
+
+    title: str
+    h: float
+    reason: str
+
+
+def Variant(name):
+    return ("--variant", name)
+
+
+BOUNDARY, ALL = "contactboundary.py", ("hertz", "friction", "patch", "sphere")
 PEERS = {
     "ngslac": Peer("ngslac", "lac.py"),
-    "bubble": Peer("ngslac, bubbles", "lac.py", ("--variant", "bubble"), only=("sphere",)),
-    "penalty": Peer("ContactBoundary, penalty", "contactboundary.py"),
-    "nitsche": Peer(
-        "ContactBoundary, Nitsche",
-        "contactboundary.py",
-        ("--variant", "nitsche"),
-        cannot=("friction",),
-    ),
+    "bubble": Peer("ngslac, bubbles", "lac.py", Variant("bubble"), only=("sphere",)),
+    "penalty": Peer("ContactBoundary, penalty", BOUNDARY),
+    "nitsche": Peer("ContactBoundary, Nitsche", BOUNDARY, Variant("nitsche"), cannot=("friction",)),
     "calculix": Peer("CalculiX, surface to surface", "calculix.py"),
-    "mortar": Peer("CalculiX, mortar", "calculix.py", ("--variant", "mortar")),
-    "kratos": Peer(
-        "Kratos, ALM mortar", "kratos.py", linear=("hertz", "friction", "patch", "sphere")
-    ),
+    "mortar": Peer("CalculiX, mortar", "calculix.py", Variant("mortar")),
+    "kratos": Peer("Kratos, ALM mortar", "kratos.py", linear=ALL),
     "getfem": Peer("GetFEM, ALM", "getfem_peer.py"),
 }
 
 PRESSURE = ("peak", "l2", "force")
+SLIDING = ("--friction", "0.2", "--steps", "10")
 CASES = {
-    "hertz": Case("2D Hertz problem, frictionless", "hertz", (), (0.25,), PRESSURE),
-    "friction": Case(
-        "2D Hertz problem, friction 0.2 in 10 steps",
-        "hertz",
-        ("--friction", "0.2", "--steps", "10"),
-        (0.25,),
-        PRESSURE,
-    ),
-    "patch": Case("3D patch test", "patch", (), (0.1,), ("displacement", "stress", "penetration")),
-    "sphere": Case("3D sphere on a block", "sphere", (), (0.6,), PRESSURE),
+    "hertz": Case("2D Hertz problem, frictionless", "hertz", 0.25, PRESSURE),
+    "friction": Case("2D Hertz problem, friction 0.2, 10 steps", "hertz", 0.25, PRESSURE, SLIDING),
+    "patch": Case("3D patch test", "patch", 0.1, ("displacement", "stress", "penetration")),
+    "sphere": Case("3D sphere on a block", "sphere", 0.6, PRESSURE),
 }
 
 
 # ---------------------------------------------------------------- runs
 
 
-def Environment(threads):
-    """Environment variables for `threads` threads; dense blocks in sparse factors use one."""
-    names = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS")
-    return {**os.environ, **dict.fromkeys(names, str(threads)), "OPENBLAS_NUM_THREADS": "1"}
-
-
 def Execute(command, limit, threads):
     """Run a program; returns its exit code (None: the limit was reached) and its last line."""
+    names = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS")
+    # Dense blocks in sparse factors use one thread.
+    own = dict.fromkeys(names, str(threads)) | {"OPENBLAS_NUM_THREADS": "1"}
     process = subprocess.Popen(
         [str(word) for word in command],
         stdout=subprocess.PIPE,
@@ -104,7 +102,7 @@ def Execute(command, limit, threads):
         stdin=subprocess.DEVNULL,
         text=True,
         errors="replace",
-        env=Environment(threads),
+        env=os.environ | own,
         start_new_session=True,
     )
     try:
@@ -120,31 +118,13 @@ def Execute(command, limit, threads):
     return code, lines[-1] if lines else ""
 
 
-def Run(name, peer, case, mesh, *, order=2, extra=(), limit=600.0, threads=2):
-    """Run one peer on one mesh.
+def Run(name, key, mesh, *, order=2, extra=(), limit=600.0, threads=2):
+    """Run a peer on a mesh for one of `CASES`; returns the row that it has written, or `Missing`.
 
-    Parameters
-    ----------
-    name : str
-        Of the case, in `CASES`.
-    peer : Peer
-    case : Case
-    mesh : Path
-        An .npz file of `peers/meshes.py`; its .vol file lies beside it.
-    order : {1, 2}
-        Of the elements, where the peer has them.
-    extra : sequence of str
-        Further options of the peer.
-    limit : float
-        Seconds.
-    threads : int
-
-    Returns
-    -------
-    dict or Missing
-        What the peer has written.
+    `mesh` is an .npz file of `peers/meshes.py` with the .vol file beside it, `order` that of the
+    elements, where the peer has a choice, `limit` in seconds; `extra` are options of the peer.
     """
-    h = float(mesh.stem.split("_")[1])
+    peer, case, h = PEERS[key], CASES[name], float(mesh.stem.split("_")[1])
     if name in peer.cannot:
         return Missing(peer.title, h, "does not solve this problem")
     order = 1 if name in peer.linear else order
@@ -155,15 +135,13 @@ def Run(name, peer, case, mesh, *, order=2, extra=(), limit=600.0, threads=2):
         code, line = Execute(command, limit, threads)
         if code == 0 and file.exists():
             return {**json.loads(file.read_text()), "title": peer.title, "case": name}
-    if code is None:
-        return Missing(peer.title, h, f"stopped after {limit:g} s")
-    if code == MISSING:
-        return Missing(peer.title, h, f"not installed: {line}")
-    return Missing(peer.title, h, f"failed: {line or f'exit code {code}'}")
+    failed = f"failed: {line or f'exit code {code}'}"
+    reasons = {None: f"stopped after {limit:g} s", MISSING: f"not installed: {line}"}
+    return Missing(peer.title, h, reasons.get(code, failed))
 
 
 def MeshFile(case, h, folder, limit, threads):
-    """Make a mesh."""
+    """Make a mesh, unless it is there."""
     file = Path(folder) / f"{case.problem}_{h:g}.npz"
     if not file.exists():
         command = [sys.executable, FOLDER / "meshes.py", case.problem, f"{h:g}", file]
@@ -175,33 +153,52 @@ def MeshFile(case, h, folder, limit, threads):
 
 def Compare(name, sizes, peers, folder, *, own, **options):
     """All runs of a case, with the options `own` of some peers; returns rows and missing ones."""
-    case, rows, missing = CASES[name], [], []
+    rows, missing = [], []
     for h in sizes:
-        mesh = MeshFile(case, h, folder, options["limit"], options["threads"])
+        mesh = MeshFile(CASES[name], h, folder, options["limit"], options["threads"])
         for key in (key for key in peers if name in (PEERS[key].only or CASES)):
-            result = Run(name, PEERS[key], case, mesh, extra=own.get(key, ()), **options)
-            if isinstance(result, Missing):
-                missing.append(result)
-                print(f"  {result.title}: {result.reason}", file=sys.stderr, flush=True)
-            else:
-                rows.append(result)
-                print(
-                    f"  {result['title']}: {result['seconds']:.1f} s", file=sys.stderr, flush=True
-                )
+            result = Run(name, key, mesh, extra=own.get(key, ()), **options)
+            failed = isinstance(result, Missing)
+            (missing if failed else rows).append(result)
+            said = result.reason if failed else f"{result['seconds']:.1f} s"
+            print(f"  {PEERS[key].title}: {said}", file=sys.stderr, flush=True)
     return rows, missing
+
+
+# ---------------------------------------------------------------- output
+
+
+def Table(case, rows, missing):
+    """The result of a case as Markdown: a table sorted by time, notes, and what is missing."""
+    head = ["", "order", "h", "dofs", "iterations", "time s", "cpu s", "GB", *case.errors]
+    cells = [Cells(case, row) for row in sorted(rows, key=lambda r: (-r["h"], r["seconds"]))]
+    lines = [f"### {case.title}", "", *([*Markdown(head, cells), ""] if cells else [])]
+    notes = {row["title"]: f"{row['title']} {row['version']}: {row['settings']}" for row in rows}
+    lines += [f"- {note}" for note in notes.values()]
+    lines += [f"- missing: {m.title} (h = {m.h:g}): {m.reason}" for m in missing]
+    return "\n".join(lines) + "\n"
+
+
+def Cells(case, row):
+    """The cells of a row."""
+    figures = [f"P{row['order']}", f"{row['h']:g}", str(row["dofs"]), str(row["iterations"])]
+    figures += [f"{row[name]:.2f}" for name in ("seconds", "cpu", "memory")]
+    return [row["title"], *figures, *(Percent(row[name]) for name in case.errors)]
+
+
+def Percent(value):
+    """A relative error in per cent; of very small ones the size."""
+    if abs(value) < 1e-5:
+        return f"{100 * value:.0e} %"
+    return f"{100 * value:.2f} %" if abs(value) >= 1e-3 else f"{100 * value:.3f} %"
 
 
 # ---------------------------------------------------------------- command line
 
 
-def Machine(threads):
-    """What the times depend on."""
-    return {"machine": platform.machine(), "cores": os.cpu_count(), "threads": threads}
-
-
 def Sizes(words):
     """Sizes of each case from words such as "sphere=0.6,0.4"."""
-    sizes = {name: case.sizes for name, case in CASES.items()}
+    sizes = {name: (case.size,) for name, case in CASES.items()}
     for word in words:
         name, _, values = word.partition("=")
         if name not in CASES or not values:
@@ -214,31 +211,10 @@ def Quick(options):
     """ngslac alone against an elastic solve, at 100,000 unknowns."""
     from scaling import Ratios
 
-    ratios = Ratios(ndof=100_000, inverse=options.inverse, solver=options.solver, printing=True)
+    ratios = Ratios(ndof=100_000, inverse=options.inverse, solver=options.solver)
     for name, value in ratios.items():
         print(f"{name:28} {value:.2f}" if isinstance(value, float) else f"{name:28} {value}")
     return ratios
-
-
-def Parser():
-    """The command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    add = parser.add_argument
-    add("--problems", nargs="+", choices=CASES, default=list(CASES))
-    add("--peers", nargs="+", choices=PEERS, default=list(PEERS))
-    add("--sizes", nargs="+", default=[], metavar="CASE=H,H", help="sizes of the slave faces, mm")
-    add("--order", type=int, choices=(1, 2), default=2)
-    add("--limit", type=float, default=600.0, help="seconds for each run")
-    add("--threads", type=int, default=os.cpu_count())
-    add("--inverse", help="ngslac: sparse direct solver")
-    add("--solver", help="ngslac: kind of solver")
-    add("--meshes", metavar="DIR", help="keep the meshes here, and take those that are there")
-    add("--quick", action="store_true", help="ngslac against an elastic solve, 100,000 unknowns")
-    add("--json", metavar="FILE", help="write all figures to this file")
-    add("--markdown", metavar="FILE", help="write the tables to this file")
-    return parser
 
 
 def Everything(options):
@@ -252,24 +228,35 @@ def Everything(options):
         folder = options.meshes or folder
         Path(folder).mkdir(parents=True, exist_ok=True)
         for name in options.problems:
-            found, not_found = Compare(
-                name, sizes[name], options.peers, folder, own=own, **settings
-            )
+            given = (name, sizes[name], options.peers, folder)
+            found, not_found = Compare(*given, own=own, **settings)
             tables.append(Table(CASES[name], found, not_found))
             print(tables[-1], flush=True)
             rows += found
             missing += [{"case": name, **asdict(m)} for m in not_found]
     if options.markdown:
         Path(options.markdown).write_text("\n".join(tables))
-    return {"rows": rows, "missing": missing, **Machine(options.threads)}
+    machine = {"machine": platform.machine(), "cores": os.cpu_count(), "threads": options.threads}
+    return {"rows": rows, "missing": missing, **machine}
 
 
 def main(argv=None):
     """Run from the command line."""
-    options = Parser().parse_args(argv)
-    figures = Quick(options) if options.quick else Everything(options)
-    if options.json:
-        Path(options.json).write_text(json.dumps(figures, indent=2) + "\n")
+    parser = Parser(__doc__)
+    add = parser.add_argument
+    add("--problems", nargs="+", choices=CASES, default=list(CASES))
+    add("--peers", nargs="+", choices=PEERS, default=list(PEERS))
+    add("--sizes", nargs="+", default=[], metavar="CASE=H,H", help="sizes of the slave faces, mm")
+    add("--order", type=int, choices=(1, 2), default=2)
+    add("--limit", type=float, default=600.0, help="seconds for each run")
+    add("--threads", type=int, default=os.cpu_count())
+    add("--inverse", help="ngslac: sparse direct solver")
+    add("--solver", help="ngslac: kind of solver")
+    add("--meshes", metavar="DIR", help="keep the meshes here, and take those that are there")
+    add("--quick", action="store_true", help="ngslac against an elastic solve, 100,000 unknowns")
+    add("--markdown", metavar="FILE", help="write the tables to this file")
+    options = parser.parse_args(argv)
+    WriteJSON(options.json, Quick(options) if options.quick else Everything(options))
 
 
 if __name__ == "__main__":

@@ -1,16 +1,57 @@
-"""What the tests of the peers share."""
+"""What the tests share: the scripts of the peers, one thread, a coarse mesh of each problem."""
+
+import sys
+from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent / "peers"))
+
+COARSE = {"hertz": 3.0, "sphere": 4.0, "patch": 1 / 3}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_thread():
+    """The problems here are so small that a second one only waits."""
+    from ngsolve import GetNumThreads, SetNumThreads
+
+    before = GetNumThreads()
+    SetNumThreads(1)
+    yield
+    SetNumThreads(before)
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory):
+    """Of the meshes of the comparison."""
+    import meshes
+
+    folder = tmp_path_factory.mktemp("meshes")
+    names = {problem: folder / f"{problem}_{h:g}.npz" for problem, h in COARSE.items()}
+    for problem, file in names.items():
+        meshes.Make(problem, COARSE[problem], file)
+    return names
+
+
+@pytest.fixture(params=COARSE)
+def mesh(request, files):
+    """A `PeerMesh` of each problem."""
+    import meshes
+
+    return meshes.Load(files[request.param])
+
 
 @pytest.fixture
-def arguments(tmp_path):
-    """Command line of a peer for a problem, with the mesh written."""
-    from tinypeers import TinyMesh
+def drive(files, tmp_path):
+    """Run a driver in this process; its exit code, and the row that it wrote, if any."""
+    import json
 
-    def write(problem, *more):
-        TinyMesh(problem).Save(tmp_path / "mesh.npz")
-        row = str(tmp_path / "row.json")
-        return [problem, str(tmp_path / "mesh.npz"), "--json", row, *more]
+    from peercommand import Main
 
-    return write
+    def Run(driver, problem, *more):
+        file = tmp_path / "row.json"
+        line = [problem, str(files[problem]), "--json", str(file), *more]
+        code = Main(driver.Solve, peer="peer", options=driver.Options, argv=line)
+        return code, json.loads(file.read_text()) if file.exists() else None
+
+    return Run

@@ -14,26 +14,15 @@ its parts by NGSolve's timers (`ngslac::...`, wall); the minimum of the repetiti
 
 from __future__ import annotations
 
-import argparse
-import json
-import multiprocessing
 import os
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from layers import LayerMesh, StripMesh
-from ngsolve import (
-    CF,
-    GridFunction,
-    SetNumThreads,
-    TaskManager,
-    Timers,
-    VectorH1,
-    sin,
-    x,
-)
+from benchmark_frame import Growth, InProcess, Parser, WriteJSON
+from layers import LayerMesh
+from ngsolve import CF, GridFunction, SetNumThreads, TaskManager, Timers, VectorH1, sin, x
 
 from ngslac import LACContact, LACSpace
 
@@ -45,6 +34,7 @@ PARTS = {
     "rows": "ngslac::MacroJump - rows",
 }
 AMPLITUDE, WAVE = 0.1, 3.0
+COLUMNS = ("n", "segments", "Update s", "cpu s", *PARTS, "rest", "us/face", "space s", "bytes/seg")
 
 
 @dataclass(frozen=True)
@@ -64,12 +54,9 @@ class Row:
     memory: float  # bytes per segment that the first Update added to the process
 
 
-# ---------------------------------------------------------------- the problem
-
-
 def Contact(n, curved, dim):
     """The contact, its configuration (None: straight), and the time to make the LACSpace."""
-    mesh = StripMesh(n) if dim == 2 else LayerMesh(n)
+    mesh = LayerMesh(n, dim)
     V = VectorH1(mesh, order=2)
     start = time.perf_counter()
     Q = LACSpace(V, slave="slave")
@@ -83,9 +70,6 @@ def Contact(n, curved, dim):
     bent = CF((0,) * (dim - 1) + (AMPLITUDE * sin(WAVE * x),))
     gf.components[0].Set(bent, definedon=mesh.Boundaries("slave|master"))
     return contact, gf, seconds
-
-
-# ---------------------------------------------------------------- measuring
 
 
 def Measure(n, curved=False, threads=None, repeat=5, dim=2):
@@ -135,94 +119,54 @@ def ResidentBytes():
     return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.exists() else 0
 
 
-def Growth(rows, seconds):
-    """Exponent p of time ~ n^p by least squares, and p of n log n for the same sizes."""
-    logn = np.log([row.n for row in rows])
-    measured = np.polyfit(logn, np.log([seconds(row) for row in rows]), 1)[0]
-    return float(measured), float(np.polyfit(logn, logn + np.log(logn), 1)[0])
-
-
-def Sizes(largest):
-    """1000, 10000, ... up to `largest`."""
-    return [10**k for k in range(3, 10) if 10**k <= largest]
+def Line(row):
+    """One row; parts as microseconds per slave face."""
+    rest = row.update - sum(row.parts[name] for name in ("surfaces", "pair", "jump", "rows"))
+    cells = [f"{row.n:9d} {row.segments:9d} {row.update:9.4f} {row.cpu:9.4f}"]
+    cells += [f"{1e6 * t / row.n:9.2f}" for t in (*row.parts.values(), rest, row.update)]
+    return " ".join([*cells, f"{row.space:9.3f} {row.memory:9.0f}"])
 
 
 def Series(sizes, curved, threads, repeat, dim):
-    """One `Row` per size, each from a fresh process."""
-    with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
-        for n in sizes:
-            yield pool.apply(Measure, (n, curved, threads, repeat, dim))
-
-
-# ---------------------------------------------------------------- output
-
-
-def Head():
-    """The titles of the columns."""
-    names = [
-        "n",
-        "segments",
-        "Update s",
-        "cpu s",
-        *PARTS,
-        "rest",
-        "us/face",
-        "space s",
-        "bytes/seg",
-    ]
-    return " ".join(f"{name:>9}" for name in names)
-
-
-def Line(row):
-    """One row; parts as microseconds per slave face."""
-    parts = {**row.parts, "rest": row.update - sum(row.parts[k] for k in ("surfaces", "pair"))}
-    parts["rest"] -= row.parts["jump"] + row.parts["rows"]
-    cells = [f"{row.n:9d} {row.segments:9d} {row.update:9.4f} {row.cpu:9.4f}"]
-    cells += [f"{1e6 * t / row.n:9.2f}" for t in parts.values()]
-    cells += [f"{1e6 * row.update / row.n:9.2f} {row.space:9.3f} {row.memory:9.0f}"]
-    return " ".join(cells)
-
-
-def Report(sizes, threads, repeat, dim):
-    """Measure and print everything; returns the rows."""
+    """Measure and print one shape; each size in a fresh process."""
+    shape = "curved" if curved else "straight"
+    print(f"\n{dim}D, {shape}, {threads} thread(s); parts in microseconds per slave face")
+    print(" ".join(f"{name:>9}" for name in COLUMNS))
     rows = []
-    for curved in (False, True):
-        for count in threads:
-            shape = "curved" if curved else "straight"
-            print(f"\n{dim}D, {shape}, {count} thread(s); parts in microseconds per slave face")
-            print(Head())
-            series = []
-            for row in Series(sizes, curved, count, repeat, dim):
-                print(Line(row), flush=True)
-                series.append(row)
-            PrintGrowth(series, count)
-            rows += series
+    for n in sizes:
+        rows.append(InProcess(Measure, n, curved, threads, repeat, dim))
+        if rows[-1] is None:
+            raise MemoryError(f"the run of {n} slave faces was killed")
+        print(Line(rows[-1]), flush=True)
+    if len(rows) > 1:
+        print(Exponents(rows, threads))
     return rows
 
 
-def PrintGrowth(series, threads):
-    """The exponents: of processor time with one thread, else of wall time."""
-    if len(series) < 2:
-        return
-    p, reference = Growth(series, lambda row: row.cpu if threads == 1 else row.update)
-    pair, _ = Growth(series, lambda row: row.parts["pair"])
-    print(f"time ~ n^{p:.2f} (pair alone n^{pair:.2f}); n log n is n^{reference:.2f} here")
+def Exponents(rows, threads):
+    """How time grows: of processor time with one thread, else of wall time."""
+    n = [row.n for row in rows]
+    p = Growth(n, [row.cpu if threads == 1 else row.update for row in rows])
+    pair, reference = Growth(n, [row.parts["pair"] for row in rows]), Growth(n, n * np.log(n))
+    return f"time ~ n^{p:.2f} (pair alone n^{pair:.2f}); n log n is n^{reference:.2f} here"
 
 
 def main(argv=None):
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--dim", type=int, choices=(2, 3), default=2)
-    parser.add_argument("--largest", type=int, default=100_000, help="most slave faces")
-    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--repeat", type=int, default=5, help="calls of Update; the minimum counts")
-    parser.add_argument("--json", metavar="FILE", help="write the rows to this file")
+    parser = Parser(__doc__)
+    add = parser.add_argument
+    add("--dim", type=int, choices=(2, 3), default=2)
+    add("--largest", type=int, default=100_000, help="most slave faces")
+    add("--threads", type=int, nargs="+", default=[1, 2])
+    add("--repeat", type=int, default=5, help="calls of Update; the minimum counts")
     options = parser.parse_args(argv)
-    rows = Report(Sizes(options.largest), options.threads, options.repeat, options.dim)
-    if options.json:
-        Path(options.json).write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+    sizes = [10**k for k in range(3, 10) if 10**k <= options.largest]
+    rows = []
+    for curved in (False, True):
+        for threads in options.threads:
+            rows += Series(sizes, curved, threads, options.repeat, options.dim)
+    WriteJSON(options.json, rows)
+    return rows
 
 
 if __name__ == "__main__":

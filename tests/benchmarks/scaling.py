@@ -14,21 +14,120 @@ spaces are made.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
-from dataclasses import asdict
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from _scaling_output import Line, Markdown, Picture
-from _scaling_problems import SIZES, Problem
-from _scaling_runs import KINDS, ContactRun, ElasticRun, Fastest, InProcess, Row
+from benchmark_frame import Growth, InProcess, Markdown, Parser, Picture, WriteJSON
+from benchmark_problems import SIZES, Problem
+from benchmark_runs import VARIANTS, SolveContact, SolveElastic
 
+from ngslac.linear.factor import HasMKL
+
+# Kind of run -> is there friction, number of load steps.
+KINDS = {"frictionless": (False, 1), "friction": (True, 1), "ten_steps": (True, 10)}
+ALL = ("elastic", *KINDS)
+TITLES = {
+    "patch": "two blocks, tetrahedra",
+    "patch_hex": "two blocks, hexahedra",
+    "sphere": "sphere on block",
+    "hertz": "Hertz, 2D",
+}
+NAMES = {
+    "elastic": "elastic solve",
+    "frictionless": "frictionless",
+    "friction": "friction, one step",
+    "ten_steps": "friction, ten steps",
+}
 # Beyond, no direct solver has the memory to solve the elastic problem in three dimensions.
 LARGEST_DIRECT = 500_000
 SMALL = 30_000  # these are run three times
 DEFAULT_SIZES = (20_000, 100_000, 300_000)
-ALL = ("elastic", *KINDS)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run; times in seconds, memory in GB. What a kind of run does not have is None."""
+
+    problem: str
+    size: int  # as asked for
+    kind: str  # of `KINDS`, or "elastic"
+    ndof: int  # displacements
+    wall: float
+    cpu: float
+    memory: float  # peak while solving, everything of the process
+    inverse: str | None  # name of the elastic variant, method of the contact solver
+    error: float  # force balance, or relative residual of the elastic solve
+    macros: int | None = None
+    iterations: list | None = None  # Newton, per step
+    krylov: int | None = None
+    factorisations: int | None = None
+    phases: dict = field(default_factory=dict)  # seconds, see phases.py
+    variants: dict = field(default_factory=dict)  # elastic: name -> wall, cpu, memory, error
+
+    @property
+    def share(self):
+        """Pairing and contact assembly over the whole."""
+        return (self.phases["pairing"] + self.phases["contact"]) / sum(self.phases.values())
+
+
+# ---------------------------------------------------------------- runs
+
+
+def ContactRun(name, size, kind, **options):
+    """The `Row` of a contact problem; options of `ContactSolver` that are None count for none."""
+    with_friction, steps = KINDS[kind]
+    problem = Problem(name, size, with_friction * (0.2 if name == "hertz" else 0.3))
+    options = {option: value for option, value in options.items() if value is not None}
+    run = SolveContact(problem, problem.Mesh(), steps=steps, **options)
+    return Row(
+        problem=name,
+        size=size,
+        kind=kind,
+        ndof=run.ndof,
+        inverse=getattr(run.linear, "method", run.linear.inverse),
+        error=run.error,
+        macros=run.contact.space.nmacros,
+        iterations=run.iterations,
+        krylov=getattr(run.linear, "krylov", None),
+        factorisations=getattr(run.linear, "factorisations", None),
+        phases=run.phases,
+        **run.figures,
+    )
+
+
+def Variants(inverse=None):
+    """Names of the elastic variants: those of a solver, or the fast ones of this installation."""
+    if inverse is not None:
+        named = [name for name, (solver, _) in VARIANTS.items() if solver.startswith(inverse)]
+        return named or [inverse]
+    return [name for name in VARIANTS if name == "sparsecholesky" or ("pard" in name and HasMKL())]
+
+
+def ElasticRun(name, size, *, inverse=None, repeat=1):
+    """Solve linear elasticity on the same mesh in each variant; the fastest makes the `Row`."""
+    problem = Problem(name, size)
+    mesh, tried = problem.Mesh(), {}
+    for variant in Variants(inverse):
+        runs = [SolveElastic(problem, mesh, variant) for _ in range(repeat)]
+        ndof, tried[variant] = min(runs, key=lambda run: run[1]["wall"])
+    best = min(tried, key=lambda variant: tried[variant]["wall"])
+    return Row(name, size, "elastic", ndof, inverse=best, variants=tried, **tried[best])
+
+
+def Measure(problem, size, kind, *, inverse=None, solver=None, repeat=None):
+    """The fastest of `repeat` runs (by default 3 for small sizes, else 1), each in a new process.
+
+    None if the processes were killed, most likely for lack of memory. `inverse` and `solver` are
+    those of `ContactSolver`; the elastic problem takes the fastest variant of `inverse`.
+    """
+    repeat = repeat or (3 if size <= SMALL else 1)
+    if kind == "elastic":
+        return InProcess(ElasticRun, problem, size, inverse=inverse, repeat=repeat)
+    options = {"inverse": inverse, "solver": solver}
+    rows = [InProcess(ContactRun, problem, size, kind, **options) for _ in range(repeat)]
+    return min((row for row in rows if row), key=lambda row: row.wall, default=None)
 
 
 def Kinds(problem, size):
@@ -38,134 +137,136 @@ def Kinds(problem, size):
     return ALL if size <= LARGEST_DIRECT else tuple(KINDS)
 
 
-def Nearest(problem, ndof):
-    """The size of a problem that is nearest to a number of dofs."""
-    return min(SIZES[problem], key=lambda size: abs(math.log(size / ndof)))
+def Runs(problems, sizes, kinds=ALL, **options):
+    """Run all; prints each row as it comes."""
+    for problem, size in ((p, s) for p in problems for s in sizes):
+        for kind in (kind for kind in Kinds(problem, size) if kind in kinds):
+            row = Measure(problem, size, kind, **options)
+            killed = f"{problem:9} {size:8d}  {kind:12} was killed"
+            print(Line(row) if row else killed, flush=True)
+            if row:
+                yield row
 
 
-def Measure(problem, size, kind, *, inverse=None, solver=None, repeat=None):
-    """The fastest of some runs, each in a new process.
-
-    Parameters
-    ----------
-    problem : {"patch", "patch_hex", "sphere", "hertz"}
-    size : int
-        Number of displacement dofs, of `SIZES`.
-    kind : {"elastic", "frictionless", "friction", "ten_steps"}
-    inverse, solver : str, optional
-        As of `ContactSolver`, by default its own choice. The elastic problem takes the fastest
-        variant of `inverse`, or of all that are installed.
-    repeat : int, optional
-        Number of runs, by default 3 for small sizes and else 1.
-
-    Returns
-    -------
-    Row or None
-        None if the process was killed, most likely for lack of memory.
-    """
-    repeat = repeat or (3 if size <= SMALL else 1)
-    if kind == "elastic":
-        return InProcess(ElasticRun, problem, size, inverse=inverse, repeat=repeat)
-    options = {"inverse": inverse, "solver": solver}
-    return Fastest(InProcess(ContactRun, problem, size, kind, **options) for _ in range(repeat))
-
-
-def Ratios(ndof=100_000, inverse=None, solver=None, printing=True):
+def Ratios(ndof=100_000, **options):
     """Times of the sphere problem as multiples of the elastic solve.
 
-    Parameters
-    ----------
-    ndof : int
-        Displacement dofs; the nearest size of the table is taken.
-    inverse, solver : str, optional
-        As of `Measure`.
-    printing : bool
-        One line per run.
-
-    Returns
-    -------
-    dict
-        ``frictionless_over_elastic``, ``friction_step_over_elastic`` and
-        ``ten_steps_over_elastic`` (wall times), the same with ``_cpu`` at the end, ``ndof``, and
-        ``seconds`` and ``cpu_seconds`` for each kind of run.
+    A dictionary of ``frictionless_over_elastic``, ``friction_step_over_elastic`` and
+    ``ten_steps_over_elastic`` (wall times), the same with ``_cpu`` at the end, ``ndof``, and
+    ``seconds`` and ``cpu_seconds`` for each kind of run. The nearest size of the table is taken.
     """
-    size, runs = Nearest("sphere", ndof), {}
-    for kind in ALL:
-        row = Measure("sphere", size, kind, inverse=inverse, solver=solver)
-        if row is None:
-            raise MemoryError(f"the {kind} run of {size} dofs was killed")
-        runs[kind] = row
-        if printing:
-            print(Line(row), flush=True)
-    return RatiosOf(runs)
+    size = min(SIZES["sphere"], key=lambda size: abs(math.log(size / ndof)))
+    runs = {row.kind: row for row in Runs(["sphere"], [size], **options)}
+    if lost := [kind for kind in ALL if kind not in runs]:
+        raise MemoryError(f"runs of {size} dofs were killed: {', '.join(lost)}")
+    titles, elastic = {"friction": "friction_step"}, runs["elastic"]
+    ratios = {}
+    for end, name in (("", "wall"), ("_cpu", "cpu")):
+        for kind in KINDS:
+            ratio = getattr(runs[kind], name) / getattr(elastic, name)
+            ratios[f"{titles.get(kind, kind)}_over_elastic{end}"] = ratio
+    seconds = {kind: row.wall for kind, row in runs.items()}
+    cpu_seconds = {kind: row.cpu for kind, row in runs.items()}
+    return ratios | {"ndof": elastic.ndof, "seconds": seconds, "cpu_seconds": cpu_seconds}
 
 
-def RatiosOf(runs):
-    """The ratios of `Ratios` from the rows of each kind."""
-    titles = {"frictionless": "frictionless", "friction": "friction_step", "ten_steps": "ten_steps"}
-    elastic = runs["elastic"]
-    ratios = {f"{t}_over_elastic": runs[kind].wall / elastic.wall for kind, t in titles.items()}
-    ratios |= {f"{t}_over_elastic_cpu": runs[kind].cpu / elastic.cpu for kind, t in titles.items()}
-    ratios["ndof"] = elastic.ndof
-    ratios["seconds"] = {kind: row.wall for kind, row in runs.items()}
-    ratios["cpu_seconds"] = {kind: row.cpu for kind, row in runs.items()}
-    return ratios
+# ---------------------------------------------------------------- output
 
 
-def Table(problems, sizes, kinds=ALL, **options):
-    """Run all; prints each row as it comes."""
-    rows = []
-    for problem in problems:
-        for size in sizes:
-            for kind in Kinds(problem, size):
-                if kind not in kinds:
-                    continue
-                row = Measure(problem, size, kind, **options)
-                if row is None:
-                    print(f"{problem:9} {size:8d}  {kind:12} was killed", flush=True)
-                    continue
-                rows.append(row)
-                print(Line(row), flush=True)
-    return rows
+def Line(row):
+    """One run in words and figures, for the terminal."""
+    text = f"{row.problem:9} {row.ndof:8d}  {row.kind:12} {row.wall:8.2f} s, cpu {row.cpu:8.2f} s"
+    text += f", {row.memory:6.2f} GB, {row.inverse}"
+    if row.kind == "elastic":
+        tried = (f"{name} {run['wall']:.2f} s" for name, run in row.variants.items())
+        return f"{text} ({', '.join(tried)}), residual {row.error:.0e}"
+    for title, value in (("Krylov", row.krylov), ("factorisations", row.factorisations)):
+        text += "" if value is None else f", {title} {value}"
+    newton = "+".join(str(n) for n in row.iterations)
+    return f"{text}, Newton {newton}, contact {100 * row.share:.1f} %, balance {row.error:.0e}"
 
 
-def Load(file):
-    """The rows of a JSON file."""
-    return [Row(**row) for row in json.loads(Path(file).read_text())]
+def Table(rows):
+    """The table of the README."""
+    head = ["problem", "dofs", "elastic solve [s]", *(f"{NAMES[kind]} [s]" for kind in KINDS)]
+    head += ["Newton", "pairing, contact", "memory, elastic / contact [GB]"]
+    table = {}
+    for row in sorted(rows, key=lambda row: (list(TITLES).index(row.problem), row.size)):
+        table.setdefault((row.problem, row.size), {})[row.kind] = row
+    cells = [Cells(problem, kinds) for (problem, _), kinds in table.items()]
+    return "\n".join(Markdown(head, cells)) + "\n"
+
+
+def Cells(problem, kinds):
+    """Of one mesh; what was not run is a dash."""
+    elastic, contact = kinds.get("elastic"), [row for kind, row in kinds.items() if kind in KINDS]
+
+    def Seconds(row):
+        ratio = f" ({row.wall / elastic.wall:.1f}x)" if row and elastic else ""
+        return f"{row.wall:.3g}{ratio}" if row else "-"
+
+    cells = [TITLES[problem], str(next(iter(kinds.values())).ndof)]
+    cells += [f"{elastic.wall:.3g}" if elastic else "-", *(Seconds(kinds.get(k)) for k in KINDS)]
+    cells.append(", ".join(str(sum(row.iterations)) for row in contact) or "-")
+    cells.append(f"{100 * max(row.share for row in contact):.1f} %" if contact else "-")
+    most = f"{max(row.memory for row in contact):.2f}" if contact else "-"
+    return [*cells, f"{f'{elastic.memory:.2f}' if elastic else '-'} / {most}"]
+
+
+def Draw(rows, file):
+    """Time and memory over dofs, both logarithmic: a column for each problem."""
+    names = [name for name in TITLES if any(row.problem == name for row in rows)]
+    size = {"figsize": (1.5 + 3.6 * len(names), 7), "sharex": True, "sharey": "row"}
+    title = "Contact beside one linear elastic solve, second order"
+    quantities = {"wall": "wall time [s]", "memory": "peak memory [GB]"}
+    with Picture(file, title, 2, len(names), **size) as all_axes:
+        for line, (quantity, label) in zip(all_axes, quantities.items(), strict=True):
+            line[0].set_ylabel(label)
+            for axes, problem in zip(line, names, strict=True):
+                Curves(axes, [row for row in rows if row.problem == problem], quantity)
+                axes.set(title=TITLES[problem], xlabel="displacement dofs n")
+        dofs = [row.ndof for row in rows]
+        all_axes[0, 0].set_xlim(min(dofs) / 2, max(dofs) * 2)
+
+
+def Curves(axes, rows, quantity):
+    """One for each kind of run."""
+    for number, (kind, style) in enumerate(zip(NAMES, ("s--", "o-", "^-", "D-"), strict=True)):
+        own = sorted((row for row in rows if row.kind == kind), key=lambda row: row.ndof)
+        dofs, values = [r.ndof for r in own], [getattr(r, quantity) for r in own]
+        slope = f", $n^{{{Growth(dofs, values):.2f}}}$" if len(own) > 1 else ""
+        color = f"C{number - 1}" if number else "black"
+        if own:
+            axes.loglog(dofs, values, style, color=color, label=NAMES[kind] + slope)
+    axes.grid(which="both", alpha=0.3)
+    axes.legend(loc="best", fontsize="small")
 
 
 def main(argv=None):
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--sizes", type=int, nargs="+", default=DEFAULT_SIZES)
-    parser.add_argument(
-        "--problems", nargs="+", choices=[*SIZES], default=["patch", "sphere", "hertz"]
-    )
-    parser.add_argument("--kinds", nargs="+", choices=ALL, default=ALL, help="runs of each problem")
-    parser.add_argument("--inverse", help="direct solver of contact and elastic problem")
-    parser.add_argument("--solver", help="solver= of ContactSolver")
-    parser.add_argument("--repeat", type=int, help="runs; the fastest counts")
-    parser.add_argument("--json", metavar="FILE", help="write the rows to this file")
-    parser.add_argument("--load", metavar="FILE", nargs="+", help="rows of earlier runs; run none")
-    parser.add_argument("--picture", metavar="FILE", help="draw time and memory over dofs")
-    parser.add_argument("--markdown", metavar="FILE", help="write the table of the README")
+    parser = Parser(__doc__)
+    add = parser.add_argument
+    add("--sizes", type=int, nargs="+", default=DEFAULT_SIZES)
+    add("--problems", nargs="+", choices=[*SIZES], default=["patch", "sphere", "hertz"])
+    add("--kinds", nargs="+", choices=ALL, default=ALL, help="runs of each problem")
+    add("--inverse", help="direct solver of contact and elastic problem")
+    add("--solver", help="solver= of ContactSolver")
+    add("--repeat", type=int, help="runs; the fastest counts")
+    add("--load", metavar="FILE", nargs="+", default=[], help="rows of earlier runs; run none")
+    add("--picture", metavar="FILE", help="draw time and memory over dofs")
+    add("--markdown", metavar="FILE", help="write the table of the README")
     options = parser.parse_args(argv)
-    if options.load:
-        rows = [row for file in options.load for row in Load(file)]
-    else:
-        for name in options.problems:
-            for size in options.sizes:
-                Problem(name, size).Parameters()  # complain now, not in an hour
+    rows = [Row(**row) for file in options.load for row in json.loads(Path(file).read_text())]
+    if not options.load:
+        for name, size in ((n, s) for n in options.problems for s in options.sizes):
+            Problem(name, size).Parameters()  # complain now, not in an hour
         given = {name: getattr(options, name) for name in ("kinds", "inverse", "solver", "repeat")}
-        rows = Table(options.problems, options.sizes, **given)
-    if options.json:
-        Path(options.json).write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+        rows = list(Runs(options.problems, options.sizes, **given))
+    WriteJSON(options.json, rows)
     if options.markdown:
-        Path(options.markdown).write_text(Markdown(rows))
+        Path(options.markdown).write_text(Table(rows))
     if options.picture:
-        Picture(rows, options.picture)
+        Draw(rows, options.picture)
     return rows
 
 

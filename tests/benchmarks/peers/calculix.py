@@ -26,13 +26,12 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-from boundary import Lowered
 from calculix_files import ReadContact, ReadDisplacement, Solid, WriteInput
-from metrics import YOUNG, LineErrors, PatchErrors, SphereErrors
+from meshes import BODIES
+from metrics import YOUNG, Errors
 from peercommand import Main, NotInstalledError
 
-__all__ = ["Solve"]
+__all__ = ["Options", "Solve"]
 
 STIFFNESS = {"hertz": 10.0, "sphere": 10.0, "patch": 1e4}
 
@@ -42,41 +41,36 @@ def Solve(mesh, arguments, watch):
     program = shutil.which("ccx")
     if not program:
         raise NotInstalledError("ccx not found: install CalculiX (apt-get install calculix-ccx)")
-    if arguments.stiffness is None:
-        arguments.stiffness = STIFFNESS[mesh.problem] if arguments.variant == "penalty" else 0.0
-    if arguments.stiffness <= 0 and arguments.variant == "penalty":
+    stiffness, penalty = arguments.stiffness, arguments.variant == "penalty"
+    if stiffness is None:
+        stiffness = STIFFNESS[mesh.problem] if penalty else 0.0
+    if stiffness <= 0 and penalty:
         raise ValueError("the penalty needs a positive --stiffness")
-    softer = min(YOUNG[name] for name in np.unique(mesh.materials).tolist())
+    solid, nodes = Solid(mesh, arguments.order), mesh.Points(arguments.order)
+    contact = "surface to surface" if penalty else "mortar"
+    law = f"K = {stiffness:g} E/mm" if stiffness else "hard"
     with TemporaryDirectory() as folder:
         job = Path(folder) / "job"
-        WriteInput(
-            job.with_suffix(".inp"),
-            mesh,
-            arguments.order,
-            friction=arguments.friction,
-            steps=arguments.steps,
-            variant=arguments.variant,
-            stiffness=arguments.stiffness * softer,
-            linear_solver=arguments.linear_solver,
-        )
+        softer = min(YOUNG[name] for name in BODIES[mesh.problem])
+        WriteInput(job.with_suffix(".inp"), solid, arguments, stiffness * softer)
         with watch.Running():
             log = Run(program, job)
+
+        def Displacement():
+            moved = ReadDisplacement(job.with_suffix(".dat"), len(nodes))
+            return moved + mesh.Lowered(arguments.order) - nodes
+
+        def Pressure():  # the nodes at z = 0 stand for the layer
+            return ReadContact(job.with_suffix(".frd"), len(nodes))
+
         return {
             "version": Find(r"Version (\S+?),", log),
-            "dofs": mesh.Points(arguments.order).size,
+            "dofs": nodes.size,
             "equations": int(Find(r"number of equations\s+(\d+)", log)),
             "iterations": len(re.findall(r"^ *iteration +\d+", log, re.MULTILINE)),
-            "settings": Settings(mesh, arguments),
-            **Errors(mesh, arguments.order, job),
+            "settings": f"{contact}, {law}, {solid.kind}, {arguments.linear_solver}",
+            **Errors(mesh, arguments.order, Displacement, Pressure),
         }
-
-
-def Settings(mesh, arguments):
-    """What was chosen, for the table."""
-    contact = {"penalty": "surface to surface", "mortar": "mortar"}[arguments.variant]
-    element = Solid(mesh, arguments.order).kind
-    law = f"K = {arguments.stiffness:g} E/mm" if arguments.stiffness else "hard"
-    return f"{contact}, {law}, {element}, {arguments.linear_solver}"
 
 
 def Run(program, job):
@@ -121,26 +115,12 @@ def Find(pattern, log):
     return found[-1]
 
 
-def Errors(mesh, order, job):
-    """The figures of `metrics`."""
-    nodes = len(mesh.Points(order))
-    if mesh.problem == "patch":
-        displacement = ReadDisplacement(job.with_suffix(".dat"), nodes)
-        return PatchErrors(mesh, displacement + Lowered(mesh, order) - mesh.Points(order))
-    pressure = ReadContact(job.with_suffix(".frd"), nodes)
-    if mesh.problem == "sphere":
-        return SphereErrors(mesh.points, mesh.Faces(1, "slave"), pressure)
-    slave = mesh.Nodes(order, "slave")  # those at z = 0 stand for the layer
-    return LineErrors(mesh.points[slave, 0], pressure[slave])
-
-
 def Options(parser):
     """What only CalculiX has."""
-    parser.add_argument("--variant", choices=("penalty", "mortar"), default="penalty")
-    parser.add_argument(
-        "--stiffness", type=float, help="over Young's modulus, 1/mm; mortar: 0 is hard"
-    )
-    parser.add_argument("--linear-solver", default="SPOOLES", help="CalculiX' name")
+    add = parser.add_argument
+    add("--variant", choices=("penalty", "mortar"), default="penalty")
+    add("--stiffness", type=float, help="over Young's modulus, 1/mm; mortar: 0 is hard")
+    add("--linear-solver", default="SPOOLES", help="CalculiX' name")
 
 
 if __name__ == "__main__":

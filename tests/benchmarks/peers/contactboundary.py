@@ -15,56 +15,33 @@ from __future__ import annotations
 import importlib.metadata
 import sys
 
+import ngsolve as ngs
 import numpy as np
-from peercommand import Main, NotInstalledError
+from elastic import CornerProjection, Displacements, Elastic, Errors, Loads, Projection, Read
+from meshes import BODIES, SHIFT
+from metrics import NU, RADIUS, STRAIN, YOUNG
+from ngsolve import (
+    CF,
+    H1,
+    BilinearForm,
+    GridFunction,
+    IfPos,
+    InnerProduct,
+    Norm,
+    SurfaceL2,
+    x,
+    y,
+    z,
+)
+from peercommand import Main
 
-try:
-    from elastic import (
-        CornerProjection,
-        Displacements,
-        Errors,
-        LoadVector,
-        Projection,
-        Read,
-        Stress,
-        Young,
-    )
-    from ngsolve import (
-        CF,
-        H1,
-        SEGM,
-        BilinearForm,
-        ContactBoundary,
-        Grad,
-        GridFunction,
-        IfPos,
-        InnerProduct,
-        IntegrationRule,
-        Norm,
-        SurfaceL2,
-        Sym,
-        TaskManager,
-        dx,
-        x,
-        y,
-        z,
-    )
-except ModuleNotFoundError as error:
-    MISSING = error
-else:
-    MISSING = None
+from ngslac.materials import Stress
 
-from metrics import PATCH_PRESSURE, RADIUS, YOUNG
-
-__all__ = ["Solve"]
+__all__ = ["Options", "Solve"]
 
 TOLERANCE, MOST = 1e-10, 60  # residual over load, Newton steps
 TANGENTIAL = 0.1  # times the normal penalty
-SLAVE = {"hertz": "cylinder", "sphere": "sphere", "patch": "upper"}
-SOFT = {"hertz": "block", "sphere": "block", "patch": "upper"}
 SEARCH = {"hertz": 20.0, "sphere": 10.0, "patch": 0.3}  # mm: farther points do not pair
-# The slave starts a little inside of the master, so that contact holds it.
-START = {"hertz": 0.05, "sphere": 0.1}
 
 
 class Contact:
@@ -72,10 +49,10 @@ class Contact:
 
     def __init__(self, peermesh, mesh, arguments):
         self.problem, self.mesh, self.arguments = peermesh.problem, mesh, arguments
-        self.penalty = arguments.gamma * YOUNG[SOFT[self.problem]] / peermesh.h
+        self.slave, _ = bodies = BODIES[self.problem]
+        self.penalty = arguments.gamma * min(YOUNG[name] for name in bodies) / peermesh.h
         self.point = CF((x, y, z)[: mesh.dim])
-        axis = CF((0.0,) * (mesh.dim - 1) + (RADIUS,))
-        arm = self.point - axis
+        arm = self.point - CF((0.0,) * (mesh.dim - 1) + (RADIUS,))
         self.normal = CF((0, 0, -1)) if self.problem == "patch" else arm / Norm(arm)
         self.nitsche = arguments.variant == "nitsche"
         self.old, self.sheared = None, None  # displacement and tangential traction of the last step
@@ -85,7 +62,7 @@ class Contact:
         depth = (self.point + u - self.point.Other() - u.Other()) * self.normal
         pressure = self.penalty * depth
         if self.nitsche:
-            stress = Stress(Sym(Grad(u)), YOUNG[SLAVE[self.problem]], self.mesh.dim)
+            stress = Stress(ngs.Sym(ngs.Grad(u)), YOUNG[self.slave], NU)
             pressure -= InnerProduct(stress * self.normal, self.normal)
         return IfPos(pressure, pressure, 0)
 
@@ -109,39 +86,33 @@ class Contact:
             return self.Pressure(u) * self.normal
         return self.Pressure(u) * self.normal + self.Tangential(u) * self.tangent
 
-    def Boundary(self):
-        """An empty `ContactBoundary` of the two sides."""
+    def AddTo(self, form, space, integrand):
+        """A `ContactBoundary`, paired in the undeformed configuration; a form does not keep it."""
         sides = (self.mesh.Boundaries("slave"), self.mesh.Boundaries("master"))
-        return ContactBoundary(*sides, volume=self.nitsche)
-
-    def Pair(self, contact, space, form):
-        """Let a form have a `ContactBoundary`, paired in the undeformed configuration."""
-        order = 2 * self.arguments.order + 4
-        contact.Update(GridFunction(space), form, intorder=order, maxdist=SEARCH[self.problem])
+        contact, order = ngs.ContactBoundary(*sides, volume=self.nitsche), self.arguments.order
+        contact.AddIntegrator(integrand)
+        distance = SEARCH[self.problem]
+        contact.Update(GridFunction(space), form, intorder=2 * order + 4, maxdist=distance)
+        return contact
 
     def Form(self, space):
-        """Elasticity and contact; the second is returned since the form does not keep it."""
+        """Elasticity and contact."""
         u, v = space.TnT()
         form = BilinearForm(space)
-        form += (
-            InnerProduct(Stress(Sym(Grad(u)), Young(self.mesh), self.mesh.dim), Sym(Grad(v))) * dx
-        )
-        contact = self.Boundary()
-        contact.AddIntegrator(self.Traction(u) * (v - v.Other()))
-        self.Pair(contact, space, form)
-        return form, contact
+        form += Elastic(self.mesh, u, v)
+        return form, self.AddTo(form, space, self.Traction(u) * (v - v.Other()))
 
     def Moments(self, quantity, displacement, space):
         """Integrals of ``quantity(u)`` times the basis functions of `space` over the slave."""
         product = displacement.space * space
         (u, _), (_, q) = product.TnT()
-        form, contact = BilinearForm(product), self.Boundary()
-        contact.AddIntegrator(quantity(u) * q)
-        self.Pair(contact, displacement.space, form)
+        form = BilinearForm(product)
+        kept = self.AddTo(form, displacement.space, quantity(u) * q)
         state = GridFunction(product)
         state.components[0].vec.data = displacement.vec
         result = state.vec.CreateVector()
         form.Apply(state.vec, result)
+        del kept
         part = product.Range(1)
         return result.FV().NumPy()[part.start : part.stop].copy()
 
@@ -151,12 +122,10 @@ class Contact:
 
 def Solve(peermesh, arguments, watch):
     """Solve a problem; see `peercommand.Main`."""
-    if MISSING:
-        raise NotInstalledError(f"{MISSING}: pip install ngsolve")
     if arguments.friction and (peermesh.dim == 3 or arguments.variant == "nitsche"):
         raise ValueError("friction only in 2D and with the penalty")
     mesh = Read(arguments)
-    with TaskManager():
+    with ngs.TaskManager():
         with watch.Running():
             space = Displacements(mesh, arguments)
             contact = Contact(peermesh, mesh, arguments)
@@ -185,22 +154,20 @@ def Inverse(arguments):
     return "pardisospd" if symmetric else "pardiso"
 
 
-def Start(peermesh, mesh, penalty, gf):
-    """A first displacement."""
-    if peermesh.problem == "patch":
-        strain = PATCH_PRESSURE / YOUNG["upper"]
-        depth = PATCH_PRESSURE / penalty + strain
-    else:
-        depth = START[peermesh.problem]
-    down = CF((0.0,) * (mesh.dim - 1) + (-depth,))
-    gf.Set(down, definedon=mesh.Materials(SLAVE[peermesh.problem]))
+def Start(contact, gf):
+    """A first displacement: the slave is a little inside of the master, and contact holds it."""
+    depth = SHIFT[contact.problem]
+    if contact.problem == "patch":
+        depth = STRAIN * (1 + YOUNG["upper"] / contact.penalty)
+    down = CF((0.0,) * (contact.mesh.dim - 1) + (-depth,))
+    gf.Set(down, definedon=contact.mesh.Materials(contact.slave))
 
 
 def Steps(peermesh, contact, space):
     """All load steps; returns the displacement and the number of linear solves."""
     mesh, arguments = contact.mesh, contact.arguments
-    gf, load = GridFunction(space), LoadVector(peermesh, space)
-    Start(peermesh, mesh, contact.penalty, gf)
+    gf, load = GridFunction(space), Loads(peermesh, space)
+    Start(contact, gf)
     history = SurfaceL2(mesh, order=arguments.order)
     contact.sheared = GridFunction(history)
     iterations = 0
@@ -243,9 +210,9 @@ def Pressure(mesh, contact, gf):
     # With Nitsche's method NGSolve cannot mix volume elements with a space on the surface.
     space = H1(mesh, order=gf.space.globalorder) if contact.nitsche else SurfaceL2(mesh, order=1)
     pressure = Projection(mesh, contact.Moments(contact.Pressure, gf, space), space)
-    rule, samples = IntegrationRule(SEGM, 3), []
+    rule, samples = ngs.IntegrationRule(ngs.SEGM, 3), []
     for element in mesh.Boundaries("slave").Elements():
-        transformation = mesh.GetTrafo(element)
+        transformation = mesh.GetTrafo(element)  # has to live as long as its points
         samples += [(x(p), pressure(p)) for p in map(transformation, rule)]
     return np.array(samples).T
 

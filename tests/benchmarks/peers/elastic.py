@@ -4,43 +4,25 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import ngsolve
+import metrics
+import ngsolve as ngs
 from meshes import HELD, NodalValues
-from metrics import (
-    LINE_FORCE,
-    NU,
-    PATCH_PRESSURE,
-    SPHERE_LOAD,
-    YOUNG,
-    LineErrors,
-    PatchErrors,
-    SphereErrors,
-)
-from ngsolve import (
-    BilinearForm,
-    BitArray,
-    GridFunction,
-    Id,
-    LinearForm,
-    Mesh,
-    NodeId,
-    Trace,
-    VectorH1,
-    ds,
-)
+from metrics import LINE_FORCE, NU, PRESSURE, YOUNG
+from ngsolve import BilinearForm, GridFunction, ds, dx
 
-__all__ = ["Displacements", "Errors", "LoadVector", "Material", "Projection", "Read", "Stress"]
+from ngslac.materials import Stress
+
+__all__ = ["CornerProjection", "Displacements", "Elastic", "Errors", "Loads", "Projection", "Read"]
 
 
 def Read(arguments):
     """The NGSolve mesh beside the .npz file, curved as the nodes of that are."""
-    file = Path(arguments.mesh).with_suffix(".vol")
-    mesh = Mesh(str(file))
+    mesh = ngs.Mesh(str(Path(arguments.mesh).with_suffix(".vol")))
     mesh.Curve(arguments.order)
     return mesh
 
 
-def Displacements(mesh, arguments, *, space=VectorH1, **options):
+def Displacements(mesh, arguments, *, space=ngs.VectorH1, **options):
     """The displacement space with the supports of the problem; `options` of another `space`."""
     held = {}
     for name, component in HELD[arguments.problem].items():
@@ -49,68 +31,36 @@ def Displacements(mesh, arguments, *, space=VectorH1, **options):
     return space(mesh, order=arguments.order, **options)
 
 
-def Material(young):
-    """Lame's constants."""
-    return young * NU / ((1 + NU) * (1 - 2 * NU)), young / (2 * (1 + NU))
+def Elastic(mesh, u, v):
+    """Linear elasticity of both bodies, plane strain in 2D."""
+    young = mesh.MaterialCF({name: YOUNG[name] for name in mesh.GetMaterials()})
+    strain, virtual = (ngs.Sym(ngs.Grad(w)) for w in (u, v))
+    return ngs.InnerProduct(Stress(strain, young, NU), virtual) * dx
 
 
-def Stress(strain, young, dim):
-    """Linear elasticity, plane strain in 2D."""
-    lame, shear = Material(young)
-    return 2 * shear * strain + lame * Trace(strain) * Id(dim)
-
-
-def Young(mesh):
-    """Young's modulus of each body."""
-    return mesh.MaterialCF({name: YOUNG[name] for name in mesh.GetMaterials()})
-
-
-def LoadVector(peermesh, space, *, displacement=None):
-    """The whole load as a vector on `space`, or on a product space whose first component is it.
-
-    Parameters
-    ----------
-    peermesh : PeerMesh
-    space : FESpace
-    displacement : FESpace, optional
-        The displacement space, if `space` is a product.
-    """
-    v = space.TestFunction()
-    v = v if displacement is None else v[0]
-    form = LinearForm(space)
-    if peermesh.problem == "hertz":
-        vector = form.Assemble().vec
-        node = NodeId(ngsolve.VERTEX, peermesh.load)
-        _, vertical = (displacement or space).GetDofNrs(node)
-        vector[vertical] = -LINE_FORCE / 2
-        return vector
-    form += -(SPHERE_LOAD if peermesh.problem == "sphere" else PATCH_PRESSURE) * v[2] * ds("top")
-    return form.Assemble().vec
+def Loads(peermesh, space, displacement=None):
+    """The whole load as a vector on the displacement space, or on a product that begins with it."""
+    v = space.TestFunction() if displacement is None else space.TestFunction()[0]
+    form = ngs.LinearForm(space)
+    if peermesh.problem != "hertz":
+        form += -PRESSURE[peermesh.problem] * v[2] * ds("top")
+        return form.Assemble().vec
+    vector, node = form.Assemble().vec, ngs.NodeId(ngs.VERTEX, peermesh.load)
+    _, vertical = (displacement or space).GetDofNrs(node)
+    vector[vertical] = -LINE_FORCE / 2
+    return vector
 
 
 # ---------------------------------------------------------------- evaluation
 
 
 def Projection(mesh, rhs, space):
-    """Function on the slave side whose moments are given: the L2 projection.
-
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-    rhs : (n,) array
-        Moments with the basis functions of `space`.
-    space : FESpace
-        H1 or SurfaceL2.
-
-    Returns
-    -------
-    GridFunction
-    """
+    """L2 projection to the slave side: function of H1 or SurfaceL2 with given moments (n,)."""
     p, q = space.TnT()
     mass = BilinearForm(space)
     mass += p.Trace() * q.Trace() * ds("slave")
     mass.Assemble()
-    used = BitArray(space.ndof)
+    used = ngs.BitArray(space.ndof)
     used.Clear()
     for element in mesh.Boundaries("slave").Elements():
         for dof in space.GetDofNrs(element):
@@ -123,25 +73,20 @@ def Projection(mesh, rhs, space):
 
 def CornerProjection(mesh, rhs):
     """The same on continuous functions that are linear on the faces; values at all corners."""
-    return Projection(mesh, rhs, ngsolve.H1(mesh, order=1)).vec.FV().NumPy().copy()
+    return Projection(mesh, rhs, ngs.H1(mesh, order=1)).vec.FV().NumPy().copy()
 
 
 def Errors(peermesh, mesh, displacement, pressure):
-    """The figures of `metrics` for this problem.
+    """The figures of `metrics` from the displacement (a GridFunction).
 
-    Parameters
-    ----------
-    peermesh : PeerMesh
-    mesh : ngsolve.Mesh
-    displacement : GridFunction
-    pressure : callable
-        Called on demand: samples (x, p) of the pressure along the slave edge in 2D, values at all
-        corners of the mesh in 3D.
+    `pressure` is called on demand: samples (x, p) of the pressure along the slave edge in 2D,
+    values at all corners of the mesh in 3D.
     """
+
+    def Values():
+        values = NodalValues(mesh, [displacement[i] for i in range(mesh.dim)])
+        return values[: None if displacement.space.globalorder > 1 else peermesh.nvertices]
+
     if peermesh.problem == "hertz":
-        return LineErrors(*pressure())
-    if peermesh.problem == "sphere":
-        return SphereErrors(peermesh.points, peermesh.Faces(1, "slave"), pressure())
-    values = NodalValues(mesh, [displacement[i] for i in range(mesh.dim)])
-    order = displacement.space.globalorder
-    return PatchErrors(peermesh, values[: None if order > 1 else peermesh.nvertices])
+        return metrics.LineErrors(*pressure())
+    return metrics.Errors(peermesh, 1, Values, pressure)

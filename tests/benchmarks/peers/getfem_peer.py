@@ -17,19 +17,8 @@ import subprocess
 import sys
 
 import numpy as np
-from boundary import BODIES, SHIFT, Lowered, Opposite
-from meshes import HELD
-from metrics import (
-    LINE_FORCE,
-    NU,
-    PATCH_PRESSURE,
-    RADIUS,
-    SPHERE_LOAD,
-    YOUNG,
-    LineErrors,
-    PatchErrors,
-    SphereErrors,
-)
+from meshes import BODIES, HELD, SHIFT
+from metrics import LINE_FORCE, NU, PRESSURE, RADIUS, YOUNG, Errors
 from peercommand import Main, NotInstalledError
 
 try:
@@ -37,7 +26,7 @@ try:
 except ModuleNotFoundError:
     getfem = None
 
-__all__ = ["Solve"]
+__all__ = ["Options", "Solve"]
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 
@@ -68,7 +57,12 @@ def Solve(mesh, arguments, watch):
         "iterations": iterations,
         "settings": f"large sliding ALM, r = {arguments.augmentation:g} E/h, "
         f"P{arguments.order}/P1, MUMPS",
-        **Errors(mesh, bodies, model, forms, arguments.order),
+        **Errors(
+            mesh,
+            1,
+            lambda: Displacement(mesh, model, forms, arguments.order),
+            lambda: Pressure(mesh, bodies[0], model),
+        ),
     }
 
 
@@ -87,7 +81,7 @@ def Body(mesh, order, side):
     if geometry == 2:
         nodes = nodes[:, LATTICE[mesh.dim]]
     # Curved slaves start lower by a displacement; on planes a gap makes pairing unambiguous.
-    points = (Lowered(mesh, 2) if mesh.problem == "patch" else mesh.points)[nodes]
+    points = (mesh.Lowered(2) if mesh.problem == "patch" else mesh.points)[nodes]
     body = getfem.Mesh("empty", mesh.dim)
     kind = getfem.GeoTrans(f"GT_PK({mesh.dim},{geometry})")
     numbers = body.add_convex(kind, np.ascontiguousarray(points.transpose(2, 1, 0)))
@@ -96,7 +90,7 @@ def Body(mesh, order, side):
     contact = {("slave", "master")[side]: CONTACT_REGION, "top": LOAD_REGION}
     held = {boundary: HELD_REGION + k for boundary, k in HELD[mesh.problem].items()}
     for boundary, region in (contact | held).items():
-        elements, faces = Opposite(mesh, boundary)  # GetFEM's face i is opposite to corner i
+        elements, faces = mesh.Opposite(boundary)  # GetFEM's face i is opposite to corner i
         here = convex[elements] >= 0
         if here.any() and not (boundary == "top" and mesh.problem == "hertz"):
             body.set_region(region, np.stack([convex[elements[here]], faces[here]]))
@@ -129,8 +123,7 @@ def Model(mesh, bodies, arguments):
         forms.append(form)
         rules.append(rule)
     if mesh.problem != "hertz":
-        pressure = SPHERE_LOAD if mesh.problem == "sphere" else PATCH_PRESSURE
-        model.add_initialized_data("pressure", [0.0] * (dim - 1) + [-pressure])
+        model.add_initialized_data("pressure", [0.0] * (dim - 1) + [-PRESSURE[mesh.problem]])
         model.add_source_term_brick(rules[0], "u0", "pressure", LOAD_REGION)
     contact = AddContact(mesh, model, bodies[0], forms, rules, arguments, softer)
     return model, forms, rules, contact
@@ -200,28 +193,25 @@ def NodeDofs(form, wanted):
     return np.array(first)[:, None] * dim + np.arange(dim)
 
 
-def Errors(mesh, bodies, model, forms, order):
-    """The figures of `metrics`."""
-    if mesh.problem == "patch":
-        points = Lowered(mesh, order)
-        values = points - mesh.Points(order)
-        for side, form in enumerate(forms):
-            nodes = mesh.MaterialNodes(order, BODIES["patch"][side])
-            values[nodes] += model.variable(f"u{side}")[NodeDofs(form, points[nodes])]
-        return PatchErrors(mesh, values)
-    slave = mesh.Nodes(1, "slave")
-    linear = getfem.MeshFem(bodies[0], mesh.dim)
+def Displacement(mesh, model, forms, order):
+    """At the nodes, from where the upper body was not lowered yet."""
+    points = mesh.Lowered(order)
+    values = points - mesh.Points(order)
+    for side, form in enumerate(forms):
+        nodes = mesh.MaterialNodes(order, BODIES["patch"][side])
+        values[nodes] += model.variable(f"u{side}")[NodeDofs(form, points[nodes])]
+    return values
+
+
+def Pressure(mesh, body, model):
+    """At all nodes; the multipliers are linear."""
+    slave, linear = mesh.Nodes(1, "slave"), getfem.MeshFem(body, mesh.dim)
     linear.set_classical_fem(1)
-    dofs = linear.basic_dof_on_region(CONTACT_REGION)
-    traction = np.zeros(linear.nbdof())
-    traction[dofs] = model.variable("traction")
-    traction = traction[NodeDofs(linear, mesh.points[slave])]
+    traction, pressure = np.zeros(linear.nbdof()), np.zeros(len(mesh.points))
+    traction[linear.basic_dof_on_region(CONTACT_REGION)] = model.variable("traction")
     normal = (mesh.points[slave] - np.append(np.zeros(mesh.dim - 1), RADIUS)) / RADIUS
-    pressure = np.zeros(len(mesh.points))
-    pressure[slave] = -(traction * normal).sum(axis=1)
-    if mesh.problem == "hertz":
-        return LineErrors(mesh.points[slave, 0], pressure[slave])
-    return SphereErrors(mesh.points, mesh.Faces(1, "slave"), pressure)
+    pressure[slave] = -(traction[NodeDofs(linear, mesh.points[slave])] * normal).sum(axis=1)
+    return pressure
 
 
 def Options(parser):

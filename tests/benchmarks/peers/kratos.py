@@ -16,9 +16,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from boundary import Lowered
 from kratos_files import Materials, NodalForces, Parameters, WriteMesh
-from metrics import LineErrors, PatchErrors, SphereErrors
+from metrics import Errors
 from peercommand import Main, NotInstalledError
 
 try:
@@ -38,29 +37,21 @@ except ModuleNotFoundError as error:
 else:
     MISSING = None
 
-__all__ = ["Solve"]
+__all__ = ["Options", "Solve"]
 
-INSTALL = "pip install " + " ".join(
-    f"Kratos{name}"
-    for name in (
-        "Multiphysics",
-        "StructuralMechanicsApplication",
-        "ContactStructuralMechanicsApplication",
-        "LinearSolversApplication",
-    )
-)
+APPLICATIONS = ("StructuralMechanics", "ContactStructuralMechanics", "LinearSolvers")
+INSTALL = " ".join(["KratosMultiphysics", *(f"Kratos{name}Application" for name in APPLICATIONS)])
 
 
 def Solve(mesh, arguments, watch):
     """Solve a problem; see `peercommand.Main`."""
     if MISSING:
-        raise NotInstalledError(f"{MISSING}: {INSTALL}")
+        raise NotInstalledError(f"{MISSING}: pip install {INSTALL}")
     if arguments.order != 1:
         raise ValueError("Kratos' mortar contact has no faces of second order: use --order 1")
     Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
-    linear_solver = arguments.linear_solver or (
-        "amgcl" if mesh.dim == 3 else "LinearSolversApplication.sparse_lu"
-    )
+    default = "amgcl" if mesh.dim == 3 else "LinearSolversApplication.sparse_lu"
+    linear_solver = arguments.linear_solver or default
     options = {"friction": arguments.friction, "steps": arguments.steps}
     with TemporaryDirectory() as folder:
         job = Path(folder) / "job"
@@ -76,7 +67,12 @@ def Solve(mesh, arguments, watch):
         "dofs": mesh.Points(1).size,
         "iterations": iterations,
         "settings": f"dual mortar ALM, {linear_solver.split('.')[-1]}",
-        **Errors(mesh, analysis.model),
+        **Errors(
+            mesh,
+            1,
+            lambda: Displacement(mesh, analysis.model),
+            lambda: Pressure(mesh, analysis.model),
+        ),
     }
 
 
@@ -90,38 +86,37 @@ class Analysis(StructuralMechanicsAnalysis):
         """Run all steps with vertical forces at the nodes; returns the number of iterations."""
         self.Initialize()
         solver, iterations, step = self._GetSolver(), 0, 0
+        solid = self.project_parameters["solver_settings"]["domain_size"].GetInt() == 3
         while self.KeepAdvancingSolutionLoop():
             step += 1
             self.time = self._AdvanceTime()
             for condition in self.model["Structure.Load"].Conditions:
                 force = min(1.0, self.time) * float(forces[condition.GetNodes()[0].Id - 1])
-                vector = [0.0, 0.0, force] if self.Dimension() == 3 else [0.0, force, 0.0]
-                condition.SetValue(StructuralApplication.POINT_LOAD, Kratos.Array3(vector))
+                vector = Kratos.Array3([0.0, 0.0, force] if solid else [0.0, force, 0.0])
+                condition.SetValue(StructuralApplication.POINT_LOAD, vector)
             self.InitializeSolutionStep()
             solver.Predict()
             converged = solver.SolveSolutionStep()
             self.FinalizeSolutionStep()
-            info = solver.GetComputingModelPart().ProcessInfo
-            used = int(info[Kratos.NL_ITERATION_NUMBER])
+            used = int(solver.GetComputingModelPart().ProcessInfo[Kratos.NL_ITERATION_NUMBER])
             iterations += used
             if not converged:
                 raise RuntimeError(f"no convergence in step {step} after {used} iterations")
         self.Finalize()
         return iterations
 
-    def Dimension(self):
-        """2 or 3."""
-        return self.project_parameters["solver_settings"]["domain_size"].GetInt()
+
+def Displacement(mesh, model):
+    """At the corners, from where the upper body was not lowered yet."""
+    values = np.zeros((mesh.nvertices, 3))
+    for node in model["Structure"].Nodes:
+        if node.Id <= mesh.nvertices:
+            values[node.Id - 1] = list(node.GetSolutionStepValue(Kratos.DISPLACEMENT))
+    return values + mesh.Lowered(1) - mesh.Points(1)
 
 
-def Errors(mesh, model):
-    """The figures of `metrics`."""
-    if mesh.problem == "patch":
-        values = np.zeros((mesh.nvertices, 3))
-        for node in model["Structure"].Nodes:
-            if node.Id <= mesh.nvertices:
-                values[node.Id - 1] = list(node.GetSolutionStepValue(Kratos.DISPLACEMENT))
-        return PatchErrors(mesh, values + Lowered(mesh, 1) - mesh.Points(1))
+def Pressure(mesh, model):
+    """At all nodes."""
     pressure = np.zeros(len(mesh.points))
     for node in model["Structure.Contact_slave"].Nodes:
         if node.Is(Kratos.ACTIVE):
@@ -129,17 +124,13 @@ def Errors(mesh, model):
             pressure[node.Id - 1] = -value
     if not np.all(np.isfinite(pressure)):
         raise RuntimeError("the pressures are not finite")
-    if mesh.problem == "sphere":
-        return SphereErrors(mesh.points, mesh.Faces(1, "slave"), pressure)
-    slave = mesh.Nodes(1, "slave")
-    return LineErrors(mesh.points[slave, 0], pressure[slave])
+    return pressure
 
 
 def Options(parser):
     """What only Kratos has."""
-    parser.add_argument(
-        "--linear-solver", help="Kratos' name; default: amgcl in 3D, sparse_lu in 2D"
-    )
+    text = "Kratos' name; default: amgcl in 3D, sparse_lu in 2D"
+    parser.add_argument("--linear-solver", help=text)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from boundary import BODIES, Lowered, PressureForces
-from meshes import HELD
-from metrics import LINE_FORCE, NU, PATCH_PRESSURE, SPHERE_LOAD, YOUNG
+from decks import Bodies, Held, Rows
+from meshes import BODIES
+from metrics import LINE_FORCE, NU, PRESSURE, YOUNG
 
 __all__ = ["Materials", "NodalForces", "Parameters", "WriteMesh"]
 
@@ -27,21 +27,17 @@ def NodalForces(mesh):
         forces = np.zeros(mesh.nvertices)
         forces[mesh.load] = -LINE_FORCE / 2
         return forces
-    return PressureForces(mesh, "top", SPHERE_LOAD if mesh.problem == "sphere" else PATCH_PRESSURE)
+    faces = mesh.Faces(1, "top")
+    one, two = (mesh.points[faces[:, i]] - mesh.points[faces[:, 0]] for i in (1, 2))
+    share = -PRESSURE[mesh.problem] * np.linalg.norm(np.cross(one, two), axis=1) / 6
+    return np.bincount(faces.ravel(), np.repeat(share, 3), minlength=mesh.nvertices)
 
 
 def WriteMesh(file, mesh):
-    """Write the .mdpa file.
+    """Write the .mdpa file; numbers start from 1.
 
-    Parameters
-    ----------
-    file : str or Path
-    mesh : PeerMesh
-
-    Notes
-    -----
     Sub model parts: ``Body_<material>``, ``Contact_slave``, ``Contact_master``, ``Load`` (one
-    condition for each loaded node) and ``Held_<boundary>``. Numbers start from 1.
+    condition for each loaded node) and ``Held_<boundary>``.
     """
     with Path(file).open("w") as out:
         out.writelines(f"{line}\n" for line in Lines(mesh))
@@ -50,32 +46,22 @@ def WriteMesh(file, mesh):
 def Lines(mesh):
     """The lines of the .mdpa file."""
     points = np.zeros((mesh.nvertices, 3))
-    points[:, : mesh.dim] = Lowered(mesh, 1)
-    yield from Block("ModelPartData", [])
-    for number in (0, 1, 2):
-        yield from Block(f"Properties {number}", [])
-    yield from Block("Nodes", Rows(np.arange(len(points)), points))
+    points[:, : mesh.dim] = mesh.Lowered(1)
+    for head in ("ModelPartData", "Properties 0", "Properties 1", "Properties 2"):
+        yield from Block(head, [])
+    yield from Block("Nodes", Rows(range(len(points)), points))
     parts = []
-    for number, name in enumerate(BODIES[mesh.problem], 1):
-        elements = np.flatnonzero(mesh.materials == name)
-        nodes = mesh.Elements(1, name) + 1
-        rows = Rows(elements, np.column_stack([np.full(len(nodes), number), nodes]))
-        yield from Block(f"Elements {ELEMENT[mesh.dim]}", rows)
-        parts.append((f"Body_{name}", mesh.MaterialNodes(1, name), elements, []))
-    loaded = np.flatnonzero(NodalForces(mesh))
-    conditions = [
-        ("Contact_slave", FACE, mesh.Faces(1, "slave")),
-        ("Contact_master", FACE, mesh.Faces(1, "master")),
-        ("Load", LOAD, loaded[:, None]),
-    ]
-    first = 0
-    for name, kind, nodes in conditions:
+    for number, (name, elements, nodes) in enumerate(Bodies(mesh, 1), 1):
+        yield from Entities(f"Elements {ELEMENT[mesh.dim]}", elements, number, nodes)
+        parts.append((f"Body_{name}", np.unique(nodes) - 1, elements, []))
+    first, loaded = 0, np.flatnonzero(NodalForces(mesh))[:, None]
+    faces = [(f"Contact_{name}", FACE, mesh.Faces(1, name)) for name in ("slave", "master")]
+    for name, kind, nodes in [*faces, ("Load", LOAD, loaded)]:
         numbers = np.arange(first, first + len(nodes))
         first += len(nodes)
-        rows = Rows(numbers, np.column_stack([np.zeros(len(nodes), dtype=int), nodes + 1]))
-        yield from Block(f"Conditions {kind[mesh.dim]}", rows)
+        yield from Entities(f"Conditions {kind[mesh.dim]}", numbers, 0, nodes + 1)
         parts.append((name, np.unique(nodes), [], numbers))
-    parts += [(f"Held_{name}", mesh.Nodes(1, name), [], []) for name in HELD[mesh.problem]]
+    parts += [(f"Held_{name}", mesh.Nodes(1, name), [], []) for name, _ in Held(mesh)]
     for part in parts:
         yield from SubModelPart(*part)
 
@@ -87,10 +73,9 @@ def Block(head, lines):
     yield f"End {head.split()[0]}"
 
 
-def Rows(numbers, values):
-    """A line with a number (from 0) and its values for each entry."""
-    for number, row in zip(np.asarray(numbers).tolist(), values.tolist(), strict=True):
-        yield " ".join([str(number + 1), *(repr(value) for value in row)])
+def Entities(head, numbers, properties, nodes):
+    """A block of elements or conditions."""
+    return Block(head, Rows(numbers, np.insert(nodes, 0, properties, axis=1)))
 
 
 def SubModelPart(name, nodes, elements, conditions):
@@ -122,45 +107,26 @@ def Materials(mesh, friction):
 
 
 def Parameters(mesh, job, *, friction=0.0, steps=1, linear_solver="amgcl"):
-    """The parameters of the analysis as a dictionary.
+    """The parameters of the analysis as a dictionary, for so many equal load steps.
 
-    Parameters
-    ----------
-    mesh : PeerMesh
-    job : Path
-        The .mdpa file is ``job.mdpa``, the materials are in ``job.json``.
-    friction : float
-    steps : int
-        Number of equal load steps.
-    linear_solver : str
-
-    Returns
-    -------
-    dict
+    The .mdpa file is ``job.mdpa``, the materials are in ``job.json``.
     """
     kind = "Frictional" if friction else "Frictionless"
-    processes = {
-        "constraints_process_list": [Held(*held) for held in HELD[mesh.problem].items()],
-        "loads_process_list": [],
-        "contact_process_list": [Contact(mesh, kind, friction)],
-    }
+    problem = {"problem_name": "job", "parallel_type": "OpenMP", "echo_level": 0}
     return {
-        "problem_data": {
-            "problem_name": "job",
-            "parallel_type": "OpenMP",
-            "start_time": 0.0,
-            "end_time": 1.0 - 1e-9,
-            "echo_level": 0,
-        },
+        "problem_data": problem | {"start_time": 0.0, "end_time": 1.0 - 1e-9},
         "solver_settings": Solver(mesh, job, kind, steps, linear_solver),
-        "processes": processes,
+        "processes": {
+            "constraints_process_list": [Support(*held) for held in Held(mesh)],
+            "loads_process_list": [],
+            "contact_process_list": [Contact(mesh, kind, friction)],
+        },
         "output_processes": {},
     }
 
 
 def Solver(mesh, job, kind, steps, linear_solver):
     """The settings of the solver."""
-    patch = mesh.problem == "patch"
     return {
         "solver_type": "Static",
         "model_part_name": "Structure",
@@ -171,7 +137,7 @@ def Solver(mesh, job, kind, steps, linear_solver):
         "material_import_settings": {"materials_filename": f"{job}.json"},
         "contact_settings": {"mortar_type": f"ALMContact{kind}"},
         "convergence_criterion": "contact_residual_criterion",
-        "residual_relative_tolerance": 1e-8 if patch else 1e-6,
+        "residual_relative_tolerance": 1e-8 if mesh.problem == "patch" else 1e-6,
         "residual_absolute_tolerance": 1e-9 if mesh.dim == 2 else 1e-12,
         "max_iteration": MOST_ITERATIONS,
         "time_stepping": {"time_step": 1.0 / steps},
@@ -180,36 +146,42 @@ def Solver(mesh, job, kind, steps, linear_solver):
     }
 
 
-def Contact(mesh, kind, friction):
-    """The contact."""
-    parameters = {
-        "model_part_name": "Structure",
-        "assume_master_slave": {"0": ["Contact_slave"]},
-        "contact_model_part": {"0": ["Contact_slave", "Contact_master"]},
-        "contact_type": kind,
-        "friction_coefficients": {"0": friction},
-    }
-    if mesh.problem != "patch":  # with the default only a part of the curved surfaces is found
-        parameters["search_parameters"] = {"type_search": "in_radius", "search_factor": 20.0}
+def Process(module, package, name, **parameters):
+    """A process of Kratos."""
     return {
-        "python_module": "alm_contact_process",
-        "kratos_module": "KratosMultiphysics.ContactStructuralMechanicsApplication",
-        "process_name": "ALMContactProcess",
+        "python_module": module,
+        "kratos_module": "KratosMultiphysics" + package,
+        "process_name": name,
         "Parameters": parameters,
     }
 
 
-def Held(name, component):
-    """A support: one component of the displacement is zero."""
-    return {
-        "python_module": "assign_vector_variable_process",
-        "kratos_module": "KratosMultiphysics",
-        "process_name": "AssignVectorVariableProcess",
-        "Parameters": {
-            "model_part_name": f"Structure.Held_{name}",
-            "variable_name": "DISPLACEMENT",
-            "constrained": [k == component for k in range(3)],
-            "value": [0.0 if k == component else None for k in range(3)],
-            "interval": [0.0, "End"],
-        },
-    }
+def Contact(mesh, kind, friction):
+    """The contact."""
+    search = {"search_parameters": {"type_search": "in_radius", "search_factor": 20.0}}
+    return Process(
+        "alm_contact_process",
+        ".ContactStructuralMechanicsApplication",
+        "ALMContactProcess",
+        model_part_name="Structure",
+        assume_master_slave={"0": ["Contact_slave"]},
+        contact_model_part={"0": ["Contact_slave", "Contact_master"]},
+        contact_type=kind,
+        friction_coefficients={"0": friction},
+        # With the default only a part of the curved surfaces is found.
+        **({} if mesh.problem == "patch" else search),
+    )
+
+
+def Support(name, component):
+    """One component of the displacement is zero."""
+    return Process(
+        "assign_vector_variable_process",
+        "",
+        "AssignVectorVariableProcess",
+        model_part_name=f"Structure.Held_{name}",
+        variable_name="DISPLACEMENT",
+        constrained=[k == component for k in range(3)],
+        value=[0.0 if k == component else None for k in range(3)],
+        interval=[0.0, "End"],
+    )

@@ -15,89 +15,52 @@ the other peers' pressures are measured, the projection that NGSolve's own conta
 
 from __future__ import annotations
 
-import inspect
 import sys
 
-from peercommand import Main, NotInstalledError
+from elastic import CornerProjection, Displacements, Elastic, Errors, Loads, Read
+from ngsolve import H1, BilinearForm, GridFunction, LinearForm, Parameter, TaskManager, ds
+from peercommand import Main
 
-try:
-    from elastic import (
-        CornerProjection,
-        Displacements,
-        Errors,
-        LoadVector,
-        Read,
-        Stress,
-        Young,
-    )
-    from ngsolve import (
-        H1,
-        BilinearForm,
-        Grad,
-        GridFunction,
-        InnerProduct,
-        LinearForm,
-        Parameter,
-        Sym,
-        TaskManager,
-        ds,
-        dx,
-    )
+import ngslac
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
 
-    import ngslac
-    from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
-except ModuleNotFoundError as error:
-    MISSING = error
-else:
-    MISSING = None
-    BUBBLES = {"bubble": {"space": BubbleVectorH1, "slave": "slave"}}
-
-__all__ = ["Solve"]
+__all__ = ["Options", "Solve"]
 
 
 def Solve(peermesh, arguments, watch):
     """Solve a problem; see `peercommand.Main`."""
-    if MISSING:
-        raise NotInstalledError(f"{MISSING}: install ngslac (pip install -e .)")
     mesh = Read(arguments)
     with TaskManager():
         with watch.Running():
             solver, load = Model(peermesh, mesh, arguments)
             steps = LoadStepper(solver, load).Integrate(steps=arguments.steps, printing=False)
-        contact = solver.contacts[0]
+        contact, linear, u = solver.contacts[0], solver.linear, solver.gf.components[0]
+        library = "MKL" if "pardiso" in linear.inverse else "without MKL"
         return {
             "version": ngslac.__version__,
-            "dofs": solver.gf.space.components[0].ndof,
+            "dofs": u.space.ndof,
             "iterations": sum(step.iterations for step in steps),
-            "settings": Settings(solver.linear, arguments.variant),
+            "settings": f"{arguments.variant}; solver {linear.method}, {library}, "
+            f"{linear.factorisations} factorisations; residuals below 1e-10",
             "macros": contact.space.nmacros,
-            **Errors(peermesh, mesh, solver.gf.components[0], lambda: Pressure(mesh, contact)),
+            **Errors(peermesh, mesh, u, lambda: Pressure(mesh, contact)),
         }
-
-
-def Settings(linear, variant):
-    """What was used, for the notes."""
-    library = "MKL" if "pardiso" in linear.inverse else "without MKL"
-    factors = f"{linear.factorisations} factorisations"
-    return f"{variant}; solver {linear.method}, {library}, {factors}; residuals below 1e-10"
 
 
 def Model(peermesh, mesh, arguments):
     """The contact solver and the load parameter."""
-    V = Displacements(mesh, arguments, **BUBBLES.get(arguments.variant, {}))
+    bubbles = {"space": BubbleVectorH1, "slave": "slave"}
+    V = Displacements(mesh, arguments, **(bubbles if arguments.variant == "bubble" else {}))
     fes = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = fes.TnT()
     bulk = BilinearForm(fes)
-    bulk += InnerProduct(Stress(Sym(Grad(u)), Young(mesh), mesh.dim), Sym(Grad(v))) * dx
+    bulk += Elastic(mesh, u, v)
     contact = LACContact(u, lam, master="master", friction=arguments.friction or None)
-    force, load = LoadVector(peermesh, fes, displacement=V), Parameter(0)
+    force, load = Loads(peermesh, fes, V), Parameter(0)
     chosen = {"inverse": arguments.inverse, "solver": arguments.solver}
     options = {name: value for name, value in chosen.items() if value is not None}
-    if unknown := options.keys() - inspect.signature(ContactSolver).parameters:
-        raise ValueError(f"this version's ContactSolver has no option {', '.join(unknown)}")
-    gf = GridFunction(fes)
     rhs = lambda: (load.Get() * force).Evaluate()  # noqa: E731
-    return ContactSolver(bulk, gf, contact, rhs=rhs, **options), load
+    return ContactSolver(bulk, GridFunction(fes), contact, rhs=rhs, **options), load
 
 
 def Pressure(mesh, contact):

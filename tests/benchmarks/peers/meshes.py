@@ -22,52 +22,41 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["HELD", "PROBLEMS", "Load", "Make", "NodalValues", "PeerMesh"]
+__all__ = ["BODIES", "HELD", "PROBLEMS", "SHIFT", "Load", "Make", "NodalValues", "PeerMesh"]
 
 # Corners of an edge; the order of the mid nodes, as in VTK, Abaqus and CalculiX.
 EDGES = {2: ((0, 1), (1, 2), (2, 0)), 3: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))}
 FACE_EDGES = {2: ((0, 1),), 3: ((0, 1), (1, 2), (2, 0))}
 
 # Boundaries on which a component of the displacement is zero.
-_HELD3D = {"sym_x": 0, "sym_y": 1, "bottom": 2}
-HELD = {"hertz": {"sym": 0, "bottom": 1}, "sphere": _HELD3D, "patch": _HELD3D}
+HELD = {"hertz": {"sym": 0, "bottom": 1}, "sphere": {"sym_x": 0, "sym_y": 1, "bottom": 2}}
+HELD["patch"] = HELD["sphere"]
+# The body of the slave, above, and that of the master.
+BODIES = {
+    "hertz": ("cylinder", "block"),
+    "sphere": ("sphere", "block"),
+    "patch": ("upper", "lower"),
+}
+# The upper body starts lower by this: contact is all that holds it.
+SHIFT = {"hertz": 0.05, "sphere": 0.1, "patch": 1e-5}
 
 
 @dataclass(frozen=True)
 class PeerMesh:
-    """Nodes, elements and boundary faces.
+    """Nodes, elements and boundary faces; order 1 is that of the corners alone."""
 
-    Parameters
-    ----------
-    problem : {"hertz", "sphere", "patch"}
-    h : float
-        Size of the slave faces.
-    nvertices : int
-        The first `nvertices` nodes are corners, all others mid nodes.
-    points : (n, dim) array
-    elements : (m, 6 or 10) int array
-        Triangles or tetrahedra of positive orientation: corners, then mid nodes in the order of
-        `EDGES`.
-    materials : (m,) array of str
-        "cylinder" or "sphere" and "block"; "upper" and "lower".
-    faces : (k, 3 or 6) int array
-        Boundary edges or triangles that are oriented outwards (2D: the body on the left).
-    names : (k,) array of str
-        "slave" and "master"; "bottom"; "top" where the load is; "sym" (hertz) or "sym_x" and
-        "sym_y", the symmetry planes; others are free.
-    owners : (k,) int array
-        The element of each boundary face.
-    """
-
-    problem: str
-    h: float
-    nvertices: int
-    points: np.ndarray
+    problem: str  # of `PROBLEMS`
+    h: float  # size of the slave faces
+    nvertices: int  # the first nodes are corners, all others mid nodes
+    points: np.ndarray  # (n, dim)
+    # Triangles or tetrahedra of positive orientation: corners, mid nodes in the order of `EDGES`.
     elements: np.ndarray
-    materials: np.ndarray
-    faces: np.ndarray
+    materials: np.ndarray  # of each element: a name of `BODIES`
+    faces: np.ndarray  # edges or triangles that are oriented outwards (2D: the body on the left)
+    # Of each face: "slave" and "master"; "bottom"; "top" where the load is; the symmetry planes
+    # "sym" (hertz) or "sym_x" and "sym_y"; others are free.
     names: np.ndarray
-    owners: np.ndarray
+    owners: np.ndarray  # the element of each face
 
     @property
     def dim(self):
@@ -75,7 +64,7 @@ class PeerMesh:
         return self.points.shape[1]
 
     def Points(self, order):
-        """Coordinates of the nodes: of the corners for order 1."""
+        """Coordinates of the nodes."""
         return self.points if order > 1 else self.points[: self.nvertices]
 
     def Elements(self, order, material=None):
@@ -100,6 +89,21 @@ class PeerMesh:
         """The corner that is highest up: where the force of "hertz" acts."""
         corners = self.points[: self.nvertices]
         return int(np.argmin(corners[:, 0] - corners[:, -1]))
+
+    def Lowered(self, order):
+        """Coordinates (n, dim) of the nodes with the upper body moved down by `SHIFT`."""
+        points, (upper, _) = self.Points(order).copy(), BODIES[self.problem]
+        points[self.MaterialNodes(order, upper), -1] -= SHIFT[self.problem]
+        return points
+
+    def Opposite(self, name):
+        """The elements behind the faces of a boundary, and which of their corners lies opposite."""
+        elements = self.owners[self.names == name]
+        corners, faces = self.Elements(1)[elements], self.Faces(1, name)
+        on_face = (corners[:, :, None] == faces[:, None, :]).any(axis=2)
+        if not np.all(on_face.sum(axis=1) == self.dim):
+            raise ValueError(f"faces of {name!r} do not belong to their elements")
+        return elements, np.argmin(on_face, axis=1)
 
     def Save(self, file):
         """Write all to an .npz file."""
@@ -147,23 +151,10 @@ PROBLEMS = {"hertz": Hertz, "sphere": Sphere, "patch": Patch}
 
 
 def Make(problem, h, file=None):
-    """Generate a mesh.
-
-    Parameters
-    ----------
-    problem : {"hertz", "sphere", "patch"}
-    h : float
-        Size of the slave faces.
-    file : str or Path, optional
-        Where to write the .npz file; the NGSolve mesh comes beside it with the ending .vol.
-
-    Returns
-    -------
-    PeerMesh
-    """
+    """A `PeerMesh` with slave faces of size h; the NGSolve mesh comes beside the .npz file."""
     mesh = PROBLEMS[problem](h)
     mesh.Curve(2)
-    made = PeerMesh(problem, h, mesh.nv, *Topology(mesh))
+    made = PeerMesh(problem, h, mesh.nv, **Topology(mesh))
     if file is not None:
         made.Save(file)
         mesh.ngmesh.Save(str(Path(file).with_suffix(".vol")))
@@ -171,20 +162,33 @@ def Make(problem, h, file=None):
 
 
 def Topology(mesh):
-    """Points, elements, materials, faces, names and owners of an NGSolve mesh of order 2."""
+    """All arrays of an NGSolve mesh of order 2."""
     from ngsolve import BND, VOL, x, y, z
 
-    points = NodalValues(mesh, (x, y, z)[: mesh.dim])
-    elements = np.array([[v.nr for v in el.vertices] for el in mesh.Elements(VOL)])
-    faces = np.array([[v.nr for v in el.vertices] for el in mesh.Elements(BND)])
-    materials = np.array([el.mat for el in mesh.Elements(VOL)])
-    names = np.array([el.mat for el in mesh.Elements(BND)])
-    Orient(points, elements)
+    points, numbers = NodalValues(mesh, (x, y, z)[: mesh.dim]), EdgeNumbers(mesh)
+    elements, faces = Vertices(mesh, VOL), Vertices(mesh, BND)
+    wrong = np.linalg.det(points[elements[:, 1:]] - points[elements[:, :1]]) < 0
+    elements[wrong, 1:3] = elements[wrong, 2:0:-1]
     owners = OrientFaces(points, elements, faces)
-    numbers = EdgeNumbers(mesh)
-    elements = np.hstack([elements, MidNodes(elements, numbers, EDGES[mesh.dim])])
-    faces = np.hstack([faces, MidNodes(faces, numbers, FACE_EDGES[mesh.dim])])
-    return points, elements, materials, faces, names, owners
+    return {
+        "points": points,
+        "elements": np.hstack([elements, MidNodes(elements, numbers, EDGES[mesh.dim])]),
+        "materials": np.array([el.mat for el in mesh.Elements(VOL)]),
+        "faces": np.hstack([faces, MidNodes(faces, numbers, FACE_EDGES[mesh.dim])]),
+        "names": np.array([el.mat for el in mesh.Elements(BND)]),
+        "owners": owners,
+    }
+
+
+def Vertices(mesh, codimension):
+    """Numbers of the corners of volume or boundary elements."""
+    return np.array([[v.nr for v in el.vertices] for el in mesh.Elements(codimension)])
+
+
+def EdgeNumbers(mesh):
+    """The mid node between two corners (in ascending order)."""
+    pairs = (sorted(v.nr for v in edge.vertices) for edge in mesh.edges)
+    return {(a, b): mesh.nv + nr for nr, (a, b) in enumerate(pairs)}
 
 
 def MidNodes(cells, numbers, edges):
@@ -201,11 +205,10 @@ def NodalValues(mesh, components):
 
     dim = mesh.dim
     reference = np.vstack([np.eye(dim), np.zeros(dim)])  # NGSolve's corners
-    edges = np.array(EDGES[dim])
-    nodes = np.vstack([reference, 0.5 * (reference[edges[:, 0]] + reference[edges[:, 1]])])
+    nodes = np.vstack([reference, reference[np.array(EDGES[dim])].mean(axis=1)])
     rule = IntegrationRule([tuple(node) for node in nodes], [1.0] * len(nodes))
     at = mesh.MapToAllElements({ET.TRIG if dim == 2 else ET.TET: rule}, VOL)
-    elements = np.array([[v.nr for v in el.vertices] for el in mesh.Elements(VOL)])
+    elements = Vertices(mesh, VOL)
     numbers = np.hstack([elements, MidNodes(elements, EdgeNumbers(mesh), EDGES[dim])]).ravel()
     values = np.empty((mesh.nv + mesh.nedge, len(components)))
     for column, component in zip(values.T, components, strict=True):
@@ -213,30 +216,16 @@ def NodalValues(mesh, components):
     return values
 
 
-def EdgeNumbers(mesh):
-    """The mid node between two corners (in ascending order)."""
-    pairs = (sorted(v.nr for v in edge.vertices) for edge in mesh.edges)
-    return {(a, b): mesh.nv + nr for nr, (a, b) in enumerate(pairs)}
-
-
-def Orient(points, elements):
-    """Exchange two corners of the elements of negative volume."""
-    sides = points[elements[:, 1:]] - points[elements[:, :1]]
-    wrong = np.linalg.det(sides) < 0
-    elements[wrong, 1], elements[wrong, 2] = elements[wrong, 2], elements[wrong, 1]
-
-
 def OrientFaces(points, elements, faces):
     """Turn the faces outwards; returns the element of each."""
-    dim = points.shape[1]
-    owner = {}
+    dim, owner = points.shape[1], {}
     for opposite in range(dim + 1):
         for i, side in enumerate(np.sort(np.delete(elements, opposite, axis=1)).tolist()):
             owner[tuple(side)] = i, opposite
     found = np.array([owner[tuple(face)] for face in np.sort(faces).tolist()])
-    inside = points[elements[found[:, 0], found[:, 1]]] - points[faces[:, 0]]
-    sides = points[faces[:, 1:]] - points[faces[:, :1]]
-    volume = np.linalg.det(np.concatenate([sides, inside[:, None]], axis=1))
+    inside = elements[found[:, 0], found[:, 1]]
+    corners = np.column_stack([faces[:, 1:], inside])
+    volume = np.linalg.det(points[corners] - points[faces[:, :1]])
     inwards = volume < 0 if dim == 2 else volume > 0
     faces[inwards] = faces[inwards][:, ::-1]
     return found[:, 0]
@@ -244,9 +233,7 @@ def OrientFaces(points, elements, faces):
 
 def main(argv=None):
     """Run from the command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("problem", choices=PROBLEMS)
     parser.add_argument("h", type=float, help="size of the slave faces")
     parser.add_argument("file", help="name of the .npz file")

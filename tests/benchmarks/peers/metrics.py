@@ -15,12 +15,11 @@ from itertools import product
 import numpy as np
 from meshes import EDGES
 
-__all__ = ["LineErrors", "PatchErrors", "SphereErrors"]
+__all__ = ["Errors", "LineErrors", "PatchErrors", "SphereErrors"]
 
 NU = 0.3
 RADIUS = 50.0
 YOUNG = {"cylinder": 210e3, "sphere": 210e3, "block": 70e3, "upper": 1e3, "lower": 1e3}
-PATCH_PRESSURE = 1.0
 
 # Hertz: Johnson, Contact Mechanics (Cambridge, 1985), sections 4.2(c) and 3.4.
 MODULUS = 1 / ((1 - NU**2) / YOUNG["cylinder"] + (1 - NU**2) / YOUNG["block"])
@@ -30,7 +29,8 @@ LINE_PEAK = 2 * LINE_FORCE / (np.pi * LINE_HALFWIDTH)
 SPHERE_CONTACT_RADIUS = 5.0
 SPHERE_FORCE = 4 * MODULUS * SPHERE_CONTACT_RADIUS**3 / (3 * RADIUS)  # N; a quarter on the model
 SPHERE_PEAK = 3 * SPHERE_FORCE / (2 * np.pi * SPHERE_CONTACT_RADIUS**2)
-SPHERE_LOAD = SPHERE_FORCE / (np.pi * RADIUS**2)  # pressure on the boundary "top"
+PRESSURE = {"sphere": SPHERE_FORCE / (np.pi * RADIUS**2), "patch": 1.0}  # on the boundary "top"
+STRAIN = PRESSURE["patch"] / YOUNG["upper"]
 
 
 def LinePressure(x):
@@ -46,19 +46,26 @@ def SpherePressure(r):
 # ---------------------------------------------------------------- accuracy
 
 
+def Errors(mesh, order, displacement, pressure):
+    """The figures of a `PeerMesh`.
+
+    Two functions are called as needed: `displacement` gives values at the nodes of an order, (n,
+    dim), `pressure` values (n,) at all nodes, of which those of `order` on the slave side matter.
+    """
+    if mesh.problem == "patch":
+        return PatchErrors(mesh, displacement())
+    values, slave = pressure(), mesh.Nodes(order, "slave")
+    if mesh.problem == "sphere":
+        return SphereErrors(mesh.points, mesh.Faces(1, "slave"), values)
+    return LineErrors(mesh.points[slave, 0], values[slave])
+
+
 def LineErrors(x, pressure):
     """Compare the pressure of the cylinder with Hertz.
 
-    Parameters
-    ----------
-    x, pressure : (n,) array_like
-        Samples along the slave edge of the half model, in any order; pressure > 0 in compression.
-
-    Returns
-    -------
-    dict
-        ``peak``: largest sample over Hertz' peak, minus 1; ``l2``: relative error in L2 over one
-        and a half times the half width; ``force``: relative error of the integral.
+    From samples along the slave edge of the half model, in any order, > 0 in compression. ``peak``:
+    largest sample over Hertz' peak, minus 1; ``l2``: relative error in L2 over one and a half times
+    the half width; ``force``: relative error of the integral.
     """
     order = np.argsort(x)
     x, pressure = np.asarray(x, float)[order], np.asarray(pressure, float)[order]
@@ -80,24 +87,11 @@ def Trapezoid(values, x):
 
 
 def SphereErrors(points, faces, pressure):
-    """Compare the pressure of the sphere with Hertz.
+    """Compare the pressure of the sphere with Hertz; the same figures as of `LineErrors`.
 
-    The pressure is linear on each face, and integrated over the plane of contact; the error, too,
-    and not only at the corners.
-
-    Parameters
-    ----------
-    points : (n, 3) array
-        Nodes of the mesh.
-    faces : (m, 3 or more) int array
-        The slave faces, of which the corners count: ``mesh.Faces(1, "slave")``.
-    pressure : (n,) array
-        At every node of the mesh; only those of the slave faces matter.
-
-    Returns
-    -------
-    dict
-        ``peak``, ``l2`` and ``force`` as of `LineErrors`.
+    Of the nodes (n, 3) of the mesh with a pressure (n,) those at the corners of the slave faces
+    count. It is linear on each face, and integrated over the plane of contact; the error, too, and
+    not only at the corners.
     """
     corners = np.asarray(faces)[:, :3]
     flat, pressure = points[corners][..., :2], np.asarray(pressure)[corners]
@@ -125,22 +119,12 @@ def Centroids(n):
 
 
 def PatchErrors(mesh, displacement):
-    """Compare the displacement of the patch with the linear one.
+    """Compare the displacement (n, 3), at the corners or at all nodes, with the linear one.
 
-    Parameters
-    ----------
-    mesh : PeerMesh
-        With straight edges.
-    displacement : (n, 3) array
-        At the corners (order 1), or at all nodes (order 2).
-
-    Returns
-    -------
-    dict
-        ``displacement``: relative error in L2; ``stress``: the largest error of the vertical
-        stress over the pressure, at the corners of the elements; ``penetration``: by how much the
-        mean of the upper body is too low, over the largest displacement. A penalty makes it, and
-        all of ``displacement`` may be due to it.
+    ``displacement``: relative error in L2; ``stress``: the largest error of the vertical stress
+    over the pressure, at the corners of the elements; ``penetration``: by how much the mean of the
+    upper body is too low, over the largest displacement. A penalty makes it, and all of
+    ``displacement`` may be due to it.
     """
     order = 1 if len(displacement) == mesh.nvertices else 2
     elements, points = mesh.Elements(order), mesh.Points(order)
@@ -149,20 +133,18 @@ def PatchErrors(mesh, displacement):
     volume = np.linalg.det(sides)
     size = np.sqrt(SquareNorm(error[elements], volume, order))
     exact = np.sqrt(SquareNorm(PatchDisplacement(points)[elements], volume, order))
-    upper = mesh.MaterialNodes(1, "upper")
-    stress = VerticalStress(displacement[elements], sides, order)
+    stress = VerticalStress(displacement[elements], sides, order) / PRESSURE["patch"]
     return {
         "displacement": float(size / exact),
-        "stress": float(np.abs(stress + PATCH_PRESSURE).max() / PATCH_PRESSURE),
-        "penetration": float(-error[upper, 2].mean() * YOUNG["upper"] / (2 * PATCH_PRESSURE)),
+        "stress": float(np.abs(stress + 1).max()),
+        "penetration": float(-error[mesh.MaterialNodes(1, "upper"), 2].mean() / (2 * STRAIN)),
     }
 
 
 def PatchDisplacement(points):
     """The exact displacement: uniaxial compression, from the bottom at z = -1."""
-    strain = PATCH_PRESSURE / YOUNG["upper"]
     x, y, z = points.T
-    return strain * np.stack([NU * x, NU * y, -(z + 1)], axis=-1)
+    return STRAIN * np.stack([NU * x, NU * y, -(z + 1)], axis=-1)
 
 
 # ---------------------------------------------------------------- finite elements, by hand
@@ -184,14 +166,11 @@ def Shapes(order, at):
 def SquareNorm(values, volume, order):
     """Square of the L2 norm of nodal values (m, n, 3) on elements of six times their volume."""
     x, w = np.polynomial.legendre.leggauss(4)
-    x, w = 0.5 * (x + 1), 0.5 * w
-    cube = np.array(list(product(x, x, x)))
-    weights = np.prod(list(product(w, w, w)), axis=1)
-    r, s, t = cube.T  # the cube collapsed to the tetrahedron
-    at = np.column_stack([r, s * (1 - r), t * (1 - r) * (1 - s)])
-    weights = weights * (1 - r) ** 2 * (1 - s)
+    r, s, t = 0.5 * (np.array(list(product(x, x, x))).T + 1)
+    weights = np.prod(list(product(w, w, w)), axis=1) / 8
+    at = np.column_stack([r, s * (1 - r), t * (1 - r) * (1 - s)])  # the cube collapsed
     shapes, _ = Shapes(order, at)
-    mass = shapes.T @ (weights[:, None] * shapes)
+    mass = shapes.T @ ((weights * (1 - r) ** 2 * (1 - s))[:, None] * shapes)
     return float(np.einsum("mac,ab,mbc,m->", values, mass, values, volume, optimize=True))
 
 

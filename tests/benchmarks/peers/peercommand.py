@@ -18,11 +18,12 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from meshes import Load
+from meshes import PROBLEMS, Load
 
 __all__ = ["Main", "NotInstalledError", "StopWatch"]
 
 MISSING = 3
+PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 
 
 class NotInstalledError(Exception):
@@ -48,50 +49,41 @@ class StopWatch:
 
 def ProcessorSeconds():
     """User and system time so far, of finished children, too."""
-    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(u.ru_utime + u.ru_stime for u in usage)
+    return sum(u.ru_utime + u.ru_stime for u in map(resource.getrusage, PROCESSES))
 
 
 def PeakMemory():
     """GB: of the process or of its largest child, whichever is more."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+    own, children = (resource.getrusage(who).ru_maxrss for who in PROCESSES)
     status = Path("/proc/self/status")  # unlike getrusage without the parent's share before exec
     if status.exists():
         line = next(x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
-        own = int(line.split()[1]) * 1024
-    else:
-        own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return max(own, children) / 1e9
+        own = int(line.split()[1])
+    return max(own, children) * 1024 / 1e9
 
 
 def Parser(options=None):
     """The command line of a peer; `options` is called with it to add more."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("problem", choices=("hertz", "sphere", "patch"))
-    parser.add_argument("mesh", help=".npz file of meshes.py")
-    parser.add_argument("--order", type=int, choices=(1, 2), default=2)
-    parser.add_argument("--friction", type=float, default=0.0)
-    parser.add_argument("--steps", type=int, default=1)
-    parser.add_argument("--json", metavar="FILE", required=True)
+    add = parser.add_argument
+    add("problem", choices=PROBLEMS)
+    add("mesh", help=".npz file of meshes.py")
+    add("--order", type=int, choices=(1, 2), default=2)
+    add("--friction", type=float, default=0.0)
+    add("--steps", type=int, default=1)
+    add("--json", metavar="FILE", required=True)
     if options:
         options(parser)
     return parser
 
 
 def Main(solve, *, peer, options=None, argv=None):
-    """Run a peer from the command line; returns the exit code.
+    """Run a peer, by its name for the table, from the command line; returns the exit code.
 
-    Parameters
-    ----------
-    solve : callable
-        ``solve(mesh, arguments, watch)`` with a `PeerMesh`, the parsed command line and a
-        `StopWatch` for building, assembling and solving. Returns a dict with ``version``,
-        ``dofs``, ``iterations`` (linear solves of all steps), ``settings`` (a short phrase) and
-        the figures of `metrics`. Raises `NotInstalledError`.
-    peer : str
-        Name for the table.
-    options : callable, optional
-        Adds options of its own to the parser.
+    ``solve(mesh, arguments, watch)`` gets a `PeerMesh`, the parsed command line and a `StopWatch`
+    for building, assembling and solving. It returns a dict with ``version``, ``dofs``,
+    ``iterations`` (linear solves of all steps), ``settings`` (a short phrase) and the figures of
+    `metrics`, or raises `NotInstalledError`. `options` adds options of its own to the parser.
     """
     arguments = Parser(options).parse_args(argv)
     watch = StopWatch()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 from ngsolve import (
@@ -26,6 +25,8 @@ from ngslac import LACContact, LACSpace
 from ngslac.materials import Stress
 from ngslac.meshes import CheckNonMatching, HertzMesh, SphereOnBlock, TwoBlocks3D
 
+__all__ = ["HERTZ_FORCE", "SIZES", "Problem", "Refined"]
+
 NU = 0.3
 YOUNG = {"cylinder": 210e3, "sphere": 210e3, "upper": 2000.0, "block": 70e3, "lower": 4000.0}
 RADIUS = 50.0  # of sphere and cylinder, mm
@@ -36,49 +37,25 @@ PRESSURE, SHEAR = 25.0, (5.0, 1.5)  # on the upper block, whose section is 1: so
 PRESSED = 0.2  # load factor at which the pressure is complete and the shear begins
 
 # Number of displacements asked for -> parameters of the mesh: divisions and layers of the blocks;
-# size on the slave side and grading, of the sphere the largest size, of the cylinder the number of
-# uniform refinements.
-PATCH = {
-    1_110: (2, 2),
-    20_000: (7, 6),
-    100_000: (12, 12),
-    300_000: (17, 19),
-    1_000_000: (26, 28),
-}
-SPHERE = {
-    1_600: (3.0, 0.5, 40.0),
-    20_000: (1.07, 0.2, 12.0),
-    100_000: (0.373, 0.2, 12.0),
-    300_000: (0.19, 0.2, 12.0),
-    1_000_000: (0.097, 0.2, 12.0),
-}
-HERTZ = {
-    2_600: (2.0, 0.3, 0),
-    20_000: (0.25, 0.08, 0),
-    100_000: (0.047, 0.05, 0),
-    300_000: (0.0625, 0.06, 1),
-    1_000_000: (0.08, 0.06, 2),
-}
+# size on the slave side and of the sphere the grading and the largest size, of the cylinder the
+# grading and the number of uniform refinements.
+PATCH = {1_110: (2, 2), 20_000: (7, 6), 100_000: (12, 12), 300_000: (17, 19), 1_000_000: (26, 28)}
+FINE = (0.2, 12.0)
+SPHERE = {1_600: (3.0, 0.5, 40.0), 20_000: (1.07, *FINE), 100_000: (0.373, *FINE)}
+SPHERE |= {300_000: (0.19, *FINE), 1_000_000: (0.097, *FINE)}
+HERTZ = {2_600: (2.0, 0.3, 0), 20_000: (0.25, 0.08, 0), 100_000: (0.047, 0.05, 0)}
+HERTZ |= {300_000: (0.0625, 0.06, 1), 1_000_000: (0.08, 0.06, 2)}
 SIZES = {"patch": PATCH, "patch_hex": PATCH, "sphere": SPHERE, "hertz": HERTZ}
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A problem at one size.
-
-    Parameters
-    ----------
-    name : {"patch", "patch_hex", "sphere", "hertz"}
-        Two blocks of tetrahedra or hexahedra, a quarter of a sphere on a block, and half a cylinder
-        on a block (2D).
-    size : int
-        Number of displacement dofs, one of ``SIZES[name]``; the mesh comes within a tenth of it.
-    friction : float
-        Coefficient of friction.
+    """Two blocks of tetrahedra or hexahedra ("patch", "patch_hex"), a quarter of a sphere on a
+    block ("sphere"), half a cylinder on a block in 2D ("hertz").
     """
 
     name: str
-    size: int
+    size: int | None = None  # displacement dofs, of ``SIZES[name]``; within a tenth of it
     friction: float = 0.0
 
     def Parameters(self):
@@ -92,29 +69,25 @@ class Problem:
         """The mesh; its contact faces do not match."""
         given = self.Parameters()
         if self.name == "hertz":
-            return _Refined(HertzMesh(given[0], grading=given[1]), given[2])
+            return Refined(HertzMesh(given[0], grading=given[1]), given[2])
         if self.name == "sphere":
-            h, grading, maxh = given
-            block = {"width": 60.0, "height": 60.0, "ratio": 1.13, "maxh": maxh}
-            return SphereOnBlock(h, radius=RADIUS, zone=8.0, grading=grading, **block)
-        kind = "hex" if self.name == "patch_hex" else "tet"
-        n, layers = given
+            block = {"width": 60.0, "height": 60.0, "ratio": 1.13, "maxh": given[2]}
+            return SphereOnBlock(given[0], radius=RADIUS, zone=8.0, grading=given[1], **block)
+        kind, (n, layers) = "hex" if self.name == "patch_hex" else "tet", given
         return TwoBlocks3D(kind, n_slave=n, n_master=n + 1, layers=(layers, layers))
 
-    def Supports(self, both=False):
-        """Dirichlet conditions: of the contact problem, or those that hold both bodies."""
+    def Space(self, mesh, both=False):
+        """Displacements with the supports of the contact problem, or with both bodies held."""
+        x, y, bottom = "sym_x", "sym_y", "bottom"
         if self.name == "hertz":
-            held = "bottom|arc" if both else "bottom"
-            return {"dirichletx": "bottom|sym", "dirichlety": held}
-        if self.name == "sphere":
-            held = "bottom|top" if both else "bottom"
-            return {"dirichletx": "sym_x", "dirichlety": "sym_y", "dirichletz": held}
-        if both:
-            return {"dirichlet": "bottom|top"}
-        if self.friction:  # holds the upper block
-            return {"dirichlet": "bottom"}
-        x, y = ("|".join(f"{side}_{b}" for b in ("upper", "lower")) for side in ("left", "front"))
-        return {"dirichletx": x, "dirichlety": y, "dirichletz": "bottom"}
+            bottom += "|arc" if both else ""
+            return VectorH1(mesh, order=2, dirichletx="bottom|sym", dirichlety=bottom)
+        bottom += "|top" if both else ""
+        if self.name.startswith("patch"):
+            if self.friction or both:  # friction holds the upper block
+                return VectorH1(mesh, order=2, dirichlet=bottom)
+            x, y = (f"{side}_upper|{side}_lower" for side in ("left", "front"))
+        return VectorH1(mesh, order=2, dirichletx=x, dirichlety=y, dirichletz=bottom)
 
     def Load(self):
         """Force on the slave body, a component for each direction."""
@@ -122,13 +95,12 @@ class Problem:
             return (0.0, -HERTZ_FORCE)
         if self.name == "sphere":
             return (0.0, 0.0, -SPHERE_FORCE)
-        shear = SHEAR if self.friction else (0.0, 0.0)
-        return (*shear, -PRESSURE)
+        return (*(SHEAR if self.friction else (0.0, 0.0)), -PRESSURE)
 
-    def Imbalance(self, force):
+    def Imbalance(self, force, factor=1.0):
         """Contact force on the slave against its load, relative; supports may take the others."""
         taken = {"hertz": [1], "sphere": [2]}.get(self.name, [0, 1, 2])
-        load = np.array(self.Load())
+        load = factor * np.array(self.Load())
         return float(np.linalg.norm((np.array(force) + load)[taken]) / np.linalg.norm(load))
 
     def _Loading(self, mesh, v, load):
@@ -147,24 +119,23 @@ class Problem:
         area = Integrate(CF(1) * ds("top"), mesh)
         return -1 / area * InnerProduct(force, v) * ds("top")
 
-    def Model(self, mesh):
-        """Everything before the contact solution: the spaces, but no form yet."""
-        V = VectorH1(mesh, order=2, **self.Supports())
-        return SimpleNamespace(mesh=mesh, fes=V * LACSpace(V, slave="slave"))
+    def Product(self, mesh):
+        """Displacements and multipliers."""
+        V = self.Space(mesh)
+        return V * LACSpace(V, slave="slave")
 
-    def Contact(self, model):
-        """What a user writes on these spaces: bulk with load, contact, load factor, solution."""
-        (u, lam), (v, _) = model.fes.TnT()
-        load = Parameter(0.0)
-        a = BilinearForm(model.fes)
-        a += Bulk(model.mesh, u, v)
-        a += self._Loading(model.mesh, v, load)
+    def Contact(self, fes):
+        """What a user writes on this space: bulk with load, contact, load factor, solution."""
+        (u, lam), (v, _) = fes.TnT()
+        a, load = BilinearForm(fes), Parameter(0.0)
+        a += Bulk(fes.mesh, u, v)
+        a += self._Loading(fes.mesh, v, load)
         contact = LACContact(u, lam, master="master", friction=self.friction or None)
-        return a, contact, load, GridFunction(model.fes)
+        return a, contact, load, GridFunction(fes)
 
     def Elastic(self, mesh):
         """Form and load of linear elasticity on the same mesh with both bodies held."""
-        V = VectorH1(mesh, order=2, **self.Supports(both=True))
+        V = self.Space(mesh, both=True)
         u, v = V.TnT()
         a, f = BilinearForm(V), LinearForm(V)
         a += Bulk(mesh, u, v)
@@ -172,7 +143,7 @@ class Problem:
         return a, f.Assemble()
 
 
-def _Refined(mesh, times):
+def Refined(mesh, times):
     """Netgen fails on plane faces with a side of more than a thousand edges."""
     for _ in range(times):
         mesh.Refine()

@@ -1,0 +1,165 @@
+"""What `scaling.py` and `phases.py` measure: a contact solution by phases, elastic solves."""
+
+from __future__ import annotations
+
+import gc
+import re
+import resource
+import time
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import patch
+
+from ngsolve import BilinearForm, Projector, TaskManager
+
+import ngslac.linear.solver
+from ngslac import ContactSolver, LoadStepper
+from ngslac._ngslac import ContactForm
+from ngslac.bodies.bodies import Bodies
+from ngslac.linear.factor import OneBLASThread
+from ngslac.linear.solver import LinearSolver
+
+__all__ = ["PHASES", "VARIANTS", "Meter", "SolveContact", "SolveElastic", "StopWatch"]
+
+FORM = ("AddApply", "AssembleLinearization", "AssembleStep", "Evaluate")
+CALLS = {
+    "pairing": [(ContactForm, "Update")],
+    "contact": [(ContactForm, name) for name in FORM],
+    "bulk": [(BilinearForm, "AssembleLinearization"), (BilinearForm, "Apply")],
+    "merge": [(ngslac.linear.solver, "MergeMatrices")],
+    "solve": [(LinearSolver, "Solve")],
+    "floating": [(Bodies, "__init__"), (Bodies, "Floating")],  # is a body held by nothing?
+}
+PHASES = (*CALLS, "rest")
+# Ways to solve a linear elastic problem: solver and flags. Unless told, Pardiso takes a matrix for
+# unsymmetric that is not symmetric to the last bit, and refines each solution up to 16 times.
+METIS = {"ordering": "metis", "refinement": 0}
+VARIANTS = {
+    "pardiso": ("pardiso", METIS),
+    "pardiso symmetric": ("pardiso", METIS | {"symmetric": True}),
+    "pardiso spd": ("pardisospd", METIS | {"symmetric": True}),
+    "sparsecholesky": ("sparsecholesky", {}),
+    "umfpack": ("umfpack", {}),
+}
+
+
+class StopWatch:
+    """Seconds per phase; an inner phase stops the clock of the outer one."""
+
+    def __init__(self):
+        self.seconds = dict.fromkeys(PHASES, 0.0)
+        self._running = ["rest"]
+        self._since = time.perf_counter()
+
+    def _Book(self):
+        now = time.perf_counter()
+        self.seconds[self._running[-1]] += now - self._since
+        self._since = now
+
+    @contextmanager
+    def Phase(self, name):
+        """The block counts for the phase `name`."""
+        self._Book()
+        self._running.append(name)
+        try:
+            yield
+        finally:
+            self._Book()
+            self._running.pop()
+
+    def _Timed(self, phase, call):
+        def Call(*args, **options):
+            with self.Phase(phase):
+                return call(*args, **options)
+
+        return Call
+
+    @contextmanager
+    def Running(self):
+        """Within the block the calls of `CALLS` are timed, and everything else is "rest"."""
+        with ExitStack() as patches:
+            for phase, calls in CALLS.items():
+                for owner, name in calls:
+                    timed = self._Timed(phase, getattr(owner, name))
+                    patches.enter_context(patch.object(owner, name, timed))
+            self._since = time.perf_counter()
+            yield
+            self._Book()
+
+
+class Meter:
+    """Wall and processor time and peak memory of a block."""
+
+    def __enter__(self):
+        gc.collect()
+        ForgetPeak()
+        self._start = time.perf_counter(), time.process_time()
+        return self
+
+    def __exit__(self, *_):
+        self.wall = time.perf_counter() - self._start[0]
+        self.cpu = time.process_time() - self._start[1]
+        self.memory = PeakMemory()
+
+    def Figures(self):
+        """For a row."""
+        return {"wall": self.wall, "cpu": self.cpu, "memory": self.memory}
+
+
+def ForgetPeak():
+    """Begin anew to look for the peak memory of this process, where the system can do that."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+    except OSError:
+        return False
+    return True
+
+
+def PeakMemory():
+    """Peak of the resident memory of this process in GB."""
+    status = Path("/proc/self/status")
+    found = re.search(r"VmHWM:\s*(\d+) kB", status.read_text()) if status.exists() else None
+    kilobytes = int(found[1]) if found else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return kilobytes * 1024 / 1e9
+
+
+def SolveContact(problem, mesh, *, end=1.0, steps=1, **options):
+    """Solve a contact problem as a user would; its contact, solver, steps, and what it took.
+
+    The clock runs from the first form to the last converged step: assembly of the bulk, pairing and
+    all iterations. Mesh and spaces exist before.
+    """
+    watch = StopWatch()
+    with TaskManager():
+        fes = problem.Product(mesh)
+        with Meter() as meter, watch.Running():
+            a, contact, load, gf = problem.Contact(fes)
+            solver = ContactSolver(a, gf, contact, **options)
+            history = LoadStepper(solver, load).Integrate(end, steps=steps, printing=False)
+    return SimpleNamespace(
+        contact=contact,
+        linear=solver.linear,
+        ndof=gf.components[0].space.ndof,
+        iterations=[step.iterations for step in history],
+        error=problem.Imbalance(contact.Force(), end),
+        figures=meter.Figures(),
+        phases=dict(watch.seconds),
+    )
+
+
+def SolveElastic(problem, mesh, variant):
+    """Assemble, factorise and solve once; returns the dofs, and the figures."""
+    solver, flags = VARIANTS.get(variant, (variant, {}))
+    with TaskManager():
+        a, f = problem.Elastic(mesh)
+        free, solution = a.space.FreeDofs(), f.vec.CreateVector()
+        with Meter() as meter, OneBLASThread():
+            a.Assemble()
+            solution.data = a.mat.Inverse(free, inverse=solver, flags=flags) * f.vec
+    residual = f.vec.CreateVector()
+    residual.data = Projector(free, True) * (f.vec - a.mat * solution).Evaluate()
+    error = residual.Norm() / f.vec.Norm()
+    if not error < 1e-9:
+        raise RuntimeError(f"{variant} left a relative residual of {error:.1e}")
+    return a.space.ndof, meter.Figures() | {"error": error}
