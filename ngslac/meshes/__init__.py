@@ -1,7 +1,18 @@
 """Meshes of two bodies whose surfaces do not match: for tests, tutorials and first trials.
 
 Every builder makes sure that no node of one surface lies on the other, as those of bodies that are
-meshed on their own do not.
+meshed on their own do not. It raises a ``ValueError`` for sizes that are not positive and for parts
+that do not fit. Common arguments, all optional:
+
+order : int
+    Order of the curved geometry.
+grading : float
+    Growth of the element size away from the contact zone (netgen's ``grading``).
+scale : float
+    Factor for all coordinates, e.g. ``1e-3`` for metres in place of millimetres.
+angle : float, rotation : (3, 3) array_like or (axis, float)
+    Rotation about the origin, in 2D in degrees, in 3D see `RotationMatrix`. The topology of the
+    mesh depends neither on it nor on the scale.
 """
 
 from ngslac.meshes.blocks import TwoBlocks

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from netgen.meshing import Element1D, Element2D, MeshPoint
 from netgen.meshing import Mesh as NetgenMesh
-from netgen.meshing import Pnt as MeshPnt
-from netgen.occ import ArcOfCircle, Glue, Pnt, Segment
+from netgen.occ import ArcOfCircle, Glue, Pnt
 from ngsolve import Mesh
 
+from ngslac.meshes.boxes import AddBody, Cells
 from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
     CheckPositive,
     Divisions,
     GenerateMesh,
+    Incline,
     Label,
+    Line,
     MovePoints,
     NonMatchingDivisions,
     Side,
@@ -101,26 +101,18 @@ def TwoBlocks(
         `structured`.
     width, height : float
         Sizes of the blocks.
-    order : int, optional
-        Order of the geometry, by default 2 if `curved`, else 1.
-    scale, angle : float
-        Factor for all coordinates and rotation in degrees about the origin; neither changes
-        the topology.
+    order, scale, angle
+        See `ngslac.meshes`; the order is 2 by default if `curved`, else 1.
 
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching` has passed.
     """
     h_master = 0.73 * h_slave if h_master is None else h_master
     CheckPositive(h_slave=h_slave, h_master=h_master, width=width, height=height, scale=scale)
-    if shape not in ("flat", "oblique"):
-        raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
     if structured and curved:
         raise ValueError("a structured mesh has no curved edges: structured or curved, not both")
-    incline = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
-    if abs(incline) * (width / 2 + abs(overhang)) >= height:
-        raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
+    incline = Incline(shape, slope, width / 2 + abs(overhang), height)
     sides = _Sides(h_slave, h_master, overhang, aligned, curved, width, height, incline)
     if structured:
         mesh = _StructuredMesh(sides, quads, scale, angle)
@@ -194,20 +186,19 @@ def _Outline(side, pieces, left, right):
     # All edges run counter-clockwise, so that NGSolve's normals point outwards.
     clockwise = side.end < 0
 
-    def Line(x0, y0, x1, y1, name, count, turn=clockwise):
-        ends = [Pnt(x0, y0, 0), Pnt(x1, y1, 0)]
-        return Side(Segment(*(reversed(ends) if turn else ends)), name, count)
+    def Turned(p, q, name, count, turn=clockwise):
+        return Line(*((q, p) if turn else (p, q)), name, count)
 
     def Upright(x, where):
-        y = side.Height(x)
+        y, turn = side.Height(x), clockwise != (where == "left")
         count = Divisions(abs(side.end - y), side.h)
-        return Line(
-            x, y, x, side.end, f"{where}_{side.name}", count, clockwise != (where == "left")
-        )
+        return Turned((x, y), (x, side.end), f"{where}_{side.name}", count, turn)
 
     x0, x1 = pieces[0][1], pieces[-1][2]
-    contact = [Line(a, side.Height(a), b, side.Height(b), name, n) for name, a, b, n in pieces]
-    far = Line(x1, side.end, x0, side.end, side.top, Divisions(x1 - x0, side.h))
+    contact = [
+        Turned((a, side.Height(a)), (b, side.Height(b)), name, n) for name, a, b, n in pieces
+    ]
+    far = Turned((x1, side.end), (x0, side.end), side.top, Divisions(x1 - x0, side.h))
     return [*contact, right or Upright(x1, "right"), far, left or Upright(x0, "left")]
 
 
@@ -218,42 +209,33 @@ def _StructuredMesh(sides, quads, scale, angle):
     """A grid in each block."""
     ngmesh = NetgenMesh(dim=2)
     for side in sides:
-        _AddGrid(ngmesh, side, quads)
+        AddBody(ngmesh, side.name, _Grid(side, quads))
     ngmesh.Compress()
     MovePoints(ngmesh, scale, angle)
     return Mesh(ngmesh)
 
 
-def _AddGrid(ngmesh, side, quads):
-    """Add the points, cells and boundary edges of one block."""
-    xs = side.Nodes()
-    rows = Divisions(abs(side.end), side.h)
-    domain = ngmesh.AddRegion(side.name, dim=2)
-    node = np.empty((rows + 1, len(xs)), dtype=object)
-    for i, j in np.ndindex(node.shape):
-        y = side.Height(xs[j]) + i / rows * (side.end - side.Height(xs[j]))
-        node[i, j] = ngmesh.Add(MeshPoint(MeshPnt(xs[j], y, 0)))
-    flip = -1 if side.end < 0 else 1  # the lower grid is numbered downwards
+def _Grid(side, quads):
+    """One block, numbered by rows from the interface on."""
+    xs, rows = side.Nodes(), Divisions(abs(side.end), side.h)
+    node, y = np.arange((rows + 1) * len(xs)).reshape(rows + 1, -1), side.Height(xs)
+    ys = y + np.arange(rows + 1)[:, None] / rows * (side.end - y)
+    points = np.column_stack([np.tile(xs, rows + 1), ys.ravel(), np.zeros(node.size)])
+    sense = -1 if side.end < 0 else 1  # the lower grid is numbered downwards
+    cells = []
     for i, j in np.ndindex(rows, len(xs) - 1):
         a, b, c, d = node[i, j], node[i, j + 1], node[i + 1, j + 1], node[i + 1, j]
-        for cell in [[a, b, c, d]] if quads else [[a, b, c], [a, c, d]]:
-            ngmesh.Add(Element2D(domain, cell[::flip]))
-    _AddEdges(ngmesh, side, node)
-
-
-def _AddEdges(ngmesh, side, node):
-    """Add the boundary edges of a grid, the body on their left."""
+        cells += [cell[::sense] for cell in ([[a, b, c, d]] if quads else [[a, b, c], [a, c, d]])]
     names = [name for name, _, _, n in side.pieces for _ in range(n)]
     chains = [
         (node[0], names),
-        (node[:, -1], [f"right_{side.name}"] * (len(node) - 1)),
+        (node[:, -1], [f"right_{side.name}"] * rows),
         (node[-1][::-1], [side.top] * len(names)),
-        (node[::-1, 0], [f"left_{side.name}"] * (len(node) - 1)),
+        (node[::-1, 0], [f"left_{side.name}"] * rows),
     ]
-    index = {}
-    for points, labels in chains:
-        for a, b, label in zip(points, points[1:], labels, strict=False):
-            if label not in index:
-                index[label] = ngmesh.AddRegion(label, dim=1)
-            ends = [a, b] if side.end > 0 else [b, a]
-            ngmesh.Add(Element1D(ends, index=index[label]))
+    edges = [
+        (label, ends[::sense])
+        for nodes, labels in chains
+        for label, *ends in zip(labels, nodes[:-1], nodes[1:], strict=True)
+    ]
+    return Cells(points, cells, edges)

@@ -10,9 +10,9 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Box, OCCGeometry, Pnt
 from ngsolve import Mesh
 
-from ngslac.meshes.boxes import SIDES, AddBody, Cells, StructuredBox
-from ngslac.meshes.geometry import CheckPositive
-from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
+from ngslac.meshes.boxes import AddBody, Cells, SideOf, StructuredBox
+from ngslac.meshes.geometry import CheckNonMatching, CheckPositive, Incline
+from ngslac.meshes.geometry3d import RotationMatrix
 
 __all__ = ["TwoBlocks3D"]
 
@@ -69,40 +69,32 @@ def TwoBlocks3D(
         Divisions of the contact faces in x and y.
     layers : (int, int)
         Layers of cubes in the upper and the lower block.
-    shape : {"flat", "oblique"}
-        Interface horizontal, or inclined by `slope` degrees towards `azimuth`.
-    slope, azimuth : float
-        Degrees: angle of inclination, and direction of ascent measured from the x axis.
+    shape, slope, width, height
+        As in `TwoBlocks`.
+    azimuth : float
+        Degrees: the direction of ascent, measured from the x axis.
     overhang : float
         By how much the lower block is wider on each of its four sides; the upper one if negative.
     aligned : bool
         With an overhang: end faces of the wider block where the narrower one ends. The faces
         outside are then named "master_rim" ("slave_rim"), and the divisions count those
         inside. Otherwise the whole face is divided evenly and has one name.
-    perturb : float
+    perturb, seed
         Moves the points of the grids at random, see `StructuredBox`: an irregular interface.
     unstructured : bool
         Tetrahedra from Netgen in place of grids; the edges of the interface have the given
         divisions. Without `perturb`, and with ``aligned=False`` where there is an overhang.
-    width, height : float
-        Sizes of the blocks.
-    scale : float
-        Factor for all coordinates.
-    rotation : (3, 3) array_like or (axis, float), optional
-        Rotation about the origin, see `RotationMatrix`. Neither it nor `scale` changes the
-        topology.
-    seed : int
-        Of the random numbers.
+    scale, rotation
+        See `ngslac.meshes`.
 
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching3D` has passed.
 
     Raises
     ------
     ValueError
-        For bad sizes, names or rotations, and if the divisions make the two meshes match.
+        Also if the divisions make the two meshes match.
 
     Examples
     --------
@@ -112,8 +104,6 @@ def TwoBlocks3D(
     (('upper', 'lower'), 58)
     """
     CheckPositive(width=width, height=height, scale=scale)
-    if shape not in ("flat", "oblique"):
-        raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
     if unstructured and (perturb or (overhang and aligned)):
         raise ValueError("an unstructured mesh has no perturb, and aligned=False with an overhang")
     frame = _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation)
@@ -131,7 +121,7 @@ def TwoBlocks3D(
         AddBody(ngmesh, name, replace(box, points=frame.Map(box.points)))
     ngmesh.Compress()
     mesh = Mesh(ngmesh)
-    CheckNonMatching3D(mesh)
+    CheckNonMatching(mesh)
     return mesh
 
 
@@ -146,10 +136,9 @@ def _Pair(n):
 
 
 def _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation):
-    rise = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
     direction = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth))])
-    if abs(rise) * np.abs(direction).sum() * (width / 2 + abs(overhang)) >= height:
-        raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
+    reach = np.abs(direction).sum() * (width / 2 + abs(overhang))
+    rise = Incline(shape, slope, reach, height)
     matrix = scale * RotationMatrix(rotation)
     return _Frame(np.full(2, width / 2), rise * direction, height, matrix)
 
@@ -203,10 +192,5 @@ def _TetBox(grid, z, names):
     for el in ngmesh.Elements2D():
         face = [v.nr - 1 for v in el.vertices]
         corners = points[face]
-        at = [
-            np.ptp(corners[:, a]) == 0 and corners[0, a] == e[a]
-            for a in range(3)
-            for e in (low, high)
-        ]
-        faces.append((names(SIDES[at.index(True)], corners.mean(axis=0)), face))
+        faces.append((names(SideOf(corners, low, high), corners.mean(axis=0)), face))
     return Cells(points, [(a, c, b, d) for a, b, c, d in cells], faces)

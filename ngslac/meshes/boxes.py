@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from netgen.meshing import Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
+from netgen.meshing import Element1D, Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
 
-__all__ = ["KINDS", "SIDES", "AddBody", "Cells", "StructuredBox"]
+__all__ = ["KINDS", "AddBody", "Cells", "SideOf", "StructuredBox"]
 
 # The corners of a cube: 0-3 below and 4-7 above, both counter-clockwise; 8 is its middle.
 _KUHN = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
@@ -28,14 +28,7 @@ _FACES = {
     4: [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)],
     5: [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
     6: [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
-    8: [
-        (0, 3, 2, 1),
-        (4, 5, 6, 7),
-        (0, 1, 5, 4),
-        (1, 2, 6, 5),
-        (2, 3, 7, 6),
-        (3, 0, 4, 7),
-    ],
+    8: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
 }
 _MIRRORED = {
     4: (0, 2, 1, 3),
@@ -43,7 +36,7 @@ _MIRRORED = {
     6: (0, 2, 1, 3, 5, 4),
     8: (0, 3, 2, 1, 4, 7, 6, 5),
 }
-SIDES = ("left", "right", "front", "back", "bottom", "top")
+_SIDES = ("left", "right", "front", "back", "bottom", "top")
 
 
 @dataclass(frozen=True)
@@ -51,7 +44,8 @@ class Cells:
     """Points (n, 3), cells (tuples of point numbers), and the outer faces with their names.
 
     To map a mesh, replace the points; the map has to keep the orientation.
-    `faces` are pairs of a name and the point numbers, counter-clockwise seen from outside.
+    `faces` are pairs of a name and the point numbers, counter-clockwise seen from outside. In 2D
+    they are edges, with the body on their left, and z = 0.
     """
 
     points: np.ndarray
@@ -86,11 +80,6 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     Cells
         To be added to a mesh by `AddBody`.
 
-    Raises
-    ------
-    ValueError
-        For an unknown kind, positions that do not increase, or too large a perturbation.
-
     Examples
     --------
     >>> import numpy as np
@@ -120,7 +109,7 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
 
 
 def AddBody(ngmesh, name, box):
-    """Add cells as the body `name` to a netgen mesh of dimension 3.
+    """Add cells as the body `name` to a netgen mesh of dimension 2 or 3.
 
     Equal names of faces become one boundary of this body.
 
@@ -144,18 +133,38 @@ def AddBody(ngmesh, name, box):
     >>> round(Integrate(1, Mesh(ngmesh)), 12)
     2.0
     """
-    domain = ngmesh.AddRegion(name, dim=3)
+    dim = ngmesh.dim
+    domain, index = ngmesh.AddRegion(name, dim=dim), {}
     numbers = [ngmesh.Add(MeshPoint(Pnt(*p))) for p in box.points]
     for cell in box.cells:
-        order = _MIRRORED[len(cell)]
-        ngmesh.Add(Element3D(domain, [numbers[cell[i]] for i in order]))
-    index = {}
+        corners = [numbers[i] for i in cell]
+        if dim == 2:
+            ngmesh.Add(Element2D(domain, corners))
+        else:
+            ngmesh.Add(Element3D(domain, [corners[i] for i in _MIRRORED[len(cell)]]))
     for label, face in box.faces:
+        corners = [numbers[i] for i in face]
         if label not in index:
-            number = len(ngmesh.FaceDescriptors()) + 1
-            index[label] = ngmesh.Add(FaceDescriptor(surfnr=number, domin=domain, bc=number))
-            ngmesh.SetBCName(number - 1, label)
-        ngmesh.Add(Element2D(index[label], [numbers[i] for i in face]))
+            index[label] = _AddBoundary(ngmesh, label, domain)
+        if dim == 2:
+            ngmesh.Add(Element1D(corners, index=index[label]))
+        else:
+            ngmesh.Add(Element2D(index[label], corners))
+
+
+def _AddBoundary(ngmesh, label, domain):
+    if ngmesh.dim == 2:
+        return ngmesh.AddRegion(label, dim=1)
+    number = len(ngmesh.FaceDescriptors()) + 1
+    index = ngmesh.Add(FaceDescriptor(surfnr=number, domin=domain, bc=number))
+    ngmesh.SetBCName(number - 1, label)
+    return index
+
+
+def SideOf(corners, low, high):
+    """Return which side of the box between two points a face with these corners (n, 3) lies in."""
+    at = [np.all(corners[:, a] == end[a]) for a in range(3) for end in (low, high)]
+    return _SIDES[at.index(True)]
 
 
 def _Cubes(nx, ny, nz):
@@ -198,6 +207,5 @@ def _NamedFaces(flat, cells, names):
     named = []
     for face in outer.values():
         corners = flat[list(face)]
-        at = [np.all(corners[:, a] == end[a]) for a in range(3) for end in (low, high)]
-        named.append((names(SIDES[at.index(True)], corners.mean(axis=0)), face))
+        named.append((names(SideOf(corners, low, high), corners.mean(axis=0)), face))
     return named

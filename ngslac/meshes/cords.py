@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 
-from netgen.occ import ArcOfCircle, Pnt, Segment
-
 from ngslac.meshes.geometry import (
+    Arc,
     Body,
     CheckNonMatching,
     CheckPositive,
     Divisions,
     GenerateMesh,
+    Line,
     NonMatchingDivisions,
-    Side,
+    Polygon,
 )
 
 __all__ = ["CordMesh", "DiscInRing"]
@@ -21,17 +21,9 @@ __all__ = ["CordMesh", "DiscInRing"]
 _RADIUS = 50.0
 
 
-def _Arc(radius, first, last, name, count=None):
-    """Arc about the origin between two angles from the y axis, counted clockwise."""
-    points = [
-        Pnt(radius * math.sin(t), radius * math.cos(t), 0)
-        for t in (first, (first + last) / 2, last)
-    ]
-    return Side(ArcOfCircle(*points), name, count)
-
-
-def _Line(p, q, name, count=None):
-    return Side(Segment(Pnt(*p, 0), Pnt(*q, 0)), name, count)
+def _Circle(radius):
+    """About the origin, by the angle from the y axis, clockwise."""
+    return lambda t: (radius * math.sin(t), radius * math.cos(t))
 
 
 def CordMesh(h, *, zone=1.25):
@@ -57,18 +49,14 @@ def CordMesh(h, *, zone=1.25):
     nodes = [r * math.sin(zone * k / count) for k in range(count + 1)]
     width, top = 1.6 * r, 1.2 * r
     cord = [
-        _Line((0, 0), (r, 0), "symy"),
-        _Arc(r, math.pi / 2, zone, "free"),
-        _Arc(r, zone, 0, "slave", count),
-        _Line((0, r), (0, 0), "symx"),
+        Line((0, 0), (r, 0), "symy"),
+        Arc(_Circle(r), math.pi / 2, zone, "free"),
+        Arc(_Circle(r), zone, 0, "slave", count),
+        Line((0, r), (0, 0), "symx"),
     ]
-    plate = [
-        _Line((0, r), (width, r), "master", NonMatchingDivisions(nodes, 0, width, 0.73 * h)),
-        _Line((width, r), (width, top), "back"),
-        _Line((width, top), (0, top), "back"),
-        _Line((0, top), (0, r), "back"),
-    ]
-    bodies = [Body(cord, "rubber"), Body(plate, "plate")]
+    corners, names = [(0, r), (width, r), (width, top), (0, top)], ("master", *["back"] * 3)
+    other = NonMatchingDivisions(nodes, 0, width, 0.73 * h)
+    bodies = [Body(cord, "rubber"), Polygon(corners, names, "plate", master=other)]
     mesh = GenerateMesh(bodies, order=2, maxh=r / 4, grading=0.3)
     CheckNonMatching(mesh)
     return mesh
@@ -98,19 +86,18 @@ def DiscInRing(h, *, clearance, outer=100.0):
     r, inner = _RADIUS, _RADIUS + clearance
     length = math.pi / 2 * r
     count = Divisions(length, h)
-    other = NonMatchingDivisions(
-        [length * k / count for k in range(count + 1)], 0, length, 0.73 * h
-    )
+    nodes = [length * k / count for k in range(count + 1)]
+    other = NonMatchingDivisions(nodes, 0, length, 0.73 * h)
     disc = [
-        _Line((0, 0), (r, 0), "symy"),
-        _Arc(r, math.pi / 2, 0, "slave", count),
-        _Line((0, r), (0, 0), "symx"),
+        Line((0, 0), (r, 0), "symy"),
+        Arc(_Circle(r), math.pi / 2, 0, "slave", count),
+        Line((0, r), (0, 0), "symx"),
     ]
     ring = [
-        _Line((inner, 0), (outer, 0), "symy"),
-        _Arc(outer, math.pi / 2, 0, "outer"),
-        _Line((0, outer), (0, inner), "symx"),
-        _Arc(inner, 0, math.pi / 2, "master", other),
+        Line((inner, 0), (outer, 0), "symy"),
+        Arc(_Circle(outer), math.pi / 2, 0, "outer"),
+        Line((0, outer), (0, inner), "symx"),
+        Arc(_Circle(inner), 0, math.pi / 2, "master", other),
     ]
     bodies = [Body(disc, "disc"), Body(ring, "ring")]
     return GenerateMesh(bodies, order=3, maxh=r / 4, grading=0.3)

@@ -7,12 +7,19 @@ from itertools import pairwise
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
-from netgen.occ import ArcOfCircle, Face, OCCGeometry, Pnt, Segment, Wire
+from netgen.occ import OCCGeometry
 from ngsolve import BND, Mesh
 
 from ngslac.meshes.boxes import AddBody, Cells
-from ngslac.meshes.geometry import CheckPositive
-from ngslac.meshes.geometry3d import CheckNonMatching3D
+from ngslac.meshes.geometry import (
+    Arc,
+    Body,
+    CheckNonMatching,
+    CheckPositive,
+    Line,
+    Polygon,
+    Touching,
+)
 
 __all__ = ["THICKNESS", "CylinderOnBlock"]
 
@@ -40,13 +47,12 @@ def CylinderOnBlock(
         width and height of the block (by default ``2 * radius``).
     model : {"quarter", "full"}
         x >= 0, or all.
-    grading, ratio, scale : float
-        As in `SphereOnBlock`.
+    grading, scale
+        See `ngslac.meshes`.
 
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching3D` has passed.
 
     Examples
     --------
@@ -61,64 +67,42 @@ def CylinderOnBlock(
         raise ValueError(f'model must be "quarter" or "full", but is {model!r}')
     if not zone < min(0.9 * radius, 0.9 * width):
         raise ValueError("zone is too wide")
+    full = model == "full"
+    disc = _HalfDisc(radius, zone, full), h
+    block = _Rectangle(width, zone * 16 / 15, full), ratio * h
     plane = []
-    for sides in (
-        _HalfDisc(radius, zone, h, model == "full"),
-        _Rectangle(width, zone * 16 / 15, ratio * h, model == "full"),
-    ):  # apart from each other, so that their sizes do not mix
-        face = Face(Wire([edge for edge, _, _ in sides]))
-        for edge, (_, name, maxh) in zip(face.edges, sides, strict=True):  # in the same order
-            edge.name, edge.maxh = name, maxh
+    for face, fine in (disc, block):  # apart from each other, so that their sizes do not mix
+        for edge in face.edges:
+            edge.maxh = fine if edge.name in ("slave", "master") else 1e99
         geometry = OCCGeometry(face, dim=2)
         plane.append(Mesh(geometry.GenerateMesh(maxh=radius / 2, grading=grading)))
     mesh = _Extruded(plane, scale)
-    CheckNonMatching3D(mesh)
+    CheckNonMatching(mesh)
     return mesh
 
 
-def _HalfDisc(radius, zone, h, full):
-    """Sides of the lower half of a disc that touches the origin from above."""
-
-    def Point(t):
-        return Pnt(radius * math.sin(t), radius * (1 - math.cos(t)), 0)
-
-    def Arc(a, b, name, maxh=1e99):
-        return ArcOfCircle(Point(a), Point((a + b) / 2), Point(b)), name, maxh
-
-    end, right = math.asin(zone / radius), math.pi / 2
+def _HalfDisc(radius, zone, full):
+    """The lower half of a disc that touches the origin from above."""
+    point, end, right = Touching(radius), math.asin(zone / radius), math.pi / 2
+    start = -end if full else 0
+    sides = [Arc(point, start, end, "slave"), Arc(point, end, right, "cap")]
     if full:
-        return [
-            Arc(-right, -end, "cap"),
-            Arc(-end, end, "slave", h),
-            Arc(end, right, "cap"),
-            _Line(Point(right), Point(-right), "top"),
-        ]
-    centre = Pnt(0, radius, 0)
-    return [
-        Arc(0, end, "slave", h),
-        Arc(end, right, "cap"),
-        _Line(Point(right), centre, "top"),
-        _Line(centre, Point(0), "sym_x"),
-    ]
+        sides = [Arc(point, -right, -end, "cap"), *sides, Line(point(right), point(-right), "top")]
+    else:
+        centre = (0, radius)
+        sides += [Line(point(right), centre, "top"), Line(centre, point(0), "sym_x")]
+    return Body(sides, "cylinder")
 
 
-def _Rectangle(width, zone, h, full):
-    """Sides of the block below the origin."""
+def _Rectangle(width, zone, full):
+    """The block below the origin."""
     start = -1 if full else 0
     x = [start * width, width, width, zone, start * zone]
     y = [-width, -width, 0, 0, 0]
     names = ["bottom", "side", "surface", "master", "sym_x"]
     if full:
         x, y, names = [*x, -width], [*y, 0], [*names[:-1], "surface", "side"]
-    corners = [Pnt(*xy, 0) for xy in zip(x, y, strict=True)]
-    return [
-        _Line(a, b, name, h if name == "master" else 1e99)
-        for a, b, name in zip(corners, [*corners[1:], corners[0]], names, strict=True)
-    ]
-
-
-def _Line(a, b, name, maxh=1e99):
-    return Segment(a, b), name, maxh
+    return Polygon(list(zip(x, y, strict=True)), names, "block")
 
 
 def _Extruded(plane, scale):

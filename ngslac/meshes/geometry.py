@@ -7,24 +7,23 @@ node of one side faces a node of the other.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from netgen.occ import Axis, Compound, Edge, Face, OCCGeometry, Pnt, Segment, Wire, Z
+from netgen.occ import (
+    ArcOfCircle,
+    Axis,
+    Compound,
+    Edge,
+    Face,
+    OCCGeometry,
+    Pnt,
+    Segment,
+    Wire,
+    Z,
+)
 from ngsolve import CF, Integrate, Mesh
-
-__all__ = [
-    "Body",
-    "CheckNonMatching",
-    "CheckPositive",
-    "Divisions",
-    "GenerateMesh",
-    "Label",
-    "MovePoints",
-    "NonMatchingDivisions",
-    "Polygon",
-    "Side",
-]
 
 
 def CheckPositive(**values):
@@ -32,6 +31,16 @@ def CheckPositive(**values):
     for name, value in values.items():
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} must be positive, but is {value}")
+
+
+def Incline(shape, slope, reach, height):
+    """Return the slope, as a ratio, of an interface that rises by up to `reach` times that."""
+    if shape not in ("flat", "oblique"):
+        raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
+    rise = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
+    if abs(rise) * reach >= height:
+        raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
+    return rise
 
 
 def Divisions(length, h):
@@ -42,15 +51,9 @@ def Divisions(length, h):
 def NonMatchingDivisions(slave, start, end, h, *, tol=1e-3):
     """Return a number of master edges of size about ``h`` whose nodes avoid the slave nodes.
 
-    Parameters
-    ----------
-    slave : array_like
-        Positions of the slave nodes along the interface.
-    start, end : float
-        The master edge; its two end nodes may coincide with slave nodes.
-    h : float
-        Wanted size. The smallest number of divisions from ``(end - start) / h`` on that
-        keeps the distance ``tol`` times the master size from every slave node is taken.
+    `slave` holds the positions of the slave nodes along the interface. The ends of the master edge,
+    from `start` to `end`, may coincide with some; all its other nodes keep the distance `tol` times
+    the master size. The smallest such number from ``(end - start) / h`` on is taken.
     """
     first = Divisions(end - start, h)
     for count in range(first, 2 * first + 3):
@@ -70,6 +73,22 @@ class Side:
     count: int | None = None
 
 
+def Line(p, q, name, count=None):
+    """Return the straight side from p to q, both (x, y)."""
+    return Side(Segment(Pnt(*p, 0), Pnt(*q, 0)), name, count)
+
+
+def Arc(point, first, last, name, count=None):
+    """Return the side on a circle, ``point(angle)`` -> (x, y), between two angles."""
+    points = (Pnt(*point(t), 0) for t in (first, (first + last) / 2, last))
+    return Side(ArcOfCircle(*points), name, count)
+
+
+def Touching(radius):
+    """Return the circle that touches the origin from above, by the angle from the lowest point."""
+    return lambda t: (radius * math.sin(t), radius * (1 - math.cos(t)))
+
+
 def Body(sides, name):
     """Return the face enclosed by ``sides`` (counter-clockwise) as the body ``name``."""
     face = Face(Wire([side.edge for side in sides]))
@@ -79,22 +98,13 @@ def Body(sides, name):
 
 
 def Polygon(points, names, name, **counts):
-    """Return a polygon as the body ``name``.
+    """Return a polygon, points (x, y) counter-clockwise, as the body ``name``.
 
-    Parameters
-    ----------
-    points : sequence of (x, y)
-        Corners, counter-clockwise.
-    names : sequence of str
-        Of the sides; the first one is between the first two corners.
-    name : str
-        Of the body.
-    **counts : int
-        Name of a side -> its number of equal parts.
+    The first of the names of its sides is that of the side between the first two corners; `counts`
+    are the numbers of equal parts of sides by their names.
     """
-    corners = [Pnt(*point, 0) for point in points]
-    sides = zip(corners, [*corners[1:], corners[0]], names, strict=True)
-    return Body([Side(Segment(p, q), side, counts.get(side)) for p, q, side in sides], name)
+    sides = zip(points, [*points[1:], points[0]], names, strict=True)
+    return Body([Line(p, q, side, counts.get(side)) for p, q, side in sides], name)
 
 
 def Label(shape, sides):
@@ -112,32 +122,19 @@ def _Distance(p, q):
 
 
 def GenerateMesh(shapes, *, order=1, scale=1.0, angle=0.0, **options):
-    """Mesh bodies, then scale and rotate the result.
+    """Mesh bodies, then scale and rotate (degrees, about the origin) the result.
 
-    The mesh is always generated in the original frame. For another ``scale`` or ``angle`` its
-    points are moved, and the geometry is replaced by the transformed shape, on which `Curve`
-    projects. Numbering and connectivity are therefore the same for all of them.
-
-    Parameters
-    ----------
-    shapes : list of netgen.occ.Face
-        The bodies.
-    order : int
-        Order of the curved geometry.
-    scale : float
-        Factor for the coordinates.
-    angle : float
-        Rotation about the origin, in degrees.
-    **options
-        Handed on to ``OCCGeometry.GenerateMesh``.
+    The mesh is always generated in the original frame by ``OCCGeometry.GenerateMesh``, which gets
+    the `options`. For another frame its points are moved, and the geometry is replaced by the
+    transformed shape, on which `Curve` projects. Numbering and connectivity are therefore the same
+    for all of them.
     """
     shape = Compound(shapes)
     ngmesh = OCCGeometry(shape, dim=2).GenerateMesh(minedgelen=None, **options)
     area, wanted = Integrate(CF(1), Mesh(ngmesh)), sum(face.mass for face in shape.faces)
     if abs(area - wanted) > 0.05 * wanted:  # netgen skips a face that it fails to mesh
-        raise RuntimeError(
-            f"netgen meshed an area of {area:g} of {wanted:g}: change the element size or grading"
-        )
+        hint = "change the element size or grading"
+        raise RuntimeError(f"netgen meshed an area of {area:g} of {wanted:g}: {hint}")
     if scale != 1.0 or angle != 0.0:
         MovePoints(ngmesh, scale, angle)
         shape = shape.Scale(Pnt(0, 0, 0), scale).Rotate(Axis(Pnt(0, 0, 0), Z), angle)
@@ -156,15 +153,17 @@ def MovePoints(ngmesh, scale, angle):
 
 
 def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4):
-    """Raise if a slave node faces a master node; return the smallest relative distance.
+    """Raise if a slave vertex faces a master vertex; return the smallest relative distance.
 
-    Distances are measured along the master side (which has to be straight) in units of its
-    mean edge length. Nodes at the ends of both sides, such as common corners, may coincide.
+    Distances are measured along the line (in 3D: the plane) that fits the master vertices best, in
+    units of the mean master edge. Vertices at the ends (on the rims) of both sides, such as common
+    corners, may coincide; but in 3D no face of one side may have all its vertices at those of a
+    face of the other.
 
     Parameters
     ----------
     mesh : ngsolve.Mesh
-        Mesh of two separate bodies in 2D.
+        Mesh of two separate bodies.
     slave, master : str
         Patterns of the two contact boundaries.
     tol : float
@@ -173,29 +172,56 @@ def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4):
     Returns
     -------
     float
-        The smallest distance of a slave node from the master nodes, relative to their spacing.
+        The smallest distance of a slave vertex from the master vertices, relative to their
+        spacing, without those at the ends (on the rims) of both.
+
+    Raises
+    ------
+    ValueError
+        If the meshes match somewhere, or a boundary does not exist.
+
+    Examples
+    --------
+    >>> from ngslac.meshes import CheckNonMatching, TwoBlocks, TwoBlocks3D
+    >>> round(CheckNonMatching(TwoBlocks(1 / 2, 1 / 3, structured=True)), 6)
+    0.5
+    >>> round(CheckNonMatching(TwoBlocks3D("hex", "hex", 2, 3)), 6)
+    0.707107
     """
-    (s, s_end), (m, m_end) = (_BoundaryNodes(mesh, name) for name in (slave, master))
+    (s, s_rim, s_faces), (m, m_rim, m_faces) = (_BoundaryNodes(mesh, p) for p in (slave, master))
     centre = m.mean(axis=0)
-    direction = np.linalg.svd(m - centre)[2][0]
-    xs, xm = (s - centre) @ direction, (m - centre) @ direction
-    size = np.ptp(xm) / (len(xm) - 1)
-    distance = np.abs(xs[:, None] - xm[None, :]) / size
-    distance[np.ix_(s_end, m_end)] = np.inf
+    along = np.linalg.svd(m - centre)[2][: mesh.dim - 1]
+    xs, xm = (s - centre) @ along.T, (m - centre) @ along.T
+    size = np.mean([np.linalg.norm(xm[a] - xm[b]) for a, b in _Edges(m_faces)])
+    distance = np.linalg.norm(xs[:, None] - xm[None, :], axis=2) / size
+    facing = {int(i): int(j) for i, j in np.argwhere(distance < tol)}
+    opposite = {frozenset(facing.get(i, -1 - i) for i in f) for f in s_faces}
+    if mesh.dim == 3 and opposite & set(map(frozenset, m_faces)):
+        raise ValueError("the contact meshes match: a slave face coincides with a master face")
+    distance[np.ix_(s_rim, m_rim)] = np.inf
     smallest = distance.min()
     if smallest < tol:
-        at = s[np.unravel_index(distance.argmin(), distance.shape)[0]]
-        raise ValueError(
-            f"the contact meshes match: slave node ({at[0]:g}, {at[1]:g}) faces a master node"
-        )
+        at = ", ".join(f"{c:g}" for c in s[np.unravel_index(distance.argmin(), distance.shape)[0]])
+        node = "node" if mesh.dim == 2 else "vertex"
+        raise ValueError(f"the contact meshes match: slave {node} ({at}) faces a master {node}")
     return float(smallest)
 
 
 def _BoundaryNodes(mesh, pattern):
-    """Return the vertex coordinates of a boundary, and which of them are end points."""
-    touched = [v.nr for el in mesh.Boundaries(pattern).Elements() for v in el.vertices]
-    if not touched:
+    """Vertices of a boundary, which of them lie on its rim, and its faces in their numbers."""
+    faces = [[v.nr for v in el.vertices] for el in mesh.Boundaries(pattern).Elements()]
+    if not faces:
         raise ValueError(f"the mesh has no boundary {pattern!r}")
-    numbers, counts = np.unique(touched, return_counts=True)
-    points = np.array([mesh.vertices[int(nr)].point for nr in numbers])
-    return points, counts == 1
+    numbers = sorted({nr for face in faces for nr in face})
+    local = {nr: i for i, nr in enumerate(numbers)}
+    faces = [[local[nr] for nr in face] for face in faces]
+    ends = _Edges(faces) if mesh.dim == 3 else [(i,) for face in faces for i in face]
+    rim = np.zeros(len(numbers), dtype=bool)
+    for end, times in Counter(map(frozenset, ends)).items():
+        rim[list(end)] |= times == 1
+    return np.array([mesh.vertices[nr].point for nr in numbers]), rim, faces
+
+
+def _Edges(faces):
+    """Pairs of vertices around every face; of an edge of a plane mesh itself, twice."""
+    return [(face[i - 1], face[i]) for face in faces for i in range(len(face))]

@@ -6,18 +6,19 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import BBND, CF, InnerProduct, LinearForm, SymbolicLFI
 
 from ngslac.meshes.geometry import (
+    Arc,
     Body,
     CheckNonMatching,
     CheckPositive,
     Divisions,
     GenerateMesh,
+    Line,
     NonMatchingDivisions,
     Polygon,
-    Side,
+    Touching,
 )
 
 __all__ = ["HertzMesh", "PointForce"]
@@ -59,7 +60,7 @@ def PointForce(space, force, *, vertex="load", component=None):
     return form.Assemble().vec
 
 
-# ---------------------------------------------------------------- cylinder on block
+_RADIUS = 50.0  # meshed with this radius: netgen has absolute lengths inside
 
 
 def HertzMesh(
@@ -91,28 +92,21 @@ def HertzMesh(
         Radius of the cylinder, half width and height of the block.
     ratio : float
         Master size over slave size.
-    order : int
-        Order of the curved geometry.
     half : bool
         Half model (x >= 0) or the full one.
     zone : float, optional
         Length of the slave arc on each side of the origin, by default ``0.3 * radius``. The
         master edge is a fifteenth longer.
-    grading : float, optional
-        Growth of the element size away from the contact zone (netgen's ``grading``). By
-        default it decreases slowly with `h`, so that the whole mesh is refined.
-    scale : float
-        Factor for all coordinates, e.g. ``1e-3`` for metres in place of millimetres.
-    angle : float
-        Rotation about the origin, in degrees. The mesh topology depends on neither.
+    order, grading, scale, angle
+        See `ngslac.meshes`. By default the grading decreases slowly with `h`, so that the whole
+        mesh is refined.
 
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching` has passed.
     """
     CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
-    size = radius / _RADIUS  # meshed with this radius: netgen has absolute lengths inside
+    size = radius / _RADIUS
     h, width, height = h / size, width / size, height / size
     zone = 0.3 * _RADIUS if zone is None else zone / size
     CheckPositive(zone=zone)
@@ -132,9 +126,6 @@ def HertzMesh(
     return mesh
 
 
-_RADIUS = 50.0
-
-
 def _HertzDivisions(h, ratio, zone, half):
     """Return the numbers of slave edges (per side) and of master edges (in all)."""
     ns = Divisions(zone, h)
@@ -147,43 +138,29 @@ def _HertzDivisions(h, ratio, zone, half):
 
 def _Cylinder(zone, ns, half):
     """The (half) disc; the slave arc begins at the origin."""
-    side = _CylinderArcs(zone, ns, +1)
-    top, foot = Pnt(0, 2 * _RADIUS, 0), Pnt(0, 0, 0)
-    if half:
-        edges = [*side, Side(Segment(top, foot), "sym")]
-    else:
-        edges = [*side, *reversed(_CylinderArcs(zone, ns, -1))]
-    face = Body(edges, "cylinder")
+    sides = _Arcs(zone, ns, 1)
+    sides += [Line((0, 2 * _RADIUS), (0, 0), "sym")] if half else _Arcs(zone, ns, -1)[::-1]
+    face = Body(sides, "cylinder")
     for vertex in face.vertices:
         if abs(vertex.p.x) < 1e-6 * _RADIUS:
             vertex.name = "foot" if vertex.p.y < _RADIUS else "load"
     return face
 
 
-def _CylinderArcs(zone, ns, side):
-    """Arcs from the lowest to the highest point on one side (+1 right, -1 left)."""
+def _Arcs(zone, ns, side):
+    """Arcs from the lowest to the highest point on one side (1 right, -1 left), both upwards."""
     angles = [0, zone / _RADIUS, (zone / _RADIUS + math.pi) / 2, math.pi]
-
-    def Point(t):
-        return Pnt(side * _RADIUS * math.sin(t), _RADIUS * (1 - math.cos(t)), 0)
-
-    arcs = []
-    for i, (a, b) in enumerate(pairwise(angles)):
-        ends = (a, b) if side > 0 else (b, a)
-        arc = ArcOfCircle(Point(ends[0]), Point((a + b) / 2), Point(ends[1]))
-        arcs.append(Side(arc, "arc") if i else Side(arc, "slave", ns))
-    return arcs
+    names = [("slave", ns), ("arc", None), ("arc", None)]
+    return [
+        Arc(Touching(_RADIUS), *(side * t for t in ends[::side]), *name)
+        for ends, name in zip(pairwise(angles), names, strict=True)
+    ]
 
 
 def _Block(width, height, end, nm, half):
     """The block below y = 0, its master edge from the symmetry line (or -end) to end."""
     left = 0 if half else -width
     points = [(left, -height), (width, -height), (width, 0), (end, 0)]
-    names = ["bottom", "side", "top", "master"]
-    if half:
-        points += [(0, 0)]
-        names += ["sym"]
-    else:
-        points += [(-end, 0), (left, 0)]
-        names += ["top", "side"]
+    points += [(0, 0)] if half else [(-end, 0), (left, 0)]
+    names = ["bottom", "side", "top", "master", *(["sym"] if half else ["top", "side"])]
     return Polygon(points, names, "block", master=nm)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-
-from netgen.occ import ArcOfCircle, Pnt, Segment
+from itertools import pairwise
 
 from ngslac.meshes.geometry import (
+    Arc,
     Body,
     CheckNonMatching,
     CheckPositive,
     Divisions,
     GenerateMesh,
+    Line,
     NonMatchingDivisions,
-    Side,
+    Polygon,
+    Touching,
 )
 
 __all__ = ["IndentationMesh"]
@@ -39,13 +41,13 @@ def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3):
         Half width of the slave side.
     size : float
         Half width and height of the block.
-    grading : float
-        Growth of the element size away from the contact zone (netgen's ``grading``).
+    grading
+        See `ngslac.meshes`.
 
     Returns
     -------
     ngsolve.Mesh
-        Curved of order 3; `CheckNonMatching` has passed.
+        Curved of order 3.
     """
     CheckPositive(h=h, radius=radius, zone=zone, size=size)
     scale = radius / _RADIUS  # meshed with this radius: netgen has absolute lengths inside
@@ -65,13 +67,7 @@ def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3):
 
 def _Block(size, zone, count):
     corners = [(0, -size), (size, -size), (size, 0), (zone, 0), (0, 0)]
-    names = ["bottom", "side", "top", "slave", "sym"]
-    ends = zip(corners, [*corners[1:], corners[0]], names, strict=True)
-    sides = [
-        Side(Segment(Pnt(*p, 0), Pnt(*q, 0)), name, count if name == "slave" else None)
-        for p, q, name in ends
-    ]
-    return Body(sides, "block")
+    return Polygon(corners, ("bottom", "side", "top", "slave", "sym"), "block", slave=count)
 
 
 def _Cylinder(zone, count):
@@ -80,13 +76,7 @@ def _Cylinder(zone, count):
     angle = math.asin(reach / _RADIUS)
     nodes = [_RADIUS * math.asin(k * zone / count / _RADIUS) for k in range(count + 1)]
     edges = NonMatchingDivisions(nodes, 0, _RADIUS * angle, 1.8 * zone / count)
-
-    def Point(t):
-        return Pnt(_RADIUS * math.sin(t), _RADIUS * (1 - math.cos(t)), 0)
-
-    level = _RADIUS * (1 - math.cos(angle)) + 0.3 * zone
-    right, corner, left = Point(angle), Pnt(reach, level, 0), Pnt(0, level, 0)
-    arc = ArcOfCircle(Point(0), Point(angle / 2), right)
-    lines = [(right, corner), (corner, left), (left, Point(0))]
-    sides = [Side(arc, "master", edges)]
-    return Body([*sides, *(Side(Segment(p, q), "back") for p, q in lines)], "cylinder")
+    point, level = Touching(_RADIUS), _RADIUS * (1 - math.cos(angle)) + 0.3 * zone
+    corners = [point(angle), (reach, level), (0, level), point(0)]
+    back = [Line(p, q, "back") for p, q in pairwise(corners)]
+    return Body([Arc(point, 0, angle, "master", edges), *back], "cylinder")

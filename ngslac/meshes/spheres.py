@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
 
-from ngslac.meshes.geometry import CheckPositive
-from ngslac.meshes.geometry3d import CheckNonMatching3D, GenerateMesh3D
+from ngslac.meshes.geometry import CheckNonMatching, CheckPositive
+from ngslac.meshes.geometry3d import GenerateMesh3D
 
 __all__ = ["SphereOnBlock", "TwoSpheres"]
 
@@ -54,27 +54,15 @@ def SphereOnBlock(
         Master size over slave size.
     model : {"quarter", "half", "full"}
         x, y >= 0; or y >= 0, for tangential loads in x; or all.
-    order : int
-        Order of the curved geometry.
-    grading : float
-        Growth of the element size away from the contact zone. With the default the quarter model
-        with twelve elements along the contact radius has about 28,000 displacements of order 2.
     maxh : float, optional
         Largest size of elements, by default ``radius / 2``.
-    scale : float
-        Factor for all coordinates.
-    rotation : (3, 3) array_like or (axis, float), optional
-        Rotation about the origin, see `RotationMatrix`. The topology depends on neither.
+    order, grading, scale, rotation
+        See `ngslac.meshes`. With the default grading the quarter model with twelve elements along
+        the contact radius has about 28,000 displacements of order 2.
 
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching3D` has passed.
-
-    Raises
-    ------
-    ValueError
-        For sizes that are not positive, a zone that does not fit, or an unknown model.
 
     Examples
     --------
@@ -89,27 +77,15 @@ def SphereOnBlock(
     height = 2 * radius if height is None else height
     CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
     size = radius / _RADIUS
-    zone = _Zone(zone, radius, model) / size
+    zone, h = _Zone(zone, radius, model) / size, h / size
     if zone * 16 / 15 >= width / size:
         raise ValueError("zone is too wide for the block")
-    h = h / size
 
-    def Solids(distance):
-        return [
-            _Cap(model, _RADIUS, zone, h, ("sphere", "slave", "cap", "top")),
-            _Block(model, width / size, height / size, zone * 16 / 15, ratio * h, -distance),
-        ]
+    def Below(distance):
+        return _Block(model, width / size, height / size, zone * 16 / 15, ratio * h, -distance)
 
-    mesh = GenerateMesh3D(
-        Solids,
-        order=order,
-        scale=scale * size,
-        rotation=rotation,
-        maxh=_RADIUS / 2 if maxh is None else maxh / size,
-        grading=grading,
-    )
-    CheckNonMatching3D(mesh)
-    return mesh
+    above = _Cap(model, _RADIUS, zone, h, ("sphere", "slave", "cap", "top"))
+    return _Mesh(above, Below, size, order, scale, rotation, maxh, grading)
 
 
 def TwoSpheres(
@@ -143,12 +119,6 @@ def TwoSpheres(
     Returns
     -------
     ngsolve.Mesh
-        The mesh; `CheckNonMatching3D` has passed.
-
-    Raises
-    ------
-    ValueError
-        For sizes that are not positive, a zone that does not fit, or an unknown model.
 
     Examples
     --------
@@ -159,30 +129,31 @@ def TwoSpheres(
     radius_lower = radius if radius_lower is None else radius_lower
     CheckPositive(h=h, radius=radius, radius_lower=radius_lower, ratio=ratio, scale=scale)
     size = radius / _RADIUS
-    zone = _Zone(zone, radius, model) / size
-    lower = radius_lower / size
+    zone, h, lower = _Zone(zone, radius, model) / size, h / size, radius_lower / size
     if zone * 16 / 15 >= 0.9 * lower:
         raise ValueError("zone is too wide for the lower sphere")
-    h = h / size
 
-    def Solids(distance):
-        below = _Cap(
-            model, lower, zone * 16 / 15, ratio * h, ("lower", "master", "cap_lower", "bottom"), -1
-        )
-        return [
-            _Cap(model, _RADIUS, zone, h, ("upper", "slave", "cap_upper", "top")),
-            below.Move((0, 0, -distance)),
-        ]
+    above = _Cap(model, _RADIUS, zone, h, ("upper", "slave", "cap_upper", "top"))
+    names = ("lower", "master", "cap_lower", "bottom")
+    below = _Cap(model, lower, zone * 16 / 15, ratio * h, names, -1)
 
+    def Below(distance):
+        return below.Move((0, 0, -distance))
+
+    return _Mesh(above, Below, size, order, scale, rotation, maxh, grading)
+
+
+def _Mesh(above, Below, size, order, scale, rotation, maxh, grading):
+    """Mesh the upper body and the lower one, moved down by a distance at first."""
     mesh = GenerateMesh3D(
-        Solids,
+        lambda distance: [above, Below(distance)],
         order=order,
         scale=scale * size,
         rotation=rotation,
         maxh=_RADIUS / 2 if maxh is None else maxh / size,
         grading=grading,
     )
-    CheckNonMatching3D(mesh)
+    CheckNonMatching(mesh)
     return mesh
 
 
