@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from netgen.meshing import NgException
 from ngsolve import (
-    CF,
     BilinearForm,
     BitArray,
     Grad,
@@ -12,24 +11,14 @@ from ngsolve import (
     InnerProduct,
     LinearForm,
     Parameter,
-    VectorH1,
     ds,
     dx,
 )
 from press import linear, mixed_press, numpy, press
+from refused import calls, check_refused
 
-from ngslac import (
-    AugmentedLagrangianSolver,
-    ContactConvergenceError,
-    ContactSolver,
-    FormSum,
-    LACContact,
-    LACSpace,
-)
+from ngslac import ContactConvergenceError, ContactSolver, FormSum, LACContact, LACSpace
 from ngslac.solve.residual import Norm
-
-NAN, INF = float("nan"), float("inf")
-SOLVERS = (ContactSolver, AugmentedLagrangianSolver)
 
 
 @pytest.fixture(scope="module")
@@ -37,268 +26,186 @@ def problem():
     return press(h=0.5)
 
 
-def bulk(p, *terms, **flags):
-    """The bulk form of a problem with further terms or flags."""
-    (u, _), (v, _) = p.X.TnT()
-    a = BilinearForm(p.X, **flags)
-    a += linear(u, v) + 1000 * InnerProduct(u, v) * ds("top")
-    for term in terms:
-        a += term
-    return a
+class Calls:
+    """The parts of a problem, and what the calls below do with them."""
 
+    def __init__(self, p):
+        self.p, self.X, self.gf, self.c = p, p.X, p.gf, p.contact
+        (self.u, self.lam), (self.v, self.mu) = p.X.TnT()
+        self.twin = LACContact(self.u, self.lam, master="master")
+        self.wrong = GridFunction(p.X.components[0])
+        self.locked = BitArray(p.X.FreeDofs())
+        self.locked[p.X.Range(1).start] = False
 
-def weightless(p):
-    (u, _), (v, _) = p.X.TnT()
-    a = BilinearForm(p.X, check_unused=False)
-    a += 0 * u * v * dx - v[1] * ds("top")
-    return a
-
-
-def of(a, kind=ContactSolver, *, solve=False):
-    """A solver with that bulk form, which a function of the problem makes."""
-
-    def make(p):
-        solver = kind(a(p), p.gf, p.contact)
-        if solve:
-            solver.Solve(printing=False)
-
-    return make
-
-
-def with_term(term, kind=ContactSolver):
-    """Solve with a term more in the bulk form: a function of u, lam, v, mu."""
-    return of(lambda p: bulk(p, term(*(f for pair in p.X.TnT() for f in pair))), kind, solve=True)
-
-
-def solver(**flags):
-    return lambda p: p.solver(**flags)
-
-
-def solve(**flags):
-    return lambda p: p.solver().Solve(**({"printing": False} | flags))
-
-
-def loaded(rhs, *, a=bulk):
-    """Solve with a load that a function of the problem makes."""
-    return lambda p: ContactSolver(a(p), p.gf, p.contact, rhs=rhs(p)).Solve(printing=False)
-
-
-def load(*terms):
-    def make(p):
-        f = LinearForm(p.X)
+    def bulk(self, *terms, **flags):
+        """A bulk form with further terms or flags."""
+        a = BilinearForm(self.X, **flags)
+        a += linear(self.u, self.v) + 1000 * InnerProduct(self.u, self.v) * ds("top")
         for term in terms:
-            f += term(*p.X.TestFunction())
+            a += term
+        return a
+
+    def weightless(self):
+        a = BilinearForm(self.X, check_unused=False)
+        a += 0 * self.u * self.v * dx - self.v[1] * ds("top")
+        return a
+
+    def load(self, *terms):
+        f = LinearForm(self.X)
+        for term in terms:
+            f += term
         return f
 
-    return make
-
-
-def vector(value, at=slice(None)):
-    def make(p):
-        vec = p.gf.vec.CreateVector()
+    def vec(self, value, at=slice(None)):
+        vec = self.gf.vec.CreateVector()
         vec[:] = 0
         vec.FV().NumPy()[at] = value
         return vec
 
-    return make
-
-
-def start(value):
-    def make(p):
-        gf = GridFunction(p.X)
+    def start(self, value):
+        gf = GridFunction(self.X)
         gf.vec.FV().NumPy()[3] = value
-        return ContactSolver(p.a, gf, p.contact)
+        return gf
 
-    return make
+    def make(self, a=None, gf=None, contacts=None, *, kind=ContactSolver, **flags):
+        contacts = self.c if contacts is None else contacts
+        return kind(self.p.a if a is None else a, gf or self.gf, contacts, **flags)
 
-
-def twins(p):
-    return LACContact(*p.X.TrialFunction(), master="master"), p.contact
-
-
-def without_a_multiplier(p):
-    bits = BitArray(p.X.FreeDofs())
-    bits[int(p.contact.form.MultiplierDofs()[0])] = False
-    return p.solver(freedofs=bits)
+    def solve(self, *terms, kind=ContactSolver, given=(), **flags):
+        """Solve with further terms in the bulk form."""
+        solver = self.make(self.bulk(*terms), kind=kind, **flags)
+        solver.Solve(**({"printing": False} | dict(given)))
 
 
 BULK = "must be the bulk as a BilinearForm"
 LAM = "a, the bulk form, holds terms with lam.*leave these terms out"
+TESTS = "holds terms with the test function of lam"
 NOCONTACT = "contacts = .* must be a LACContact, or a list of them"
-NOLOAD = "rhs = .* must be a LinearForm or a vector"
-NEVER = "^rhs.* is a LinearForm that was never assembled"
-BAD = "NaN or infinite values of rhs at the start"
+EMPTY = "is empty: give at least one LACContact"
 SHARED = "contacts: two contacts share one lam: give each a LACSpace of its own"
+NOLOAD = "rhs = .* must be a LinearForm or a vector"
+NEVER = "is a LinearForm that was never assembled"
+BAD, NAME = "NaN or infinite values of rhs at the start", "must be the name of a sparse direct sol"
+SOLVERS = "ContactSolver", "AugmentedLagrangianSolver"
 REFUSED = [
     # the bulk form
     *(
-        (of(lambda p, f=f: bulk(p, **{f: True}), kind=kind), ValueError, f"a has the flag {f}=True")
-        for f in ("nonassemble", "diagonal", "geom_free", "symmetric_storage")
-        for kind in (ContactSolver, lambda a, gf, contact: FormSum(a, contact))
+        (
+            f"{make}bulk({flag}=True))",
+            f"a has the flag {flag}=True: .*make the Bil",
+            ValueError,
+        )
+        for flag in ("nonassemble", "diagonal", "geom_free", "symmetric_storage")
+        for make in ("make(", "FormSum(")
     ),
     (
-        of(lambda p: bulk(p, eliminate_internal=True, keep_internal=False)),
-        ValueError,
+        "make(bulk(eliminate_internal=True, keep_internal=False))",
         "a has the flag keep_internal=False: .*condense=True is enough",
-    ),
-    (of(lambda p: None), TypeError, f"a = None {BULK}"),
-    (of(lambda p: LinearForm(p.X)), TypeError, f"a = <LinearForm> {BULK}"),
-    (lambda p: FormSum("a", p.contact), TypeError, f"a = 'a' {BULK}"),
-    (
-        of(lambda p: BilinearForm(VectorH1(p.mesh, complex=True))),
         ValueError,
+    ),
+    ("ContactSolver(None, gf, c)", f"a = None {BULK}", TypeError),
+    ("make(load())", f"a = <LinearForm> {BULK}", TypeError),
+    ("FormSum('a', c)", f"a = 'a' {BULK}", TypeError),
+    (
+        "make(BilinearForm(VectorH1(p.mesh, complex=True)))",
         "a lives on a complex space",
+        ValueError,
     ),
     *(
-        (with_term(term, kind), ValueError, LAM)
+        (f"solve(1e-3 * {term} * ds('slave'), kind={kind})", LAM, ValueError)
         for kind in SOLVERS
-        for term in (
-            lambda u, lam, v, mu: 1e-3 * lam * mu * ds("slave"),
-            lambda u, lam, v, mu: 1e-3 * u.Trace() * mu * ds("slave"),
-            lambda u, lam, v, mu: 1e-3 * lam * v.Trace() * ds("slave"),
-        )
+        for term in ("lam * mu", "u.Trace() * mu", "lam * v.Trace()")
     ),
+    ("solve(1e-3 * mu[1] * ds('slave'))", f"a, the bulk form, {TESTS}", ValueError),
+    ("solve(CF(1j) * u * v * dx)", "^a, the bulk form, cannot be assembled: ", NgException),
     (
-        with_term(lambda u, lam, v, mu: 1e-3 * mu[1] * ds("slave")),
-        ValueError,
-        "a, the bulk form, holds terms with the test function of lam",
-    ),
-    (
-        with_term(lambda u, lam, v, mu: CF(1j) * u * v * dx),
-        NgException,
-        "^a, the bulk form, cannot be assembled: ",
-    ),
-    (
-        of(weightless, solve=True),
-        ValueError,
+        "make(weightless()).Solve()",
         "a, the bulk form, has no stiffness: add that of the bodies",
+        ValueError,
     ),
     # contacts and spaces
     *(
-        (lambda p, c=c: ContactSolver(p.a, p.gf, c), TypeError, NOCONTACT)
-        for c in (None, "contact", 3, [None], ["contact"])
+        (f"ContactSolver(p.a, gf, {c})", NOCONTACT, TypeError)
+        for c in ("None", "'contact'", "3", "[None]", "['contact']", "[[c]]")
     ),
-    (
-        lambda p: ContactSolver(p.a, p.gf, [[p.contact]]),
-        TypeError,
-        r"contacts = \[<LACContact: .* must be a LACContact",
-    ),
-    *(
-        (make, ValueError, SHARED)
-        for make in (
-            lambda p: ContactSolver(p.a, p.gf, [p.contact] * 2),
-            lambda p: ContactSolver(p.a, p.gf, twins(p)),
-            lambda p: FormSum(p.a, *twins(p)),
-        )
-    ),
-    (lambda p: FormSum(p.a), ValueError, r"contacts = \(\) is empty: give at least one LACContact"),
-    (
-        lambda p: ContactSolver(p.a, p.gf, []),
-        ValueError,
-        r"contacts = \[\] is empty: give at least one LACContact",
-    ),
-    (
-        lambda p: ContactSolver(p.a, p.gf, press(h=0.5).contact),
-        ValueError,
-        "a, gf and the contacts must live on the same product space",
-    ),
-    (
-        lambda p: ContactSolver(p.a, GridFunction(p.X.components[0]), p.contact),
-        ValueError,
-        r"gf lives on another space than u and lam, with \d+ dofs",
-    ),
-    (of(lambda p: press(h=0.5).a), ValueError, "gf lives on another space"),
+    ("make(contacts=[c, c])", SHARED, ValueError),
+    ("make(contacts=[c, twin])", SHARED, ValueError),
+    ("FormSum(p.a, c, twin)", SHARED, ValueError),
+    ("FormSum(p.a)", rf"contacts = \(\) {EMPTY}", ValueError),
+    ("make(contacts=[])", rf"contacts = \[\] {EMPTY}", ValueError),
+    ("make(contacts=press(h=0.5).contact)", "must live on the same product space", ValueError),
+    ("make(gf=wrong)", r"gf lives on another space than u and lam, with \d+ dofs", ValueError),
+    ("make(press(h=0.5).a)", "gf lives on another space", ValueError),
     # loads, free dofs, start
-    (solver(rhs=1.0), TypeError, NOLOAD),
-    (solver(rhs="f"), TypeError, NOLOAD),
-    (lambda p: p.solver(rhs=np.zeros(p.X.ndof)), TypeError, NOLOAD),
-    (loaded(lambda p: lambda: None), TypeError, r"rhs\(\) = None must be a LinearForm or a vector"),
-    (
-        loaded(lambda p: LinearForm(p.X.components[0].TestFunction()[1] * dx).Assemble()),
-        ValueError,
-        "rhs is a LinearForm on another space",
-    ),
+    ("make(rhs=1.0)", NOLOAD, TypeError),
+    ("make(rhs='f')", NOLOAD, TypeError),
+    ("make(rhs=np.zeros(X.ndof))", NOLOAD, TypeError),
+    ("solve(rhs=lambda: None)", r"rhs\(\) = None must be a LinearForm or a vector", TypeError),
+    ("make(rhs=LinearForm(wrong.space))", "rhs is a LinearForm on another space", ValueError),
+    ("solve(rhs=load(v[1] * ds('top')))", f"^rhs {NEVER}", ValueError),
+    ("solve(rhs=load(v[1](0.5, 0.5)))", f"^rhs {NEVER}", ValueError),
+    ("solve(rhs=load(mu[1] * ds('slave')).Assemble())", f"rhs {TESTS}", ValueError),
+    ("solve(rhs=wrong.vec)", "rhs"),
+    ("solve(rhs=vec(NAN))", BAD, ContactConvergenceError),
+    ("solve(rhs=vec(NAN, at=10))", BAD, ContactConvergenceError),
+    ("make(freedofs=[True])", r"freedofs = \[True\] must be a BitArray such as X.Free", TypeError),
+    ("make(freedofs=BitArray(3))", "freedofs has 3 bits, the product space", ValueError),
+    ("make(freedofs=locked)", "freedofs takes dofs of lam away, which contact needs", ValueError),
     *(
-        (loaded(wrap), ValueError, NEVER)
-        for f in (load(lambda v, _: v[1] * ds("top")), load(lambda v, _: v[1](0.5, 0.5)))
-        for wrap in (f, lambda p, f=f: lambda: f(p))
-    ),
-    (
-        loaded(lambda p: load(lambda v, mu: 1e-3 * mu[1] * ds("slave") + v[1] * dx)(p).Assemble()),
-        ValueError,
-        "rhs holds terms with the test function of lam",
-    ),
-    (loaded(lambda p: GridFunction(p.X.components[0]).vec), Exception, "rhs"),
-    (loaded(vector(NAN)), ContactConvergenceError, BAD),
-    (loaded(vector(NAN, at=10)), ContactConvergenceError, BAD),
-    (
-        solver(freedofs=[True]),
-        TypeError,
-        r"freedofs = \[True\] must be a BitArray such as X.FreeDofs\(\)",
-    ),
-    (solver(freedofs=BitArray(3)), ValueError, "freedofs has 3 bits, the product space"),
-    (without_a_multiplier, ValueError, "freedofs takes dofs of lam away, which contact needs"),
-    *(
-        (start(value), ValueError, "the start value gf holds NaN or infinite values")
-        for value in (INF, -INF, NAN)
+        (f"make(gf=start({value}))", "the start value gf holds NaN or infinite values", ValueError)
+        for value in ("INF", "-INF", "NAN")
     ),
     # names and numbers
-    (solver(initial="all"), ValueError, "initial = 'all' must be one of 'gap', 'none'"),
+    ("make(initial='all')", "initial = 'all' must be one of 'gap', 'none'", ValueError),
     *(
-        (lambda p, i=i, k=kind: k(p.a, p.gf, p.contact, inverse=i), error, message)
+        (f"make(kind={kind}, inverse={name})", message, error)
         for kind in SOLVERS
-        for i, error, message in (
-            (3, TypeError, "inverse = .* must be the name of a sparse direct solver"),
-            (["umfpack"], TypeError, "inverse = .* must be the name of a sparse direct solver"),
-            ("", ValueError, "inverse='' is not available.*None takes the fastest"),
-            ("mumps", ValueError, "inverse='mumps' is not available.*None takes the fastest"),
+        for name, message, error in (
+            ("3", f"inverse = .* {NAME}", TypeError),
+            ("['umfpack']", f"inverse = .* {NAME}", TypeError),
+            ("''", "inverse='' is not available.*None takes the fastest", ValueError),
+            ("'mumps'", "inverse='mumps' is not available.*None takes the fastest", ValueError),
         )
     ),
-    (solver(solver="fast"), ValueError, "must be one of 'direct', 'iterative', 'saddle'"),
-    (solver(solver=3), TypeError, "must be one of 'direct', 'iterative', 'saddle'"),
-    (solver(preconditioner="bddc"), TypeError, "preconditioner = 'bddc' must be a function"),
+    ("make(solver='fast')", "must be one of 'direct', 'iterative', 'saddle'", ValueError),
+    ("make(solver=3)", "must be one of 'direct', 'iterative', 'saddle'", TypeError),
+    ("make(preconditioner='bddc')", "preconditioner = 'bddc' must be a function", TypeError),
     (
-        solver(preconditioner=lambda mat, free: mat, solver="direct"),
-        ValueError,
+        "make(preconditioner=lambda mat, free: mat, solver='direct')",
         "preconditioner= goes with solver='iterative', not 'direct'",
+        ValueError,
     ),
     *(
         (
-            lambda p, f=factor: AugmentedLagrangianSolver(p.a, p.gf, p.contact, augmentation=f),
+            f"make(kind=AugmentedLagrangianSolver, augmentation={factor})",
+            "augmentation = .* must be a positive factor",
             ValueError,
-            r"augmentation = .* must be a positive factor",
         )
-        for factor in (0.0, -1.0, NAN, INF)
+        for factor in ("0.0", "-1.0", "NAN", "INF")
     ),
     *(
-        (solve(**{name: value}), error, f"{name} = .* must be")
-        for name, value, error in (
-            ("tol", "1e-8", TypeError),
-            ("tol", True, TypeError),
-            ("tol", 1e-8j, TypeError),
-            ("tol", 0, ValueError),
-            ("tol", -1e-8, ValueError),
-            ("tol", NAN, ValueError),
-            ("tol", INF, ValueError),
-            ("tol", 1.0, ValueError),
-            ("maxit", 0, ValueError),
-            ("maxit", 3.0, TypeError),
-            ("maxit", "30", TypeError),
-            ("maxit", 10**400, ValueError),
-            ("printing", "no", TypeError),
-            ("callback", 3, TypeError),
-            ("motion", "down", TypeError),
-            ("motion", np.zeros(2), ValueError),
+        (f"solve(given={{'{name}': {value}}})", f"{name} = .* must be", error)
+        for name, error, values in (
+            ("tol", TypeError, ("'1e-8'", "True", "1e-8j")),
+            ("tol", ValueError, ("0", "-1e-8", "NAN", "INF", "1.0")),
+            ("maxit", TypeError, ("3.0", "'30'")),
+            ("maxit", ValueError, ("0", "10**400")),
+            ("printing", TypeError, ("'no'",)),
+            ("callback", TypeError, ("3",)),
+            ("motion", TypeError, ("'down'",)),
+            ("motion", ValueError, ("np.zeros(2)",)),
         )
+        for value in values
     ),
 ]
 
 
-@pytest.mark.parametrize(("call", "error", "message"), REFUSED)
-def test_refused(problem, call, error, message):
+@calls(REFUSED)
+def test_refused(problem, row):
     problem.gf.vec[:] = 0
-    with pytest.raises(error, match=message):
-        call(problem)
+    given = Calls(problem)
+    methods = {name: getattr(given, name) for name in dir(given) if not name.startswith("_")}
+    check_refused(row, press=press, **methods)
     assert not np.any(numpy(problem.gf))
 
 
@@ -338,7 +245,7 @@ def test_loads_that_are_zero_or_set_by_hand(problem):
     filled = LinearForm(problem.X)
     filled.vec[0] = 1e-3
     for f in (zero, filled):
-        loaded(lambda _, f=f: f)(problem)
+        Calls(problem).solve(rhs=f)
 
 
 def test_reactions_of_a_solution_as_loads():
