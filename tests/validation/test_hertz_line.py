@@ -1,0 +1,157 @@
+"""The paper's Hertz problem and benchmark 1: each step, convergence, frame, units and kinematics.
+
+Friction raises the pressure at the origin. For half-planes of these materials it does so by 1.8 %
+(the coupled equations of `problems_punch`), here, with a contact width of an eighth of the radius,
+by 1.7 %: most of the 1.9 % by which the paper's result exceeds Hertz' is no error.
+"""
+
+import numpy as np
+import pytest
+from cases_hertz import (
+    CHANGES,
+    DISPLACEMENT,
+    FORCE,
+    FRICTION,
+    FULL,
+    INDEPENDENT,
+    L2,
+    PUBLISHED,
+    Below,
+    Large,
+    LargestTraction,
+    Peak,
+    Pressed,
+    Values,
+)
+from hertz import Exact
+from ironing import Quadratic
+from problems_large import Hencky
+
+# Steps (without friction the solution does not depend on the path), pressure at the origin over
+# Hertz' for h -> 0 (from h = 0.125 and finer), and what is allowed for L2 and inner pressures.
+BY_FRICTION = {0.0: (1, 0.999, 0.02, 1e-2), 0.2: (10, 1.016, 0.04, 2.5e-2)}
+AXIS = (0.0, 0.0)
+
+
+def equilibrium(problem):
+    """The force is the load in each step, reached in few iterations."""
+    ratios = [state["force_ratio"] for state in problem.states]
+    np.testing.assert_allclose(ratios, 1, rtol=0, atol=1e-10)
+    first, *others = (state["iterations"] for state in problem.states)
+    assert first <= 8
+    assert max(others, default=0) <= 5
+
+
+@pytest.mark.parametrize("friction", BY_FRICTION)
+@pytest.mark.parametrize("h", [0.5, 0.25])
+def test_pressure_agrees_with_hertz(h, friction):
+    steps, limit, l2, most = BY_FRICTION[friction]
+    problem, hertz = Pressed(h=h, friction=friction, steps=steps), Exact()
+    equilibrium(problem)
+    assert len(problem.states) == steps
+    macros = problem.states[-1]
+    figures = Values(macros)
+    assert abs(figures["p0_ratio"] - limit) <= 3e-3 * h
+    assert abs(figures["p0_ratio_raw"] - 1) <= (1.9e-2 if friction else 3e-3)
+    assert L2(macros) <= l2 + 0.05 * h
+    inner = macros["end"] < 0.8 * hertz.halfwidth
+    exact = hertz.MeanPressure(macros["start"], macros["end"])
+    # Towards the edge the width of the contact shows, which is an eighth of the radius.
+    assert np.all(np.abs(macros["pressure"][inner] / exact[inner] - 1) <= most)
+    if h == 0.25:
+        start, end = figures["contact_edge_interval"]
+        assert start <= hertz.halfwidth <= end
+        assert 6.1 <= figures["contact_edge"] <= 6.4
+        assert figures["contact_edge_estimate"] == pytest.approx(hertz.halfwidth, rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("friction", "steps"), [(0.0, 1), (0.2, 4)])
+def test_pressure_at_the_origin_converges_on_the_finest_mesh(friction, steps):
+    # With friction the path matters little: four steps in place of ten change 1e-4.
+    last = Values(Pressed(h=0.125, friction=friction, steps=steps).states[-1])
+    assert abs(last["p0_ratio"] - BY_FRICTION[friction][1]) <= 3e-3 * 0.125
+
+
+def test_half_load_is_half_of_it():
+    # Hertz' contact is self-similar: p0 grows like the root of the load.
+    states = Pressed(h=0.25, friction=0.2).states
+    half, whole = (Values(state)["p0_ratio"] for state in (states[4], states[-1]))
+    assert states[4]["time"] == pytest.approx(0.5)
+    assert half == pytest.approx(whole, abs=4e-3)
+
+
+# ---------------------------------------------------------------- frame and units
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=["rotated", "metres"])
+def test_frame_and_units_change_no_step_and_no_displacement(change):
+    upright, changed = (Pressed(h=0.5, steps=3, **FULL, **k) for k in ({}, change))
+    equilibrium(changed)
+    for before, after in zip(upright.states, changed.states, strict=True):
+        assert after["iterations"] == before["iterations"]
+        np.testing.assert_array_equal(after["status"], before["status"])
+        for name in ("start", "end", "pressure", "traction"):
+            size = np.abs(before[name]).max()
+            np.testing.assert_allclose(after[name], before[name], rtol=0, atol=1e-8 * size)
+    block = np.array([[0.0, 100.0], [20.0, 50.0], [-10.0, 30.0], [0.0, -50.0], [-40.0, -120.0]])
+    for point in block * [1.0, 0.999]:
+        reference = np.array(upright.displacement(upright.mesh(*point)))
+        turned = changed.length * point @ changed.frame
+        there = changed.frame @ np.array(changed.displacement(changed.mesh(*turned)))
+        size = np.abs(reference).max()
+        np.testing.assert_allclose(there / changed.length, reference, rtol=0, atol=1e-8 * size)
+
+
+def test_springs_against_rolling_carry_no_force():
+    # The mesh is not symmetric: the force along the block is that of the discretisation alone.
+    upright = Pressed(h=0.5, steps=3, **FULL)
+    along = upright.frame[0] @ np.asarray(upright.contact.Force())
+    assert abs(along) <= 1e-3 * upright.load
+    assert Values(upright.states[-1])["p0_ratio"] == pytest.approx(1.016, abs=2e-3)
+
+
+# ---------------------------------------------------------------- benchmark 1
+
+
+def test_benchmark_without_friction():
+    smooth = Pressed(h=0.25, friction=0.0, steps=1)
+    assert Below(smooth) == pytest.approx(DISPLACEMENT, rel=5e-4)
+    assert Below(smooth, 1e-9) == pytest.approx(Below(smooth), abs=1e-5)
+    assert Exact().peak == pytest.approx(3585.4, abs=0.1)
+    assert Peak(smooth) == pytest.approx(Exact().peak, rel=3e-3)
+    assert LargestTraction(smooth) <= 1e-10 * Exact().peak
+
+
+def test_benchmark_with_friction():
+    rough, smooth = Pressed(h=0.5, friction=FRICTION), Pressed(h=0.25, friction=0.0, steps=1)
+    macros, (peak, traction) = rough.states[-1], INDEPENDENT[FRICTION]
+    equilibrium(rough)
+    assert Peak(rough) == pytest.approx(peak, rel=2e-3)
+    assert LargestTraction(rough) == pytest.approx(traction, rel=0.03)
+    # It is stiffer, by 0.4 % in the published values, which have other kinematics.
+    assert 1 - 6e-3 < Below(rough) / Below(smooth) < 1
+    bound = FRICTION * macros["pressure"]
+    assert np.all(np.abs(macros["traction"]) <= bound + 1e-9 * Peak(rough))
+    # The block is softer: its surface moves inwards further and drags that of the cylinder along.
+    assert np.all(macros["traction"][macros["status"] > 0] < 0)
+
+
+@pytest.mark.parametrize("friction", PUBLISHED)
+def test_large_displacements(friction):
+    model, (linear, quadratic) = Large(0.5, friction or None), PUBLISHED[friction]
+    block = model.At("block", AXIS)[1]
+    assert block == pytest.approx(quadratic, rel=2e-4)
+    assert block == pytest.approx(linear, rel=1.5e-3)
+    assert model.At("cylinder", AXIS)[1] == pytest.approx(block, abs=5e-5)
+    assert model.contact.Force()[1] == pytest.approx(FORCE, rel=1e-8)
+    history = model.solver.history
+    assert Quadratic([max(entry.equilibrium, entry.constraint) for entry in history])
+
+
+def test_large_displacements_depend_on_sliding_and_law():
+    """Surfaces paired in the reference give another displacement; so does the logarithmic strain,
+    which stiffens in compression where Green's softens."""
+    paired_once = Large(0.5, finite=False).At("block", AXIS)[1]
+    assert abs(paired_once - PUBLISHED[0.0][1]) > 3 * 2e-4 * abs(paired_once)
+    assert DISPLACEMENT < Large(1.0, energy=Hencky).At("block", AXIS)[1] < -1.260
