@@ -193,19 +193,6 @@ def test_evaluate_fills_the_fields(sides):
 
 
 @pytest.mark.parametrize(
-    ("friction", "expected"), [(0.0, 2), (None, 2), (0.21, 2), (0.23, 1), (10, 1)]
-)
-def test_status_follows_the_disc(mesh, friction, expected):
-    """Trial pressure 2 + C/10 = 2.3, trial shear 0.5 in any direction: a disc, not a square."""
-    sides = Sides(mesh, friction=friction)
-    for angle in np.radians([0, 180] if sides.dim == 2 else [0, 45, 100, 200, 330]):
-        shear = 0.5 * np.array([np.cos(angle), np.sin(angle)])
-        status = sides.table(sides.state((0, 0), 0.1, pressure=2.0, shear=shear))["status"]
-        assert set(status[sides.paired]) == {expected}
-    assert set(sides.table(sides.state((0, 0), -0.7, pressure=2.0))["status"]) == {0}
-
-
-@pytest.mark.parametrize(
     ("law", "bound"),
     [
         ({"friction": 0.3}, 0.3 * 2.3),
@@ -216,10 +203,11 @@ def test_status_follows_the_disc(mesh, friction, expected):
         ({}, 0.0),
     ],
 )
-def test_bound_of_the_tangential_traction(mesh, law, bound):
-    """Trial pressure 2 + 0.1 C = 2.3; the trial shear keeps its direction."""
+def test_the_law(mesh, law, bound):
+    """Trial pressure 2 + 0.1 C = 2.3; the trial shear keeps its direction: a disc, not a square."""
     sides = Sides(mesh, **law)
-    for parts in ((4.0, 0), (-3.0, 2.0), (0.5 * bound, -0.6 * bound)):
+    inside = [(0.99 * bound * np.cos(t), -0.99 * bound * np.sin(t)) for t in (0, 0.8, 2.0, 4.0)]
+    for parts in [(4.0, 0), (-3.0, 2.0), (-1.02 * bound, 0.2 * bound), *inside]:
         shear = sides.along(parts)
         rows = sides.rows(sides.state((0, 0), 0.1, pressure=2.0, shear=parts))[sides.paired]
         area = sides.contact.Table()["area"][sides.paired, None]
@@ -227,6 +215,9 @@ def test_bound_of_the_tangential_traction(mesh, law, bound):
         size = np.linalg.norm(shear)
         limited = shear * (min(1.0, bound / size) if size else 0.0)
         assert projected == pytest.approx(sides.every(-2.3 * sides.N + limited), abs=1e-11)
+        gf = sides.state((0, 0), 0.1, pressure=2.0, shear=parts)
+        assert set(sides.table(gf)["status"][sides.paired]) == {1 if size <= bound > 0 else 2}
+    assert set(sides.table(sides.state((0, 0), -0.7, pressure=2.0))["status"]) == {0}
 
 
 def test_friction_depends_on_the_position(mesh):
