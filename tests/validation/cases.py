@@ -21,7 +21,8 @@ cases_hertz3d
 cases_friction3d
 cases_large
 cases_large_friction
-cases_materials
+case_materials
+case_series
 cases_dynamics
 """
 MODULES = [import_module(name) for name in NAMES.split()]

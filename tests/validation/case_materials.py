@@ -1,4 +1,4 @@
-"""Materials under contact: plasticity, rubber, thermal strain, hyperelastic blocks."""
+"""Materials under contact, of the examples: plasticity, rubber, thermal strain."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from indentation import PRANDTL, Depths
 from indenter import Indenter
 from report_bounds import Meshes, Neglected, Tolerance
 from report_case import Case, Outcome, Row
-from report_pictures import Bodies, Figure, FromFolder
-from test_materials import STIFF, nominal_stress, squeezed_blocks, squeezed_stretch
+from report_pictures import FromFolder
 
 
 def Indentation(quick):
@@ -21,33 +20,16 @@ def Indentation(quick):
         for cycle in cycles
     )
 
-    def Of(name):
-        return Meshes(figures[name], coarser[name], 2)
-
+    names = ("onset_pressure", "imprint_depth")
+    onset, imprint = (Meshes(figures[name], coarser[name], 2) for name in names)
+    peak, hertz = figures["onset_pressure"], figures["onset_pressure_hertz"]
+    mean, where = figures["mean_pressure_ratio"], "where the cylinder leaves, and at the middle"
+    depths = figures["permanent_depth"], figures["imprint_depth"]
     rows = [
-        Row(
-            "peak pressure over yield stress at onset",
-            figures["onset_pressure"],
-            figures["onset_pressure_hertz"],
-            Of("onset_pressure"),
-        ),
-        Row(
-            "mean pressure over yield stress, fully plastic",
-            figures["mean_pressure_ratio"],
-            PRANDTL,
-        ),
-        Row(
-            "depth left: where the cylinder leaves, and at the middle",
-            figures["permanent_depth"],
-            figures["imprint_depth"],
-            Of("imprint_depth"),
-            "mm",
-        ),
-        Row(
-            "force at the end of the second loading",
-            figures["reloading_force_ratio"],
-            1,
-        ),
+        Row("peak pressure over yield stress at onset", peak, hertz, onset),
+        Row("mean pressure over yield stress, fully plastic", mean, PRANDTL),
+        Row(f"depth left: {where}", *depths, imprint, "mm"),
+        Row("force at the end of the second loading", figures["reloading_force_ratio"], 1),
         Row("reaction against contact force", figures["balance"], 0, Tolerance()),
     ]
     if not quick:
@@ -89,34 +71,6 @@ def Rubber(quick):
     return Outcome(rows, draw, caption)
 
 
-def Series(quick):
-    stretch = squeezed_stretch()
-    exact, rows = -nominal_stress(stretch, *STIFF), []
-    tolerance = Tolerance(kind="relative")
-    for finite in (True,) if quick else (False, True):
-        gf, contact = squeezed_blocks(finite)
-        pressure = contact.Table()["pressure"]
-        farthest = pressure[np.abs(pressure - exact).argmax()]
-        text = "finite sliding" if finite else "small sliding"
-        middle = gf(gf.space.mesh(0.31, 0.5))[1]
-        rows += [
-            Row(f"{text}: pressure", farthest, exact, tolerance),
-            Row(
-                f"{text}: displacement in the upper block",
-                middle,
-                -0.6 + 0.5 * (1 - stretch),
-                tolerance,
-            ),
-        ]
-
-    def Draw(left, right):
-        Bodies(left, gf.space.mesh, gf, factor=0)
-        Bodies(right, gf.space.mesh, gf)
-
-    caption = "At rest, and squeezed to 70 % of the height."
-    return Outcome(rows, Figure(Draw, columns=2, sharex=True, sharey=True), caption)
-
-
 CASES = [
     Case(
         "indentation",
@@ -139,14 +93,5 @@ CASES = [
         "3 on a finer mesh.",
         "python tutorials/examples/materials.py --out results",
         Rubber,
-    ),
-    Case(
-        "series",
-        "Hyperelastic blocks in series",
-        "Two neo-Hookean blocks between walls, squeezed to 70 %: uniaxial strain, and the "
-        "stretches follow from one equation.",
-        "That equation, solved to rounding.",
-        "pytest tests/validation/test_materials.py -k hyperelastic",
-        Series,
     ),
 ]

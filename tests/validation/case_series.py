@@ -1,0 +1,98 @@
+"""Two hyperelastic blocks in series between walls: uniaxial strain, from one scalar equation."""
+
+from __future__ import annotations
+
+import numpy as np
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Det,
+    Grad,
+    GridFunction,
+    Id,
+    Parameter,
+    Trace,
+    Variation,
+    VectorH1,
+    dx,
+    log,
+)
+from report_bounds import Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import Bodies, Figure
+from scipy.optimize import brentq
+
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.meshes import TwoBlocks
+
+STIFF, SOFT = (40.0, 60.0), (15.0, 30.0)  # shear modulus and Lame's constant: upper, lower block
+WALLS = "left_upper|right_upper|left_lower|right_lower|top|bottom"
+
+
+def NominalStress(stretch, shear, lame):
+    """Of the compressible neo-Hooke material in uniaxial strain, per reference area."""
+    return shear * (stretch - 1 / stretch) + lame * np.log(stretch) / stretch
+
+
+def Stretch():
+    """Of the upper block."""
+
+    def Difference(stretch):
+        return NominalStress(stretch, *STIFF) - NominalStress(1.4 - stretch, *SOFT)
+
+    return brentq(Difference, 0.5, 0.95, xtol=1e-15)
+
+
+def Squeezed(finite):
+    """Two blocks pressed by 0.6: displacement and contact."""
+    mesh = TwoBlocks(0.34, structured=True)
+    V = VectorH1(mesh, order=2, dirichletx=WALLS, dirichlety="top|bottom")
+    X = V * LACSpace(V, slave="slave")
+    (u, lam), _ = X.TnT()
+    both = zip(STIFF, SOFT, strict=True)
+    shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
+    F = Grad(u) + Id(2)
+    J = Det(F)
+    energy = shear / 2 * (Trace(F.trans * F) - 2 - 2 * log(J)) + lame / 2 * log(J) ** 2
+    a, gf, load = BilinearForm(X), GridFunction(X), Parameter(0.0)
+    a += Variation(energy * dx)
+    contact = LACContact(u, lam, master="master", finite=finite)
+    prescribe = {"top": CF((0, -0.6 * load))}
+    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
+    stepper.Integrate(steps=3, printing=False)
+    return gf.components[0], contact
+
+
+def Series(quick):
+    stretch, tolerance, rows = Stretch(), Tolerance(kind="relative"), []
+    exact = -NominalStress(stretch, *STIFF)
+    for finite in (False, True):
+        gf, contact = Squeezed(finite)
+        pressure = contact.Table()["pressure"]
+        farthest = pressure[np.abs(pressure - exact).argmax()]
+        text = "finite sliding" if finite else "small sliding"
+        middle, place = gf(gf.space.mesh(0.31, 0.5))[1], -0.6 + 0.5 * (1 - stretch)
+        rows += [
+            Row(f"{text}: pressure", farthest, exact, tolerance),
+            Row(f"{text}: displacement in the upper block", middle, place, tolerance),
+        ]
+
+    def Draw(left, right):
+        Bodies(left, gf.space.mesh, gf, factor=0)
+        Bodies(right, gf.space.mesh, gf)
+
+    caption = "At rest, and squeezed to 70 % of the height."
+    return Outcome(rows, Figure(Draw, columns=2, sharex=True, sharey=True), caption)
+
+
+CASES = [
+    Case(
+        "series",
+        "Hyperelastic blocks in series",
+        "Two neo-Hookean blocks between walls, squeezed to 70 %: uniaxial strain, and the "
+        "stretches follow from one equation.",
+        "That equation, solved to rounding.",
+        "pytest tests/validation/test_cases.py -k series",
+        Series,
+    ),
+]
