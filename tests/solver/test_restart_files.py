@@ -1,6 +1,5 @@
-"""Files of a saved state: whole or not there, checked bit by bit, and without code."""
+"""Files of a saved state: checked bit by bit, without code, and with the mesh."""
 
-import os
 import pickle
 import tracemalloc
 
@@ -14,8 +13,7 @@ from netgen.occ import Circle, OCCGeometry
 from ngsolve import Integrate, Mesh, x, y
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
-from ngslac import LACContact, LoadMesh, LoadState, SaveState
-from ngslac.files import Replacing
+from ngslac import LoadMesh, LoadState, SaveState
 from ngslac.steps.meshstate import MeshOf, MeshState
 from ngslac.steps.statefile import ReadTree, WriteTree
 
@@ -72,63 +70,13 @@ def test_no_code_of_a_file_runs(file, stepper):
     assert not ran.exists()
 
 
-MISSING = r"the folder .*missing is missing; make it first"
-
-
-@pytest.mark.parametrize(
-    ("call", "name", "error", "match"),
-    [
-        (LoadMesh, "missing", FileNotFoundError, "missing"),
-        (LoadState, ".", OSError, "no regular file"),
-        (LoadMesh, 3, TypeError, "file = 3 must be the name of a file"),
-        (SaveState, ".", IsADirectoryError, "is a folder"),
-        (SaveState, "missing/state", FileNotFoundError, MISSING),
-        (SaveState, "pipe", OSError, "no regular file"),
-        (SaveState, "", ValueError, "file = '' must be"),
-    ],
-)
-def test_places_where_no_file_can_be(call, name, error, match, tmp_path, stepper):
-    os.mkfifo(tmp_path / "pipe")
-    place = tmp_path / name if isinstance(name, str) and name else name
-    with pytest.raises(error, match=match):
-        call(place, *([] if call is LoadMesh else [stepper]))
-    assert (tmp_path / "pipe").is_fifo()
-
-
-# --- what is written -----------------------------------------------------------------------------
-
-
-def test_the_file_is_replaced_as_a_whole(file, stepper, monkeypatch):
-    """A computation that dies while it writes leaves the older state, and nothing else."""
-
-    def full(*arguments, **options):
-        raise OSError(28, "No space left on device")
-
-    before = file.read_bytes()
-    for owner, name, broken, error, match in (
-        (LACContact, "State", lambda self: full, TypeError, "a function cannot be saved"),
-        (np.lib.format, "write_array", full, OSError, "No space left"),
-    ):
-        with monkeypatch.context() as patch:
-            patch.setattr(owner, name, broken)
-            with pytest.raises(error, match=match):
-                SaveState(file, stepper)
-        assert file.read_bytes() == before
-        assert os.listdir(file.parent) == [file.name]
-
-
-def test_a_link_stays_a_link(tmp_path, stepper):
-    (tmp_path / "link").symlink_to(tmp_path / "state")
-    SaveState(tmp_path / "link", stepper)
-    assert (tmp_path / "link").is_symlink()
-    assert (tmp_path / "state").is_file()
-
-
-def test_an_interrupt_leaves_nothing(tmp_path):
-    with pytest.raises(KeyboardInterrupt), Replacing(tmp_path / "text") as part:  # noqa: PT012
-        part.write_text("half")
-        raise KeyboardInterrupt
-    assert not os.listdir(tmp_path)
+def test_what_is_no_file(tmp_path, stepper):
+    with pytest.raises(FileNotFoundError, match="missing"):
+        LoadMesh(tmp_path / "missing")
+    with pytest.raises(OSError, match="no regular file"):
+        LoadState(tmp_path, stepper)
+    with pytest.raises(TypeError, match="file = 3 must be the name of a file"):
+        LoadMesh(3)
 
 
 def test_memory(tmp_path):
