@@ -5,11 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fuzz_kinds import VALUES
-from fuzz_odd import LEGAL, ODD
-from fuzz_reentrant import REENTRANT, REENTRANT_LEGAL
+from fuzz_odd import ODD
+from fuzz_reentrant import REENTRANT
 from fuzz_reference import REFERENCE_TARGETS
-from fuzz_solids import SOLIDS, SOLIDS_LEGAL
-from fuzz_strange import STRANGE, STRANGE_LEGAL
+from fuzz_solids import SOLIDS
+from fuzz_strange import STRANGE
 from fuzz_targets import TARGETS
 from netgen.meshing import NgException
 
@@ -62,12 +62,5 @@ def AllCases(every=False):
     """The cases, with all odd values for each argument if `every` is set."""
     for target in (*TARGETS, *REFERENCE_TARGETS):
         yield from Crossed(target, every)
-    for title, tables in {
-        "odd uses": [ODD],
-        "strange problems": [STRANGE, REENTRANT, SOLIDS],
-    }.items():
-        for words, uses in (pair for table in tables for pair in table.items()):
-            for name, run in uses.items():
-                yield Case(title, name, run, tuple(words.split("|")), False)
-    for name, run in (LEGAL | STRANGE_LEGAL | REENTRANT_LEGAL | SOLIDS_LEGAL).items():
-        yield Case("legal uses", name, run, (), True)
+    for name, run, words in (*ODD, *STRANGE, *REENTRANT, *SOLIDS):
+        yield Case("odd uses" if words else "legal uses", name, run, words, not words)

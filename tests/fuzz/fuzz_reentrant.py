@@ -6,13 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import ngsolve as ngs
 import numpy as np
-from fuzz_strange import Refine
+from fuzz_uses import Uses
 from fuzz_world import Elastic, Problem
 from ngsolve import CF, H1, FESpace, Grad, GridFunction, ds, dx
 
 import ngslac as lac
 
-__all__ = ["REENTRANT", "REENTRANT_LEGAL"]
+__all__ = ["REENTRANT"]
 
 
 def Within(action, steps=0):
@@ -83,51 +83,50 @@ def InTwo():
         Problem().Converged()
 
 
-# Words of which the message has to hold one: name: what is done.
-REENTRANT = {
-    "callback|gf": {
-        "callback that sets NaN": lambda w: Within(SetNaN),
-        "callback that sets NaN between steps": lambda w: Within(SetNaN, steps=3),
-    },
-    "callback|refined|mesh": {
-        "callback that refines": lambda w: Within(Refine),
-        "callback that refines between steps": lambda w: Within(Refine, steps=3),
-    },
-    "callback": {"callback that raises": lambda w: Within(Raise)},
-    "callback|Solve": {
-        "callback that solves again": lambda w: Within(Problem.Solve),
-        "callback that solves by another solver": lambda w: Within(Other),
-    },
-    "friction": {
-        "friction that becomes NaN": lambda w: Changing("friction", 0.1, float("nan")),
-        "friction that becomes negative": lambda w: Changing("friction", 0.1, -1),
-    },
-    "tresca": {"tresca that becomes infinite": lambda w: Changing("tresca", 0.1, np.inf)},
-    "LACContact|SaveState": {"a pickled contact": lambda w: pickle.dumps(w.contact)},
-    "ContactSolver|SaveState": {"a pickled solver": lambda w: pickle.dumps(w.solver)},
-    "solver": {
-        "a stepper on a stepper's solver": lambda w: lac.TimeStepper(
-            w.times.solver, 1.0, dt=0.1
-        ).Integrate(0.1, printing=False),
-    },
-    "copied": {
-        f"a copy of {name}": lambda w, name=name: copy.copy(getattr(w, name))
-        for name in ("contact", "solver", "form", "loads", "times")
-    },
-    "LACContact|copy": {"a deep copy of a contact": lambda w: copy.deepcopy(w.contact)},
-    "ContactSolver|copy": {"a deep copy of a solver": lambda w: copy.deepcopy(w.solver)},
-}
+Copy, DeepCopy, Pickled = copy.copy, copy.deepcopy, pickle.dumps
+USES = """
+[callback|gf]
+callback that sets NaN | Within(SetNaN)
+callback that sets NaN between steps | Within(SetNaN, steps=3)
+[callback|refined|mesh]
+callback that refines | Within(Refine)
+callback that refines between steps | Within(Refine, steps=3)
+[callback]
+callback that raises | Within(Raise)
+[callback|Solve]
+callback that solves again | Within(Problem.Solve)
+callback that solves by another solver | Within(Other)
+[friction]
+friction that becomes NaN | Changing("friction", 0.1, np.nan)
+friction that becomes negative | Changing("friction", 0.1, -1)
+[tresca]
+tresca that becomes infinite | Changing("tresca", 0.1, np.inf)
+[LACContact|SaveState]
+a pickled contact | Pickled(w.contact)
+[ContactSolver|SaveState]
+a pickled solver | Pickled(w.solver)
+[solver]
+a stepper on a stepper's solver | Times(w.times)
+[copied]
+a copy of contact | Copy(w.contact)
+a copy of solver | Copy(w.solver)
+a copy of form | Copy(w.form)
+a copy of loads | Copy(w.loads)
+a copy of times | Copy(w.times)
+[LACContact|copy]
+a deep copy of a contact | DeepCopy(w.contact)
+[ContactSolver|copy]
+a deep copy of a solver | DeepCopy(w.solver)
 
-REENTRANT_LEGAL = {
-    "callback that steps back": lambda w: Within(lambda p: p.gf.vec.FV().NumPy().sum()),
-    "problems in threads": lambda w: InThreads(lambda: Problem().Converged()),
-    "one contact in threads": lambda w: InThreads(lambda: (w.contact.Table(), w.contact.Check())),
-    "solvers that take turns": lambda w: Alternating(),
-    "fields before the displacement": lambda w: Fields(False),
-    "fields in a nested product": lambda w: Fields(True),
-    "solved twice": lambda w: Problem().Solve().Solve(),
-    "solve in a TaskManager in a TaskManager": lambda w: InTwo(),
-    "a sum in Newton's method": lambda w: lac.FormSum(w.a, w.contact).AssembleLinearization(
-        w.gf.vec
-    ),
-}
+[]
+callback that steps back | Within(lambda p: p.gf.vec.FV().NumPy().sum())
+problems in threads | InThreads(lambda: Problem().Converged())
+one contact in threads | InThreads(lambda: (w.contact.Table(), w.contact.Check()))
+solvers that take turns | Alternating()
+fields before the displacement | Fields(False)
+fields in a nested product | Fields(True)
+solved twice | Problem().Solve().Solve()
+solve in a TaskManager in a TaskManager | InTwo()
+a sum in Newton's method | FormSum(w.a, w.contact).AssembleLinearization(w.gf.vec)
+"""
+REENTRANT = [*Uses(globals(), USES)]

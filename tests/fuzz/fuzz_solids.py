@@ -1,14 +1,14 @@
 """Problems in three dimensions, and numbers that are complex or out of range."""
 
 import numpy as np
-from fuzz_strange import Times
-from fuzz_world import P1, P2, Problem
-from ngsolve import CF, GridFunction, InnerProduct, Mesh, VectorH1, dx, z
+from fuzz_uses import Uses
+from fuzz_world import P2, Problem
+from ngsolve import CF, GridFunction, InnerProduct, Mesh, VectorH1, dx
 
 import ngslac as lac
 from ngslac.meshes import TwoBlocks3D
 
-__all__ = ["SOLIDS", "SOLIDS_LEGAL"]
+__all__ = ["SOLIDS"]
 
 
 def SolidMesh(*kinds):
@@ -50,8 +50,13 @@ def ComplexBulk(w):
     return lac.ContactSolver(a, w.gf, w.contact).Solve(printing=False)
 
 
-def WithLoad(problem, rhs):
-    return lac.ContactSolver(problem.a, problem.gf, problem.contact, rhs=rhs)
+def ShortLoad(problem):
+    load = GridFunction(problem.V).vec
+    return lac.ContactSolver(problem.a, problem.gf, problem.contact, rhs=load)
+
+
+def Bubbles(mesh):
+    return lac.BubbleVectorH1(mesh, order=1, slave="slave")
 
 
 def Prescribed(held, value):
@@ -75,55 +80,38 @@ def Augmented(problem):
     return solver.Solve(printing=False)
 
 
-# Words of which the message has to hold one: name: what is done.
-SOLIDS = {
-    "rhs": {
-        "a vector of the displacement as load": lambda w: WithLoad(
-            p := Solid(), GridFunction(p.V).vec
-        ),
-    },
-    "mesh|boundary element|degenerate|volume|NaN|coordinates|inside out": {
-        "a flat mesh": lambda w: Moved(Squeeze),
-        "a mesh with NaN": lambda w: Moved(LoseFirst),
-    },
-    "a, the bulk form": {"a complex bulk": ComplexBulk},
-    "LACSpace": {
-        "a displacement of two components in 3D": lambda w: lac.LACSpace(
-            P2(SolidMesh()).components[0] ** 2, slave="slave"
-        ),
-    },
-    "prescribe": {
-        "a prescribed vector of two components in 3D": lambda w: Prescribed("top", CF((0, 0))),
-    },
-    "point": {
-        "a moment about a point of the plane": lambda w: Solid().Solve().contact.Moment((0, 0)),
-    },
-    "macros": {
-        "macros of another mesh": lambda w: lac.LACSpace(
-            P2(SolidMesh()), slave="slave", macros=list(w.Q.macros)
-        ),
-    },
-}
+USES = """
+[rhs]
+a vector of the displacement as load | ShortLoad(Solid())
+[mesh|boundary element|degenerate|volume|NaN|coordinates|inside out]
+a flat mesh | Moved(Squeeze)
+a mesh with NaN | Moved(LoseFirst)
+[a, the bulk form]
+a complex bulk | ComplexBulk(w)
+[LACSpace]
+a displacement of two components in 3D | LACSpace(P2(SolidMesh()).components[0] ** 2, slave="slave")
+[prescribe]
+a prescribed vector of two components in 3D | Prescribed("top", CF((0, 0)))
+[point]
+a moment about a point of the plane | Solid().Solve().contact.Moment((0, 0))
+[macros]
+macros of another mesh | LACSpace(P2(SolidMesh()), slave="slave", macros=list(w.Q.macros))
 
-KINDS = (("tet", "hex"), ("prism", "tet"), ("pyramid", "prism"), ("hex", "pyramid"))
-SOLIDS_LEGAL = {
-    "a profile in 3D": lambda w: Solid().Solve().contact.Plot("pressure", along="z"),
-    "a mirrored mesh": lambda w: Mirrored(),
-    **{
-        f"blocks of {a} on {b}": lambda w, a=a, b=b: Solid(kinds=(a, b)).Converged()
-        for a, b in KINDS
-    },
-    "blocks that follow": lambda w: Solid(finite=True).Converged(),
-    "blocks that are tied": lambda w: Solid(friction=None, tied=True).Converged(),
-    "blocks of first order": lambda w: Problem(
-        P1, lac.SplitSlaveFaces(SolidMesh("tet", "tet"), "slave")
-    ).Converged(),
-    "blocks with bubbles": lambda w: Solid(
-        lambda m: lac.BubbleVectorH1(m, order=1, slave="slave"), ("tet", "tet")
-    ).Converged(),
-    "blocks on a plane": lambda w: Solid(master=None, obstacle=0.01 + z).Solve(),
-    "blocks that are augmented": lambda w: Augmented(Solid()),
-    "blocks in time": lambda w: Times(Solid()),
-    "blocks that are shown": lambda w: Shown(Solid()),
-    "blocks in one step by displacement": lambda w: Prescribed("top|bottom", CF((0, 0, -0.01))),
-}
+[]
+a profile in 3D | Solid().Solve().contact.Plot("pressure", along="z")
+a mirrored mesh | Mirrored()
+blocks of tet on hex | Solid(kinds=("tet", "hex")).Converged()
+blocks of prism on tet | Solid(kinds=("prism", "tet")).Converged()
+blocks of pyramid on prism | Solid(kinds=("pyramid", "prism")).Converged()
+blocks of hex on pyramid | Solid(kinds=("hex", "pyramid")).Converged()
+blocks that follow | Solid(finite=True).Converged()
+blocks that are tied | Solid(friction=None, tied=True).Converged()
+blocks of first order | Problem(P1, SplitSlaveFaces(SolidMesh("tet", "tet"), "slave")).Converged()
+blocks with bubbles | Solid(Bubbles, ("tet", "tet")).Converged()
+blocks on a plane | Solid(master=None, obstacle=0.01 + z).Solve()
+blocks that are augmented | Augmented(Solid())
+blocks in time | Times(Solid())
+blocks that are shown | Shown(Solid())
+blocks in one step by displacement | Prescribed("top|bottom", CF((0, 0, -0.01)))
+"""
+SOLIDS = [*Uses(globals(), USES)]

@@ -10,7 +10,7 @@ from ngsolve import CF, Grad, Id, InnerProduct, Sym, Trace, VectorH1, ds, dx
 import ngslac as lac
 from ngslac.meshes import TwoBlocks
 
-__all__ = ["P1", "P2", "Blocks", "Elastic", "Problem", "World"]
+__all__ = ["P1", "P2", "Blocks", "Elastic", "Problem", "Refine", "Times", "World"]
 
 
 def P1(mesh):
@@ -74,6 +74,20 @@ class Problem:
         self.Solve()
         assert abs(self.contact.Force()[-1]) > 1e-6
         return self
+
+
+def Refine(problem, update=True):
+    """Refine the mesh; spaces follow if `update`."""
+    problem.mesh.Refine()
+    if update:
+        for space in (problem.V, problem.Q, problem.X):
+            space.Update()
+        problem.gf.Update()
+
+
+def Times(problem, density=1.0):
+    stepper = lac.TimeStepper(problem.solver, density, dt=0.01)
+    return stepper.Integrate(0.02, printing=False)
 
 
 class World(Problem):
