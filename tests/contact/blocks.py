@@ -16,6 +16,7 @@ SPACES = {
     "order 3": lambda mesh: VectorH1(mesh, order=3),
     "H1(dim)": lambda mesh: H1(mesh, order=2, dim=mesh.dim),
     "VectorValued": lambda mesh: VectorValued(H1(mesh, order=2), mesh.dim),
+    "prescribed": lambda mesh: VectorH1(mesh, order=mesh.dim, dirichletx="slave"),
     "bubble": lambda mesh: BubbleVectorH1(mesh, order=1, slave="slave"),
 }
 C = 3.0  # the scale of the complementarity functions

@@ -75,6 +75,21 @@ def test_displacement_is_not_the_first_component(dim, finite):
     assert not np.any(residual(contact, form.values)[:front])
 
 
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("friction", [0.05, 2.0], ids=["slip", "stick"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_one_component_is_prescribed_on_the_slave(dim, friction, finite):
+    """Where the slave cannot follow the multiplier is elastic; its normal is no axis."""
+    contact = contact_form(block_mesh(dim), "prescribed", friction=friction, finite=finite)
+    form, normals = Form(contact), contact.Table()["normal"]
+    assert np.all(contact.form.Scalars("prescribed") == 1)
+    assert np.all(np.abs(normals[:, 0]) > 0.05)
+    noise, shear = np.random.default_rng(1).normal(size=(2, contact.nscalars))
+    form.values[:] = 1e-3 * noise
+    form.values[form.multipliers] += 0.2 * shear[form.multipliers] - 0.7 * normals
+    assert form.derivative_error(40) <= 1e-6
+
+
 def finite_form(dim, *cells, space="order 2", law="coulomb", **flags):
     solid = {"shape": "flat", "rotation": None, "overhang": 0.0, "height": 0.5}
     mesh = block_mesh(dim, *cells, **(({"angle": 0.0} if dim == 2 else solid) | flags))

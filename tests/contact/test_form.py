@@ -175,8 +175,3 @@ def test_the_order_in_which_threads_arrive_leaves_no_trace(dim, flags):
     finally:
         SetNumThreads(1)
     assert results[0] == results[1] == results[2]
-
-
-def test_the_mean_of_a_constant_is_it(mesh):
-    contact = contact_form(mesh, friction=0.3)
-    assert contact.Table()["friction"] == pytest.approx(np.full(contact.space.nmacros, 0.3))

@@ -111,17 +111,6 @@ def test_normals_and_areas(sides):
     assert not sides.paired.all()
 
 
-def test_slip_counts_from_the_last_commit_and_gaps_do_not(sides):
-    total = np.zeros(2)
-    for step in ((0.3, 0.1), (-0.1, 0.2), (0.05, -0.4)):
-        total += step
-        gf = sides.state(total, 0.01, pressure=1.0)
-        sides.check_slip(gf, step, 1e-13)
-        sides.contact.Commit(gf)
-        sides.check_slip(gf, (0, 0), 1e-14)
-        assert sides.contact.Table()["gap"][sides.paired] == pytest.approx(-0.01, rel=1e-11)
-
-
 def test_residual_of_stick_is_minus_area_times_slip_and_gap(mesh):
     """Without a partner the row says that the traction vanishes."""
     sides = Sides(mesh, friction=1e3)
@@ -136,27 +125,29 @@ def test_residual_of_stick_is_minus_area_times_slip_and_gap(mesh):
         sides.contact.Commit(gf)
 
 
-def test_first_touch_along_the_path(sides):
-    """Open at the commit and approaching: slip counts from where the path meets the master."""
-    sides.commit((0.0, 0.0), -0.1)
-    sides.commit((0.05, -0.02), -0.06)  # 0.06 open, by 0.04 nearer
-    touch = np.array([0.05, -0.02]) * (1 + 0.06 / 0.04)
-    sides.check_slip(sides.state(touch, 0.0, pressure=1), (0, 0), 1e-13)
-    sides.check_slip(sides.state(np.add(touch, (0.02, 0.01)), 0.0, pressure=1), (0.02, 0.01))
+TOUCH = np.array([0.05, -0.02]) * (1 + 0.06 / 0.04)
+OPEN = ((0, 0), -0.1)
+# Commits (way along the interface, approach, pressure), then a way and the slip there.
+PATHS = {
+    "closed": ([((0.3, 0.1), 0.01, 1.0), ((0.2, 0.3), 0.01, 1.0)], (0.25, -0.1), (0.05, -0.4)),
+    "where the path meets the master": ([OPEN, ((0.05, -0.02), -0.06)], TOUCH, (0, 0)),
+    "beyond": ([OPEN, ((0.05, -0.02), -0.06)], np.add(TOUCH, (0.02, 0.01)), (0.02, 0.01)),
+    "aside": ([OPEN, ((0.5, 0.4), -0.1)], (0.6, 0.4), (0.1, 0)),
+    "away": ([OPEN, ((0.6, 0.4), -0.2)], (0.7, 0.4), (0.1, 0)),
+    "grazing": ([OPEN, ((0.3, 0.4), -0.09)], (0.4, 0.4), (0.1, 0)),
+    "closes further": ([OPEN, ((0.05, 0.02), -0.06, 5.0)], (0.15, 0.02), (0.1, 0)),
+}
 
 
-@pytest.mark.parametrize(
-    ("path", "pressure"),
-    [
-        ([((0.5, 0.4), -0.1), ((0.6, 0.4), -0.2), ((0.9, 0.5), -0.199)], 0),  # aside or away
-        ([((0.05, 0.02), -0.06)], 5.0),  # closed: even if the gap closes further
-    ],
-)
-def test_what_will_not_touch_soon_counts_from_the_commit(sides, path, pressure):
-    sides.commit((0, 0), -0.1)
-    for place, approach in path:
-        sides.commit(place, approach, pressure=pressure)
-        sides.check_slip(sides.state(np.add(place, (0.1, 0)), 0.0, pressure=5.0), (0.1, 0))
+@pytest.mark.parametrize(("commits", "way", "slip"), PATHS.values(), ids=PATHS)
+def test_slip_counts_from_the_last_commit_or_the_first_touch(sides, commits, way, slip):
+    """Of a path that goes on as before; what moves aside or away will not touch soon."""
+    for commit in commits:
+        sides.commit(*commit)
+    if commits[-1][1] > 0:
+        sides.check_slip(sides.state(*commits[-1]), (0, 0), 1e-14)
+    sides.check_slip(sides.state(way, 0.0, pressure=5.0), slip)
+    assert sides.contact.Table()["gap"][sides.paired] == pytest.approx(0, abs=1e-13)
 
 
 def test_update_starts_the_history_anew(sides):

@@ -26,21 +26,12 @@ def unit(p, q):
     return min(diameter(p), diameter(q)) * max(diameter(p), diameter(q), far)
 
 
-def turns(corners):
-    """Cross products of each two neighbouring sides: not negative if convex."""
+def inner_radius(corners):
+    """Of the largest circle inside about the mean of the corners."""
     side = np.roll(corners, -1, axis=0) - corners
-    following = np.roll(side, -1, axis=0)
-    return side[:, 0] * following[:, 1] - side[:, 1] * following[:, 0]
-
-
-def distances(point, corners):
-    """Signed distances of a point from the lines of the sides, positive inside."""
-    p = np.asarray(corners, dtype=float)
-    side = np.roll(p, -1, axis=0) - p
     length = np.linalg.norm(side, axis=1)
-    p, side = p[length > 0], side[length > 0] / length[length > 0, None]
-    away = np.asarray(point) - p
-    return side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0]
+    away, e = np.mean(corners, axis=0) - corners[length > 0], side[length > 0]
+    return np.min((e[:, 0] * away[:, 1] - e[:, 1] * away[:, 0]) / length[length > 0])
 
 
 def exact_intersection(p, q):

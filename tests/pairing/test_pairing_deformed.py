@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ngsolve import CF, GridFunction, VectorH1, x, y, z
+from ngsolve import CF, GridFunction, VectorH1
 from sheets import (
     Motion,
     Sheet,
@@ -33,84 +33,59 @@ def sheets(dim, seed=2):
     return two_sheets(np.random.default_rng(seed), KINDS[dim], BOX, 0.05)
 
 
-class Linear:
-    """The motion of points X to matrix X + shift."""
-
-    def __init__(self, matrix, shift=0.0):
-        self.matrix = np.asarray(matrix, dtype=float)
-        self.shift = np.broadcast_to(shift, len(self.matrix)).astype(float)
-
-    def __call__(self, points):
-        return points @ self.matrix.T + self.shift
-
-    @property
-    def field(self):
-        place, rows = (x, y, z), (self.matrix - np.eye(len(self.matrix))).tolist()
-        moves = [sum(a * r for a, r in zip(row, place, strict=False)) for row in rows]
-        return [move + s for move, s in zip(moves, self.shift.tolist(), strict=True)]
+def linear(dim, seed):
+    """A random linear motion that neither flattens nor penetrates much."""
+    rng, motion = np.random.default_rng(seed), Motion(dim, None, 1.0, (0.2, -0.1, 0.1))
+    motion.R = np.eye(dim) + 0.3 * rng.uniform(-1, 1, (dim, dim))
+    return motion
 
 
-MOTIONS = {
-    "shift": Linear(np.eye(3), (0.3, -0.2, 0.1)),
-    "turn about the normal": Linear([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]),
-    "stretch": Linear(np.diag([1.7, 0.6, 1.0]), (-0.3, 0.1, 0)),
-    "shear": Linear([[1, 0.5, 0], [0, 1, 0], [0.2, -0.1, 1]]),
-    "far": Linear(np.eye(2), (-0.57, 0.1)),
-    "narrower": Linear(np.diag([0.6, 0.2]), (0.0, 0.02)),
-    "inclined": Linear([[1, 0.1], [0.12, 1]]),
-}
-
-
-@pytest.mark.pairwise
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("body", ["upper", "lower"])
-def test_linear_motions_of_one_body(order, name, body):
+def test_linear_motions_of_one_body(dim, seed, body):
     """Overlaps of the moved faces by shapely, and sizes of the moved slave faces."""
-    motion = MOTIONS[name]
-    contact = contact_on(sheet_mesh(*sheets(len(motion.matrix))), order=order)
-    contact.Update(displaced(contact, **{body: motion.field}))
-    slave, master = (faces_of(contact.mesh, region)[1] for region in ("slave", "master"))
-    slave, master = ([motion(c) for c in slave], master) if body == "upper" else (
-        slave, [motion(c) for c in master])  # fmt: skip
-    exact = projected_overlaps(slave, master).sum(axis=1)
-    assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
-    assert contact.Table()["fullarea"] == pytest.approx(face_sizes(slave), rel=1e-12)
-    contact.Update()
-    exact = projected_overlaps(*(faces_of(contact.mesh, r)[1] for r in ("slave", "master")))
-    assert areas_by_face(contact) == pytest.approx(exact.sum(axis=1), abs=1e-12)
+    motion = linear(dim, seed)
+    contact = contact_on(sheet_mesh(*sheets(dim)), order=1 + seed % 2, penetration=1.0)
+    faces = {name: faces_of(contact.mesh, name)[1] for name in ("slave", "master")}
+    moving = "slave" if body == "upper" else "master"
+    moved = faces | {moving: [motion(corners) for corners in faces[moving]]}
+    for gf, now in ((displaced(contact, **{body: motion.field}), moved), (None, faces)):
+        contact.Update(gf)
+        exact = projected_overlaps(now["slave"], now["master"]).sum(axis=1)
+        assert areas_by_face(contact) == pytest.approx(exact, abs=1e-12)
+        assert contact.Table()["fullarea"] == pytest.approx(face_sizes(now["slave"]), rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_rigid_motion_of_everything_changes_nothing(dim, seed):
     contact = contact_on(sheet_mesh(*sheets(dim)))
-    reference, R = contact.Segments(), Motion(dim, seed).R
-    motion = Linear(R, (0.3, 7.0, -2.0)[:dim])
+    reference, motion = contact.Segments(), Motion(dim, seed, 1.0, (0.3, 7.0, -2.0))
     contact.Update(displaced(contact, upper=motion.field, lower=motion.field))
     there = contact.Segments()
     assert there.master.tolist() == reference.master.tolist()
     assert there.area == pytest.approx(reference.area, abs=1e-12)
     assert there.gap == pytest.approx(reference.gap, abs=1e-12)
     assert there.slave_points == pytest.approx(motion(reference.slave_points), abs=1e-12)
-    normals = np.tile(-R[:, -1], (contact.space.nmacros, 1))
+    normals = np.tile(-motion.R[:, -1], (contact.space.nmacros, 1))
     assert contact.Table()["normal"] == pytest.approx(normals, abs=1e-12)
 
 
 def test_moved_mesh_and_displaced_mesh_pair_alike(dim):
     """Moved by SetDeformation, by Update, and made there: three ways to the same segments."""
-    motion = MOTIONS["shear" if dim == 3 else "inclined"]
+    motion = linear(dim, 1)
     upper, lower = sheets(dim)
     near, far = motion(upper.points), motion(upper.points + upper.depth)
     sides = [replace(s, renumbered=None) for s in (upper, lower)]
-    made = contact_on(sheet_mesh(replace(sides[0], points=near, depth=far - near), sides[1]))
+    there = sheet_mesh(replace(sides[0], points=near, depth=far - near), sides[1])
+    made = contact_on(there, penetration=1.0)
     mesh = sheet_mesh(*sides)
-    updated = contact_on(mesh)
+    updated = contact_on(mesh, penetration=1.0)
     updated.Update(displaced(updated, upper=motion.field))
     found = [areas_by_pair(updated)]
     deformation, none = GridFunction(VectorH1(mesh, order=1)), CF((0,) * dim)
     deformation.Set(mesh.MaterialCF({"upper": CF(tuple(motion.field))}, default=none))
     mesh.SetDeformation(deformation)
-    found.append(areas_by_pair(contact_on(mesh)))
+    found.append(areas_by_pair(contact_on(mesh, penetration=1.0)))
     expected = areas_by_pair(made)
     for other in found:
         for pair in expected.keys() | other.keys():
@@ -192,23 +167,19 @@ def update_to(shape, region, seed):
 
 @pytest.mark.parametrize("seed", [None, 1, 2])
 @pytest.mark.parametrize("face", FOLDED)
-def test_degenerate_slave_faces_are_an_error(face, seed):
-    with pytest.raises(Exception, match="slave surface is degenerate"):
-        update_to(FOLDED[face], "slave", seed)
-
-
-@pytest.mark.parametrize("seed", [None, 1])
-@pytest.mark.parametrize("face", FOLDED)
-def test_degenerate_master_faces_are_no_partners(face, seed):
-    """An error, or no more area than there is."""
-    contact = outcome(lambda: update_to(FOLDED[face], "master", seed))
+@pytest.mark.parametrize("region", ["slave", "master"])
+def test_degenerate_faces(face, region, seed):
+    """An error on the slave; of the master one, too, or no more area than there is."""
+    contact = outcome(lambda: update_to(FOLDED[face], region, seed))
     if isinstance(contact, str):
-        assert "never meet" in contact or "degenerate" in contact
-    else:
-        segments = contact.Segments()
-        assert np.all(segments.area > 0)
-        assert segments.gap == pytest.approx(0.1, abs=1e-9)
-        assert segments.area.sum() < (0.5 if face == "bow tie" else 0.2 + 1e-9)
+        words = ["slave surface is degenerate"] if region == "slave" else ["never meet", "degener"]
+        assert any(word in contact for word in words)
+        return
+    segments = contact.Segments()
+    assert region == "master"
+    assert np.all(segments.area > 0)
+    assert segments.gap == pytest.approx(0.1, abs=1e-9)
+    assert segments.area.sum() < (0.5 if face == "bow tie" else 0.2 + 1e-9)
 
 
 @pytest.mark.parametrize("seed", range(12))

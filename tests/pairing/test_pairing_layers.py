@@ -20,19 +20,11 @@ from sheets import (
     upper,
 )
 
-WIDE = ((-0.1, -0.1), (1.1, 1.1))
-
 
 @pytest.fixture(params=["edge", "mixed"])
 def kind(request):
     """In the plane and in space."""
     return request.param
-
-
-def area_at(contact, gap):
-    """Slave area whose segments have a mean gap."""
-    segments = contact.Segments()
-    return segments.area[np.abs(segments.gap - gap) < 1e-9].sum()
 
 
 def random_plates(rng, kind, gaps, slope=0.0):
@@ -98,38 +90,6 @@ def test_of_tilted_layers_the_nearest_where_they_overlap_counts(kind, seed):
     assert set(contact.Segments().master) <= set(faces_of(mesh, "master")[0][: len(wide.faces)])
     assert contact.Segments().area.sum() == pytest.approx(1, rel=1e-12)
     assert mean_gap(contact) == pytest.approx(0.501, rel=1e-12)
-
-
-def test_two_masters_side_by_side_at_different_heights(kind):
-    across = 1 if kind == "edge" else 0.8
-    left, right = ((-0.3, -0.1), (0.45, 1.1)), ((0.62, -0.1), (1.2, 0.8))
-    contact = contact_on(sheet_mesh(
-        upper(grid(kind)), lower(grid(kind, 3, left), -0.1, name="left"),
-        lower(grid(kind, 3, right), -0.2, name="right"),
-    ))  # fmt: skip
-    assert area_at(contact, 0.1) == pytest.approx(0.45, rel=1e-12)
-    assert area_at(contact, 0.2) == pytest.approx(0.38 * across, rel=1e-12)
-    assert contact.Segments().area.sum() == pytest.approx(0.45 + 0.38 * across, rel=1e-12)
-
-
-def test_two_slaves_on_one_master(kind):
-    second = upper(grid(kind, 3, ((0.55, 0.1), (1.3, 0.9))), 0.25, name="second")
-    first = upper(grid(kind, 2, ((0, 0), (0.4, 1))))
-    master = lower(grid(kind, 5, ((-0.1, -0.1), (1, 1.1))))
-    areas = areas_by_face(contact_on(sheet_mesh(first, second, master)))
-    number = len(first.faces)
-    assert areas[:number].sum() == pytest.approx(0.4, rel=1e-12)
-    assert areas[number:].sum() == pytest.approx(0.45 * (1 if kind == "edge" else 0.8), rel=1e-12)
-
-
-@pytest.mark.parametrize("depth", [0.02, 0.3])
-def test_nearest_counts_penetration_too(kind, depth):
-    """A plate that is penetrated a little is nearer than one that is far open."""
-    near, far = lower(grid(kind, 3, WIDE), depth, 0.005), lower(grid(kind, 4, WIDE), -0.2, name="f")
-    contact = contact_on(sheet_mesh(upper(grid(kind)), near, far), penetration=0.5)
-    expected = -depth if depth < 0.2 else 0.2
-    assert contact.Segments().gap == pytest.approx(expected, rel=1e-12)
-    assert contact.Check().paired_area == pytest.approx(1, rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", [None, 4])

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import BND, CF, GridFunction, Mesh
+from ngsolve import BND, CF, GridFunction, Mesh, x, y, z
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
@@ -106,6 +106,13 @@ class Motion:
 
     def back(self, points):
         return (points - self.shift) / self.scale @ self.R
+
+    @property
+    def field(self):
+        """The displacement."""
+        rows = (self.scale * self.R - np.eye(len(self.R))).tolist()
+        parts = [sum(a * r for a, r in zip(row, (x, y, z), strict=False)) for row in rows]
+        return [part + s for part, s in zip(parts, self.shift.tolist(), strict=True)]
 
 
 def dimension(kinds):
