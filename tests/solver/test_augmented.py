@@ -4,8 +4,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from ngsolve import CF, BilinearForm, Grad, InnerProduct, Variation, ds, dx
-from plasticity import J2Plasticity, PlaneStrain
+from ngsolve import CF, ds
 from press import mixed_press, mixed_press3d, numpy, press, solved
 
 from ngslac import (
@@ -104,17 +103,8 @@ def test_larger_augmentation_needs_fewer_outer_iterations():
     assert np.all(constraints[1:] < 0.02 * constraints[:-1])
 
 
-@pytest.mark.parametrize(
-    ("case", "stiffness"),
-    [
-        ("friction", 1e-6),
-        ("stick", 1e5),
-        ("tied", 1e-6),
-        ("finite with friction", 1e5),
-        ("finite with friction", 1e-6),
-        ("3D", 1e5),
-    ],
-)
+@pytest.mark.parametrize("stiffness", [1e-6, 1e5])
+@pytest.mark.parametrize("case", ["friction", "stick", "tied", "finite with friction", "3D"])
 def test_the_scale_of_the_contact_does_not_matter(case, stiffness):
     problem, other = made(case, stiffness=stiffness), made(case)
     solver = augmented(problem)
@@ -123,18 +113,9 @@ def test_the_scale_of_the_contact_does_not_matter(case, stiffness):
     same(problem.gf, other.gf, 1e-6)  # constraints are measured in lengths: soft ones are small
 
 
+@pytest.mark.parametrize("first", [1e-2, 1e4, 1e7])
 @pytest.mark.parametrize(
-    ("case", "first"),
-    [
-        ("frictionless", 1e-2),
-        ("friction", 1e-4),
-        ("friction", 1e7),
-        ("stick", 1e-2),
-        ("stick", 1e4),
-        ("tied", 1e7),
-        ("hyperelastic with friction", 1e-4),
-        ("hyperelastic with friction", 1e4),
-    ],
+    "case", ["frictionless", "friction", "stick", "tied", "hyperelastic with friction"]
 )
 def test_augmentation_finds_its_size(case, first, monkeypatch):
     """As if the bulk's matrix told nothing about the stiffness; in each solve from the start."""
@@ -145,8 +126,7 @@ def test_augmentation_finds_its_size(case, first, monkeypatch):
     solved(other)
     same(problem.gf, other.gf, 1e-7)
     assert (solver.factor > first) if first < 1 else (solver.factor <= first)
-    if case == "frictionless":
-        assert solver.history[-1].number < 30
+    if case == "frictionless" and first < 1:
         history = [(e.slip, e.constraint) for e in solver.history]
         problem.gf.vec[:] = 0
         solver.residual.converged = 0.0
@@ -182,31 +162,6 @@ def test_failure_leaves_everything_as_it_was(problem, flags, error, message):
 
 
 # --- as ContactSolver ----------------------------------------------------------------------------
-
-
-def plastic():
-    """With what has to be called after each step."""
-    problem = press(push=(0.0, -0.03))
-    material = J2Plasticity(
-        problem.mesh, young=100.0, poisson=0.3, yield_stress=1.0, hardening=10.0
-    )
-    (u, _), (v, _) = problem.X.TnT()
-    problem.a = BilinearForm(problem.X)
-    problem.a += Variation(material.Energy(PlaneStrain(Grad(u))) * dx(intrules=material.rules))
-    problem.a += 1000 * InnerProduct(u - problem.load * CF((0.0, -0.03)), v) * ds("top")
-    strain = PlaneStrain(Grad(problem.gf.components[0]))
-    return problem, lambda _: material.Commit(strain)
-
-
-def test_plasticity_in_steps():
-    solutions = []
-    for kind in (AugmentedLagrangianSolver, ContactSolver):
-        problem, commit = plastic()
-        problem.load.Set(0.0)
-        flags = {"steps": 3, "printing": False, "tol": 1e-12}
-        LoadStepper(on(problem, kind), problem.load).Integrate(callback=commit, **flags)
-        solutions.append(problem.gf)
-    same(*solutions, 1e-8)
 
 
 @pytest.mark.parametrize(
@@ -339,21 +294,3 @@ def test_matrix_is_the_derivative(finite, friction):
     derivative = ToCSR(mat) @ random
     assert np.abs(derivative).max() > 0
     assert np.abs(difference - derivative).max() < 1e-6 * np.abs(derivative).max()
-
-
-def test_forces_are_those_of_the_projected_multipliers():
-    problem = mixed_press()
-    rows = augmented(problem).residual.rows
-    form, vec = problem.contact.form, problem.gf.vec
-    vec.FV().NumPy()[rows] *= 0.9
-    expected, residual = zero(vec), zero(vec)
-    form.BeginSolve()
-    with scaled(form, 7.0):
-        form.AssembleAugmented(vec, residual)
-        form.UpdateMultipliers(vec)
-    form.AddApply(vec, expected)
-    expected = numpy(expected)
-    assert numpy(residual)[~rows] == pytest.approx(
-        expected[~rows], abs=1e-14 * np.abs(expected).max()
-    )
-    assert not np.any(numpy(residual)[rows])

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from netgen.meshing import NgException
 from ngsolve import (
-    BitArray,
     GetNumThreads,
     IdentityMatrix,
     Parameter,
@@ -13,9 +12,10 @@ from ngsolve import (
     TaskManager,
 )
 from press import mixed_press, mixed_press3d, numpy, press, press3d, solved
+from refused import calls, check_refused
 
-from ngslac import BubbleVectorH1
-from ngslac._ngslac import Condensation, MergeMatrices, TwoLevel, TwoLevelProduct
+from ngslac import BubbleVectorH1, _ngslac
+from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.arrays import AsBits, AsNumPy, Multiply
 from ngslac.bodies.bodies import ToCSR
 from ngslac.linear.factor import IsSymmetric, OnVertices
@@ -241,97 +241,52 @@ def test_own_preconditioner(order, friction):
     assert u == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
-def test_matrix_is_merged_in_place_where_only_contact_changes():
-    """As merged anew, after each change of status; another bulk makes another matrix."""
-    problem = press3d(friction=0.05)
-    solver = solved(problem, solver="saddle")
-    forms, linear = [problem.contact.form], solver.linear
-    given = problem.a.mat, forms, solver.scale
-    first = linear._Merge(*given, None)
-    vec = problem.gf.vec
-    vec.FV().NumPy()[:] = 1e-3 * np.random.default_rng(0).standard_normal(len(vec))
-    forms[0].AssembleStep(vec, vec.CreateVector())
-    again = linear._Merge(*given, None)
-    assert again is first
-    assert np.array_equal(dense(again), dense(MergeMatrices(*given)))
-    linear.NewBulk()
-    assert linear._Merge(*given, None) is not first
-
-
 # --- what does not fit is refused before anything is read with it --------------------------------
 
 
-@pytest.fixture(scope="module")
-def given():
-    return system(press())[0]
+def identity(mat, _):
+    return IdentityMatrix(mat.height - 1)
 
 
-def coarse(which):
-    """A two-level preconditioner of the whole with coarse matrices that do not fit."""
-
-    def make(mat, multipliers, dim, free):
-        whole = Condensation(mat, multipliers, dim, free)
-        part, held = whole.Part(whole.freedofs), ~whole.freedofs
-        wrong = {
-            "bits": (part, part, BitArray(3)),
-            "held": (whole.Part(held), whole.Part(held), held),
-            "none": (part, None, whole.freedofs),
-        }
-        TwoLevel(whole, *wrong[which])
-
-    return make
-
-
-def size(change):
-    return lambda mat, mult, dim, free: Condensation(mat, mult, dim, BitArray(change(len(free))))
-
-
-def of_press(make, **flags):
-    return lambda *_: make().solver(**flags).Solve(printing=False)
-
-
+WHOLE = "Condensation(mat, multipliers, 2, free)"
 REFUSED = [
     *(
         (
-            lambda mat, mult, dim, free, w=w: Condensation(mat, [*mult[:-1], w], dim, free),
+            f"Condensation(mat, [*multipliers[:-1], {n}], 2, free)",
+            f"no multiplier {n} ",
             NgException,
-            f"no multiplier {w} ",
         )
-        for w in (-1, 2**31 - 1)
+        for n in (-1, 2**31 - 1)
     ),
     *(
-        (
-            lambda mat, mult, _, free, d=d: Condensation(mat, mult, d, free),
-            NgException,
-            f"no blocks of {d}",
-        )
-        for d in (-2, 0, 5000)
+        (f"Condensation(mat, multipliers, {n}, free)", f"no blocks of {n}", NgException)
+        for n in (-2, 0, 5000)
     ),
-    *((size(c), NgException, "bits of free dofs") for c in (lambda n: 0, lambda n: n + 1)),
-    (lambda *g: Condensation(*g).Part(BitArray(0)), NgException, r"bits for .* rows"),
-    (lambda *g: Condensation(*g).Part(BitArray(len(g[3]) + 1)), NgException, r"bits for .* rows"),
-    (coarse("bits"), NgException, "does not fit"),
-    (coarse("held"), NgException, "is not free"),
-    (coarse("none"), TypeError, "None"),
+    ("Condensation(mat, multipliers, 2, BitArray(0))", "bits of free dofs", NgException),
+    ("Condensation(mat, multipliers, 2, BitArray(len(free) + 1))", "bits of free dof", NgException),
+    (f"{WHOLE}.Part(BitArray(0))", r"bits for .* rows", NgException),
+    (f"{WHOLE}.Part(BitArray(len(free) + 1))", r"bits for .* rows", NgException),
+    ("TwoLevel(whole, part, part, BitArray(3))", "does not fit", NgException),
+    ("TwoLevel(whole, rest, rest, ~whole.freedofs)", "is not free", NgException),
+    ("TwoLevel(whole, part, None, whole.freedofs)", "None", TypeError),
+    ("MergeMatrices(mat, [None], np.ones(mat.height))", "must be sparse", NgException),
     (
-        lambda mat, *_: MergeMatrices(mat, [None], np.ones(mat.height)),
-        NgException,
-        "must be sparse",
-    ),
-    (
-        of_press(press3d, preconditioner=lambda mat, _: IdentityMatrix(mat.height - 1)),
-        ValueError,
+        "press3d().solver(preconditioner=identity).Solve()",
         "not an operator of the size",
-    ),
-    (
-        of_press(lambda: press(order=1), solver="iterative"),
         ValueError,
-        "take a displacement of order 2",
     ),
+    ("press(order=1).solver(solver='iterative')", "take a displacement of order 2", ValueError),
 ]
 
 
-@pytest.mark.parametrize(("call", "error", "message"), REFUSED)
-def test_refused(given, call, error, message):
-    with pytest.raises(error, match=message):
-        call(*given)
+@calls(REFUSED)
+def test_refused(row):
+    given, _ = system(press())
+    whole = Condensation(*given)
+    parts = {
+        "whole": whole,
+        "part": whole.Part(whole.freedofs),
+        "rest": whole.Part(~whole.freedofs),
+    }
+    names = zip(("mat", "multipliers", "dim", "free"), given, strict=True)
+    check_refused(row, **(vars(_ngslac) | globals() | dict(names) | parts))

@@ -73,21 +73,6 @@ def trusting(problem, step=1e-3):
     return solver
 
 
-def test_the_product_is_the_residual_and_is_confirmed():
-    problem = mixed_press()
-    solver = trusting(problem)
-    residual, scale, before = solver.residual, solver.scale, numpy(problem.gf)
-    product, true = residual.Measure(scale), residual.Measure(scale, honest=True)
-    assert (product.honest, true.honest) == (False, True)
-    assert product.bulk == pytest.approx(true.bulk, abs=1e-12 * np.abs(true.bulk).max())
-    assert product.merit == pytest.approx(true.merit, rel=1e-12)
-    assert np.array_equal(product.status, true.status)
-    assert residual.Confirm(true, scale) is true
-    assert residual.Confirm(product, scale).honest
-    assert solver.bulk.product is not None
-    assert np.array_equal(numpy(problem.gf), before)
-
-
 @pytest.mark.parametrize("step", [1e-4, 1e-2, 10.0])
 def test_confirmation_finds_that_a_bulk_is_not_linear(step):
     """Where the step led to nothing better, or where there is no residual, it is taken back."""

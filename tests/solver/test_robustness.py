@@ -33,31 +33,6 @@ def test_loads_on_condensed_dofs_are_seen():
     assert solutions[1] == pytest.approx(solutions[0], abs=1e-9 * np.abs(solutions[0]).max())
 
 
-class Limit(ContactSolver):
-    """A solver that cannot get beyond a limit load."""
-
-    def __init__(self, problem, limit):
-        super().__init__(problem.a, problem.gf, problem.contact)
-        self.problem, self.limit, self.attempts = problem, limit, 0
-
-    def Solve(self, **_):
-        self.attempts += 1
-        if self.problem.load.Get() > self.limit:
-            raise ContactConvergenceError("beyond the limit")
-        return type("Last", (), {"number": 1})
-
-
-def test_a_limit_load_ends_the_stepping():
-    problem = press()
-    problem.load.Set(0.0)
-    solver = Limit(problem, 0.73)
-    with pytest.raises(ContactConvergenceError, match="beyond the limit"):
-        LoadStepper(solver, problem.load, maxcuts=5).Integrate(steps=2, printing=False)
-    smallest = 0.5 / 2**5
-    assert 0.73 - smallest <= problem.load.Get() <= 0.73
-    assert solver.attempts < 20
-
-
 @pytest.mark.parametrize(
     ("dim", "error"), [(2, RuntimeError), (2, ValueError), (3, KeyboardInterrupt)]
 )

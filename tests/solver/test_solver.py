@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from law import check_law, shear
 from ngsolve import (
-    BND,
     CF,
     H1,
     BitArray,
-    GridFunction,
     InnerProduct,
-    Integrate,
     LinearForm,
     Parameter,
     SetNumThreads,
@@ -26,7 +23,7 @@ from ngsolve.nonlinearsolvers import NewtonSolver
 from obstacles import block_on_obstacle
 from press import PUSH, mixed_press, numpy, press, solved
 
-from ngslac import BubbleVectorH1, FormSum, LoadStepper, SplitSlaveFaces
+from ngslac import BubbleVectorH1, FormSum, SplitSlaveFaces
 
 KINDS = [("hex", "hex"), ("tet", "hex"), ("prism", "tet"), ("prism_side", "pyramid")]
 TIED = {"tied": True, "friction": None}
@@ -75,11 +72,9 @@ def test_quadratic_convergence(dim, nonlinear, least, best):
 
     In 3D also with a linear bulk: there the direction of slip is nonlinear.
     """
-    problem = mixed_press(dim=dim, nonlinear=nonlinear)
-    if dim == 3:
-        size = 3 if nonlinear else 1
-        push = (0.005 * size, 0.003 * size, (-0.02 + 0.02 * x + 0.005 * y) * size)
-        problem = mixed_press(dim=3, nonlinear=nonlinear, push=push)
+    size = 3 if nonlinear else 1
+    flat = {"push": tuple(size * p for p in (0.005, 0.003, -0.02 + 0.02 * x + 0.005 * y))}
+    problem = mixed_press(dim=dim, nonlinear=nonlinear, **(flat if dim == 3 else {}))
     solver = problem.solver()
     solver.Solve(printing=False, tol=1e-12)
     settled = [h for h in solver.history if h.number >= 2 and h.changed == 0]
@@ -118,54 +113,37 @@ def test_stock_newton_finds_the_same(dim, law):
     same(stock, mine)
 
 
-def test_form_sum_applies_both():
-    problem = mixed_press()
-    form = FormSum(problem.a, problem.contact)
-    state = problem.gf.vec.CreateVector()
-    state.FV().NumPy()[:] = np.random.default_rng(0).normal(size=len(state.FV()))
-    form.AssembleLinearization(state)
-    images = []
-    for part in (form, problem.a, problem.contact):
-        applied, product = state.CreateVector(), state.CreateVector()
-        part.Apply(state, applied)
-        part.mat.Mult(state, product)
-        images.append((numpy(applied), numpy(product)))
-    (applied, product), *parts = images
-    assert applied == pytest.approx(sum(p[0] for p in parts), rel=1e-12)
-    assert product == pytest.approx(sum(p[1] for p in parts), abs=1e-9)
-    assert form.condense is False
+COARSE = {"h": 0.25, "n": (2, 1)}
+ROUTES = [  # what both have, what the other one has, how it is solved, accuracy
+    *(
+        (COARSE | {"dim": d, "order": order, "nonlinear": bulk}, {"condense": True}, {}, 1e-10)
+        for d, order, bulk in (
+            (2, 2, True),
+            (2, 4, False),
+            (2, 4, True),
+            (3, 2, False),
+            (3, 3, True),
+        )
+    ),
+    *(
+        (COARSE | {"dim": d}, {"stiffness": factor}, {}, tol)
+        for d in (2, 3)
+        for factor, tol in ((0.01, 1e-10), (30.0, 1e-10), (1e-6, 1e-9), (1e6, 1e-9))
+    ),
+    ({}, {}, {"inverse": "umfpack"}, 1e-10),
+    ({}, {}, {"inverse": "sparsecholesky", "solver": "saddle"}, 1e-10),  # not made for that
+    (TIED, {}, {"inverse": "umfpack"}, 1e-10),
+    (TIED, {}, {"inverse": "sparsecholesky"}, 1e-10),
+    ({"dim": 3, "n": (3, 2)}, {}, {"inverse": "umfpack"}, 1e-10),
+]
 
 
-@pytest.mark.parametrize("high", [False, True])
-@pytest.mark.parametrize("nonlinear", [False, True])
-def test_condensation_changes_nothing(dim, high, nonlinear):
-    order = {2: (2, 4), 3: (2, 3)}[dim][high]
-    given = {"dim": dim, "order": order, "nonlinear": nonlinear, "h": 0.25}
-    given |= {"kinds": ("hex", "hex"), "n": (2, 1) if high else (3, 2)}
-    full, condensed = (mixed_press(condense=c, **given) for c in (False, True))
-    solved(full)
-    solved(condensed)
-    same(condensed, full)
-    free = [sum(map(bool, p.X.FreeDofs(p.a.condense))) for p in (full, condensed)]
-    inside = (order - 1) * (order - 2) if dim == 2 else 3 * (order - 1) ** 3  # of an element
-    assert free[0] - free[1] == inside * full.mesh.ne
-
-
-@pytest.mark.parametrize(
-    ("flags", "route"),
-    [
-        ({}, {"inverse": "umfpack"}),
-        ({}, {"inverse": "sparsecholesky", "solver": "saddle"}),  # which it is not made for
-        (TIED, {"inverse": "umfpack"}),
-        (TIED, {"inverse": "sparsecholesky"}),
-        ({"dim": 3, "n": (3, 2)}, {"inverse": "umfpack"}),
-    ],
-)
-def test_solvers_of_linear_systems_find_the_same(flags, route):
-    reference, other = mixed_press(**flags), mixed_press(**flags)
+@pytest.mark.parametrize(("given", "change", "route", "tol"), ROUTES)
+def test_the_same_by_another_route(given, change, route, tol):
+    reference, other = mixed_press(**given), mixed_press(**given, **change)
     solved(reference)
     solver = solved(other, **route)
-    assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-11)
+    same(other, reference, tol)
     assert "solver" not in route or solver.linear.inverse != "sparsecholesky"
 
 
@@ -249,13 +227,10 @@ def test_right_hand_sides(dim):
     traction = CF((0.5, 0.2, -2.0)[3 - dim :])
     reference.a += -InnerProduct(traction, reference.X.TestFunction()[0]) * ds("top")
     solved(reference)
-    for other, make in zip(
-        others,
-        (lambda f: f, lambda f: f.vec, lambda f: lambda: f.vec, lambda f: lambda: 1.0 * f.vec),
-        strict=True,
-    ):
+    kinds = lambda f: f, lambda f: f.vec, lambda f: lambda: f.vec, lambda f: lambda: 1.0 * f.vec
+    for other, kind in zip(others, kinds, strict=True):
         form = LinearForm(InnerProduct(traction, other.X.TestFunction()[0]) * ds("top")).Assemble()
-        solved(other, rhs=make(form))
+        solved(other, rhs=kind(form))
         assert numpy(other.gf) == pytest.approx(numpy(reference.gf), abs=1e-12)
 
 
@@ -266,16 +241,6 @@ def test_freedofs(dim):
     solved(fixed)
     solved(free, freedofs=BitArray(fixed.X.FreeDofs()))
     assert numpy(free.gf) == pytest.approx(numpy(fixed.gf), abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("factor", "tol"), [(0.01, 1e-10), (30.0, 1e-10), (1e-6, 1e-9), (1e6, 1e-9)]
-)
-def test_stiffness_factor_does_not_change_the_solution(dim, factor, tol):
-    reference, other = (mixed_press(dim=dim, n=(2, 1), stiffness=s) for s in (1.0, factor))
-    solved(reference)
-    solved(other)
-    same(other, reference, tol)
 
 
 @pytest.mark.parametrize(
@@ -327,14 +292,6 @@ def test_printing(capsys):
     assert all("equilibrium" in line and "constraint" in line for line in lines)
 
 
-def test_reaction_of_the_springs_is_the_contact_force(dim):
-    problem = press(dim=dim, friction=0.3)
-    solved(problem)
-    stretch = problem.gf.components[0] - CF(PUSH[dim])
-    springs = Integrate(1000 * stretch, problem.mesh.Boundaries("top"), BND, order=6)
-    assert problem.contact.Force() == pytest.approx(np.array(springs), abs=1e-9)
-
-
 # --- paths in 3D ---------------------------------------------------------------------------------
 
 
@@ -355,24 +312,3 @@ def test_a_path_in_two_directions_leaves_its_trace():
         assert force[0] > 0  # x goes back
         assert force[1] < 0
         assert np.linalg.norm(force[:2]) == pytest.approx(0.05 * force[2], rel=1e-2)
-
-
-def test_prescribed_displacements_in_3d():
-    problem = press(dim=3, spring=0, flags={"dirichlet": "bottom|top"}, friction=0.4)
-    problem.load.Set(0.0)
-    V = problem.X.components[0]
-    top = np.array([bool(b) for b in V.GetDofs(problem.mesh.Boundaries("top"))])
-    wanted = GridFunction(V)
-    wanted.Set(CF((0.01, 0.005, -0.02)), definedon=problem.mesh.Boundaries("top"))
-
-    def prescribe(gf):
-        values = gf.components[0].vec.FV().NumPy()
-        values[top] = problem.load.Get() * numpy(wanted)[top]
-
-    stepper = LoadStepper(problem.solver(), problem.load, prescribe=prescribe)
-    steps = stepper.Integrate(steps=2, printing=False)
-    assert [(s.time, s.cuts) for s in steps] == [(0.5, 0), (1.0, 0)]
-    at_top = problem.gf.components[0](problem.mesh(0.5, 0.5, 1))
-    assert at_top == pytest.approx((0.01, 0.005, -0.02), rel=1e-12)
-    assert problem.contact.Force()[2] > 0.5
-    check_law(problem.contact)
