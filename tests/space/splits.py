@@ -134,16 +134,15 @@ def shapes(mesh, vb=VOL):
 def min_jacobian(mesh):
     """Least Jacobian; in 3D positive if it has the same sign everywhere."""
     grid = np.stack(np.meshgrid(*[np.arange(5) / 4.001] * mesh.dim), axis=-1).reshape(-1, mesh.dim)
-    simplex = grid[grid.sum(axis=1) < 1 + 1e-9]
-    if mesh.dim == 2:
-        points = {ET.TRIG: simplex, ET.QUAD: grid}
-    else:
-        prism = grid[grid[:, :2].sum(axis=1) < 1 + 1e-9]
-        pyramid = np.array([(a * (1 - c), b * (1 - c), c) for a, b, c in grid if c < 0.9])
-        points = {ET.TET: simplex, ET.PYRAMID: pyramid, ET.PRISM: prism, ET.HEX: grid}
+    flat, height = grid[:, :2], grid[:, -1]
+    simplex, prism = grid.sum(axis=1) < 1 + 1e-9, flat.sum(axis=1) < 1 + 1e-9
+    pyramid = (flat.max(axis=1) + height < 1 + 1e-9) & (height < 0.9)
+    shapes = {ET.TRIG: simplex, ET.QUAD: height < 2}
+    if mesh.dim == 3:
+        shapes = {ET.TET: simplex, ET.PYRAMID: pyramid, ET.PRISM: prism, ET.HEX: height < 2}
     rules = {
-        shape: IntegrationRule(points=p.tolist(), weights=[1.0] * len(p))
-        for shape, p in points.items()
+        shape: IntegrationRule(points=grid[here].tolist(), weights=[1.0] * int(here.sum()))
+        for shape, here in shapes.items()
     }
     jacobian = Det(specialcf.JacobianMatrix(mesh.dim))
     values = jacobian(mesh.MapToAllElements(rules, VOL)).ravel()

@@ -28,8 +28,10 @@ from ngsolve import (
     LinearForm,
     Norm,
     NumberSpace,
+    Sym,
     VectorH1,
     VTKOutput,
+    div,
     ds,
     dx,
     x,
@@ -37,8 +39,10 @@ from ngsolve import (
     z,
 )
 from ngsolve.webgui import Draw
+from scipy.linalg import eigvalsh
+from scipy.sparse import csr_matrix
 
-from ngslac import BubbleVectorH1
+from ngslac import BubbleVectorH1, SplitSlaveFaces
 
 FIELDS = {2: (x, 2 * y), 3: (x, 2 * y - z, z)}
 
@@ -160,16 +164,6 @@ def test_static_condensation(kind, order):
     assert_same(*(solution(space, condense) for condense in (False, True)), tol=tol)
 
 
-@pytest.mark.parametrize("kind", ["trig", "quad", "tet", "hex", "prism"])
-def test_bubbles_improve_the_solution(kind):
-    """The energy of a loaded slave face grows: the bubbles take part."""
-    mesh, energies = brick(kind, 3), []
-    for space in (VectorH1(mesh), BubbleVectorH1(mesh, slave="bottom"), VectorH1(mesh, order=3)):
-        gf = solution(space)
-        energies.append(Integrate(InnerProduct(Grad(gf), Grad(gf)) + gf * gf, mesh))
-    assert energies[0] < energies[1] < energies[2]
-
-
 @pytest.mark.parametrize("kind", ["trig", "prism"])
 def test_dirichlet_flags(kind):
     mesh = brick(kind, 2)
@@ -206,19 +200,12 @@ def test_interface_between_two_materials(dim):
         assert is_consistent(space)
 
 
-@pytest.mark.parametrize("flags", [{}, {"wb_withedges": True}, {"low_order_space": True}])
+@pytest.mark.parametrize("flags", [{"wb_withedges": True}, {"low_order_space": True}])
 @pytest.mark.parametrize("kind", ["trig", "prism"])
 def test_other_flags(kind, flags):
     mesh = brick(kind, 2)
-    space = BubbleVectorH1(mesh, order=1, slave="top", dirichlet="bottom", **flags)
-    assert space.ndof == mesh.dim * (mesh.nv + len(slave_faces(mesh, "top")))
-    u, v = space.TnT()
-    a = BilinearForm(InnerProduct(Grad(u), Grad(v)) * dx).Assemble()
-    f = LinearForm(v[0] * ds("top")).Assemble()
-    gf = GridFunction(space)
-    gf.vec.data = a.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky") * f.vec
-    exact = CF(((y, z)[mesh.dim - 2], 0, 0)[: mesh.dim])
-    assert Integrate(Norm(gf - exact) * dx, mesh) < 1e-12
+    spaces = (BubbleVectorH1(mesh, order=1, slave="bottom", **f) for f in ({}, flags))
+    assert_same(*map(solution, spaces), tol=1e-13)
 
 
 @pytest.mark.parametrize("autoupdate", [True, False])
@@ -239,16 +226,10 @@ def test_refine_keeps_bubbles(dim, order, autoupdate):
         assert space.ndof == VectorH1(mesh, order=order).ndof + number
         assert len(gf.vec) == space.ndof
         assert is_consistent(space)
+        space.components[0].Update()
+        assert sum(space.FreeDofs()) == space.ndof
         if order == 1:  # NGSolve prolongates no more than that
             assert Integrate(Norm(gf - exact) * dx, mesh) < 1e-13
-
-
-def test_repeated_update_changes_nothing():
-    space = BubbleVectorH1(brick("trig"), order=1, slave="left", dirichlet="bottom")
-    ndof, free = space.ndof, sum(space.FreeDofs())
-    space.Update()
-    space.components[0].Update()
-    assert (space.ndof, sum(space.FreeDofs())) == (ndof, free)
 
 
 @pytest.mark.parametrize("by_region", [False, True])
@@ -282,3 +263,34 @@ def test_output(make, tmp_path):
     VTKOutput(mesh, coefs=[gf], names=["u"], filename=str(tmp_path / "u")).Do()
     Draw(gf, mesh, show=False, filename=str(tmp_path / "u.html"))
     assert all((tmp_path / name).stat().st_size > 0 for name in ("u.vtu", "u.html"))
+
+
+def condition(space, mesh, order, **flags):
+    """Of elasticity with both Lame constants 1, scaled to a diagonal of ones."""
+    V = space(mesh, order=order, dirichlet="top", **flags)
+    u, v = V.TnT()
+    a = BilinearForm(InnerProduct(Sym(Grad(u)), 2 * Sym(Grad(v))) * dx + div(u) * div(v) * dx)
+    values, columns, starts = (np.array(part) for part in a.Assemble().mat.CSR())
+    free = np.flatnonzero(list(V.FreeDofs()))
+    matrix = csr_matrix((values, columns, starts))[free][:, free].toarray()
+    scale = 1 / np.sqrt(matrix.diagonal())
+    eigenvalues = eigvalsh(matrix * np.outer(scale, scale))
+    return eigenvalues[-1] / eigenvalues[0]
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("kind", KINDS)
+def test_bubbles_keep_the_condition_number_and_split_faces_raise_it(kind, order):
+    """Bubbles are nearly orthogonal to the rest: 13 % at most.
+
+    Split high cells have eight times the number: bubbles are better for iterative solvers.
+    """
+    mesh = brick(kind, 3, 3) if order == 1 else brick(kind, 2, 1)
+    plain = condition(VectorH1, mesh, order)
+    assert condition(BubbleVectorH1, mesh, order, slave="bottom") < 1.15 * plain
+    limits = {"pyramids": {"quad": 9, "prism": 8, "prism_side": 3, "pyramid": 2}.get(kind, 4)}
+    if kind == "hex":
+        limits["hexes"] = 6
+    for hexes, factor in limits.items():
+        split = SplitSlaveFaces(mesh, "bottom", hexes=hexes)
+        assert condition(VectorH1, split, order) < factor * plain

@@ -1,7 +1,6 @@
 """LACSpace: macro-elements from the displacement space's own basis functions."""
 
 import itertools
-from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -93,16 +92,13 @@ def test_order_one_makes_stars_of_inner_vertices(kind, n):
         assert sizes(Q)[-1] <= (9 if kind == "tet" or n == 3 else 8)
 
 
-@lru_cache
-def irregular(shape):
-    return unstructured(3, 0.13) if shape == "cube" else ball(3, 0.4)
-
-
-@pytest.mark.parametrize("shape", ["cube", "ball"])
-def test_order_two_makes_pairs_of_unstructured_triangles(shape):
-    """Nearly all triangles find a partner across an edge; the few left over make it three."""
-    mesh = irregular(shape)
-    Q = partition(mesh, 2, "bottom|surface")
+@pytest.mark.parametrize("make", [lambda: unstructured(3, 0.13), lambda: ball(3, 0.4)])
+def test_unstructured_triangles_make_small_stars_and_pairs(make):
+    """Nearly all find a partner across an edge for order 2; the few left over make it three."""
+    mesh, slave = make(), "bottom|surface"
+    stars, Q = (partition(mesh, order, slave) for order in (1, 2))
+    assert np.mean(sizes(stars)) < 8.5
+    assert max(sizes(stars)) <= 11
     count = np.bincount(sizes(Q))
     assert count[:2].sum() == 0
     assert len(count) <= 4
@@ -110,13 +106,6 @@ def test_order_two_makes_pairs_of_unstructured_triangles(shape):
     for own in faces_of_macros(Q):
         faces = vertices_of(mesh, own)
         assert any(len(a & b) == 2 for a, b in itertools.combinations(faces, 2))
-
-
-@pytest.mark.parametrize("shape", ["cube", "ball"])
-def test_order_one_makes_small_stars_of_unstructured_triangles(shape):
-    Q = partition(irregular(shape), 1, "bottom|surface")
-    assert np.mean(sizes(Q)) < 8.5
-    assert max(sizes(Q)) <= 11
 
 
 @pytest.mark.pairwise
