@@ -13,10 +13,7 @@ HOME = str(Path(ngslac.__file__).parent)
 class Interrupter:
     """A context that raises KeyboardInterrupt at the line number `at` that the package executes.
 
-    Attributes
-    ----------
-    lines : int
-        How many were executed.
+    `lines` is how many were executed.
     """
 
     def __init__(self, at=None):
@@ -43,23 +40,27 @@ class Interrupter:
 def seen(tool):
     """All that a user can see of a computation, by name."""
     solver = getattr(tool, "solver", tool)
-    found = {"gf": solver.gf.vec.FV().NumPy().copy()}
+    found = {"gf": solver.gf}
     for name in ("load", "time"):
         if hasattr(tool, name):
             found[name] = getattr(tool, name).Get()
     if hasattr(tool, "steps"):
         found["steps"] = len(tool.steps)
     if hasattr(tool, "velocity"):
-        found["velocity"] = tool.velocity.vec.FV().NumPy().copy()
+        found["velocity"] = tool.velocity
         found["balance"] = -1.0 if tool.balance is None else tool.balance.time
     for k, contact in enumerate(solver.contacts):
         parts = contact.Table() | contact.State()
+        parts |= {"force": contact.Force(), "moment": contact.Moment()}
         parts["segments"] = contact.Segments().gap
-        parts["force"], parts["moment"] = contact.Force(), np.asarray(contact.Moment())
         for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
-            parts["field " + name] = getattr(contact, name).vec.FV().NumPy().copy()
-        found |= {f"{name} {k}": np.array(values) for name, values in parts.items()}
-    return found
+            parts["field " + name] = getattr(contact, name)
+        found |= {f"{name} {k}": value for name, value in parts.items()}
+    return {name: Copy(value) for name, value in found.items()}
+
+
+def Copy(value):
+    return np.array(value.vec.FV().NumPy() if hasattr(value, "vec") else value)
 
 
 def same(one, other):

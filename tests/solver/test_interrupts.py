@@ -50,17 +50,12 @@ MAKE = {
 # --- what is interrupted: prepared, and then run -------------------------------------------------
 
 
-def solve(stepper, _):
-    stepper.load.Set(0.7)
-    return lambda: stepper.solver.Solve(printing=False)
-
-
-def step(stepper, _):
-    return lambda: stepper.Integrate(0.6, steps=1, printing=False)
-
-
-def time_step(stepper, _):
-    return lambda: stepper.Integrate(stepper.time.Get() + stepper.dt, printing=False)
+def step(stepper, _=None, **flags):
+    if hasattr(stepper, "time"):
+        end = stepper.time.Get() + stepper.dt
+    else:
+        end, flags = 0.6, {"steps": 1} | flags
+    return lambda: stepper.Integrate(end, printing=False, **flags)
 
 
 def cut(stepper, _):
@@ -72,7 +67,7 @@ def cut(stepper, _):
 
     def run():
         with pytest.raises(ContactConvergenceError, match="hard"):
-            stepper.Integrate(0.6, steps=1, printing=False)
+            step(stepper)()
 
     stepper.maxcuts, stepper.prescribe = 1, prescribe
     return run
@@ -80,49 +75,45 @@ def cut(stepper, _):
 
 def load(stepper, folder):
     SaveState(folder / "state", stepper)
-    step(stepper, folder)()
+    step(stepper)()
     return lambda: LoadState(folder / "state", stepper)
 
 
-def pair(stepper, _):
-    return lambda: stepper.solver.contacts[0].Update(stepper.solver.gf)
+def solve(stepper, _=None):
+    stepper.load.Set(0.7)
+    return lambda: stepper.solver.Solve(printing=False)
 
 
-def under_way(stepper, call):
+def under_way(call):
     """What is seen is an equilibrium under way, neither the last commit nor what comes."""
-    (contact,) = stepper.solver.contacts
-    state = contact.State()
-    solve(stepper, None)()
-    return lambda: call(contact, state)
+
+    def prepare(stepper, _):
+        (contact,) = stepper.solver.contacts
+        state = contact.State()
+        solve(stepper)()
+        return lambda: call(contact, state, stepper.solver.gf)
+
+    return prepare
 
 
-def pair_by_hand(stepper, _):
-    return under_way(stepper, lambda contact, state: contact.Update())
-
-
-def put_back(stepper, _):
-    return under_way(stepper, lambda contact, state: contact.SetState(state))
-
-
-def commit(stepper, _):
-    return under_way(stepper, lambda contact, state: contact.Commit(stepper.solver.gf))
+ACTIONS = {
+    "step": (step, ["small", "finite", "augmented", "dynamics", "first step"]),
+    "solve": (solve, ["small"]),
+    "cut": (cut, ["linear"]),
+    "load": (load, ["small", "finite"]),
+    "pair": (under_way(lambda contact, _, gf: contact.Update(gf)), ["small", "finite"]),
+    "pair by hand": (under_way(lambda contact, *_: contact.Update()), ["finite", "self-contact"]),
+    "put back": (under_way(lambda contact, state, _: contact.SetState(state)), ["finite"]),
+    "commit": (under_way(lambda contact, _, gf: contact.Commit(gf)), ["small", "finite"]),
+}
 
 
 @pytest.mark.parametrize(
-    ("action", "name"),
-    [
-        (solve, "small"),
-        *((step, name) for name in ("small", "finite", "augmented")),
-        *((time_step, name) for name in ("dynamics", "first step")),
-        (cut, "linear"),
-        *((action, name) for action in (load, pair, commit) for name in ("small", "finite")),
-        *((pair_by_hand, name) for name in ("finite", "self-contact")),
-        (put_back, "finite"),
-    ],
+    ("action", "name"), [(key, name) for key in ACTIONS for name in ACTIONS[key][1]]
 )
 def test_an_interrupt_at_any_line(action, name, tmp_path):
     tool = MAKE[name]()
-    run = action(tool, tmp_path)
+    run = ACTIONS[action][0](tool, tmp_path)
     before, old = tool.State(), seen(tool)
     with Interrupter() as whole:
         run()
@@ -140,17 +131,16 @@ def test_an_interrupt_at_any_line(action, name, tmp_path):
         tool.SetState(before)
 
 
-@pytest.mark.parametrize(("name", "flags"), [("small", {"steps": 1}), ("dynamics", {})])
-def test_an_interrupt_in_a_callback_leaves_the_step(name, flags):
+@pytest.mark.parametrize("name", ["small", "dynamics"])
+def test_an_interrupt_in_a_callback_leaves_the_step(name):
     """The step had converged: all of it is there."""
     stepper, reference = MAKE[name](), MAKE[name]()
-    end = reference.Integrate(0.54, printing=False, **flags)[-1]
+    (end,) = step(reference)()
 
-    def callback(step):
-        if step.number == end.number:
-            raise KeyboardInterrupt
+    def callback(_):
+        raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        stepper.Integrate(0.54, printing=False, callback=callback, **flags)
+        step(stepper, callback=callback)()
     assert stepper.steps[-1].time == end.time
     assert same(seen(stepper), seen(reference)) == set(seen(stepper))

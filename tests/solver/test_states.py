@@ -5,18 +5,29 @@ import numpy as np
 import pytest
 from interrupts import Interrupter, same, seen
 from netgen.meshing import NgException
+from ngsolve import CF
 from press import mixed_press, numpy, press
 
-from ngslac import ContactConvergenceError, ContactSolver
+from ngslac import ContactConvergenceError, ContactSolver, LoadStepper
 from ngslac.bodies.bodies import Bodies
 from ngslac.linear.solver import LinearSolveError
+
+
+def prescribed():
+    problem = press(spring=0, friction=0.4, nonlinear=True, flags={"dirichlet": "bottom|top"})
+    problem.load.Set(0)
+    motion = {"top": problem.load * CF((0.02, -0.02))}
+    return LoadStepper(problem.solver(inverse=continued.INVERSE), problem.load, prescribe=motion)
+
 
 TOOLS = {
     "small": continued.loading,
     "finite": lambda: continued.loading(finite=True),
+    "prescribed": prescribed,
     "self-contact": continued.squeezed,
     "dynamics": lambda: continued.bouncing(nonlinear=True, order=1),
 }
+KINDS = pytest.mark.parametrize("name", ["small", "finite"])
 
 
 def half(name):
@@ -34,43 +45,29 @@ def unchanged(tool, call, error, match=None):
 # --- what fails ----------------------------------------------------------------------------------
 
 
-def too_few_iterations(tool):
-    cuts, tool.maxcuts = tool.maxcuts, 1
+def hard(_):
+    raise ContactConvergenceError("hard")
+
+
+def step(tool, prescribe=None, at=None, **flags):
+    """One that fails: for other displacements, at an interrupt, or for few iterations."""
+    kept = tool.prescribe, tool.maxcuts
+    end, steps = (1.0, {"steps": 1}) if hasattr(tool, "load") else (0.54, {})
+    tool.prescribe, tool.maxcuts = prescribe or tool.prescribe, 1
     try:
-        tool.Integrate(0.54, maxit=1, tol=1e-14, printing=False)
+        with Interrupter(at):
+            tool.Integrate(end, printing=False, **steps, **flags)
     finally:
-        tool.maxcuts = cuts
-
-
-def an_error_on_the_way(tool):
-    def prescribe(_):
-        raise ContactConvergenceError("hard")
-
-    before, tool.prescribe = tool.prescribe, prescribe
-    try:
-        tool.Integrate(0.54, printing=False)
-    finally:
-        tool.prescribe = before
-
-
-def interrupted(tool):
-    with Interrupter(700):
-        tool.Integrate(0.54, printing=False)
-
-
-FAILURES = [
-    (too_few_iterations, ContactConvergenceError),
-    (an_error_on_the_way, ContactConvergenceError),
-    (interrupted, KeyboardInterrupt),
-]
+        tool.prescribe, tool.maxcuts = kept
 
 
 @pytest.mark.parametrize("name", TOOLS)
 def test_failed_steps_leave_no_trace(name):
     """The computation goes on as if nothing had happened."""
     tool, reference = half(name), half(name)
-    for call, error in FAILURES:
-        unchanged(tool, call, error)
+    unchanged(tool, lambda t: step(t, maxit=1, tol=1e-14), ContactConvergenceError)
+    unchanged(tool, lambda t: step(t, prescribe=hard), ContactConvergenceError, "hard")
+    unchanged(tool, lambda t: step(t, at=700), KeyboardInterrupt)
     ends = [seen(continued.half(stepper, 2)) for stepper in (tool, reference)]
     # The last digit of velocities depends on where arrays lie.
     rounding = 1e-9 if name == "dynamics" else 0
@@ -78,56 +75,48 @@ def test_failed_steps_leave_no_trace(name):
         assert value == pytest.approx(ends[1][key], rel=rounding, abs=rounding), key
 
 
-def set_nan(solver):
-    solver.gf.vec[0] = np.nan
+def put(entry):
+    def Put(solver):
+        solver.gf.vec[0] = entry(solver.gf.vec[0])
+
+    return Put
 
 
-def move(solver):
-    solver.gf.vec[0] += 1e-9
+CHANGED = "callback has changed gf in the middle of Solve"
 
 
-def solve_again(solver):
-    solver.Solve(printing=False)
-
-
-def solve_by_another(solver):
-    ContactSolver(solver.a, solver.gf, solver.contacts).Solve(printing=False)
-
-
-def interrupt(solver):
-    raise KeyboardInterrupt
-
-
-@pytest.mark.parametrize("name", ["small", "finite"])
+@KINDS
 @pytest.mark.parametrize(
-    ("action", "error", "text"),
+    ("action", "text"),
     [
-        (set_nan, ValueError, "callback has changed gf in the middle of Solve"),
-        (move, ValueError, "callback has changed gf in the middle of Solve"),
-        (solve_by_another, ValueError, "callback has changed gf in the middle of Solve"),
-        (solve_again, ValueError, "Solve was called in the middle of Solve"),
-        (interrupt, KeyboardInterrupt, None),
+        (put(lambda _: np.nan), CHANGED),
+        (put(lambda value: value + 1e-9), CHANGED),
+        (lambda s: ContactSolver(s.a, s.gf, s.contacts).Solve(printing=False), CHANGED),
+        (lambda s: s.Solve(printing=False), "Solve was called in the middle of Solve"),
     ],
 )
-def test_what_a_callback_of_solve_must_not_do(name, action, error, text):
+def test_what_a_callback_of_solve_must_not_do(name, action, text):
     tool = half(name)
     tool.load.Set(0.55)
-    solver = tool.solver
-    unchanged(solver, lambda s: s.Solve(printing=False, callback=lambda _: action(s)), error, text)
-    solver.Solve(printing=False)  # nothing is left of it
+
+    def call(solver):
+        solver.Solve(printing=False, callback=lambda _: action(solver))
+
+    unchanged(tool.solver, call, ValueError, text)
+    tool.solver.Solve(printing=False)  # nothing is left of it
 
 
 def test_a_failed_solve_leaves_no_trace():
-    solver = (problem := mixed_press(nonlinear=True)).solver()
+    problem = mixed_press(nonlinear=True)
+    solver, contact = problem.solver(), problem.contact
     solver.Solve(printing=False)
     before = numpy(problem.gf)
     problem.load.Set(1.7)
-    few = "no convergence in 1 iterations"
-    unchanged(solver, lambda s: s.Solve(maxit=1, printing=False), ContactConvergenceError, few)
-    problem.contact.Commit(problem.gf)
-    problem.contact.Evaluate(problem.gf)
-    unchanged(solver, lambda s: s.Solve(maxit=1, printing=False), ContactConvergenceError, few)
-    assert problem.contact.Table()["slip"] == pytest.approx(0, abs=1e-15)
+    for look in (contact.Table, lambda: (contact.Commit(problem.gf), contact.Evaluate(problem.gf))):
+        look()
+        failing = ContactConvergenceError, "no convergence in 1 iterations"
+        unchanged(solver, lambda s: s.Solve(maxit=1, printing=False), *failing)
+    assert contact.Table()["slip"] == pytest.approx(0, abs=1e-15)
     solver.Solve(printing=False)  # nothing is broken: more iterations do it
     assert not np.array_equal(numpy(problem.gf), before)
 
@@ -151,7 +140,6 @@ def test_an_error_while_bodies_are_looked_for(monkeypatch):
 # --- states that do not fit ----------------------------------------------------------------------
 
 TEXT = "must be what State"
-EXACT = (TypeError, ValueError, NgException)
 
 
 def of_contact(**wrong):
@@ -160,6 +148,10 @@ def of_contact(**wrong):
         contact.SetState(contact.State() | wrong, tool.solver.gf)
 
     return call
+
+
+def bare(state):
+    return lambda tool: tool.solver.contacts[0].SetState(state)
 
 
 def of_solver(**wrong):
@@ -171,10 +163,6 @@ def of_both(tool):
     state = tool.solver.State()
     parts = [state["contacts"][0] | {"memory": np.zeros(1)}]
     tool.solver.SetState(state | {"gf": 2 * state["gf"], "contacts": parts})
-
-
-def bare(state):
-    return lambda tool: tool.solver.contacts[0].SetState(state)
 
 
 REFUSED = [
@@ -189,46 +177,34 @@ REFUSED = [
     (of_solver(contacts=[]), "state is that of 0 contacts, the solver has 1"),
     *((of_solver(**{key: "text"}), rf"state\['{key}'\] = 'text' {TEXT}")
       for key in ("contacts", "history", "residual", "scale")),
-    (lambda tool: tool.solver.SetState(press().solver().State()),
-     r"values of gf, which has .* before the space was refined"),
+    (of_solver(gf=np.zeros(3)), r"values of gf, which has .* before the space was refined"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["small", "finite"])
+@KINDS
 def test_a_state_that_does_not_fit_changes_nothing(name):
     tool = half(name)
     for call, message in REFUSED:
-        unchanged(tool, call, EXACT, message)
+        unchanged(tool, call, (TypeError, ValueError, NgException), message)
 
 
-@pytest.mark.parametrize("name", ["small", "finite"])
-def test_an_unpaired_state(name):
-    """Back before the first pairing: nothing of it is left."""
-    solver = half(name).solver
-    (contact,) = solver.contacts
+@KINDS
+def test_unpaired_and_strided_states(name):
+    """Back before the first pairing, nothing of it is left."""
+    tool = half(name)
+    (contact,), gf = tool.solver.contacts, tool.solver.gf
+    before, state = seen(tool), contact.State()
     contact.SetState({"paired": None, "scaled": False})
-    assert not contact.form.paired
     assert not np.any(numpy(contact.pressure))
     with pytest.raises(NgException, match="no pairing yet"):
         contact.Force()
-    solver.Solve(printing=False)
-    assert contact.Force()[1] > 0
-
-
-@pytest.mark.parametrize("name", ["small", "finite"])
-def test_a_strided_state(name):
-    tool = half(name)
-    (contact,) = tool.solver.contacts
-    before = seen(tool)
-    strided = {
-        name: np.repeat(value, 2)[::2] if isinstance(value, np.ndarray) else value
-        for name, value in contact.State().items()
-    }
-    contact.SetState(strided, tool.solver.gf)
+    arrays = {key: value for key, value in state.items() if isinstance(value, np.ndarray)}
+    strided = {key: np.repeat(value, 2)[::2] for key, value in arrays.items()}
+    contact.SetState(state | strided, gf)
     assert same(before, seen(tool)) == set(before)
 
 
-@pytest.mark.parametrize("name", ["small", "finite"])
+@KINDS
 def test_the_step_before_the_space_was_refined(name):
     """The stepper is of no use then, and says so; nothing crashes."""
     tool = half(name)
