@@ -2,7 +2,7 @@
 
 import numpy as np
 from ngsolve import CF, Grad, dx
-from stress_meshes import Grids, Outline, Part, Plate, Sector, Sketch
+from stress_meshes import Grids, Outline, Part, Plate, Polar, Sketch
 from stress_problem import Problem, problem
 
 PAIRS = [("gasket", "lower"), ("gasket_top", "upper_bottom")]
@@ -137,8 +137,12 @@ def HotTile3D(n, friction):
 @problem(0.1, 0.5)
 def ShrunkOn(friction):
     """A ring shrinks on a shaft that has a little play in it, and holds it."""
-    hub = (Sector(1.002, 1.6), (11, 4), "quad")
-    mesh = Grids(shaft=(Sector(0.3, 1.0), (8, 4), "quad"), hub=hub)
+
+    def sector(r0, r1):
+        return lambda s, t: Polar(np.pi / 2 * (1 - s), r0 + (r1 - r0) * t)
+
+    hub = (sector(1.002, 1.6), (11, 4), "quad")
+    mesh = Grids(shaft=(sector(0.3, 1.0), (8, 4), "quad"), hub=hub)
     sides = {"heldx": "shaft_left|hub_left", "heldy": "shaft_right|hub_right"}
     pairs = [("shaft_top", "hub_bottom")]
     p = Problem(mesh, {"shaft": 2e5, "hub": 7e4}, pairs, friction, steps=2, **sides)

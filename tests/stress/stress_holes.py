@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from netgen.occ import Circle
 from ngsolve import IfPos
-from stress_meshes import Disc, Grids, Part, Plate, Polar, Sector, Sketch
+from stress_meshes import Disc, Grids, Part, Plate, Polar, Sketch
 from stress_problem import Problem, problem
 
 RADIUS = 10.0
@@ -107,7 +107,12 @@ def BallInBowl(friction, curvature):
 )
 def PressFit(excess, friction, contrast):
     """A shaft is a little larger than the hole of its hub; there is no other load."""
-    mesh = Grids(shaft=(Sector(0.3, 1.0 + excess), (8, 4), "quad"), hub=(Sector(1.0, 1.6), (11, 4)))
+
+    def sector(r0, r1):
+        return lambda s, t: Polar(np.pi / 2 - np.pi / 2 * s, r0 + (r1 - r0) * t)
+
+    shaft = (sector(0.3, 1.0 + excess), (8, 4), "quad")
+    mesh = Grids(shaft=shaft, hub=(sector(1.0, 1.6), (11, 4)))
     sides = {"heldx": "shaft_left|hub_left", "heldy": "shaft_right|hub_right"}
     young, pairs = {"shaft": 100.0 * contrast, "hub": 100.0}, [("shaft_top", "hub_bottom")]
     return Problem(mesh, young, pairs, friction or None, **sides)

@@ -50,11 +50,6 @@ def Polar(angle, radius):
     return radius * np.cos(angle), radius * np.sin(angle)
 
 
-def Sector(r0, r1):
-    """The map of the square to a quarter of a ring, its bottom inside."""
-    return lambda s, t: Polar(np.pi / 2 * (1 - s), r0 + (r1 - r0) * t)
-
-
 def Disc(s, t, radius=1.0):
     """The square as a disc that touches y = 0."""
     a, b = 2 * s - 1, 2 * t - 1
