@@ -7,9 +7,19 @@ import command
 import numpy as np
 import pytest
 from command import Count, NotNegative, Options, Positive, Start
-from commandline import Refused
 
 from ngslac import ContactConvergenceError
+
+
+def Refused(capsys, main, *arguments):
+    """The one line with which `main` refuses its arguments."""
+    with pytest.raises(SystemExit) as end:
+        main([*arguments])
+    assert end.value.code == 2
+    usage, _, error = capsys.readouterr().err.rstrip().rpartition("\n")
+    assert usage.startswith("usage:")
+    assert "Traceback" not in usage
+    return error
 
 
 def Command(run):

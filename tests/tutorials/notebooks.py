@@ -3,8 +3,8 @@
 import json
 import os
 import sys
-import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import nbformat
 import numpy as np
@@ -28,7 +28,7 @@ print(json.dumps(VALUES, default=lambda value: value.tolist()))
 """
 
 
-def Execute(name, values, replace=None, folder=None):
+def Execute(name, values, folder, replace=None):
     """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
     path = FOLDER / f"{name}.ipynb"
     notebook = nbformat.read(path, as_version=4)
@@ -37,12 +37,12 @@ def Execute(name, values, replace=None, folder=None):
         (cell,) = (cell for cell in notebook.cells if old in cell.source)
         cell.source = cell.source.replace(old, new)
     notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
-    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as own:
+    with pytest.MonkeyPatch.context() as patch:
         # The kernel takes the package from where the tests have it, and shows its pictures.
         paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
         patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
         patch.delenv("MPLBACKEND", raising=False)
-        resources = {"metadata": {"path": str(folder or own)}}
+        resources = {"metadata": {"path": str(folder)}}
         client = NotebookClient(notebook, kernel_name="python3", timeout=500, resources=resources)
         client.execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
@@ -54,13 +54,44 @@ def Execute(name, values, replace=None, folder=None):
     return json.loads(text, object_hook=Arrays), outputs
 
 
+def Tutorial(name, values, pictures, replace=None):
+    """A fixture: the values of a notebook, which shows so many pictures and no errors.
+
+    Beside the `VALUES` it has the `text` that is printed, the `outputs`, and the `folder`.
+    """
+
+    @pytest.fixture(scope="module")
+    def values_of(tmp_path_factory):
+        folder = tmp_path_factory.mktemp(name)
+        found, outputs = Execute(name, values, folder, replace)
+        assert not [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]
+        assert sum("image/png" in output.get("data", {}) for output in outputs) == pictures
+        text = "".join(output.text for output in outputs if output.output_type == "stream")
+        return SimpleNamespace(text=text, outputs=outputs, folder=folder, **found)
+
+    return values_of
+
+
+def Files(folder, pattern="*"):
+    """Names of the files, all of which hold something."""
+    sizes = {path.name: path.stat().st_size for path in Path(folder).glob(pattern)}
+    assert min(sizes.values()) > 5000
+    return sorted(sizes)
+
+
+def CheckConditions(state, friction, *, tol=1e-9):
+    """Pressure, gap and friction (n, d) of macro-elements, relative to the largest."""
+    p, status, gap = state["pressure"], state["status"], state["gap"]
+    q = state.get("friction")
+    if q is None or q.ndim == 1:
+        q = state["traction"] + p[:, None] * state["normal"]
+    q, size = np.linalg.norm(q, axis=1), p.max()
+    assert p.min() > -tol * size
+    assert abs(p[status == 0]).max() < tol * size
+    assert abs(p * gap).max() < max(tol, 1e-8) * size * abs(gap).max()
+    np.testing.assert_allclose(q[status == 2], friction * p[status == 2], atol=tol * size)
+    assert np.all(q[status == 1] < friction * p[status == 1] + tol * size)
+
+
 def Arrays(values):
     return {k: np.array(v) if isinstance(v, list) else v for k, v in values.items()}
-
-
-def Pictures(outputs):
-    return sum("image/png" in output.get("data", {}) for output in outputs)
-
-
-def Errors(outputs):
-    return [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]

@@ -1,0 +1,181 @@
+"""Every example as a command: its numbers and files, its help, what it refuses."""
+
+import json
+from importlib import import_module
+
+import hertz_large
+import materials
+import patch3d
+import pytest
+from patch3d import Case
+from test_example_command import Refused
+
+approx = pytest.approx
+FEW = [Case("tet", 1, "split", True), Case("pyramid", 1, "agglomerated"), Case("hex", 2)]
+
+
+@pytest.fixture(autouse=True)
+def few(monkeypatch):
+    monkeypatch.setattr(patch3d, "Cases", lambda friction: FEW)
+
+
+def Order1(stabilize, ratio):
+    options = f"--h 1 --steps 2 --order 1 --stabilize {stabilize} --full --quiet"
+    return "hertz", options, {"force_ratio": approx(1, abs=1e-10), "p0_ratio": ratio}, "", ""
+
+
+def Hertz3D(shape):
+    near = approx(1, abs=0.1)
+    figures = {"force_ratio": approx(1, abs=1e-9), "p0_ratio": near, "contact_radius_ratio": near}
+    files = "hertz3d_pressure.png hertz3d.vtu hertz3d_contact.vtu hertz3d_segments.vtu"
+    return "hertz3d", f"--shape {shape} --h 0.9", figures, "p0_ratio ", files
+
+
+def Friction3D(name, options, curve, printed):
+    def Counted(steps, macros):
+        values = [row[curve] for row in steps[:2]]
+        counts = {row["open"] + row["stick"] + row["slip"] for row in steps}
+        return 0.3 < values[0] < values[1] < 1 and counts == {macros}
+
+    figures = {"steps macros": Counted, "stiffness_ratio": approx(1, abs=0.35)}
+    figures |= {"newton_max": lambda newton: newton <= 10}
+    files = f"{name}.png {name}.vtu {name}_contact.vtu"
+    return name, f"--elements 2 --steps 2 {options}", figures, printed, files
+
+
+# Script, options, numbers or what holds for them, something that is printed, files.
+RUNS = [
+    ("hertz", "--h 1 --steps 2", {
+        "p0_ratio": approx(1.017, abs=3e-3), "force_ratio": approx(1, abs=1e-10),
+        "newton_iterations newton_max": lambda each, most: len(each) == 2 and max(each) == most,
+        "contact_edge ndof seconds": lambda *values: min(values) > 0,
+    }, "contact force 1.0000", "hertz.png hertz.vtu hertz_slave.vtu"),
+    Order1("none", approx(1.0493, abs=1e-3)),
+    Order1("split", approx(1.0294, abs=1e-3)),
+    Order1("bubble", approx(1.0295, abs=1e-3)),
+    Hertz3D("sphere"),
+    Hertz3D("cylinder"),
+    Friction3D("cattaneo3d", "--reverse 1", "shear", "stick_ratio_exact"),
+    Friction3D("twist", "--smooth --quiet", "moment_ratio", ""),
+    ("patch3d", "", {
+        "max_error cases": lambda worst, rows: [row["name"] for row in rows] == [
+            case.name for case in FEW
+        ] and worst < 1e-11 and worst == max(
+            max(row["stress_error"], row["multiplier_error"]) for row in rows
+        ) and min(row["macros"] for row in rows) > 1,
+    }, "in 3 cases", "patch3d_errors.png patch3d_contact.vtu patch3d_segments.vtu"),
+    ("ironing", "--h 0.6 --steps 8 --stroke 0.4 --friction 0.1", {
+        "steps": 8, "converged_steps": 8, "quadratic": lambda value: isinstance(value, bool),
+        "vertical_force time": lambda force, time: len(force) == len(time) == 8,
+    }, "t = 1.040: down", "ironing.png ironing.vtu"),
+    ("hertz_large", "--h 0.2 --steps 2 --depth 0.02 --order 3", {
+        "steps": 2, "converged_steps": 2,
+        "force": lambda force: force[-1] == approx(hertz_large.HertzForce(0.02, 0.49), rel=0.1),
+    }, "by Hertz", "hertz_large.png hertz_large.vtu"),
+    ("twistblocks", "--n 2 --steps 1 --angle 10 --friction 0 --rigid", {
+        "steps": 1, "converged_steps": 1, "angle": approx([0, 0, 10]),
+        "torque force": lambda torque, force: abs(torque[-1]) < 1e-3 * force[-1],
+    }, "10.0 degrees", "twistblocks.png twistblocks.vtu twistblocks.html"),
+    ("flatring", "--travel 0.2 --steps 2", {
+        "steps": 2, "converged_steps": 2, "travel": approx([0.1, 0.2]),
+    }, "force on the plate", "flatring.png flatring_inside.vtu flatring_outside.vtu"),
+    ("indentation", "--h 0.4 --steps 5 --depth 0.02", {
+        "steps curve": lambda steps, curve: steps == len(curve),
+        "prandtl": approx(2.9685, abs=1e-4), "onset_pressure": approx(1.79, rel=0.03),
+    }, "mean pressure", "indentation.png indentation_top.vtu"),
+    ("materials", "--squeeze 0.05 --steps 1", {
+        "thermal": lambda found: found["pressure"] == approx(found["lame"], rel=2e-3),
+        "rubber": lambda found: found["force"] == approx(materials.SqueezeForce(0.05), rel=0.05),
+    }, "peak_pressure", "materials.png materials_rubber.vtu materials_thermal.vtu"),
+    ("materials", "--cases thermal --quiet", {"thermal": lambda found: found["ndof"] > 0}, "",
+     "materials.png materials_thermal.vtu"),
+    ("bouncing", "--h 0.4 --dt 0.04 --end 0.2 --velocity 2 -1", {
+        "steps": lambda steps: steps >= 5, "contact_end": approx(0.2),
+    }, "friction_ratio", "bouncing.png bouncing_outside.vtu"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "figures", "printed", "files"), RUNS, ids=lambda value: str(value)[:40]
+)
+def test_numbers_and_files(name, options, figures, printed, files, tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    file, out = tmp_path / "new" / "figures.json", tmp_path / "out"
+    arguments = [*options.split(), "--json", str(file), *(["--out", str(out)] if files else [])]
+    import_module(name).main(arguments)
+    found = json.loads(file.read_text())
+    for keys, expected in figures.items():
+        values = [found[key] for key in keys.split()]
+        assert expected(*values) if callable(expected) else values == [expected], (keys, values)
+    text = capsys.readouterr().out
+    assert printed in text if printed else text == ""
+    sizes = {path.name: path.stat().st_size for path in out.glob("*")}
+    assert {*files.split()} == sizes.keys()
+    assert all(size > 1000 for size in sizes.values())
+
+
+HELP = {
+    "hertz": 0.5, "hertz3d": 0.3125, "cattaneo3d": 0.3, "twist": 0.3, "patch3d": 0.0,
+    "ironing": 80, "hertz_large": 0.3, "twistblocks": 180.0, "flatring": 0.12, "indentation": 0.08,
+    "materials": 0.25, "bouncing": 0.17,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HELP)
+def test_help(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        import_module(name).main(["--help"])
+    assert end.value.code == 0
+    text = capsys.readouterr().out
+    assert f"python tutorials/examples/{name}.py" in text
+    assert f"(default: {HELP[name]})" in text
+
+
+REFUSED = [
+    ("hertz", "--h 0", "--h: 0 is no finite number > 0"),
+    ("hertz", "--friction -1", "--friction: -1 is no"),
+    ("hertz", "--steps 0", "--steps"),
+    ("hertz", "--stabilize some", "--stabilize"),
+    ("hertz3d", "--h 0", "--h: 0 is no finite number > 0"),
+    ("hertz3d", "--shape cube", "'cube'"),
+    ("hertz3d", "--friction -1", "--friction"),
+    ("cattaneo3d", "--model quarter", "'half', 'full'"),
+    ("cattaneo3d", "--shear 1", "would slide"),
+    ("cattaneo3d", "--reverse -1", "reverse = -1"),
+    ("cattaneo3d", "--elements 0", "--elements"),
+    ("twist", "--model half", "'quarter', 'full'"),
+    ("twist", "--stabilize split", "'none', 'bubble'"),
+    ("twist", "--angle -1", "--angle"),
+    ("twist", "--friction 0", "--friction"),
+    ("patch3d", "--friction -1", "--friction"),
+    ("ironing", "--steps 1", "steps = 1"),
+    ("ironing", "--order 1", "--order"),
+    ("ironing", "--h -1.0", "--h"),
+    ("ironing", "--stroke 11.0", "stroke = 11"),
+    ("hertz_large", "--steps 0", "--steps"),
+    ("hertz_large", "--order 1", "--order"),
+    ("hertz_large", "--nu 0.5", "nu"),
+    ("hertz_large", "--depth 0.8", "depth = 0.8"),
+    ("hertz_large", "--h 0", "--h"),
+    ("twistblocks", "--steps 0", "--steps"),
+    ("twistblocks", "--order 1", "--order"),
+    ("twistblocks", "--friction -0.1", "--friction"),
+    ("twistblocks", "--n 1", "n = 1"),
+    ("flatring", "--h 0", "--h: 0 is no finite number > 0"),
+    ("flatring", "--steps few", "--steps"),
+    ("flatring", "--thickness 2", "thickness = 2"),
+    ("indentation", "--steps 0", "--steps: 0 is less than 1"),
+    ("indentation", "--depth -1", "--depth: -1 is no finite"),
+    ("indentation", "--yield-stress 0", "--yield-stress: 0 is no"),
+    ("materials", "--cases steel", "invalid choice: 'steel'"),
+    ("materials", "--squeeze -1", "--squeeze: -1 is no finite"),
+    ("bouncing", "--h 0", "--h: 0 is no finite number > 0"),
+    ("bouncing", "--thickness 1.5", "thickness = 1.5 must be less than the radius"),
+    ("bouncing", "--velocity 1 0.5", "downwards"),
+    ("bouncing", "--end 0.02 --h 0.5 --quiet", "in the air until the time 0.02"),
+]
+
+
+@pytest.mark.parametrize(("name", "options", "message"), REFUSED)
+def test_refused(name, options, message, capsys):
+    assert message in Refused(capsys, import_module(name).main, *options.split())
