@@ -21,37 +21,19 @@ def paired(mesh, slave="slave", master="master", at=lambda _: None):
     return contact.Table()
 
 
-def two_cubes(body, n, *, turned=lambda i: False, line=None):
-    """Two cubes on each other with `n` divisions and faults in the contact face of one body.
-
-    Faces `turned` are written the wrong way round; the first `line` of inner nodes is moved to x.
-    """
+def two_cubes(body, line):
+    """Two cubes on each other; the first line of inner nodes of a contact face is moved to x."""
     mesh, contact = NetgenMesh(dim=3), {"upper": ("bottom", "slave"), "lower": ("top", "master")}
-    for (name, (side, label)), low, k in zip(contact.items(), (0.0, -1.0), n, strict=True):
+    for (name, (side, label)), low, k in zip(contact.items(), (0.0, -1.0), (4, 3), strict=True):
         lateral = np.linspace(0, 1, k + 1)
         box = StructuredBox(lateral, lateral, [low, low + 1], "hex")
         points = box.points.copy()
-        if name == body and line is not None:
+        if name == body:
             points[(points[:, 0] == lateral[1]) & (points[:, 2] == 0), 0] = line
-        faces = [
-            (label, face[::-1] if name == body and turned(i) else face)
-            if s == side
-            else (f"{s}_{name}", face)
-            for i, (s, face) in enumerate(box.faces)
-        ]
+        faces = [(label if s == side else f"{s}_{name}", face) for s, face in box.faces]
         AddBody(mesh, name, Cells(points, box.cells, faces))
     mesh.Compress()
     return Mesh(mesh)
-
-
-@pytest.mark.parametrize("body", ["upper", "lower"])
-@pytest.mark.parametrize("turned", [lambda i: True, lambda i: i % 2 == 0], ids=["all", "some"])
-def test_reversed_surface_elements_do_no_harm(body, turned):
-    """Which way a surface element is written does not matter: the body tells what is outside."""
-    table = paired(two_cubes(body, (3, 2), turned=turned))
-    assert table["normal"] == pytest.approx(np.tile([0.0, 0.0, -1.0], (9, 1)), abs=1e-14)
-    assert table["area"] == pytest.approx(1 / 9, rel=1e-12)
-    assert table["gap"] == pytest.approx(0, abs=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -65,12 +47,12 @@ def test_reversed_surface_elements_do_no_harm(body, turned):
 def test_faces_without_area(body, line, message):
     """No crash and no wrong remedy: the fault and the boundary are named."""
     with pytest.raises(Exception, match=message):
-        paired(two_cubes(body, (4, 3), line=line))
+        paired(two_cubes(body, line))
 
 
 def test_master_faces_without_area():
     """They carry nothing; what is beside them covers the slave."""
-    table = paired(two_cubes("lower", (4, 3), line=0.0))
+    table = paired(two_cubes("lower", 0.0))
     assert table["area"] == pytest.approx(1 / 16, rel=1e-12)
 
 

@@ -52,13 +52,6 @@ def test_planes_are_solids_held_or_free_across():
     assert value(Stress, STRAIN[2], plane="stress") == pytest.approx(free[:2, :2], rel=1e-14)
 
 
-def test_a_bar_in_tension_has_youngs_modulus():
-    bar = np.diag([1, -NU, -NU])
-    assert value(Stress, bar) == pytest.approx(np.diag([YOUNG, 0, 0]), abs=1e-12)
-    plane = value(Stress, bar[:2, :2], plane="stress")
-    assert plane == pytest.approx(np.diag([YOUNG, 0]), abs=1e-12)
-
-
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_constants_that_vary(plane):
     nu = Parameter(0.1)

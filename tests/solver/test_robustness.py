@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Parameter, VectorH1, ds, dx, x, y
+from loaded import loaded
+from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Parameter, VectorH1, dx, x, y
 from press import linear, mixed_press, numpy, press, solved
 
 from ngslac import (
@@ -103,28 +104,10 @@ def test_wrong_vectors_are_refused():
 # --- bodies that only contact holds --------------------------------------------------------------
 
 
-def floating(traction=(0.0, 0.0, -1.0), **flags):
-    """The upper block is loaded by a traction and held by nothing else."""
-    problem = press(dim=3, spring=0, **flags)
-    problem.a += -InnerProduct(CF(traction), problem.X.TestFunction()[0]) * ds("top")
-    return problem
-
-
-@pytest.mark.parametrize(
-    ("gap", "law"), [(0.0, {"friction": 0.5}), (0.01, {"friction": 0.5}), (0.01, {"tied": True})]
-)
-def test_contact_holds_a_body_that_starts_from_the_gap(gap, law):
-    problem = floating(**law)
-    lift(problem, 0, 0, gap)
-    solved(problem)
-    assert problem.contact.Force() == pytest.approx([0, 0, 1], abs=1e-10)
-    assert np.all(problem.contact.Table()["status"] == 1)
-
-
 @pytest.mark.parametrize("kinds", [("hex", "hex"), ("tet", "prism_side"), ("pyramid", "tet")])
 def test_a_tilted_body_falls_flat(kinds):
     """It touches with one edge first; frictionless, guided sideways and against turning."""
-    problem = floating(kinds=kinds, flags=GUIDED)
+    problem = loaded(0, 0, -1, dim=3, kinds=kinds, flags=GUIDED)
     lift(problem, 0, 0, 0.01 + 0.02 * x)
     solved(problem)
     assert problem.contact.Force() == pytest.approx([0, 0, 1], abs=1e-9)
@@ -142,7 +125,7 @@ def test_a_tilted_body_falls_flat(kinds):
     ],
 )
 def test_every_free_motion_is_named(initial, flags, free):
-    problem = floating(flags=flags)
+    problem = loaded(0, 0, -1, dim=3, flags=flags)
     with pytest.raises(FloatingBodyError) as error:
         solved(problem, initial=initial)
     found = str(error.value).split(":")[0].split("; ")
@@ -154,39 +137,21 @@ def test_every_free_motion_is_named(initial, flags, free):
 def test_both_bodies_may_float():
     """The clamp is missing: twelve motions, of which a frictional contact stops six."""
     with pytest.raises(FloatingBodyError) as error:
-        solved(floating(friction=0.5, flags={"dirichlet": ""}))
+        solved(loaded(0, 0, -1, dim=3, friction=0.5, flags={"dirichlet": ""}))
     found = str(error.value).split(":")[0].split("; ")
     assert len(found) == 6
     assert {text.split("'")[1] for text in found} <= {"upper", "lower"}
 
 
-def test_the_slave_may_hold_a_floating_master():
-    """The lower block floats, the upper one is held by springs."""
-    problem = press(dim=3, friction=0.5, flags={"dirichlet": ""})
-    problem.a += -problem.X.TestFunction()[0][2] * ds("bottom")
-    problem.load.Set(0.0)
-    solved(problem)
-    # 1.4 is the width of the lower block with its overhang
-    assert problem.contact.Force() == pytest.approx([0, 0, 1.4**2], abs=1e-9)
-
-
-def test_a_pulled_body_flies_away():
-    problem = floating(traction=(0.0, 0.0, 1.0), friction=0.5)
-    with pytest.raises(ContactConvergenceError, match=r"is pulled away \(translation in z, toward"):
-        problem.solver().Solve(printing=False, maxit=8)
-    assert not np.any(numpy(problem.gf))
-
-
-@pytest.mark.parametrize(("size", "holds"), [(0.2, True), (2.0, False)])
-def test_friction_stops_the_turning_about_the_normal(size, holds):
+def test_friction_stops_the_turning_about_the_normal():
     """A couple about z, within friction and beyond it."""
-    couple = CF((-(y - 0.5), x - 0.5, 0.0))  # moment of this traction on the unit square: 1/6
-    problem = floating(friction=0.5)
-    problem.a += -size * InnerProduct(couple, problem.X.TestFunction()[0]) * ds("top")
-    if holds:
-        solved(problem)
-        moment = problem.contact.Moment((0.5, 0.5, 0.0))
-        assert moment == pytest.approx([0, 0, -size / 6], abs=1e-10)
-    else:
-        with pytest.raises(ContactConvergenceError):
+    for size in (0.2, 2.0):
+        # moment of a unit of this traction on the unit square: 1/6
+        problem = loaded(size * (0.5 - y), size * (x - 0.5), -1, dim=3, friction=0.5)
+        if size > 1:
+            with pytest.raises(ContactConvergenceError):
+                solved(problem)
+        else:
             solved(problem)
+            moment = problem.contact.Moment((0.5, 0.5, 0.0))
+            assert moment == pytest.approx([0, 0, -size / 6], abs=1e-10)
