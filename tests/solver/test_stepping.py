@@ -32,7 +32,6 @@ from ngslac import (
     LoadStepper,
     TimeStepper,
 )
-from ngslac.steps.balance import EnergyBalance
 
 
 def loading(make=mixed_press, *, predict=True, **flags):
@@ -271,17 +270,3 @@ def test_steps_that_bring_in_energy_are_cut(capsys):
     assert totals.max() < 1.02 * begin
     assert totals[-1] > 0.3 * begin
     assert "of the energy; halved" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("kinetic", "changes", "won"),
-    [
-        (1.5, {"internal": 0.2, "external": 0.0, "friction": 0.1, "impact": 0.2}, 0.0),
-        (3.0, {"internal": 0.0, "external": 0.5, "friction": 0.1, "impact": -0.6}, 0.5 / 4),
-        (3.0, {"internal": 0.0, "external": 0.0, "friction": 0.0, "impact": 0.0}, 1.0 / 4),
-    ],
-)
-def test_energy_won_is_that_of_contact_and_time_integration(kinetic, changes, won):
-    before = EnergyBalance(0.0, 2.0, 1.0)
-    assert before.After(1.0, kinetic, **changes).Won(before) == pytest.approx(won, abs=1e-15)
-    assert EnergyBalance().Won(EnergyBalance()) == 0.0
