@@ -15,6 +15,7 @@ from sheets import (
     face_sizes,
     faces_of,
     in_plane,
+    paired,
     projected_overlaps,
     sheet_mesh,
     two_sheets,
@@ -45,7 +46,7 @@ def linear(dim, seed):
 def test_linear_motions_of_one_body(dim, seed, body):
     """Overlaps of the moved faces by shapely, and sizes of the moved slave faces."""
     motion = linear(dim, seed)
-    contact = contact_on(sheet_mesh(*sheets(dim)), order=1 + seed % 2, penetration=1.0)
+    contact = paired(sheets(dim), order=1 + seed % 2, penetration=1.0)
     faces = {name: faces_of(contact.mesh, name)[1] for name in ("slave", "master")}
     moving = "slave" if body == "upper" else "master"
     moved = faces | {moving: [motion(corners) for corners in faces[moving]]}
@@ -58,7 +59,7 @@ def test_linear_motions_of_one_body(dim, seed, body):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_rigid_motion_of_everything_changes_nothing(dim, seed):
-    contact = contact_on(sheet_mesh(*sheets(dim)))
+    contact = paired(sheets(dim))
     reference, motion = contact.Segments(), Motion(dim, seed, 1.0, (0.3, 7.0, -2.0))
     contact.Update(displaced(contact, upper=motion.field, lower=motion.field))
     there = contact.Segments()
@@ -94,20 +95,20 @@ def test_moved_mesh_and_displaced_mesh_pair_alike(dim):
 
 def test_gaps_count_from_the_configuration(dim):
     """Linear in the displacement from the paired configuration on, and back to the reference."""
-    contact = contact_on(sheet_mesh(*sheets(dim)))
+    contact = paired(sheets(dim))
     reference, pick = areas_by_face(contact), slice(None, None, 1 if dim == 3 else 2)
     gf = displaced(contact, upper=(0.1, 0.05, -0.02)[pick])
     contact.Update(gf)
     assert areas_by_face(contact) != pytest.approx(reference)
     contact.form.SetConstant(1.0)
     contact.Evaluate(gf)
-    paired = contact.Table()["area"] > 0
-    assert contact.Table()["gap"][paired] == pytest.approx(0.03, abs=1e-13)
+    met = contact.Table()["area"] > 0
+    assert contact.Table()["gap"][met] == pytest.approx(0.03, abs=1e-13)
     assert contact.Table()["slip"] == pytest.approx(0, abs=1e-15)
     contact.Evaluate(displaced(contact, upper=(0.13, 0.05, -0.06)[pick]))
-    assert contact.Table()["gap"][paired] == pytest.approx(-0.01, abs=1e-13)
-    slip = np.tile([0.03, 0, 0][:dim], (paired.sum(), 1))
-    assert contact.Table()["slip"][paired] == pytest.approx(slip, abs=1e-13)
+    assert contact.Table()["gap"][met] == pytest.approx(-0.01, abs=1e-13)
+    slip = np.tile([0.03, 0, 0][:dim], (met.sum(), 1))
+    assert contact.Table()["slip"][met] == pytest.approx(slip, abs=1e-13)
     contact.Update()
     assert areas_by_face(contact) == pytest.approx(reference, abs=1e-15)
 
@@ -116,7 +117,7 @@ def test_gaps_count_from_the_configuration(dim):
 @pytest.mark.parametrize("boundary", ["slave", "master"])
 def test_values_that_are_not_finite(dim, boundary, value):
     """An error that says where; the pairing stays as it was."""
-    contact = contact_on(sheet_mesh(*sheets(dim)))
+    contact = paired(sheets(dim))
     before = areas_by_face(contact)
     gf = displaced(contact)
     dofs = contact.form.component.GetDofs(contact.mesh.Boundaries(boundary))
@@ -186,8 +187,7 @@ def test_degenerate_faces(face, region, seed):
 def test_wild_displacements_do_no_harm(dim, seed):
     """Random displacements of all sizes: segments with positive finite areas, or an error."""
     rng = np.random.default_rng(seed)
-    motion = Motion(dim, seed, 10.0 ** rng.integers(-6, 7))
-    contact = contact_on(sheet_mesh(*sheets(dim, seed), motion=motion), order=1 + seed % 3)
+    contact = paired(sheets(dim, seed), seed, 10.0 ** rng.integers(-6, 7), order=1 + seed % 3)
     size = np.ptp([v.point for v in contact.mesh.vertices], axis=0).max()
     gf = displaced(contact)
     values = gf.components[0].vec.FV().NumPy()

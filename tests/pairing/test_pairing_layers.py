@@ -16,6 +16,7 @@ from sheets import (
     in_plane,
     lower,
     mean_gap,
+    paired,
     sheet_mesh,
     upper,
 )
@@ -72,10 +73,9 @@ def test_crossing_layers_cover_what_their_union_covers(kind, seed):
     """Inclined plates that pass through each other: who is nearest varies, but no area is lost."""
     rng = np.random.default_rng(100 + seed)
     plates, sheets = random_plates(rng, kind, rng.uniform(0, 0.4, 5), slope=0.6)
-    mesh = sheet_mesh(*sheets)
-    contact = contact_on(mesh, penetration=2.0, maxdist=5.0)
+    contact = paired(sheets, penetration=2.0, maxdist=5.0)
     union = shapely.union_all(plates)
-    exact = [flat(c[:, :-1]).intersection(union).area for c in faces_of(mesh, "slave")[1]]
+    exact = [flat(c[:, :-1]).intersection(union).area for c in faces_of(contact.mesh, "slave")[1]]
     assert areas_by_face(contact) == pytest.approx(exact, abs=1e-8)
 
 
@@ -84,10 +84,9 @@ def test_of_tilted_layers_the_nearest_where_they_overlap_counts(kind, seed):
     """A wide inclined plate is far away on average, but in front of a strip at its near end."""
     wide = lower(grid(kind, 1), -0.001, 0.005, slope=(-1, 0))
     strip = lower(grid(kind, 1, ((0, 0), (0.1, 1))), -0.3, name="strip")
-    slave = upper(grid(kind, 2))
-    mesh = sheet_mesh(slave, wide, strip, motion=Motion(slave.points.shape[1], seed))
-    contact = contact_on(mesh)
-    assert set(contact.Segments().master) <= set(faces_of(mesh, "master")[0][: len(wide.faces)])
+    contact = paired([upper(grid(kind, 2)), wide, strip], seed)
+    seen = faces_of(contact.mesh, "master")[0][: len(wide.faces)]
+    assert set(contact.Segments().master) <= set(seen)
     assert contact.Segments().area.sum() == pytest.approx(1, rel=1e-12)
     assert mean_gap(contact) == pytest.approx(0.501, rel=1e-12)
 
@@ -97,23 +96,21 @@ def test_faces_that_look_away_never_pair(kind, seed):
     """Slave and master are the whole boundaries of both blocks: only the facing sides pair."""
     slave = upper(grid(kind, 2), 0.05, rest="slave")
     master = lower(grid(kind, 3, ((-0.2, -0.1), (0.7, 1.1))), rest="master")
-    contact = contact_on(sheet_mesh(slave, master, motion=Motion(slave.points.shape[1], seed)))
+    contact = paired([slave, master], seed)
     assert contact.Segments().area.sum() == pytest.approx(0.7, rel=1e-12)
     assert contact.Segments().gap == pytest.approx(0.05, rel=1e-11)
 
 
 def test_only_faces_that_look_away_is_an_error(kind):
-    mesh = sheet_mesh(upper(grid(kind)), lower(grid(kind), -0.1, -0.05))
     with pytest.raises(Exception, match="never meet"):
-        contact_on(mesh)
+        paired([upper(grid(kind)), lower(grid(kind), -0.1, -0.05)])
 
 
 def test_side_walls_pair_across_a_slit(kind):
     """Whole boundaries beside each other: only the walls of the slit see each other."""
     left = upper(grid(kind, 3, ((-1, 0), (0, 1))), depth=1, rest="slave")
     right = lower(grid(kind, 4, ((0.02, -0.5), (1, 1.5))), 0.7, 1, rest="master")
-    contact = contact_on(sheet_mesh(left, right))
-    segments = contact.Segments()
+    segments = paired([left, right]).Segments()
     assert segments.slave_points[..., 0] == pytest.approx(0, abs=1e-14)
     assert segments.area.sum() == pytest.approx(0.7, rel=1e-12)
     assert segments.gap == pytest.approx(0.02, rel=1e-11)
@@ -122,8 +119,7 @@ def test_side_walls_pair_across_a_slit(kind):
 def test_a_thin_body_does_not_pair_through_itself(kind):
     """The upper side of a thin plate must not see the plate below as a deep penetration."""
     slave = upper(grid(kind, 2), depth=0.02, rest="slave")
-    mesh = sheet_mesh(slave, lower(grid(kind), depth=0.02, rest="master"))
-    contact = contact_on(mesh, penetration=0.01)
+    contact = paired([slave, lower(grid(kind), depth=0.02, rest="master")], penetration=0.01)
     assert contact.Check().paired_area == pytest.approx(1, rel=1e-12)
     assert contact.Segments().gap == pytest.approx(0, abs=1e-14)
 
@@ -136,8 +132,8 @@ def test_steep_masters_pair_up_to_a_limit(kind, angle):
     tilted = in_plane(points * ([np.cos(t), 1][: points.shape[1]]), -0.1)
     tilted[:, -1] -= points[:, 0] * np.sin(t)
     depth = -0.3 * np.array([np.sin(t), 0, np.cos(t)])[:: 1 if kind == "mixed" else 2]
-    mesh = sheet_mesh(upper(grid(kind, 2)), Sheet("lower", tilted, faces, depth, "master"))
-    contact, width = contact_on(mesh), min(2 * np.cos(t), 1)
+    contact = paired([upper(grid(kind, 2)), Sheet("lower", tilted, faces, depth, "master")])
+    width = min(2 * np.cos(t), 1)
     assert contact.Segments().area.sum() == pytest.approx(across * width, rel=1e-12)
     assert mean_gap(contact) == pytest.approx(0.1 + np.tan(t) * width / 2, rel=1e-12)
 
@@ -162,12 +158,11 @@ def test_a_cube_in_a_cavity(kind, gap, seed):
     (points, faces), (outer, walls) = box(kind, 3), box("edge" if kind == "edge" else "quad", 2)
     size, d = 1 + 2 * gap, points.shape[1]
     outer = 0.5 + size * (outer - 0.5)
-    mesh = sheet_mesh(
+    bodies = [
         Sheet("cube", points, faces, 0.3 * (0.5 - points), "slave"),
         Sheet("cavity", outer, walls, 0.3 * (outer - 0.5), "master"),
-        motion=Motion(d, seed, 10.0),
-    )
-    segments = contact_on(mesh).Segments()
+    ]
+    segments = paired(bodies, seed, 10.0).Segments()
     area = 2 * d * min(1, size) ** (d - 1)
     assert segments.area.sum() / 10 ** (d - 1) == pytest.approx(area, rel=1e-12)
     assert segments.gap / 10 == pytest.approx(gap, rel=1e-10)

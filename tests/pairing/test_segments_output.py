@@ -7,17 +7,7 @@ import numpy as np
 import pytest
 from ngsolve import CF
 from ngsolve.webgui import Draw
-from sheets import (
-    SHIFTED,
-    Motion,
-    contact_on,
-    dimension,
-    grid,
-    outlines,
-    sheet_mesh,
-    two_sheets,
-    upper,
-)
+from sheets import SHIFTED, grid, outlines, paired, two_sheets, upper
 
 QUAD, POLYGON = 9, 7  # VTK's numbers
 KINDS = [("edge", "edge"), ("mixed", "mixed")]
@@ -26,7 +16,7 @@ KINDS = [("edge", "edge"), ("mixed", "mixed")]
 @pytest.fixture(params=KINDS)
 def contact(request):
     sheets = two_sheets(np.random.default_rng(1), request.param, SHIFTED, 0.05)
-    return contact_on(sheet_mesh(*sheets, motion=Motion(dimension(request.param), 3)))
+    return paired(sheets, 3)
 
 
 def arrays_of(path):
@@ -117,8 +107,7 @@ def test_obstacle_takes_whole_faces(kind, tmp_path):
     """An obstacle has no master surface: its points lie one gap along the normal."""
     body = upper(grid(kind, 2))
     dim, n = body.points.shape[1], len(body.faces)
-    mesh = sheet_mesh(body, motion=Motion(dim, 2))
-    segments = contact_on(mesh, obstacle=CF(0.25)).Segments()
+    segments = paired([body], 2, obstacle=CF(0.25)).Segments()
     assert len(segments) == n
     assert np.all(segments.master == -1)
     assert segments.gap == pytest.approx(0.25, rel=1e-14)

@@ -186,6 +186,12 @@ def contact_on(mesh, *, slave="slave", master="master", order=1, **flags):
     return contact
 
 
+def paired(sheets, *motion, **flags):
+    """The contact of some sheets, after a motion of the whole given by what makes a `Motion`."""
+    motion = Motion(np.shape(sheets[0].points)[1], *motion)
+    return contact_on(sheet_mesh(*sheets, motion=motion), **flags)
+
+
 def displaced(contact, **fields):
     """A GridFunction on the contact's space with given displacements of the materials."""
     gf = GridFunction(contact.form.fes)
