@@ -16,21 +16,18 @@ from pathlib import Path
 import ngslac
 import ngslac.materials
 import ngslac.reference
-from ngslac import _ngslac
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
 from ngslac.solve.iteration import Iteration
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.load import Step
 
-__all__ = ["RESULTS", "CompiledNames", "Entries", "Name", "PublicNames", "Sections", "StubNames"]
-
 STUBS = Path(ngslac.__file__).with_name("_ngslac.pyi")
+STUB_CLASSES = {n.name: n for n in ast.parse(STUBS.read_text()).body if hasattr(n, "bases")}
 RESULTS = (EnergyBalance, TimeStep, Iteration, ContactReport, Segments, Step)
 COMPILED = (ngslac.LACSpace, ngslac.BubbleVectorH1)
 # These check their arguments and raise ValueError.
 CHECKS = {"finite", "positive", "nonnegative", "poisson", "points", "interval"}
-PROTOCOL = {"__init__", "__post_init__"}
 
 
 @dataclass(frozen=True)
@@ -66,97 +63,68 @@ class Name:
     def sections(self):
         return Sections(self.doc)
 
-    @cached_property
-    def parameters(self):
-        """Names of the arguments."""
-        if self.compiled:
-            return _StubArguments(self.name if self.kind == "method" else f"{self.name}.__init__")
-        thing = getattr(self.thing, "__func__", self.thing)
-        if self.kind == "class" and issubclass(thing, Exception):
-            return []
-        names = [p.name for p in inspect.signature(thing).parameters.values()]
-        return [name for name in names if name not in ("self", "cls")]
-
     @property
     def compiled(self):
         return (self.owner or self.thing) in COMPILED
 
+    @property
+    def stub(self):
+        """The first definition of a compiled method, or of ``__init__``, in the stubs."""
+        owner, _, method = self.name.partition(".")
+        functions = (n for n in STUB_CLASSES[owner].body if isinstance(n, ast.FunctionDef))
+        return next(f for f in functions if f.name == (method or "__init__"))
+
     @cached_property
-    def sources(self):
-        """Syntax trees of the functions behind: of a class, those that run when it is made."""
+    def parameters(self):
+        """Names of the arguments."""
         if self.compiled:
-            return []
-        if self.kind != "class":
-            return [_Tree(getattr(self.thing, "__func__", self.thing))]
-        made = (getattr(self.thing, name, None) for name in PROTOCOL)
-        return [_Tree(function) for function in made if _IsOurs(function)]
+            arguments = self.stub.args
+            names = [a.arg for a in (*arguments.args, *arguments.kwonlyargs)]
+        elif self.kind == "class" and issubclass(self.thing, Exception):
+            names = []
+        else:
+            names = inspect.signature(getattr(self.thing, "__func__", self.thing)).parameters
+        return [name for name in names if name not in ("self", "cls")]
+
+    @cached_property
+    def nodes(self):
+        """Syntax of the functions behind: of a class, of those that run when it is made."""
+        functions = [getattr(self.thing, "__func__", self.thing)]
+        if self.kind == "class":
+            functions = [getattr(self.thing, n, None) for n in ("__init__", "__post_init__")]
+        return [] if self.compiled else [node for f in functions for node in _Own(f)]
 
     @property
     def returns(self):
         """Does a function or method give back a value?"""
         if self.compiled:
-            return not self.parameters or _StubReturns(self.name)
-        return any(
-            isinstance(node, ast.Return) and node.value is not None
-            for tree in self.sources
-            for node in _Own(tree)
-        )
+            return not self.parameters or ast.unparse(self.stub.returns) != "None"
+        return any(isinstance(node, ast.Return) and node.value is not None for node in self.nodes)
 
     @property
     def raises(self):
         """Names of the errors that are raised in its own lines, or by the checks it calls."""
-        nodes = [node for tree in self.sources for node in _Own(tree)]
-        found = {
-            # Wrong(kind, ...) makes the message of an error of a kind.
-            node.exc.args[0].id if node.exc.func.id == "Wrong" else node.exc.func.id
-            for node in nodes
-            if isinstance(node, ast.Raise)
-            and isinstance(node.exc, ast.Call)
-            and isinstance(node.exc.func, ast.Name)
-        }
-        calls = {getattr(n.func, "id", None) for n in nodes if isinstance(n, ast.Call)}
-        if self.kind in ("class", "function") and calls & CHECKS:
+        calls = [node.exc for node in self.nodes if isinstance(node, ast.Raise)]
+        calls = [call for call in calls if isinstance(getattr(call, "func", None), ast.Name)]
+        # Wrong(kind, ...) makes the message of an error of a kind.
+        found = {c.args[0].id if c.func.id == "Wrong" else c.func.id for c in calls}
+        called = {getattr(n.func, "id", None) for n in self.nodes if isinstance(n, ast.Call)}
+        if self.kind in ("class", "function") and called & CHECKS:
             found.add("ValueError")
         return found
 
 
-def _IsOurs(function):
-    return inspect.isfunction(function) and function.__module__.startswith("ngslac")
-
-
-def _Tree(function):
-    lines = getattr(function, "__code__", None)
-    if lines is None or lines.co_filename.startswith("<"):  # made by dataclass
-        return ast.parse("")
-    return ast.parse(textwrap.dedent(inspect.getsource(function)))
-
-
-def _Own(tree):
-    """All nodes of a function, but for those of functions inside of it."""
-    todo = list(tree.body)
-    todo = todo[0].body[:] if todo and isinstance(todo[0], ast.FunctionDef) else todo
+def _Own(function):
+    """All nodes of a function of ours, but for those of functions inside of it."""
+    code = getattr(function, "__code__", None)
+    if code is None or code.co_filename.startswith("<"):  # not there, or made by dataclass
+        return
+    todo = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0].body[:]
     while todo:
         node = todo.pop()
         yield node
         if not isinstance(node, (ast.FunctionDef, ast.Lambda)):
             todo += ast.iter_child_nodes(node)
-
-
-def _StubFunction(name):
-    """The first definition of ``Class.method`` in the stubs."""
-    owner, method = name.split(".")
-    classes = {n.name: n for n in ast.parse(STUBS.read_text()).body if isinstance(n, ast.ClassDef)}
-    functions = (n for n in classes[owner].body if isinstance(n, ast.FunctionDef))
-    return next((f for f in functions if f.name == method), None)
-
-
-def _StubArguments(name):
-    arguments = _StubFunction(name).args
-    return [a.arg for a in (*arguments.args, *arguments.kwonlyargs) if a.arg != "self"]
-
-
-def _StubReturns(name):
-    return ast.unparse(_StubFunction(name).returns) != "None" if "." in name else False
 
 
 def Sections(doc):
@@ -173,15 +141,12 @@ def Entries(section):
 
 def _Members(cls, name):
     """Public methods and properties that a class has from this package."""
-    found = {}
-    for base in reversed(cls.__mro__):
-        if not base.__module__.startswith("ngslac"):
-            continue
-        if cls in COMPILED and base is not cls:
-            continue
-        found |= {n: v for n, v in vars(base).items() if not n.startswith("_")}
-    for member, value in found.items():
+    bases = [base for base in reversed(cls.__mro__) if base.__module__.startswith("ngslac")]
+    bases = [cls] if cls in COMPILED else bases
+    for member, value in {n: v for base in bases for n, v in vars(base).items()}.items():
         thing = getattr(value, "fget", None) or getattr(value, "func", None)
+        if member.startswith("_"):
+            continue
         if thing is not None or isinstance(value, property):
             yield Name(f"{name}.{member}", value if thing is None else thing, "property", cls)
         elif callable(value) or isinstance(value, classmethod):
@@ -200,25 +165,4 @@ def PublicNames():
             names += [Name(name, thing, "class"), *_Members(thing, name)]
         elif callable(thing):
             names.append(Name(name, thing, "function"))
-    return names
-
-
-def StubNames():
-    """Names of the stubs, and those of each class: ``{"": ..., "LACSpace": ...}``."""
-    body = ast.parse(STUBS.read_text()).body
-    names = {"": {n.name for n in body if isinstance(n, (ast.ClassDef, ast.FunctionDef))}}
-    for cls in (n for n in body if isinstance(n, ast.ClassDef)):
-        inside = {n.name for n in cls.body if isinstance(n, ast.FunctionDef)}
-        inside |= {n.target.id for n in cls.body if isinstance(n, ast.AnnAssign)}
-        names[cls.name] = inside
-    return names
-
-
-def CompiledNames():
-    """The same of the compiled module, without what Python gives to every class."""
-    things = {n: v for n, v in vars(_ngslac).items() if not n.startswith("__")}
-    names = {"": set(things)}
-    for name, cls in things.items():
-        if inspect.isclass(cls):
-            names[name] = {n for n in vars(cls) if not n.startswith("_")}
     return names

@@ -28,20 +28,10 @@ def Fences(file, kinds):
 
 
 def RunSnippets(file, folder, names=None):
-    """Execute the Python blocks of a file in order, in one namespace, with `folder` as directory.
+    """Execute the Python blocks of a file in order, with `folder` as directory; their names.
 
-    A block with prompts (``>>>``) shows output and belongs to doctest: it is refused here.
-
-    Parameters
-    ----------
-    file, folder : Path
-    names : dict, optional
-        That the blocks may use.
-
-    Returns
-    -------
-    dict
-        The names afterwards.
+    They share one namespace, that of `names` at the start. A block with prompts (``>>>``) shows
+    output and belongs to doctest: it is refused here.
     """
     names = {"__name__": "__main__"} | (names or {})
     with pytest.MonkeyPatch.context() as patch:
@@ -56,10 +46,9 @@ def RunSnippets(file, folder, names=None):
 
 def Commands(file):
     """The commands of a file that start a script or a module of ours: (target, arguments)."""
-    text = Path(file).read_text()
     shells = Fences(file, {"", "bash", "sh", "console"})
     lines = [part for code, _ in shells for line in code.splitlines() for part in line.split("&& ")]
-    lines += re.findall(r"`(python [^`]+)`", text)
+    lines += re.findall(r"`(python [^`]+)`", Path(file).read_text())
     found = (OURS.match(line.strip()) for line in lines)
     return sorted({(match[2].removeprefix("-m "), match[3].strip()) for match in found if match})
 
@@ -79,10 +68,9 @@ def Parse(target, arguments, monkeypatch):
     if target.endswith(".py"):
         monkeypatch.syspath_prepend(str((ROOT / target).parent))
         target = Path(target).stem
-    module = importlib.import_module(target)
     words = [word for word in shlex.split(arguments) if word not in ("H", "F", "DIR", "FOLDER")]
     with pytest.raises(Parsed):
-        module.main(words)
+        importlib.import_module(target).main(words)
 
 
 @pytest.fixture(scope="module")
@@ -119,37 +107,36 @@ def test_commands_exist_and_take_their_options(file, target, arguments, monkeypa
     Parse(target, re.sub(r"--(h|friction) [HF]\b", r"--\1 0.5", arguments), monkeypatch)
 
 
-# ---------------------------------------------------------------- the tools themselves
+PAGE = """one
+
+```python
+x = 1
+```
+- item
+
+  ```python
+  x += 1
+  ```
+```bash
+cd x && python tutorials/examples/hertz.py --out results
+pip install x
+```
+and `python tests/benchmarks/scaling.py`
+```{code-cell} ipython3
+:tags: [hide-input]
+1 / (x - 2)
+```
+"""
 
 
-def test_snippets_share_their_names_and_errors_have_lines(tmp_path):
-    file = tmp_path / "page.md"
-    blocks = [
-        "```python\nx = 1\n```",
-        "```bash\nls\n```",
-        "- item\n\n  ```python\n  x += 1\n  ```",
-        "```{code-cell} ipython3\n:tags: [hide-input]\nopen('made', 'w').close()\n```",
-    ]
-    file.write_text("\n\ntext\n\n".join(blocks))
-    assert RunSnippets(file, tmp_path)["x"] == 2
-    assert (tmp_path / "made").exists()
-    file.write_text("one\n```python\nx = 1\n1 / 0\n```\n")
-    with pytest.raises(ZeroDivisionError) as error:
+def test_snippets_share_their_names_and_commands_are_found(tmp_path, monkeypatch, capsys):
+    file, hertz = tmp_path / "page.md", "tutorials/examples/hertz.py"
+    file.write_text(PAGE)
+    with pytest.raises(ZeroDivisionError) as error:  # since x is 2 by then
         RunSnippets(file, tmp_path)
-    assert error.traceback[-1].lineno == 3  # counted from 0
-
-
-def test_commands_are_found(tmp_path, monkeypatch, capsys):
-    file = tmp_path / "page.md"
-    file.write_text(
-        "```bash\ncd x && python tutorials/examples/hertz.py --out results\npip install x\n```\n"
-        "and `python tests/benchmarks/scaling.py`\n"
-    )
-    assert Commands(file) == [
-        ("tests/benchmarks/scaling.py", ""),
-        ("tutorials/examples/hertz.py", "--out results"),
-    ]
-    Parse("tutorials/examples/hertz.py", "--out results", monkeypatch)
+    assert PAGE.splitlines()[error.traceback[-1].lineno].startswith("1 / ")  # counted from 0
+    assert Commands(file) == [("tests/benchmarks/scaling.py", ""), (hertz, "--out results")]
+    Parse(hertz, "--out results", monkeypatch)
     with pytest.raises(SystemExit):
-        Parse("tutorials/examples/hertz.py", "--no-such-option", monkeypatch)
+        Parse(hertz, "--no-such-option", monkeypatch)
     assert "unrecognized" in capsys.readouterr().err

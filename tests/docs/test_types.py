@@ -23,7 +23,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from docstrings import STUBS
+from docstrings import STUB_CLASSES, STUBS
 from test_snippets import FILES, README, ROOT, Fences
 
 import ngslac
@@ -42,8 +42,13 @@ check_untyped_defs = false
 follow_imports = skip
 follow_imports_for_stubs = true
 """
+FLAGS = "--config-file=mypy.ini --no-color-output --no-incremental --hide-error-context"
 ALWAYS = ("name-defined", "syntax")
-MESSAGE = re.compile(r"^(.*?):(\d+): error: (.*?)  \[([\w-]+)\]$")
+MESSAGE = re.compile(r"^(.*?):(\d+): error: (.*?)  \[([\w-]+)\]$", re.MULTILINE)
+ANY = """class {}:
+    def __init__(self, *args: Any, **flags: Any) -> None: ...
+    def __mul__(self, other: Any) -> Any: ...
+    def __rmul__(self, other: Any) -> Any: ..."""
 
 
 def Code(notebook):
@@ -57,41 +62,27 @@ def Sources():
     """Name -> code of all notebooks, scripts, and pages with Python blocks."""
     found = {path.stem: Code(path) for path in sorted(TUTORIALS.glob("*.ipynb"))}
     found |= {path.stem: path.read_text() for path in sorted(TUTORIALS.glob("*.py"))}
-    for page in FILES:
-        pages = [page] if page == README else [README, page]
-        blocks = [code for one in pages for code, _ in Fences(one, {"python"})]
-        if page == README or len(blocks) > len(list(Fences(README, {"python"}))):
-            found[page.stem] = "\n".join(map(textwrap.dedent, blocks))
+    blocks = {page: [textwrap.dedent(c) for c, _ in Fences(page, {"python"})] for page in FILES}
+    for page, own in blocks.items():
+        if own:  # pages may use the names of the README
+            found[page.stem] = "\n".join(own if page == README else blocks[README] + own)
     return {"code_" + re.sub(r"\W", "_", name): code for name, code in found.items()}
 
 
-def Bases():
-    """Classes of NGSolve, as ``module.name``, that the compiled classes derive from."""
-    classes = (node for node in ast.parse(STUBS.read_text()).body if isinstance(node, ast.ClassDef))
-    return sorted({ast.unparse(base) for node in classes for base in node.bases})
-
-
 def WriteStubs(modules, folder):
-    """Stubs of these modules and of those of `Bases`: names are Any, bases have attributes."""
-    bases = Bases()
+    """Stubs of these modules: names are Any; bases of our compiled classes have attributes."""
+    bases = sorted({ast.unparse(base) for cls in STUB_CLASSES.values() for base in cls.bases})
     modules = {*modules, *(base.rpartition(".")[0] for base in bases)}
     packages = {name[:k] for name in modules for k in range(len(name)) if name[k] == "."}
-    for name in sorted(modules | packages):
+    for name in modules | packages:
         module = importlib.import_module(name)
         names = (n for n, v in vars(module).items() if not inspect.ismodule(v))
         things = {n for n in names if n[0] != "_" and n.isidentifier() and not iskeyword(n)}
         own = {base.rpartition(".")[2] for base in bases if base.rpartition(".")[0] == name}
-        lines = ["from typing import Any"]
-        lines += [f"{thing}: Any" for thing in sorted(things - own)]
+        lines = ["from typing import Any", *(f"{thing}: Any" for thing in sorted(things - own))]
         for cls in sorted(own):
-            lines.append(
-                f"class {cls}:\n    def __init__(self, *args: Any, **flags: Any) -> None: ..."
-            )
             members = [n for n in dir(getattr(module, cls)) if n[0] != "_"]
-            lines += [f"    {member}: Any" for member in members]
-            lines += [
-                f"    def {op}(self, other: Any) -> Any: ..." for op in ("__mul__", "__rmul__")
-            ]
+            lines += [ANY.format(cls), *(f"    {member}: Any" for member in members)]
         path = folder / Path(*name.split("."))
         path.mkdir(parents=True, exist_ok=True)
         (path / "__init__.pyi").write_text("\n".join(lines) + "\n")
@@ -114,38 +105,24 @@ def OurNames():
 
 def Check(sources, folder):
     """Errors in the use of ngslac, as texts ``name: message: line of code``."""
-    code, stubs = folder / "code", folder / "stubs"
-    code.mkdir()
-    for name, text in sources.items():
-        (code / f"{name}.py").write_text(text)
     package = Path(ngslac.__file__).parent
     texts = [*sources.values(), *(path.read_text() for path in package.rglob("*.py"))]
-    WriteStubs({name for text in texts for name in FOREIGN.findall(text)}, stubs)
+    WriteStubs({name for text in texts for name in FOREIGN.findall(text)}, folder / "stubs")
+    for name, text in sources.items():
+        (folder / f"{name}.py").write_text(text)
     (folder / "mypy.ini").write_text(CONFIG)
-    flags = ["--config-file=mypy.ini", "--no-color-output", "--no-incremental"]
-    flags += ["--hide-error-context", "--allow-redefinition"]
-    files = [str(STUBS), *(str(code / f"{name}.py") for name in sources)]
+    files = [str(STUBS), *(f"{name}.py" for name in sources)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MYPYPATH", f"{stubs}:{package.parent}")
+        patch.setenv("MYPYPATH", f"{folder / 'stubs'}:{package.parent}")
         patch.chdir(folder)
-        output, trouble, _ = api.run([*flags, *files])
+        output, trouble, _ = api.run([*FLAGS.split(), "--allow-redefinition", *files])
     assert not trouble, trouble
-    sources = sources | {STUBS.stem: STUBS.read_text()}
-    return [text for text in map(Kept(sources, OurNames()), output.splitlines()) if text]
-
-
-def Kept(sources, ours):
-    def Text(line):
-        match = MESSAGE.match(line)
-        if match is None:
-            return None
-        name, number = Path(match[1]).stem, int(match[2])
-        names = set(re.findall(r'"([\w.]+)"', match[3]))
-        if match[4] == "no-redef" or (match[4] not in ALWAYS and not names & ours):
-            return None
-        return f"{name}: {match[3]}: {sources[name].splitlines()[number - 1].strip()}"
-
-    return Text
+    sources, ours = sources | {STUBS.stem: STUBS.read_text()}, OurNames()
+    return [
+        f"{(name := Path(file).stem)}: {text}: {sources[name].splitlines()[int(line) - 1].strip()}"
+        for file, line, text, kind in MESSAGE.findall(output)
+        if kind in ALWAYS or (kind != "no-redef" and ours & {*re.findall(r'"([\w.]+)"', text)})
+    ]
 
 
 @pytest.fixture(scope="module")
