@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fuzz_kinds import PLAIN, VALUES, IsLegal, Near, Pairs
-from ngsolve import Grad, Id, Sym
+from fuzz_uses import Evaluated
 
 import ngslac as lac
 from ngslac.materials import NeoHooke, Stress
@@ -31,7 +31,7 @@ class Target:
     name: str
     call: Callable  # call(world, **arguments), which also uses what it makes
     names: str  # the arguments to vary, with a kind where NAMED has another: "tol x:arrays"
-    given: Callable = lambda w: {}  # valid arguments that are always there
+    given: Callable  # given(world): valid arguments that are always there
     also: dict = field(default_factory=dict)  # further legal labels of an argument
     plain: bool = False  # objects of NGSolve only with `every`
 
@@ -50,42 +50,18 @@ class Target:
                     yield name, label, IsLegal(kind, label) or label in self.also.get(name, ())
 
 
-OBJECTS = {  # of a World
-    "AugmentedLagrangianSolver": "augmented",
-    "ContactSolver": "solver",
-    "FormSum": "form",
-    "LACContact": "contact",
-    "LACSpace": "Q",
-    "LoadStepper": "loads",
-    "Segments": "segments",
-    "TimeStepper": "times",
-}
+# Of a World, whose methods are called.
+OBJECTS = Pairs("""
+    AugmentedLagrangianSolver:augmented ContactSolver:solver FormSum:form LACContact:contact
+    LACSpace:Q LoadStepper:loads Segments:segments TimeStepper:times
+""")
+# A law may depend on the solution; it has no mesh on which values could be looked at.
+LAW = {"CF of a trial function", "nan CF"}
+ALSO = {"young": LAW, "nu": LAW, "u": {"trial function"}, "filename": {"folder"}}
+ALSO |= {"macro": {"0"}, "maxcuts": {"0"}}
 
 
-def Method(name, names, given=Target.given, **also):
-    """Of one of `OBJECTS`."""
-    owner, _, method = name.partition(".")
-
-    def Call(w, **k):
-        return getattr(getattr(w, OBJECTS[owner]), method)(**k)
-
-    return Target(name, Call, names, given, also)
-
-
-def Function(thing, names, given=Target.given, **also):
-    return Target(thing.__name__, lambda w, **k: thing(**k), names, given, also)
-
-
-def Solver(cls, names):
-    def Call(w, **k):
-        cls(**k).Solve(printing=False)
-
-    names = f"a gf contacts rhs freedofs inverse initial {names}"
-    given = lambda w: {"a": w.a, "gf": w.gf, "contacts": w.contact}  # noqa: E731
-    return Target(cls.__name__, Call, names, given)
-
-
-def Used(contact, w):
+def Used(w, contact):
     lac.ContactSolver(w.a, w.gf, contact).Solve(printing=False)
     return contact.Check()
 
@@ -100,137 +76,91 @@ def Space(w, **k):
     return Q.nmacros, [Q.CoreDofs(m) for m in range(Q.nmacros)]
 
 
-def Quietly(w):
-    return {"printing": False}
+# What is more than a call: what was made is used.
+CALLS = {
+    "materials.Stress": lambda w, **k: Stress(**k),
+    "materials.NeoHooke": lambda w, **k: NeoHooke(**k),
+    "LACSpace": Space,
+    "BubbleVectorH1": lambda w, **k: lac.BubbleVectorH1(**k).ndof,
+    "LACContact": lambda w, **k: Used(w, lac.LACContact(**k)),
+    "LACContact with obstacle": lambda w, **k: Used(w, w.Contact(master=None, **k)),
+    "LACContact.Prepare": lambda w, **k: w.Contact().Prepare(**k),
+    "ContactSolver": lambda w, **k: lac.ContactSolver(**k).Solve(printing=False),
+    "AugmentedLagrangianSolver": lambda w, **k: lac.AugmentedLagrangianSolver(**k).Solve(
+        printing=False
+    ),
+    "FormSum": lambda w, a, contacts: lac.FormSum(a, contacts),
+    "LoadStepper": LoadSteps,
+    "TimeStepper": lambda w, **k: lac.TimeStepper(**k).Integrate(0.01, printing=False),
+}
+# Names | arguments | valid ones that are always there.
+TABLE = """
+materials.Stress | strain:tensor young:density nu:poisson plane:word
+    | strain=Sym(Grad(w.u)), young=2.0, nu=0.3
+materials.NeoHooke | F:tensor young:density nu:poisson | F=Id(2) + Grad(w.u), young=2.0, nu=0.3
+LACSpace | V:space slave macros:state? components:count? autoupdate:flag | V=w.V, slave="slave"
+LACSpace.WithComponents | components:count
+LACSpace.CoreDofs | macro:count
+BubbleVectorH1 | mesh slave order:count dirichlet:any-pattern? | mesh=w.mesh, slave="slave", order=1
+SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
+LACContact | u lam master friction tresca tied finite maxdist penetration stiffness:positive
+    | u=w.u, lam=w.lam, master="master"
+LACContact with obstacle | obstacle friction | obstacle=0.01
+LACContact.Update | gf:solution?
+LACContact.Prepare | bulk
+LACContact.Follow | gf
+LACContact.AddApply | x y | x=w.Vector(), y=w.Vector()
+LACContact.Apply | x y | x=w.Vector(), y=w.Vector()
+LACContact.AssembleLinearization | x
+LACContact.Commit | gf
+LACContact.Evaluate | gf
+LACContact.SetState | state gf:solution? | state=w.contact.State()
+LACContact.Moment | point:point?
+LACContact.Draw | field background:background? deformation scale:number size:positive?
+    | deformation=w.gf.components[0], show=False
+LACContact.Plot | field along:word deformation axes:axes?
+LACContact.WriteVTU | filename displacement | filename=w.folder.name + "/contact"
+Segments.WriteVTU | filename
+ContactSolver
+    | a gf contacts rhs freedofs inverse initial solver:word? preconditioner:function?
+    | a=w.a, gf=w.gf, contacts=w.contact
+ContactSolver.Solve | maxit tol printing callback motion path:flag | printing=False
+ContactSolver.SetState | state
+ContactSolver.Merit | same_load
+AugmentedLagrangianSolver | a gf contacts rhs freedofs inverse initial augmentation
+    | a=w.a, gf=w.gf, contacts=w.contact
+AugmentedLagrangianSolver.Solve | maxit tol printing callback motion path:flag | printing=False
+FormSum | a contacts | a=w.a, contacts=w.contact
+FormSum.AssembleLinearization | x
+FormSum.Apply | x y | x=w.Vector(), y=w.Vector()
+LoadStepper | solver:tool load prescribe predict maxcuts | solver=w.solver, load=w.load
+LoadStepper.Integrate | end callback printing maxit tol steps | printing=False, steps=1
+LoadStepper.SetState | state
+TimeStepper | solver:tool density dt rho_inf time prescribe energy maxcuts
+    | solver=w.solver, density=1.0, dt=0.1
+TimeStepper.Integrate | end:positive callback printing maxit tol | end=0.1, printing=False
+TimeStepper.SetState | state
+SaveState | file:path tool also | file=w.folder.name + "/new", tool=w.solver
+LoadState | file tool also | file=w.file, tool=w.solver
+LoadMesh | file
+"""
 
 
-def Vectors(w):
-    return {"x": w.Vector(), "y": w.Vector()}
+def Call(name):
+    """``call(world, **arguments)`` of a target."""
+    owner, _, method = name.partition(".")
+    if name in CALLS:
+        return CALLS[name]
+    if not method:
+        return lambda w, **k: getattr(lac, name)(**k)
+    return lambda w, **k: getattr(getattr(w, OBJECTS[owner]), method)(**k)
 
 
-SOLVE = "maxit tol printing callback motion path:flag"
-INTEGRATE = "callback printing maxit tol"
-# A law may depend on the solution; it has no mesh on which values could be looked at.
-MODULI = {name: {"CF of a trial function", "nan CF"} for name in ("young", "nu")}
-ZERO = {"0"}
+def Rows(text):
+    """The target of each row of a table; it goes on where the next line is indented."""
+    for line in text.strip().replace("\n    |", " |").splitlines():
+        name, names, given = [*map(str.strip, line.split("|")), ""][:3]
+        yield Target(name, Call(name), names, Evaluated(f"dict({given})", {}), ALSO)
 
-TARGETS = [
-    # --- materials
-    Target(
-        "materials.Stress",
-        lambda w, **k: Stress(**k),
-        "strain:tensor young:density nu:poisson plane:word",
-        lambda w: {"strain": Sym(Grad(w.u)), "young": 2.0, "nu": 0.3},
-        MODULI,
-    ),
-    Target(
-        "materials.NeoHooke",
-        lambda w, **k: NeoHooke(**k),
-        "F:tensor young:density nu:poisson",
-        lambda w: {"F": Id(2) + Grad(w.u), "young": 2.0, "nu": 0.3},
-        MODULI,
-    ),
-    # --- spaces and meshes
-    Target(
-        "LACSpace",
-        Space,
-        "V:space slave macros:state? components:count? autoupdate:flag",
-        lambda w: {"V": w.V, "slave": "slave"},
-    ),
-    Method("LACSpace.WithComponents", "components:count"),
-    Method("LACSpace.CoreDofs", "macro:count", macro=ZERO),
-    Target(
-        "BubbleVectorH1",
-        lambda w, **k: lac.BubbleVectorH1(**k).ndof,
-        "mesh slave order:count dirichlet:any-pattern?",
-        lambda w: {"mesh": w.mesh, "slave": "slave", "order": 1},
-    ),
-    Function(
-        lac.SplitSlaveFaces, "mesh slave hexes:word", lambda w: {"mesh": w.mesh, "slave": "slave"}
-    ),
-    # --- contact
-    Target(
-        "LACContact",
-        lambda w, **k: Used(lac.LACContact(**k), w),
-        "u lam master friction tresca tied finite maxdist penetration stiffness:positive",
-        lambda w: {"u": w.u, "lam": w.lam, "master": "master"},
-        {"u": {"trial function"}},
-    ),
-    Target(
-        "LACContact with obstacle",
-        lambda w, **k: Used(w.Contact(master=None, **k), w),
-        "obstacle friction",
-        lambda w: {"obstacle": 0.01},
-    ),
-    Method("LACContact.Update", "gf:solution?"),
-    Target("LACContact.Prepare", lambda w, **k: w.Contact().Prepare(**k), "bulk"),
-    Method("LACContact.Follow", "gf"),
-    Method("LACContact.AddApply", "x y", Vectors),
-    Method("LACContact.Apply", "x y", Vectors),
-    Method("LACContact.AssembleLinearization", "x"),
-    Method("LACContact.Commit", "gf"),
-    Method("LACContact.Evaluate", "gf"),
-    Method("LACContact.SetState", "state gf:solution?", lambda w: {"state": w.contact.State()}),
-    Method("LACContact.Moment", "point:point?"),
-    Method(
-        "LACContact.Draw",
-        "field background:background? deformation scale:number size:positive?",
-        lambda w: {"deformation": w.gf.components[0], "show": False},
-    ),
-    Method("LACContact.Plot", "field along:word deformation axes:axes?"),
-    Method(
-        "LACContact.WriteVTU",
-        "filename displacement",
-        lambda w: {"filename": w.folder.name + "/contact"},
-        filename={"folder"},
-    ),
-    Method("Segments.WriteVTU", "filename", filename={"folder"}),
-    # --- solvers
-    Solver(lac.ContactSolver, "solver:word? preconditioner:function?"),
-    Method("ContactSolver.Solve", SOLVE, Quietly),
-    Method("ContactSolver.SetState", "state"),
-    Method("ContactSolver.Merit", "same_load"),
-    Solver(lac.AugmentedLagrangianSolver, "augmentation"),
-    Method("AugmentedLagrangianSolver.Solve", SOLVE, Quietly),
-    Target(
-        "FormSum",
-        lambda w, a, contacts: lac.FormSum(a, contacts),
-        "a contacts",
-        lambda w: {"a": w.a, "contacts": w.contact},
-    ),
-    Method("FormSum.AssembleLinearization", "x"),
-    Method("FormSum.Apply", "x y", Vectors),
-    # --- steppers
-    Target(
-        "LoadStepper",
-        LoadSteps,
-        "solver:tool load prescribe predict maxcuts:count",
-        lambda w: {"solver": w.solver, "load": w.load},
-        {"maxcuts": ZERO},
-    ),
-    Method(
-        "LoadStepper.Integrate", f"end {INTEGRATE} steps", lambda w: {"printing": False, "steps": 1}
-    ),
-    Method("LoadStepper.SetState", "state"),
-    Target(
-        "TimeStepper",
-        lambda w, **k: lac.TimeStepper(**k).Integrate(0.01, printing=False),
-        "solver:tool density dt rho_inf time prescribe energy maxcuts",
-        lambda w: {"solver": w.solver, "density": 1.0, "dt": 0.1},
-        {"maxcuts": ZERO},
-    ),
-    Method(
-        "TimeStepper.Integrate",
-        f"end:positive {INTEGRATE}",
-        lambda w: {"end": 0.1, "printing": False},
-    ),
-    Method("TimeStepper.SetState", "state"),
-    # --- files
-    Function(
-        lac.SaveState,
-        "file:path tool also",
-        lambda w: {"file": w.folder.name + "/new", "tool": w.solver},
-    ),
-    Function(lac.LoadState, "file tool also", lambda w: {"file": w.file, "tool": w.solver}),
-    Function(lac.LoadMesh, "file"),
-]
+
+TARGETS = [*Rows(TABLE)]

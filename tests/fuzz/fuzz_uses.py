@@ -5,7 +5,7 @@ import ngsolve
 
 import ngslac
 
-__all__ = ["Uses"]
+__all__ = ["Evaluated", "Uses"]
 
 SCOPE = vars(ngsolve) | vars(ngslac) | vars(fuzz_world)
 
@@ -22,8 +22,10 @@ def Uses(helpers, text):
             words = tuple(filter(None, line[1:-1].split("|")))
             continue
         name, _, code = map(str.strip, line.partition(" | "))
-        yield name, _Run(compile(code, name, "eval"), helpers), words
+        yield name, Evaluated(code, helpers, name), words
 
 
-def _Run(code, helpers):
+def Evaluated(text, helpers, name="given"):
+    """A function of `w` that evaluates an expression."""
+    code = compile(text, name, "eval")
     return lambda w: eval(code, {**SCOPE, **helpers, "w": w})
