@@ -142,7 +142,7 @@ protected:
     Array<double> penalties(jump->Size());
     for (size_t m : Range(jump->Size()))
       penalties[m] = c[m] / RowArea(m);
-    return EliminateMultipliers<D>(*mat, lamdof, penalties);
+    return EliminateMultipliers(*mat, lamdof, D, penalties);
   }
   void CheckSize(size_t entries) const;
   void Prepare(const BaseVector & x);

@@ -10,6 +10,11 @@ Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
   return values;
 }
 
+void Subtract(FlatVector<> x, FlatArray<int> dofs, const Vector<> & values) {
+  for (int i : Range(dofs))
+    x(dofs[i]) -= values(i);
+}
+
 void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & free) {
   if (free.Size() != n)
     throw Exception("Condensation: " + ToString(free.Size()) + " bits of free dofs for " +
@@ -286,22 +291,16 @@ Vector<> Condensation::Forces(FlatVector<> u) const {
   VFlatVector<double> in(u.Size(), u.Data()), out(forces.Size(), forces.Data());
   mat->Mult(in, out);
   for (auto & block : blocks)
-    if (block.slides) {
-      Vector<> local = block.GL * Vector<>(block.E1 * Gather(block.dofs, u));
-      for (int i : Range(block.dofs))
-        forces(block.dofs[i]) -= local(i);
-    }
+    if (block.slides)
+      Subtract(forces, block.dofs, block.GL * Vector<>(block.E1 * Gather(block.dofs, u)));
   return forces;
 }
 
 /// f - G (multipliers that r tells) - K u
 Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
   Vector<> left = rhs - Forces(u);
-  for (auto & block : blocks) {
-    Vector<> local = block.GL * Vector<>(block.U1 * Gather(block.multipliers, rhs));
-    for (int i : Range(block.dofs))
-      left(block.dofs[i]) -= local(i);
-  }
+  for (auto & block : blocks)
+    Subtract(left, block.dofs, block.GL * Vector<>(block.U1 * Gather(block.multipliers, rhs)));
   return left;
 }
 
@@ -322,11 +321,8 @@ void Condensation::Reduce(FlatVector<> rhs, FlatVector<> reduced) const {
   Vector<> left = Left(rhs, Particular(rhs));
   reduced = left;
   for (auto & block : blocks)
-    if (block.NConstraints()) {
-      Vector<> local = block.G2 * block.Reactions(left);
-      for (int i : Range(block.dofs))
-        reduced(block.dofs[i]) -= local(i);
-    }
+    if (block.NConstraints())
+      Subtract(reduced, block.dofs, block.G2 * block.Reactions(left));
   for (size_t i : Range(reduced))
     if (!free->Test(i))
       reduced(i) = 0;

@@ -16,9 +16,8 @@ static shared_ptr<SparseMatrix<double>> MatrixOf(Table<int> && table) {
   return mat;
 }
 
-template <int D>
 shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double> & mat,
-                                                      FlatArray<int> multipliers,
+                                                      FlatArray<int> multipliers, int d,
                                                       FlatArray<double> penalties) {
   static Timer timer("ngslac::EliminateMultipliers");
   RegionTimer reg(timer);
@@ -27,30 +26,22 @@ shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double>
   number = -1;
   for (int i : Range(multipliers))
     number[multipliers[i]] = i;
-  auto displacements = [&](int row, auto f) {
+  // Calls f(column, entry) for the displacements, or for the multipliers, of a row.
+  auto entries = [&](int row, bool multiplier, auto f) {
     auto cols = mat.GetRowIndices(row);
     auto values = mat.GetRowValues(row);
     for (int j : Range(cols))
-      if (number[cols[j]] < 0)
+      if ((number[cols[j]] >= 0) == multiplier)
         f(cols[j], values(j));
-  };
-  // Calls f(multiplier, force) for each multiplier that acts on a dof.
-  auto acting = [&](int row, auto f) {
-    auto cols = mat.GetRowIndices(row);
-    auto values = mat.GetRowValues(row);
-    for (int j : Range(cols))
-      if (number[cols[j]] >= 0)
-        f(number[cols[j]], values(j));
   };
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)
     ParallelFor(n, [&](size_t i) {
       if (number[i] >= 0)
         return;
-      displacements(i, [&](int col, double) { creator.Add(i, col); });
-      acting(i, [&](int k, double) {
-        displacements(multipliers[k], [&](int col, double) { creator.Add(i, col); });
-      });
+      auto add = [&](int col, double) { creator.Add(i, col); };
+      entries(i, false, add);
+      entries(i, true, [&](int lam, double) { entries(lam, false, add); });
     });
   auto result = MatrixOf(creator.MoveTable());
   ParallelForRange(n, [&](IntRange rows) {
@@ -58,10 +49,10 @@ shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double>
     for (auto i : rows) {
       if (number[i] >= 0)
         continue;
-      displacements(i, [&](int col, double value) { sum.Add(col, value); });
-      acting(i, [&](int k, double force) {
-        double factor = force * penalties[k / D];
-        displacements(multipliers[k], [&](int col, double value) { sum.Add(col, factor * value); });
+      entries(i, false, [&](int col, double value) { sum.Add(col, value); });
+      entries(i, true, [&](int lam, double force) {
+        double factor = force * penalties[number[lam] / d];
+        entries(lam, false, [&](int col, double value) { sum.Add(col, factor * value); });
       });
       auto cols = result->GetRowIndices(i);
       auto values = result->GetRowValues(i);
@@ -72,9 +63,4 @@ shared_ptr<SparseMatrix<double>> EliminateMultipliers(const SparseMatrix<double>
   });
   return result;
 }
-
-template shared_ptr<SparseMatrix<double>>
-EliminateMultipliers<2>(const SparseMatrix<double> &, FlatArray<int>, FlatArray<double>);
-template shared_ptr<SparseMatrix<double>>
-EliminateMultipliers<3>(const SparseMatrix<double> &, FlatArray<int>, FlatArray<double>);
 } // namespace ngslac
