@@ -26,7 +26,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from calculix_files import ReadContact, ReadDisplacement, Solid, WriteInput
+from calculix_files import KINDS, ReadContact, ReadDisplacement, Solid, WriteInput
 from meshes import BODIES
 from metrics import YOUNG, Errors
 from peercommand import Main, NotInstalledError
@@ -48,6 +48,7 @@ def Solve(mesh, arguments, watch):
         raise ValueError("the penalty needs a positive --stiffness")
     solid, nodes = Solid(mesh, arguments.order), mesh.Points(arguments.order)
     contact = "surface to surface" if penalty else "mortar"
+    kind = KINDS[mesh.dim, arguments.order]
     law = f"K = {stiffness:g} E/mm" if stiffness else "hard"
     with TemporaryDirectory() as folder:
         job = Path(folder) / "job"
@@ -68,7 +69,7 @@ def Solve(mesh, arguments, watch):
             "dofs": nodes.size,
             "equations": int(Find(r"number of equations\s+(\d+)", log)),
             "iterations": len(re.findall(r"^ *iteration +\d+", log, re.MULTILINE)),
-            "settings": f"{contact}, {law}, {solid.kind}, {arguments.linear_solver}",
+            "settings": f"{contact}, {law}, {kind}, {arguments.linear_solver}",
             **Errors(mesh, arguments.order, Displacement, Pressure),
         }
 

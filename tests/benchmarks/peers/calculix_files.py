@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from decks import Bodies, Held, Rows
+from decks import Bodies, Rows
+from meshes import HELD
 from metrics import LINE_FORCE, NU, PRESSURE, YOUNG
 
-__all__ = ["ReadContact", "ReadDisplacement", "Solid", "WriteInput"]
+__all__ = ["KINDS", "ReadContact", "ReadDisplacement", "Solid", "WriteInput"]
 
 CONTACT_TYPES = {"penalty": "SURFACE TO SURFACE", "mortar": "MORTAR"}
 KINDS = {(2, 1): "C3D6", (2, 2): "C3D15", (3, 1): "C3D4", (3, 2): "C3D10"}
@@ -28,11 +29,6 @@ class Solid:
 
     mesh: object
     order: int
-
-    @property
-    def kind(self):
-        """CalculiX' name of the element."""
-        return KINDS[self.mesh.dim, self.order]
 
     @property
     def points(self):
@@ -90,7 +86,7 @@ def ModelLines(solid):
     yield from Numbers(range(len(solid.points)), solid.points)
     for name, mine, _ in Bodies(solid.mesh, solid.order):
         title = name.upper()
-        yield f"*ELEMENT,TYPE={solid.kind},ELSET={title}"
+        yield f"*ELEMENT,TYPE={KINDS[solid.mesh.dim, solid.order]},ELSET={title}"
         yield from Numbers(mine, solid.elements[mine] + 1)
         yield from (f"*MATERIAL,NAME=M{title}", "*ELASTIC", f"{YOUNG[name]},{NU}")
         yield f"*SOLID SECTION,ELSET={title},MATERIAL=M{title}"
@@ -101,13 +97,14 @@ def ModelLines(solid):
 
 def SupportLines(solid):
     """Supports of the problem."""
-    for name, _ in Held(solid.mesh):
+    held = HELD[solid.mesh.problem]
+    for name in held:
         yield f"*NSET,NSET=N{name.upper()}"
         yield from (f"{node + 1}," for node in solid.Nodes(name).tolist())
     yield "*BOUNDARY"
     if solid.mesh.dim == 2:
         yield "NALL,3,3"
-    for name, component in Held(solid.mesh):
+    for name, component in held.items():
         yield f"N{name.upper()},{component + 1},{component + 1}"
 
 

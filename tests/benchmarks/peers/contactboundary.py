@@ -20,19 +20,7 @@ import numpy as np
 from elastic import CornerProjection, Displacements, Elastic, Errors, Loads, Projection, Read
 from meshes import BODIES, SHIFT
 from metrics import NU, RADIUS, STRAIN, YOUNG
-from ngsolve import (
-    CF,
-    H1,
-    BilinearForm,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Norm,
-    SurfaceL2,
-    x,
-    y,
-    z,
-)
+from ngsolve import CF, H1, BilinearForm, GridFunction, IfPos, InnerProduct, SurfaceL2, x, y, z
 from peercommand import Main
 
 from ngslac.materials import Stress
@@ -53,7 +41,8 @@ class Contact:
         self.penalty = arguments.gamma * min(YOUNG[name] for name in bodies) / peermesh.h
         self.point = CF((x, y, z)[: mesh.dim])
         arm = self.point - CF((0.0,) * (mesh.dim - 1) + (RADIUS,))
-        self.normal = CF((0, 0, -1)) if self.problem == "patch" else arm / Norm(arm)
+        self.normal = CF((0, 0, -1)) if self.problem == "patch" else arm / ngs.Norm(arm)
+        self.tangent = CF((-self.normal[1], self.normal[0]))
         self.nitsche = arguments.variant == "nitsche"
         self.old, self.sheared = None, None  # displacement and tangential traction of the last step
 
@@ -75,16 +64,12 @@ class Contact:
         trial = self.sheared + TANGENTIAL * self.penalty * moved * self.tangent
         return IfPos(trial - limit, limit, IfPos(-limit - trial, -limit, trial))
 
-    @property
-    def tangent(self):
-        """The normal turned by a quarter."""
-        return CF((-self.normal[1], self.normal[0]))
-
     def Traction(self, u):
         """Of the slave on the master."""
-        if self.arguments.friction == 0:
-            return self.Pressure(u) * self.normal
-        return self.Pressure(u) * self.normal + self.Tangential(u) * self.tangent
+        traction = self.Pressure(u) * self.normal
+        if self.arguments.friction:
+            traction += self.Tangential(u) * self.tangent
+        return traction
 
     def AddTo(self, form, space, integrand):
         """A `ContactBoundary`, paired in the undeformed configuration; a form does not keep it."""

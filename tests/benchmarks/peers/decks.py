@@ -1,11 +1,11 @@
-"""What the input files of other programs share: lines of numbers, bodies, names; NumPy only."""
+"""What the input files of other programs share: lines of numbers, bodies; NumPy only."""
 
 from __future__ import annotations
 
 import numpy as np
-from meshes import BODIES, HELD
+from meshes import BODIES
 
-__all__ = ["Bodies", "Held", "Rows"]
+__all__ = ["Bodies", "Rows"]
 
 
 def Rows(numbers, values, *, join=" ", digits=None, most=99):
@@ -23,8 +23,3 @@ def Bodies(mesh, order):
     for name in BODIES[mesh.problem]:
         elements = np.flatnonzero(mesh.materials == name)
         yield name, elements, mesh.Elements(order, name) + 1
-
-
-def Held(mesh):
-    """The supported boundaries, and the component (from 0) that is zero there."""
-    return HELD[mesh.problem].items()

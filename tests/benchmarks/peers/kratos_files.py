@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from decks import Bodies, Held, Rows
-from meshes import BODIES
+from decks import Bodies, Rows
+from meshes import BODIES, HELD
 from metrics import LINE_FORCE, NU, PRESSURE, YOUNG
 
 __all__ = ["Materials", "NodalForces", "Parameters", "WriteMesh"]
@@ -61,7 +61,7 @@ def Lines(mesh):
         first += len(nodes)
         yield from Entities(f"Conditions {kind[mesh.dim]}", numbers, 0, nodes + 1)
         parts.append((name, np.unique(nodes), [], numbers))
-    parts += [(f"Held_{name}", mesh.Nodes(1, name), [], []) for name, _ in Held(mesh)]
+    parts += [(f"Held_{name}", mesh.Nodes(1, name), [], []) for name in HELD[mesh.problem]]
     for part in parts:
         yield from SubModelPart(*part)
 
@@ -117,7 +117,7 @@ def Parameters(mesh, job, *, friction=0.0, steps=1, linear_solver="amgcl"):
         "problem_data": problem | {"start_time": 0.0, "end_time": 1.0 - 1e-9},
         "solver_settings": Solver(mesh, job, kind, steps, linear_solver),
         "processes": {
-            "constraints_process_list": [Support(*held) for held in Held(mesh)],
+            "constraints_process_list": [Support(*held) for held in HELD[mesh.problem].items()],
             "loads_process_list": [],
             "contact_process_list": [Contact(mesh, kind, friction)],
         },

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["BODIES", "HELD", "PROBLEMS", "SHIFT", "Load", "Make", "NodalValues", "PeerMesh"]
+__all__ = ["BODIES", "HELD", "SHIFT", "Load", "Make", "NodalValues", "PeerMesh"]
 
 # Corners of an edge; the order of the mid nodes, as in VTK, Abaqus and CalculiX.
 EDGES = {2: ((0, 1), (1, 2), (2, 0)), 3: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))}
@@ -45,7 +45,7 @@ SHIFT = {"hertz": 0.05, "sphere": 0.1, "patch": 1e-5}
 class PeerMesh:
     """Nodes, elements and boundary faces; order 1 is that of the corners alone."""
 
-    problem: str  # of `PROBLEMS`
+    problem: str  # of `HELD`
     h: float  # size of the slave faces
     nvertices: int  # the first nodes are corners, all others mid nodes
     points: np.ndarray  # (n, dim)
@@ -117,28 +117,15 @@ def Load(file):
     return PeerMesh(**{k: v.item() if v.ndim == 0 else v for k, v in arrays.items()})
 
 
-# ---------------------------------------------------------------- the three meshes
+def NetgenMesh(problem, h):
+    """The NGSolve mesh: the LAC paper's half model; graded; tetrahedra that do not match."""
+    from ngslac.meshes import HertzMesh, SphereOnBlock, TwoBlocks3D
 
-
-def Hertz(h):
-    """The LAC paper's problem: a cylinder on a block, half model; NGSolve mesh."""
-    from ngslac.meshes import HertzMesh
-
-    return HertzMesh(h)
-
-
-def Sphere(h):
-    """Quarter of half a sphere on a block, graded; NGSolve mesh."""
-    from ngslac.meshes import SphereOnBlock
-
-    sizes = {"zone": 8.0, "width": 60.0, "height": 60.0, "ratio": 1.13}
-    return SphereOnBlock(h, **sizes, grading=0.2, maxh=12.0)
-
-
-def Patch(h):
-    """Two cubes whose tetrahedra do not match, the lower ones larger by 1.31; NGSolve mesh."""
-    from ngslac.meshes import TwoBlocks3D
-
+    if problem == "hertz":
+        return HertzMesh(h)
+    if problem == "sphere":
+        sizes = {"zone": 8.0, "width": 60.0, "height": 60.0, "ratio": 1.13}
+        return SphereOnBlock(h, **sizes, grading=0.2, maxh=12.0)
     n = max(2, round(1 / h))
     mesh = TwoBlocks3D("tet", n_slave=n, n_master=max(1, round(n / 1.31)), unstructured=True)
     planes = {"left": "sym_x", "front": "sym_y", "right": "free", "back": "free"}
@@ -147,12 +134,9 @@ def Patch(h):
     return mesh
 
 
-PROBLEMS = {"hertz": Hertz, "sphere": Sphere, "patch": Patch}
-
-
 def Make(problem, h, file=None):
     """A `PeerMesh` with slave faces of size h; the NGSolve mesh comes beside the .npz file."""
-    mesh = PROBLEMS[problem](h)
+    mesh = NetgenMesh(problem, h)
     mesh.Curve(2)
     made = PeerMesh(problem, h, mesh.nv, **Topology(mesh))
     if file is not None:
@@ -234,7 +218,7 @@ def OrientFaces(points, elements, faces):
 def main(argv=None):
     """Run from the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("problem", choices=PROBLEMS)
+    parser.add_argument("problem", choices=HELD)
     parser.add_argument("h", type=float, help="size of the slave faces")
     parser.add_argument("file", help="name of the .npz file")
     options = parser.parse_args(argv)

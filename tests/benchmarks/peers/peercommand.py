@@ -18,7 +18,7 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from meshes import PROBLEMS, Load
+from meshes import HELD, Load
 
 __all__ = ["Main", "NotInstalledError", "StopWatch"]
 
@@ -66,7 +66,7 @@ def Parser(options=None):
     """The command line of a peer; `options` is called with it to add more."""
     parser = argparse.ArgumentParser()
     add = parser.add_argument
-    add("problem", choices=PROBLEMS)
+    add("problem", choices=HELD)
     add("mesh", help=".npz file of meshes.py")
     add("--order", type=int, choices=(1, 2), default=2)
     add("--friction", type=float, default=0.0)
