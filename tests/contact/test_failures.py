@@ -171,7 +171,8 @@ def test_surfaces_farther_than_maxdist(dim):
     out = -contact.Table()["normal"].mean(axis=0)
     contact.Follow(moved(contact, upper=0.2 * out))
     for verb in (contact.Follow, contact.Update):
-        with pytest.raises(NgException, match=r"never meet: .*within maxdist = 0\.21"):
+        words = r"never meet: .*within maxdist = 0\.21; check the regions"
+        with pytest.raises(NgException, match=words):
             verb(moved(contact, upper=0.22 * out))
 
 

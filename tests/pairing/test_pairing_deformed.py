@@ -1,15 +1,12 @@
 """Pairing in the configuration of a GridFunction; what cannot be paired is an error."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from ngsolve import CF, GridFunction, VectorH1
+from ngsolve import GridFunction
 from sheets import (
     Motion,
     Sheet,
     areas_by_face,
-    areas_by_pair,
     contact_on,
     displaced,
     face_sizes,
@@ -69,28 +66,6 @@ def test_rigid_motion_of_everything_changes_nothing(dim, seed):
     assert there.slave_points == pytest.approx(motion(reference.slave_points), abs=1e-12)
     normals = np.tile(-motion.R[:, -1], (contact.space.nmacros, 1))
     assert contact.Table()["normal"] == pytest.approx(normals, abs=1e-12)
-
-
-def test_moved_mesh_and_displaced_mesh_pair_alike(dim):
-    """Moved by SetDeformation, by Update, and made there: three ways to the same segments."""
-    motion = linear(dim, 1)
-    upper, lower = sheets(dim)
-    near, far = motion(upper.points), motion(upper.points + upper.depth)
-    sides = [replace(s, renumbered=None) for s in (upper, lower)]
-    there = sheet_mesh(replace(sides[0], points=near, depth=far - near), sides[1])
-    made = contact_on(there, penetration=1.0)
-    mesh = sheet_mesh(*sides)
-    updated = contact_on(mesh, penetration=1.0)
-    updated.Update(displaced(updated, upper=motion.field))
-    found = [areas_by_pair(updated)]
-    deformation, none = GridFunction(VectorH1(mesh, order=1)), CF((0,) * dim)
-    deformation.Set(mesh.MaterialCF({"upper": CF(tuple(motion.field))}, default=none))
-    mesh.SetDeformation(deformation)
-    found.append(areas_by_pair(contact_on(mesh, penetration=1.0)))
-    expected = areas_by_pair(made)
-    for other in found:
-        for pair in expected.keys() | other.keys():
-            assert other.get(pair, 0) == pytest.approx(expected.get(pair, 0), abs=1e-13)
 
 
 def test_gaps_count_from_the_configuration(dim):

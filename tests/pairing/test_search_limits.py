@@ -66,11 +66,6 @@ def test_an_overlap_that_is_too_deep_names_penetration(kind):
     assert contact_on(mesh, penetration=0.33).Table()["area"].sum() == pytest.approx(1)
 
 
-def test_surfaces_apart_do_not_overlap(kind):
-    with pytest.raises(NgException, match=r"within maxdist = 0\.2; check the regions"):
-        contact_on(wedge(kind, -0.5, (0, 0)), maxdist=0.2)
-
-
 def test_all_of_two_boundaries_do_not_overlap(kind):
     """From the far side of the slave a normal backwards leaves the master at its far side."""
     slave, master = upper(grid(kind), rest="slave"), lower(grid(kind, 4), rest="master")
