@@ -10,7 +10,8 @@ __all__ = ["CASES", "MODULES"]
 NAMES = """
 case_patch
 case_patch_large
-cases_balance
+case_balance
+case_invariance
 case_infsup
 case_signorini
 case_mms_large
@@ -23,7 +24,8 @@ cases_large
 cases_large_friction
 case_materials
 case_series
-cases_dynamics
+case_dynamics
+case_restart
 """
 MODULES = [import_module(name) for name in NAMES.split()]
 CASES = {case.name: case for module in MODULES for case in module.CASES}

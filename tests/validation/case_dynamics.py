@@ -1,21 +1,13 @@
-"""Impact, sliding, a bouncing ring; and saved states."""
+"""Impact, sliding, a bouncing ring."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import tempfile
-from pathlib import Path
-
 import bouncing
-import continued
 import numpy as np
 from motions import bar, sliding, two_bars
-from report_bounds import Exact, Rounding, Step, Tolerance
+from report_bounds import Rounding, Step, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import BLUE, INK, ORANGE, Figure, FromFolder
-
-from ngslac import SaveState
 
 
 def Impact(quick):
@@ -91,70 +83,19 @@ def Bouncing(quick):
     ring.Throw(1.6, 0.04 if quick else 0.02)
     figures = ring.Figures()
     gone = figures["friction"] + figures["impact"] + figures["algorithmic"]
+    end, start = figures["energy_end"], figures["energy_start"]
+    ratio, drift = figures["friction_ratio"], figures["flight_speed_drift"]
+    gain = max(0.0, figures["largest_contact_gain"]) / start
+    rounding, relative = Rounding(), Rounding(kind="relative")
     rows = [
-        Row(
-            "tangential over normal impulse, slipping all the time",
-            figures["friction_ratio"],
-            0.2,
-        ),
-        Row(
-            "energy at the end and all losses",
-            figures["energy_end"] + gone,
-            figures["energy_start"],
-            Rounding(kind="relative"),
-        ),
-        Row(
-            "velocity along the ground in flight: change",
-            figures["flight_speed_drift"],
-            0,
-            Rounding(),
-        ),
-        Row(
-            "largest gain of energy in a step, over the energy",
-            max(0.0, figures["largest_contact_gain"]) / figures["energy_start"],
-            0,
-            Rounding(),
-        ),
+        Row("tangential over normal impulse, slipping all the time", ratio, 0.2),
+        Row("energy at the end and all losses", end + gone, start, relative),
+        Row("velocity along the ground in flight: change", drift, 0, rounding),
+        Row("largest gain of energy in a step, over the energy", gain, 0, rounding),
     ]
     caption = "Instants of the motion, and where the energy goes."
     draw = FromFolder(lambda folder: bouncing.Write(ring, folder), "bouncing.png")
     return Outcome(rows, draw, caption)
-
-
-def Restart(quick):
-    rows, curves = [], {}
-    kinds = ["linear"] if quick else list(continued.MAKE)
-    with tempfile.TemporaryDirectory() as folder:
-        steppers = {kind: continued.half(continued.MAKE[kind](), 1) for kind in continued.MAKE}
-        for kind, stepper in steppers.items():
-            SaveState(Path(folder) / kind, stepper)
-        ends = {kind: continued.outcome(continued.half(s, 2)) for kind, s in steppers.items()}
-        subprocess.run(
-            [sys.executable, continued.__file__, folder],
-            check=True,
-            cwd=Path(continued.__file__).parent,
-        )
-        for kind in kinds:
-            with np.load(Path(folder) / f"{kind}.npz") as found:
-                worst = max(
-                    float(np.abs(np.subtract(found[name], value, dtype=float)).max(initial=0))
-                    for name, value in ends[kind].items()
-                )
-                curves[kind] = ends[kind]["pressure"], found["pressure"]
-            accepted = Rounding() if kind == "bouncing" else Exact()
-            text = f"{kind}: largest difference of {len(ends[kind])} arrays of end values"
-            rows.append(Row(text, worst, 0, accepted))
-
-    def Draw(ax):
-        for k, both in enumerate(curves.values()):
-            for style, values in zip("ox", both, strict=True):
-                colour = ORANGE if style == "x" else BLUE
-                ax.plot(k + np.linspace(-0.3, 0.3, len(values)), values, style, color=colour)
-        ax.set_xticks(range(len(curves)), curves)
-        ax.set_ylabel("pressure of the macro-elements")
-
-    caption = "End pressures without interruption (circles) and saved and continued (crosses)."
-    return Outcome(rows, Figure(Draw, size=(6, 3.2)), caption)
 
 
 CASES = [
@@ -166,7 +107,7 @@ CASES = [
         "meshes that do not match exchange their velocities. The layer of elements at the contact "
         "loses its kinetic energy, a loss of first order in their size.",
         "Waves in bars (one-dimensional, exact).",
-        "pytest tests/solver/test_dynamics.py -k bar",
+        "pytest tests/validation/test_cases.py -k impact",
         Impact,
     ),
     Case(
@@ -174,7 +115,7 @@ CASES = [
         "A sliding block stops",
         "A flat block on the ground gets the velocity 1; friction 0.3, gravity 1.",
         "Way v^2/(2 F g), and all energy lost to friction.",
-        "pytest tests/solver/test_dynamics.py -k sliding",
+        "pytest tests/validation/test_cases.py -k sliding-block",
         Sliding,
     ),
     Case(
@@ -185,16 +126,5 @@ CASES = [
         "Balances of momentum and energy; friction 0.2 as ratio of the impulses.",
         "python tutorials/examples/bouncing.py --gravity 0 --friction 0.2 --end 1.6 --out results",
         Bouncing,
-    ),
-    Case(
-        "restart",
-        "Saved and continued",
-        "Five computations (a load path with friction, the same with a linear bulk, with large "
-        "sliding, with self-contact, and a block in flight) are saved half way and continued in "
-        "another process. The end values agree to the last bit; for the flight to rounding, since "
-        "the last digits of dense products depend on where arrays lie in memory.",
-        "The computations without interruption.",
-        "pytest tests/solver/test_restart.py",
-        Restart,
     ),
 ]
