@@ -65,54 +65,32 @@ class Problem:
     """Bodies, contacts, loads and the path of the load parameter.
 
     Vectors of loads and motions are numbers, which grow with the load, or functions of the load, or
-    coefficient functions, which do not grow.
-
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-    young : float or dict
-        Young's modulus of all bodies, or of each.
-    pairs : list of (slave, master) or (slave, gap function of a rigid obstacle)
-        The names of bodies mean the bottom of the slave and the top of the master.
-    friction, finite, law, own
-        Of every LACContact: coefficient, finite sliding, anything else; number of a pair -> what
-        differs for it.
-    nonlinear : bool
-        Neo-Hooke in place of linear elasticity; with finite sliding if nothing is said.
-    held, heldx, heldy, heldz : str
-        Boundaries with given displacements, or components of these.
-    drive, prescribe : dict
-        Region -> motion; what is driven is held, too.
-    steps, path
-        Of `LoadStepper.Integrate` to the load 1, or a list of (end, steps).
-    resultant : tuple
-        Force of the first contact at the end.
-    says : str
-        What the error of a problem without solution has to say, as a pattern.
+    coefficient functions, which do not grow. The name of a body in `pairs` means its bottom, if it
+    is the slave, or its top; in place of a master there may be the gap function of an obstacle.
     """
 
     mesh: object
-    young: object = 100.0
+    young: object = 100.0  # of all bodies, or a dict
     pairs: list = field(default_factory=lambda: [("upper", "lower")])
     friction: float | None = None
     finite: bool = False
-    law: dict = field(default_factory=dict)
-    own: dict = field(default_factory=dict)
-    nonlinear: bool | None = None
+    law: dict = field(default_factory=dict)  # of every LACContact
+    own: dict = field(default_factory=dict)  # number of a pair -> what differs for it
+    nonlinear: bool | None = None  # neo-Hooke; None: with finite sliding
     nu: float = 0.3
     order: int = 2
     bubble: bool = False
     condense: bool = False
-    held: str = GROUND
+    held: str = GROUND  # boundaries; heldx, ...: components
     heldx: str = ""
     heldy: str = ""
     heldz: str = ""
-    drive: dict = field(default_factory=dict)
+    drive: dict = field(default_factory=dict)  # region -> motion; is held, too
     prescribe: dict = field(default_factory=dict)
     steps: int = 1
-    path: list | None = None
-    resultant: tuple | None = None
-    says: str = ""
+    path: list | None = None  # (end, steps), ...
+    resultant: tuple | None = None  # of the first contact at the end
+    says: str = ""  # pattern of the error, if there is no solution
 
     def __post_init__(self):
         self.load, self.stepper = Parameter(0.0), None

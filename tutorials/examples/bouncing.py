@@ -3,8 +3,7 @@
 Plane strain, neo-Hookean material, large deformation and rotation, gravity; the radius and the
 density of the ring are 1. The ring flattens, rebounds and carries away a part of its energy as
 vibration; friction slows it down and turns it. As long as it slips, the impulses along the ground
-and across have the ratio of the coefficient of friction. Printed is where the energy goes. Start it
-with::
+and across have the ratio of the coefficient of friction. Start it with::
 
     python tutorials/examples/bouncing.py --out results
 """
@@ -12,26 +11,10 @@ with::
 import time
 
 import numpy as np
-from command import NotNegative, Options, Positive, Start
+from command import Main, NotNegative, Picture, Positive
 from deformed import Deformed
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    Integrate,
-    Mesh,
-    Trace,
-    Variation,
-    VectorH1,
-    dx,
-    log,
-    x,
-    y,
-)
+from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper
 
@@ -91,33 +74,24 @@ class Ring:
         throw = self.mesh.MaterialCF({"ring": CF(tuple(self.thrown))}, default=CF((0, 0)))
         velocity = self.stepper.velocity.components[0]
         velocity.Set(throw, definedon=self.mesh.Materials("ring"))
-        self._Record(0.0, 0)
-        self.stepper.Integrate(
-            end,
-            printing=printing,
-            callback=lambda step: self._Record(step.time, step.iterations),
-        )
+        self._Record()
+        self.stepper.Integrate(end, printing=printing, callback=self._Record)
 
     def _Sum(self, function):
         return Integrate(function, self.mesh, definedon=self.mesh.Materials("ring"))
 
-    def _Record(self, now, iterations):
+    def _Record(self, step=None):
         """Motion of the centre of mass, and angular momentum about it."""
         velocity, at, mass = self.stepper.velocity.components[0], CF((x, y)), self._Sum(1)
         at += self.displacement
         center = [self._Sum(at[i]) / mass for i in range(2)]
         arm = at - CF(tuple(center))
         status = self.contact.Table()["status"] if self.contact.form.paired else np.zeros(1)
-        self.rows.append(
-            {
-                "time": now,
-                "center": center,
-                "velocity": np.array([self._Sum(velocity[i]) / mass for i in range(2)]),
-                "spin": self._Sum(arm[0] * velocity[1] - arm[1] * velocity[0]),
-                "iterations": iterations,
-                "closed": int(np.sum(status > 0)),
-            }
-        )
+        row = {"time": step.time if step else 0.0, "iterations": step.iterations if step else 0}
+        row |= {"center": center, "closed": int(np.sum(status > 0))}
+        row["velocity"] = np.array([self._Sum(velocity[i]) / mass for i in range(2)])
+        row["spin"] = self._Sum(arm[0] * velocity[1] - arm[1] * velocity[0])
+        self.rows.append(row)
         self.places.append(self.displacement.vec.FV().NumPy().copy())
 
     def Figures(self):
@@ -157,32 +131,26 @@ class Ring:
 
 def Write(ring, folder):
     """Instants of the motion above the energies as a picture; the end for ParaView."""
-    from matplotlib import pyplot as plt
-
-    folder.mkdir(parents=True, exist_ok=True)
-    figure, (above, below) = plt.subplots(2, figsize=(8, 6.4), layout="constrained")
-    for k in np.linspace(0, len(ring.rows) - 1, 6).astype(int):
-        moved, faces = Deformed(ring.displacement, ("ring",), values=ring.places[k])
-        above.triplot(*moved.T, faces, lw=0.6, label=f"t = {ring.rows[k]['time']:.2f}")
-        above.plot(*moved[faces[0][0]], "ko", ms=4)  # moves with the material
-    above.plot(*np.transpose([row["center"] for row in ring.rows]), "k--", lw=0.6)
-    above.axhline(0, color="k")
-    above.set_aspect("equal")
-    above.legend(ncols=6, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1))
     table, start = ring.stepper.Table(), ring.Figures()["energy_start"]
     parts = [[start * (name == "kinetic"), *np.maximum(table[name], 0)] for name in ENERGIES]
-    below.stackplot([0, *table["time"]], *parts, labels=ENERGIES)
-    below.set(xlabel="time", ylabel="energy")
-    below.legend(loc="lower left", ncols=5)
-    figure.savefig(folder / "bouncing.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "bouncing", rows=2, size=(8, 6.4)) as (above, below):
+        for k in np.linspace(0, len(ring.rows) - 1, 6).astype(int):
+            moved, faces = Deformed(ring.displacement, ("ring",), values=ring.places[k])
+            above.triplot(*moved.T, faces, lw=0.6, label=f"t = {ring.rows[k]['time']:.2f}")
+            above.plot(*moved[faces[0][0]], "ko", ms=4)  # moves with the material
+        above.plot(*np.transpose([row["center"] for row in ring.rows]), "k--", lw=0.6)
+        above.axhline(0, color="k")
+        above.set_aspect("equal")
+        above.legend(ncols=6, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1))
+        below.stackplot([0, *table["time"]], *parts, labels=ENERGIES)
+        below.set(xlabel="time", ylabel="energy")
+        below.legend(loc="lower left", ncols=5)
     ring.contact.WriteVTU(folder / "bouncing_outside", displacement=ring.displacement)
 
 
 def Run(end=2.4, dt=0.02, rho_inf=0.9, out=None, quiet=True, **options):
     """Throw the ring; the other options are those of `Ring`. Returns the numbers of the motion."""
-    start = time.perf_counter()
-    ring = Ring(**options)
+    start, ring = time.perf_counter(), Ring(**options)
     ring.Throw(end, dt, rho_inf, printing=not quiet)
     figures = ring.Figures() | {"seconds": time.perf_counter() - start}
     if out:
@@ -193,20 +161,19 @@ def Run(end=2.4, dt=0.02, rho_inf=0.9, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--friction", type=NotNegative, default=0.5, help="coefficient")
-    add("--gravity", type=NotNegative, default=0.5, help="acceleration downwards")
-    add("--velocity", type=float, nargs=2, default=(2.0, -1.0), help="along the ground, and up")
-    add("--end", type=Positive, default=2.4, help="time at the end")
-    add("--h", type=Positive, default=0.17, help="size of the elements of the ring")
-    add("--dt", type=Positive, default=0.02, help="time step")
-    add("--rho-inf", type=NotNegative, default=0.9, help="spectral radius of the time integration")
-    add("--thickness", type=Positive, default=0.1, help="of the ring")
-    add("--young", type=Positive, default=2000.0, help="Young's modulus")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    friction=(NotNegative, 0.5, "coefficient"),
+    gravity=(NotNegative, 0.5, "acceleration downwards"),
+    velocity=(float, (2.0, -1.0), "along the ground, and up"),
+    end=(Positive, 2.4, "time at the end"),
+    h=(Positive, 0.17, "size of the elements of the ring"),
+    dt=(Positive, 0.02, "time step"),
+    rho_inf=(NotNegative, 0.9, "spectral radius of the time integration"),
+    thickness=(Positive, 0.1, "of the ring"),
+    young=(Positive, 2000.0, "Young's modulus"),
+)
 
 
 if __name__ == "__main__":

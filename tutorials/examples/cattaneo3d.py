@@ -17,9 +17,9 @@ about a twentieth of friction times the peak pressure (figure "lateral", best se
 from dataclasses import dataclass
 
 import numpy as np
-from command import Positive, Start
+from command import Main, Positive
 from movedsphere import BulkCompliance, Model, Sphere
-from stickzone import Faces, Parser, Results, Row, Summary, Table, Write
+from stickzone import Choices, Faces, Results, Row, Summary, Table, Write
 
 from ngslac.reference import CattaneoMindlinPoint
 
@@ -32,23 +32,16 @@ FIRST = 0.01  # tangential force of the first step over friction times normal fo
 class Problem(Sphere):
     """What to compute: the fields of `Sphere`, and the path of the load.
 
-    Parameters
-    ----------
-    shear : float
-        Largest tangential force over friction times normal force, less than 1.
-    steps : int
-        Steps of the loading, of equal displacement. A step to a hundredth of friction times normal
-        force, which tells the stiffness before slip, comes first.
-    reverse : int
-        Steps back from there, to half the opposite force; 0: none.
+    A step to a hundredth of friction times normal force, which tells the stiffness before slip,
+    comes before the `steps` of equal displacement.
     """
 
     model: str = "half"
     elements: float = 4.0
     stabilize: str = "bubble"
     steps: int = 5
-    shear: float = 0.95
-    reverse: int = 2
+    shear: float = 0.95  # largest tangential force over friction times normal force
+    reverse: int = 2  # steps back from there, to half the opposite force
 
     def __post_init__(self):
         if self.shear >= 1:
@@ -145,13 +138,13 @@ def _Figures(results, compliance):
     }
 
 
-def Run(*, out, quiet, **options):
+def Run(*, out, quiet, smooth, **options):
     """Compute, print, write; the figures."""
 
     def Tell(state):
         print(f"  P = {state.force[2]:9.3f} N   {state.iterations} Newton iterations", flush=True)
 
-    results = Solve(None if quiet else Tell, **options)
+    results = Solve(None if quiet else Tell, rough=not smooth, **options)
     figures = results.figures
     if not quiet:
         print(Table(COLUMNS, figures["steps"]))
@@ -163,12 +156,13 @@ def Run(*, out, quiet, **options):
     return figures
 
 
-def main(argv=None):
-    """Run from the command line."""
-    parser = Parser(__doc__, Problem, "half", "full")
-    parser.add_argument("--shear", type=Positive, default=Problem.shear, help="largest Q/(F P)")
-    parser.add_argument("--reverse", type=int, default=Problem.reverse, help="steps back")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    **Choices(Problem, "half", "full"),
+    shear=(Positive, Problem.shear, "largest Q/(F P)"),
+    reverse=(int, Problem.reverse, "steps back"),
+)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,15 @@
-"""The command line that the examples share."""
+"""What the examples share: the command line, the numbers of the steps, pictures."""
 
 import argparse
 import json
 import math
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
 from ngslac import ContactConvergenceError
 
-__all__ = ["Count", "NotNegative", "Options", "Positive", "Start"]
+__all__ = ["Columns", "Count", "Main", "NotNegative", "Options", "Picture", "Positive", "Start"]
 
 
 class Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
@@ -66,3 +67,44 @@ def Start(run, parser, arguments=None):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(figures, indent=2, default=float) + "\n")
     return figures
+
+
+def Main(run, text, **options):
+    """The ``main`` of an example: ``name=(kind, default, help)`` is the option --name.
+
+    The kind is a type, or a tuple of choices, or bool for a switch; a tuple as default stands for
+    as many values, or for some of the choices.
+    """
+
+    def main(arguments=None):
+        parser = Options(text)
+        for name, (kind, default, about) in options.items():
+            flags = {"default": default, "help": about}
+            if kind is bool:
+                flags["action"] = "store_true"
+            elif isinstance(kind, tuple):
+                flags |= {"type": type(kind[0]), "choices": kind}
+            else:
+                flags["type"] = kind
+            if isinstance(default, tuple):
+                flags["nargs"] = "+" if isinstance(kind, tuple) else len(default)
+            parser.add_argument("--" + name.replace("_", "-"), **flags)
+        return Start(run, parser, arguments)
+
+    return main
+
+
+def Columns(rows):
+    """Each number of the steps as a list."""
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+@contextmanager
+def Picture(folder, name, rows=1, columns=1, size=None, **options):
+    """The axes of a new picture, which is then written to a folder."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    yield figure.subplots(rows, columns, **options)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.png", dpi=150)

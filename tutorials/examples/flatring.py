@@ -13,23 +13,9 @@ both plates agree to rounding.
 """
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Columns, Count, Main, NotNegative, Picture, Positive
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    InnerProduct,
-    Mesh,
-    Parameter,
-    Variation,
-    VectorH1,
-    dx,
-    log,
-)
+from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 
@@ -125,24 +111,19 @@ class Ring:
 
     def Figures(self):
         """Each number of the steps as a list."""
-        return {name: [row[name] for row in self.rows] for name in self.rows[0]}
+        return Columns(self.rows)
 
 
 def Write(ring, folder):
     """Curves of the forces and the pressures as a picture; the surfaces for ParaView."""
-    from matplotlib import pyplot as plt
-
     figures = ring.Figures()
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-    for name in ("force", "force_inside"):
-        left.plot(figures["travel"], figures[name], "o-", ms=3, label=name.replace("_", " "))
-    left.set(xlabel="travel / R", ylabel="force / (G R)")
-    left.set_yscale("symlog", linthresh=1e-3)
-    left.legend()
-    ring.outside.Plot("pressure", deformation=ring.displacement, axes=right)
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "flatring.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "flatring", columns=2, size=(10, 4)) as (left, right):
+        for name in ("force", "force_inside"):
+            left.plot(figures["travel"], figures[name], "o-", ms=3, label=name.replace("_", " "))
+        left.set(xlabel="travel / R", ylabel="force / (G R)")
+        left.set_yscale("symlog", linthresh=1e-3)
+        left.legend()
+        ring.outside.Plot("pressure", deformation=ring.displacement, axes=right)
     ring.inside.WriteVTU(folder / "flatring_inside", displacement=ring.displacement)
     ring.outside.WriteVTU(folder / "flatring_outside", displacement=ring.displacement)
 
@@ -160,17 +141,16 @@ def Run(travel=1.71, steps=38, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--h", type=Positive, default=0.12, help="edge length")
-    add("--thickness", type=Positive, default=0.15, help="of the ring")
-    add("--friction", type=NotNegative, default=0.2, help="coefficient")
-    add("--travel", type=Positive, default=1.71, help="by which the plates approach each other")
-    add("--steps", type=Count, default=38, help="load steps")
-    add("--quarter", action="store_true", help="a rigid plane in the middle")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    h=(Positive, 0.12, "edge length"),
+    thickness=(Positive, 0.15, "of the ring"),
+    friction=(NotNegative, 0.2, "coefficient"),
+    travel=(Positive, 1.71, "by which the plates approach each other"),
+    steps=(Count, 38, "load steps"),
+    quarter=(bool, False, "a rigid plane in the middle"),
+)
 
 
 if __name__ == "__main__":

@@ -14,22 +14,8 @@ import math
 import time
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
-from ngsolve import (
-    BND,
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
-    Parameter,
-    Sym,
-    TaskManager,
-    VectorH1,
-    VTKOutput,
-    ds,
-    dx,
-)
+from command import Count, Main, NotNegative, Picture, Positive
+from ngsolve import *
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
 from ngslac.materials import Stress
@@ -73,8 +59,7 @@ class Hertz:
         self.length, self.unit, self.friction, self.states = length, stress, friction, []
         self.load = FORCE * length * stress * (1 if full else 0.5)
         V = Displacements(full=full, scale=length, angle=angle, **options)
-        self.mesh = V.mesh
-        X = V * LACSpace(V, slave="slave")
+        self.mesh, X = V.mesh, V * LACSpace(V, slave="slave")
         (u, lam), (v, _) = X.TnT()
         t, self.gf = Parameter(0.0), GridFunction(X)
         self.displacement = self.gf.components[0]
@@ -111,19 +96,13 @@ class Hertz:
         table = self.contact.Table()
         traction, normal = (table[name] @ self.frame.T for name in ("traction", "normal"))
         tangential = normal[:, 0] * traction[:, 1] - normal[:, 1] * traction[:, 0]
-        columns = {
-            "start": self.spans[:, 0],
-            "end": self.spans[:, 1],
-            "pressure": table["pressure"] / self.unit,
-            "traction": tangential / self.unit,
-            "status": table["status"].astype(int),
-        }
-        order = np.argsort(self.spans[:, 0])
+        (start, end), order = self.spans.T, np.argsort(self.spans[:, 0])
+        columns = {"start": start, "end": end, "status": table["status"].astype(int)}
+        columns |= {"pressure": table["pressure"] / self.unit, "traction": tangential / self.unit}
         state = {name: column[order] for name, column in columns.items()}
         force = self.frame[1] @ self.contact.Force() / (self.load * step.time)
-        self.states.append(
-            state | {"time": step.time, "iterations": step.iterations, "force_ratio": float(force)}
-        )
+        state |= {"time": step.time, "iterations": step.iterations, "force_ratio": float(force)}
+        self.states.append(state)
 
 
 def AtOrigin(state):
@@ -148,23 +127,17 @@ def Figures(state):
 
 def Write(problem, folder):
     """Pressure and traction as a picture; the bodies and their surface for ParaView."""
-    from matplotlib import pyplot as plt
-
-    folder.mkdir(parents=True, exist_ok=True)
-    figure, (upper, lower) = plt.subplots(2, sharex=True, figsize=(6, 5), layout="constrained")
-    problem.contact.Plot("pressure", axes=upper, label="computed")
-    x = np.linspace(0, 9, 500)
-    upper.plot(x, Exact().Pressure(x), "k", lw=0.8, label="Hertz, no friction")
-    problem.contact.Plot("traction", axes=lower, label="computed")
-    last = problem.states[-1]
+    x, last = np.linspace(0, 9, 500), problem.states[-1]
     bound, edges = -problem.friction * last["pressure"], [last["start"][0], *last["end"]]
-    lower.stairs(bound, edges, baseline=None, color="k", lw=0.8, label="friction x pressure")
-    upper.set(xlim=(0, 9), xlabel="", ylabel="pressure [MPa]")
-    lower.set(xlabel="x [mm]", ylabel="tangential traction [MPa]")
-    upper.legend()
-    lower.legend()
-    figure.savefig(folder / "hertz.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "hertz", rows=2, sharex=True, size=(6, 5)) as (upper, lower):
+        problem.contact.Plot("pressure", axes=upper, label="computed")
+        upper.plot(x, Exact().Pressure(x), "k", lw=0.8, label="Hertz, no friction")
+        problem.contact.Plot("traction", axes=lower, label="computed")
+        lower.stairs(bound, edges, baseline=None, color="k", lw=0.8, label="friction x pressure")
+        upper.set(xlim=(0, 9), xlabel="", ylabel="pressure [MPa]")
+        lower.set(xlabel="x [mm]", ylabel="tangential traction [MPa]")
+        upper.legend()
+        lower.legend()
     problem.contact.WriteVTU(folder / "hertz_slave", displacement=problem.displacement)
     fields = {"displacement": problem.displacement, "stress": problem.stress}
     VTKOutput(problem.mesh, [*fields.values()], [*fields], str(folder / "hertz"), order=2).Do()
@@ -172,8 +145,7 @@ def Write(problem, folder):
 
 def Run(steps=10, out=None, quiet=True, **options):
     """Press the cylinder down; the options are those of `Hertz`. Returns the numbers of the end."""
-    start = time.perf_counter()
-    problem = Hertz(**options)
+    start, problem = time.perf_counter(), Hertz(**options)
     problem.Press(steps, printing=not quiet)
     iterations = [state["iterations"] for state in problem.states]
     figures = Figures(problem.states[-1]) | {
@@ -192,17 +164,16 @@ def Run(steps=10, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--order", type=int, choices=(1, 2, 3), default=2, help="order of the displacement")
-    add("--h", type=Positive, default=0.5, help="edge length in the contact zone, in mm")
-    add("--friction", type=NotNegative, default=0.2, help="coefficient of friction")
-    add("--steps", type=Count, default=10, help="load steps")
-    add("--stabilize", choices=("split", "bubble", "none"), default="none", help="of order 1")
-    add("--full", action="store_true", help="the full model in place of the half")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    order=((1, 2, 3), 2, "order of the displacement"),
+    h=(Positive, 0.5, "edge length in the contact zone, in mm"),
+    friction=(NotNegative, 0.2, "coefficient of friction"),
+    steps=(Count, 10, "load steps"),
+    stabilize=(("split", "bubble", "none"), "none", "of order 1"),
+    full=(bool, False, "the full model in place of the half"),
+)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ macro-elements; contact_radius_ratio is that of the Hertz pressure which fits th
 from dataclasses import dataclass, field
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Count, Main, NotNegative, Picture, Positive
 from hertzmeans import Compare, Radius
 from ngsolve import *
 from slavefaces import SlaveFaces
@@ -130,43 +130,32 @@ def Run(*, out, quiet, shape, model, h, order, stabilize, friction, steps, inver
 
 def Write(out, pressed, hertz):
     """A picture of the pressures and files for ParaView: bodies, slave faces, segments."""
-    from matplotlib.figure import Figure
-
-    out.mkdir(parents=True, exist_ok=True)
     displacement, contact = pressed.solution.components[0], pressed.contact
-    axes = Figure().subplots()
-    line = isinstance(hertz, HertzLine)
+    line, r = isinstance(hertz, HertzLine), np.linspace(0, 1.3 * Radius(hertz), 500)
     along = "x" if line else lambda points: np.hypot(points[:, 0], points[:, 1])
-    contact.Plot("pressure", along=along, axes=axes, label="macro-elements")
-    r = np.linspace(0, 1.3 * Radius(hertz), 500)
-    axes.plot(r, hertz.Pressure(r), "k", lw=0.9, label="Hertz")
-    axes.set(xlabel="distance from the middle [mm]", ylabel="pressure [MPa]")
-    axes.legend()
-    axes.figure.savefig(out / "hertz3d_pressure.png", dpi=150)
+    with Picture(out, "hertz3d_pressure") as axes:
+        contact.Plot("pressure", along=along, axes=axes, label="macro-elements")
+        axes.plot(r, hertz.Pressure(r), "k", lw=0.9, label="Hertz")
+        axes.set(xlabel="distance from the middle [mm]", ylabel="pressure [MPa]")
+        axes.legend()
     fields, names = [displacement, pressed.stress], ["displacement", "stress"]
     VTKOutput(contact.mesh, fields, names, str(out / "hertz3d"), subdivision=1).Do()
     contact.WriteVTU(out / "hertz3d_contact.vtu", displacement=displacement)
     contact.Segments().WriteVTU(out / "hertz3d_segments.vtu")
 
 
-def main(argv=None):
-    """Run from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--shape", choices=("sphere", "cylinder"), default="sphere", help="what is pressed")
-    add("--model", choices=("quarter", "full"), default="quarter", help="part that is computed")
-    add("--h", type=Positive, default=0.3125, help="size of the slave faces, in mm")
-    add("--order", type=int, choices=(1, 2, 3), default=2, help="order of the displacement")
-    add(
-        "--stabilize",
-        choices=("none", "bubble", "split"),
-        default="none",
-        help="of single faces by",
-    )
-    add("--friction", type=NotNegative, default=0.0, help="coefficient of friction")
-    add("--steps", type=Count, default=1, help="number of load steps")
-    add("--inverse", help="sparse direct solver, such as umfpack or pardiso")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    shape=(("sphere", "cylinder"), "sphere", "what is pressed"),
+    model=(("quarter", "full"), "quarter", "part that is computed"),
+    h=(Positive, 0.3125, "size of the slave faces, in mm"),
+    order=((1, 2, 3), 2, "order of the displacement"),
+    stabilize=(("none", "bubble", "split"), "none", "of single faces by"),
+    friction=(NotNegative, 0.0, "coefficient of friction"),
+    steps=(Count, 1, "number of load steps"),
+    inverse=(str, None, "sparse direct solver, such as umfpack or pardiso"),
+)
 
 
 if __name__ == "__main__":

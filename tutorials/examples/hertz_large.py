@@ -10,20 +10,9 @@ The force at the end is 0.6282 N/mm on fine meshes, of which Hertz' theory has 0
 """
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Columns, Count, Main, NotNegative, Picture, Positive
 from netgen.occ import ArcOfCircle, Pnt, Segment
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    Id,
-    Integrate,
-    Parameter,
-    Variation,
-    VectorH1,
-    dx,
-)
+from ngsolve import *
 from scipy.optimize import brentq
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
@@ -124,7 +113,7 @@ class Cylinder:
 
     def Figures(self):
         """Each number of the steps as a list."""
-        return {name: [row[name] for row in self.rows] for name in self.rows[0]}
+        return Columns(self.rows)
 
 
 def _HalfWidth(x, closed):
@@ -136,18 +125,13 @@ def _HalfWidth(x, closed):
 
 def Write(cylinder, folder):
     """The forces beside those of Hertz and the pressures as a picture; the arc for ParaView."""
-    from matplotlib import pyplot as plt
-
     figures = cylinder.Figures()
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-    for name, style in (("force", "-"), ("hertz", "k--")):
-        left.plot([0, *figures["approach"]], [0, *figures[name]], style, label=name)
-    left.set(xlabel="approach of the middle to a plate [mm]", ylabel="force [N/mm]")
-    left.legend()
-    cylinder.contact.Plot("pressure", deformation=cylinder.displacement, axes=right)
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "hertz_large.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "hertz_large", columns=2, size=(10, 4)) as (left, right):
+        for name, style in (("force", "-"), ("hertz", "k--")):
+            left.plot([0, *figures["approach"]], [0, *figures[name]], style, label=name)
+        left.set(xlabel="approach of the middle to a plate [mm]", ylabel="force [N/mm]")
+        left.legend()
+        cylinder.contact.Plot("pressure", deformation=cylinder.displacement, axes=right)
     cylinder.contact.WriteVTU(folder / "hertz_large", displacement=cylinder.displacement)
 
 
@@ -163,17 +147,16 @@ def Run(steps=30, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--h", type=Positive, default=0.05, help="edge length on the arc, in mm")
-    add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
-    add("--nu", type=NotNegative, default=0.49, help="Poisson's ratio")
-    add("--friction", type=NotNegative, default=0.0, help="coefficient of friction")
-    add("--depth", type=Positive, default=0.3, help="approach of the middle to a plate, in mm")
-    add("--steps", type=Count, default=30, help="load steps")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    h=(Positive, 0.05, "edge length on the arc, in mm"),
+    order=((2, 3), 2, "order of the displacement"),
+    nu=(NotNegative, 0.49, "Poisson's ratio"),
+    friction=(NotNegative, 0.0, "coefficient of friction"),
+    depth=(Positive, 0.3, "approach of the middle to a plate, in mm"),
+    steps=(Count, 30, "load steps"),
+)
 
 
 if __name__ == "__main__":

@@ -15,10 +15,10 @@ import math
 import time
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Count, Main, NotNegative, Picture, Positive
 from deformed import Deformed
 from indenter import Indenter
-from ngsolve import H1, BilinearForm, GridFunction, LinearForm, dx
+from ngsolve import *
 
 # Mean pressure over yield stress of a flat punch on a rigid plastic body: (2 + pi) Y/sqrt(3).
 PRANDTL = (2 + math.pi) / math.sqrt(3)
@@ -128,28 +128,22 @@ def Imprint(cycle, axes, factor=15):
 
 def Write(cycle, folder):
     """Force over depth, mean pressure over width, the imprint; the surface for ParaView."""
-    from matplotlib import pyplot as plt
-
-    folder.mkdir(parents=True, exist_ok=True)
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11.5, 3.6), layout="constrained")
-    for name in ("loading", "unloading", "reloading"):
-        rows = [(row["depth"], row["force"]) for row in getattr(cycle, name)]
-        left.plot(*np.transpose(rows), ".-", lw=1, label=name)
-    left.set(xlabel="depth of the cylinder [mm]", ylabel="force [N/mm]")
+    block, elastic = cycle.indenter, np.linspace(0.1, 6)
     rows = [row for row in cycle.loading if row["closed"] > 3]
     width = [row["scaled_width"] for row in rows]
-    mean = [row["mean_pressure"] / cycle.indenter.yield_stress for row in rows]
-    elastic = np.linspace(0.1, 6)
-    middle.semilogx(elastic, math.pi / 8 * elastic, "k", lw=0.9, label="Hertz")
-    middle.axhline(PRANDTL, color="k", lw=0.9, ls="--", label="rigid plastic")
-    middle.plot(width, mean, ".-", label="computed")
-    middle.set(xlabel="E* a / (Y R)", ylabel="mean pressure / Y", xlim=(1, None))
-    for axes in (left, middle):
-        axes.legend()
-    Imprint(cycle, right)
-    figure.savefig(folder / "indentation.png", dpi=150)
-    plt.close(figure)
-    block = cycle.indenter
+    mean = [row["mean_pressure"] / block.yield_stress for row in rows]
+    with Picture(folder, "indentation", columns=3, size=(11.5, 3.6)) as (left, middle, right):
+        for name in ("loading", "unloading", "reloading"):
+            path = [(row["depth"], row["force"]) for row in getattr(cycle, name)]
+            left.plot(*np.transpose(path), ".-", lw=1, label=name)
+        left.set(xlabel="depth of the cylinder [mm]", ylabel="force [N/mm]")
+        middle.semilogx(elastic, math.pi / 8 * elastic, "k", lw=0.9, label="Hertz")
+        middle.axhline(PRANDTL, color="k", lw=0.9, ls="--", label="rigid plastic")
+        middle.plot(width, mean, ".-", label="computed")
+        middle.set(xlabel="E* a / (Y R)", ylabel="mean pressure / Y", xlim=(1, None))
+        left.legend()
+        middle.legend()
+        Imprint(cycle, right)
     block.contact.WriteVTU(folder / "indentation_top", displacement=block.displacement)
 
 
@@ -170,16 +164,15 @@ def Run(depth=0.08, steps=16, back=16, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--h", type=Positive, default=0.2, help="edge length in the contact zone, in mm")
-    add("--depth", type=Positive, default=0.08, help="largest depth, in mm")
-    add("--steps", type=Count, default=16, help="loading steps")
-    add("--yield-stress", type=Positive, default=35.0, help="in MPa")
-    add("--hardening", type=NotNegative, default=70.0, help="slope of the yield stress, in MPa")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    h=(Positive, 0.2, "edge length in the contact zone, in mm"),
+    depth=(Positive, 0.08, "largest depth, in mm"),
+    steps=(Count, 16, "loading steps"),
+    yield_stress=(Positive, 35.0, "in MPa"),
+    hardening=(NotNegative, 70.0, "slope of the yield stress, in MPa"),
+)
 
 
 if __name__ == "__main__":

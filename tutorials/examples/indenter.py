@@ -1,18 +1,7 @@
 """Block, cylinder and solver of the example `indentation`, and what is measured in a step."""
 
 import numpy as np
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
-    Parameter,
-    Sym,
-    Variation,
-    VectorH1,
-    dx,
-)
+from ngsolve import *
 from plasticity import J2Plasticity, PlaneStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper

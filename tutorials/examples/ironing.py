@@ -16,10 +16,10 @@ half an edge of the slab at most: larger ones can end in another equilibrium, of
 from itertools import pairwise
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Columns, Count, Main, NotNegative, Picture, Positive
 from driven import RigidMotion
 from netgen.occ import ArcOfCircle, Pnt, Segment
-from ngsolve import BilinearForm, Grad, GridFunction, Id, Parameter, Variation, VectorH1, dx
+from ngsolve import *
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
@@ -115,7 +115,7 @@ class Ironing:
 
     def Figures(self):
         """Each number of the steps as a list, and what the steps did."""
-        figures = {name: [row[name] for row in self.rows] for name in self.rows[0]}
+        figures = Columns(self.rows)
         reached = np.abs(np.subtract.outer(self.wanted, figures["time"])) < 1e-9
         quadratic = all(map(Quadratic, figures["residuals"]))
         return figures | {"converged_steps": int(reached.any(1).sum()), "quadratic": quadratic}
@@ -134,14 +134,9 @@ def DrawForces(axes, figures):
 
 def Write(ironing, figures, folder):
     """The forces and the pressures as a picture, the foot for ParaView."""
-    from matplotlib import pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5), layout="constrained")
-    DrawForces(left, figures)
-    ironing.contact.Plot("pressure", deformation=ironing.displacement, axes=right)
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "ironing.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "ironing", columns=2, size=(11, 5)) as (left, right):
+        DrawForces(left, figures)
+        ironing.contact.Plot("pressure", deformation=ironing.displacement, axes=right)
     ironing.contact.WriteVTU(folder / "ironing", displacement=ironing.displacement)
 
 
@@ -162,16 +157,20 @@ def Run(steps=80, stroke=STROKE, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--h", type=Positive, default=0.3, help="edge length on the top of the slab, in mm")
-    add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
-    add("--friction", type=NotNegative, default=0.3, help="coefficient of friction")
-    add("--steps", type=Count, default=80, help="load steps, at least 2")
-    add("--stroke", type=Positive, default=STROKE, help="way of the die to the right, in mm")
-    figures = Start(Run, parser, argv)
+compute = Main(
+    Run,
+    __doc__,
+    h=(Positive, 0.3, "edge length on the top of the slab, in mm"),
+    order=((2, 3), 2, "order of the displacement"),
+    friction=(NotNegative, 0.3, "coefficient of friction"),
+    steps=(Count, 80, "load steps, at least 2"),
+    stroke=(Positive, STROKE, "way of the die to the right, in mm"),
+)
+
+
+def main(arguments=None):
+    """Run the example from the command line; a failure is told at the end."""
+    figures = compute(arguments)
     if figures["failure"]:
         raise SystemExit(figures["failure"])
 

@@ -1,8 +1,5 @@
 """Materials under contact through NGSolve alone: near-incompressible rubber and thermal strain.
 
-Two small problems in which nothing is special about the contact: the material is an energy or a
-stress that the user writes down.
-
 *rubber*: a round rubber cord (neo-Hooke, Poisson ratio 0.4999, plane strain) is squeezed between
 frictionless plates by a quarter of its diameter. Displacement and hydrostatic pressure are
 unknowns, together with the contact traction: a product of three spaces. At small loads the force
@@ -16,34 +13,12 @@ pressure follows from Lame's thick-walled cylinders. Start it with::
 
 import math
 import time
-from types import SimpleNamespace
+from collections import namedtuple
 
 import numpy as np
-from command import Count, Options, Positive, Start
-from deformed import Deformed
-from ngsolve import (
-    CF,
-    H1,
-    VOL,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    IfPos,
-    InnerProduct,
-    Integrate,
-    IntegrationRule,
-    Parameter,
-    Sym,
-    Trace,
-    Variation,
-    VectorH1,
-    dx,
-    sqrt,
-    x,
-    y,
-)
+from command import Count, Main, Picture, Positive
+from deformed import DrawField
+from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import Stress
@@ -51,6 +26,8 @@ from ngslac.meshes import CordMesh, DiscInRing
 
 RADIUS, OUTER = 50.0, 100.0  # of cord and disc; of the ring
 CASES = ("rubber", "thermal")
+
+Result = namedtuple("Result", "displacement contact field figures curve", defaults=[()])
 
 
 def SqueezeForce(squeeze):
@@ -103,8 +80,7 @@ def Rubber(h=4.0, squeeze=0.25, steps=5, poisson=0.4999, order=2, mixed=True):
     V = VectorH1(mesh, order=order, dirichletx=f"symx|{plate}", dirichlety=f"symy|{plate}")
     Q = LACSpace(V, slave="slave")
     X = V * H1(mesh, order=order - 1, definedon="rubber") * Q if mixed else V * Q
-    a = RubberForm(X, bulk)
-    u, *_, lam = X.TrialFunction()
+    a, (u, *_, lam) = RubberForm(X, bulk), X.TrialFunction()
     contact = LACContact(u, lam, master="master", finite=True)
     gf, load, curve = GridFunction(X), Parameter(0.0), [(0.0, 0.0)]
     solver = ContactSolver(a, gf, contact)
@@ -118,20 +94,15 @@ def Rubber(h=4.0, squeeze=0.25, steps=5, poisson=0.4999, order=2, mixed=True):
     change = Det(Grad(gf.components[0]) + Id(2)) - 1
     field = -gf.components[1] if mixed else -bulk * change
     volume = Integrate(1, mesh, definedon=rubber)
-    figures = {
-        "squeeze": curve[-1][0],
-        "force": curve[-1][1],
+    figures = dict(zip(("squeeze", "force"), curve[-1], strict=True)) | {
         "peak_pressure": float(table["pressure"].max()),
         "contact_area": float(table["area"][table["status"] > 0].sum()),
         "volume_change": Integrate(change, mesh, definedon=rubber, order=6) / volume,
         "last_residuals": [entry.equilibrium for entry in solver.history],
         "newton_iterations": [step.iterations for step in done],
-        "cuts": sum(step.cuts for step in done),
-        "ndof": len(gf.vec),
     }
-    return SimpleNamespace(
-        displacement=gf.components[0], contact=contact, field=field, curve=curve, figures=figures
-    )
+    figures |= {"cuts": sum(step.cuts for step in done), "ndof": len(gf.vec)}
+    return Result(gf.components[0], contact, field, figures, curve)
 
 
 def Thermal(h=6.0, heating=1e-3, clearance=1e-3, poisson=0.3, order=2):
@@ -153,58 +124,35 @@ def Thermal(h=6.0, heating=1e-3, clearance=1e-3, poisson=0.3, order=2):
     around = CF((-y, x)) / IfPos(x**2 + y**2, sqrt(x**2 + y**2), 1.0)
     hoop = InnerProduct(Hot(gf.components[0]) * around, around)
     pressure = contact.Table()["pressure"]
-    figures = {
-        "pressure": float(pressure.mean()),
-        "lame": ThermalPressure(heating, clearance, poisson),
-        "spread": float(np.ptp(pressure)),
-        "newton_iterations": len(solver.history) - 1,
-        "ndof": len(gf.vec),
-    }
-    return SimpleNamespace(
-        displacement=gf.components[0], contact=contact, field=hoop, figures=figures
-    )
-
-
-def Draw(axes, result, bodies, factor, label):
-    """The field of a result on the deformed elements of some bodies."""
-    mesh = result.contact.mesh
-    points, faces = Deformed(result.displacement, bodies, factor)
-    centers = mesh.MapToAllElements(IntegrationRule([(1 / 3, 1 / 3)], [1]), VOL)
-    values = result.field(centers).ravel()[[el.mat in bodies for el in mesh.Elements(VOL)]]
-    drawn = axes.tripcolor(*points.T, faces, facecolors=values, edgecolors="k", lw=0.1)
-    axes.figure.colorbar(drawn, ax=axes, label=label, shrink=0.75)
-    axes.set_aspect("equal")
+    figures = {"pressure": float(pressure.mean()), "spread": float(np.ptp(pressure))}
+    figures |= {"newton_iterations": len(solver.history) - 1, "ndof": len(gf.vec)}
+    figures["lame"] = ThermalPressure(heating, clearance, poisson)
+    return Result(gf.components[0], contact, hoop, figures)
 
 
 def Write(results, folder):
     """Force and pressure of the cord, hoop stress of the disc; the surfaces for ParaView."""
-    from matplotlib import pyplot as plt
-
-    folder.mkdir(parents=True, exist_ok=True)
+    with Picture(folder, "materials", columns=3, size=(11.5, 3.6)) as axes:
+        if rubber := results.get("rubber"):
+            squeeze, force = np.transpose(rubber.curve)
+            small = [SqueezeForce(s) for s in squeeze[1:]]
+            axes[0].plot(squeeze, force, ".-", label="computed")
+            axes[0].plot(squeeze[1:], small, "k", label="small strains")
+            axes[0].set(xlabel="approach of the plates / diameter", ylabel="force / (diameter G)")
+            axes[0].legend()
+            DrawField(axes[1], rubber, ("rubber",), 1, "pressure in the rubber / G")
+        if thermal := results.get("thermal"):
+            label = "hoop stress / E, displacement x 200"
+            DrawField(axes[2], thermal, ("disc", "ring"), 200, label)
     for name, result in results.items():
         result.contact.WriteVTU(folder / f"materials_{name}", displacement=result.displacement)
-    figure, axes = plt.subplots(1, 3, figsize=(11.5, 3.6), layout="constrained")
-    if rubber := results.get("rubber"):
-        squeeze, force = np.transpose(rubber.curve)
-        axes[0].plot(squeeze, force, ".-", label="computed")
-        axes[0].plot(
-            squeeze[1:], [SqueezeForce(s) for s in squeeze[1:]], "k", label="small strains"
-        )
-        axes[0].set(xlabel="approach of the plates / diameter", ylabel="force / (diameter G)")
-        axes[0].legend()
-        Draw(axes[1], rubber, ("rubber",), 1, "pressure in the rubber / G")
-    if thermal := results.get("thermal"):
-        Draw(axes[2], thermal, ("disc", "ring"), 200, "hoop stress / E, displacement x 200")
-    figure.savefig(folder / "materials.png", dpi=150)
-    plt.close(figure)
 
 
 def Run(cases=CASES, squeeze=0.25, steps=5, heating=1e-3, out=None, quiet=True):
     """Solve the cases. Returns the numbers of each."""
     results = {}
     for name in cases:
-        start = time.perf_counter()
-        rubber = name == "rubber"
+        start, rubber = time.perf_counter(), name == "rubber"
         results[name] = Rubber(squeeze=squeeze, steps=steps) if rubber else Thermal(heating=heating)
         results[name].figures["seconds"] = time.perf_counter() - start
         if not quiet:
@@ -216,15 +164,14 @@ def Run(cases=CASES, squeeze=0.25, steps=5, heating=1e-3, out=None, quiet=True):
     return {name: result.figures for name, result in results.items()}
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--cases", nargs="+", choices=CASES, default=CASES, help="to compute")
-    add("--squeeze", type=Positive, default=0.25, help="of the cord, over its diameter")
-    add("--steps", type=Count, default=5, help="in which the cord is squeezed")
-    add("--heating", type=Positive, default=1e-3, help="thermal expansion of the disc")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    cases=(CASES, CASES, "to compute"),
+    squeeze=(Positive, 0.25, "of the cord, over its diameter"),
+    steps=(Count, 5, "in which the cord is squeezed"),
+    heating=(Positive, 1e-3, "thermal expansion of the disc"),
+)
 
 
 if __name__ == "__main__":

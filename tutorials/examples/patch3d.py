@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from command import NotNegative, Options, Start
+from command import Main, NotNegative, Picture
 from ngsolve import *
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
@@ -157,23 +157,15 @@ def Run(*, out=None, quiet=True, friction=0.0, cases=None):
 
 def Write(out, rows, displacement, contact):
     """The errors of all cases; the slave faces and segments of the last one for ParaView."""
-    from matplotlib.figure import Figure
-
-    out.mkdir(parents=True, exist_ok=True)
-    axes = Figure(figsize=(7, 1 + 0.15 * len(rows)), layout="constrained").subplots()
-    for key in ("stress_error", "multiplier_error"):
-        axes.semilogx([row[key] for row in rows], [row["name"] for row in rows], "o", label=key)
-    axes.legend()
-    axes.figure.savefig(out / "patch3d_errors.png", dpi=150)
+    with Picture(out, "patch3d_errors", size=(7, 1 + 0.15 * len(rows))) as axes:
+        for key in ("stress_error", "multiplier_error"):
+            axes.semilogx([row[key] for row in rows], [row["name"] for row in rows], "o", label=key)
+        axes.legend()
     contact.WriteVTU(out / "patch3d_contact.vtu", displacement=displacement)
     contact.Segments().WriteVTU(out / "patch3d_segments.vtu")
 
 
-def main(argv=None):
-    """Run from the command line."""
-    parser = Options(__doc__)
-    parser.add_argument("--friction", type=NotNegative, default=0.0, help="coefficient of friction")
-    return Start(Run, parser, argv)
+main = Main(Run, __doc__, friction=(NotNegative, 0.0, "coefficient of friction"))
 
 
 if __name__ == "__main__":

@@ -33,32 +33,10 @@ class J2Plasticity:
     The state (plastic strain and a) lives on the quadrature points and changes in `Commit` only: a
     step that fails leaves nothing behind.
 
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-    young, poisson : float
-        Elastic constants (stress units; -1 < poisson < 0.5).
-    yield_stress : float
-        First yield stress in tension, > 0.
-    hardening : float
-        Slope of the yield stress over a, >= 0, stress units.
-    saturation, rate : float
-        Voce's part: its limit (stress units, >= 0), and how fast it is reached.
-    order : int
-        The quadrature rule is exact for polynomials of twice this order. ``order=1`` suits
-        displacements of order 2 on triangles.
-
-    Attributes
-    ----------
-    rules : dict
-        Quadrature rules: integrate the energy by ``dx(intrules=material.rules)``.
-    accumulated : GridFunction
-        The committed accumulated plastic strain, on the quadrature points.
-
-    Raises
-    ------
-    ValueError
-        Constants out of range.
+    Stresses are in one unit, ``yield_stress`` is that in tension, the constants of hardening are
+    not negative; what is out of range is a ValueError. The quadrature rules `rules`, by which to
+    integrate the energy, are exact for polynomials of twice the `order`: 1 suits displacements of
+    order 2 on triangles. `accumulated` is the committed a, a GridFunction on the points.
 
     Examples
     --------
@@ -68,16 +46,7 @@ class J2Plasticity:
     """
 
     def __init__(
-        self,
-        mesh,
-        *,
-        young,
-        poisson,
-        yield_stress,
-        hardening=0.0,
-        saturation=0.0,
-        rate=0.0,
-        order=1,
+        self, mesh, *, young, poisson, yield_stress, hardening=0, saturation=0, rate=0, order=1
     ):
         if not (young > 0 and -1 < poisson < 0.5 and yield_stress > 0):
             raise ValueError(
@@ -96,8 +65,6 @@ class J2Plasticity:
         self.state = GridFunction(points ** (len(self._entries) + 1))
         self._next = GridFunction(self.state.space)
         self.accumulated = self.state.components[-1]
-
-    # --- the law -------------------------------------------------------------------------------
 
     def YieldStress(self, a):
         """Yield stress at the accumulated plastic strain `a`."""

@@ -17,23 +17,12 @@ __all__ = ["SlaveFaces"]
 
 @dataclass(frozen=True)
 class SlaveFaces:
-    """Corners and areas of the slave faces, all triangles or all quadrilaterals.
-
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-    macros : sequence of int
-        Macro-element of each boundary element of the mesh, -1 off the slave side.
-    line : bool
-        Distances are along x, as in a line contact along y, in place of those from the middle.
-    axes : (2, 3) array_like
-        A point of the mesh has the coordinates ``axes @ point`` seen from above.
-    """
+    """Corners and areas of the slave faces, all triangles or all quadrilaterals."""
 
     mesh: object
-    macros: object
-    line: bool = False
-    axes: object = ((1, 0, 0), (0, 1, 0))
+    macros: object  # macro-element of each boundary element, -1 off the slave side
+    line: bool = False  # distances are along x, as in a line contact along y
+    axes: object = ((1, 0, 0), (0, 1, 0))  # (2, 3): what is seen from above is axes @ point
 
     @cached_property
     def owner(self):

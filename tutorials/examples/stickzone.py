@@ -3,23 +3,11 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive
+from command import Count, NotNegative, Picture, Positive
 from movedsphere import OPEN, SLIP, STICK, Model
 from ngsolve import VTKOutput
 from scipy.optimize import minimize_scalar
 from slavefaces import SlaveFaces
-
-__all__ = [
-    "Faces",
-    "FittedRatio",
-    "Misfit",
-    "Parser",
-    "Row",
-    "Summary",
-    "Table",
-    "TractionMeans",
-    "Write",
-]
 
 
 @dataclass
@@ -123,23 +111,19 @@ def Table(names, rows):
     return "\n".join(lines)
 
 
-def Parser(text, problem, *models):
-    """Command line of an example; `problem` is its class, which has the defaults."""
-    parser = Options(text)
-
-    def Add(option, help, **options):
-        parser.add_argument(f"--{option}", default=getattr(problem, option), help=help, **options)
-
-    Add("model", "part that is computed", choices=models)
-    Add("elements", "element edges along the contact radius", type=Positive)
-    Add("order", "order of the displacement", type=int, choices=(1, 2, 3))
-    Add("stabilize", "how macro-elements are made", choices=("none", "bubble"))
-    Add("friction", "coefficient of friction", type=Positive)
-    Add("nu", "Poisson's ratio", type=NotNegative)
-    Add("steps", "steps of the tangential load", type=Count)
-    smooth = {"dest": "rough", "action": "store_false", "default": True}
-    parser.add_argument("--smooth", help="no friction while pressing", **smooth)
-    return parser
+def Choices(problem, *models):
+    """Options of the command line; `problem` is the class that has the defaults."""
+    options = {
+        "model": (models, "part that is computed"),
+        "elements": (Positive, "element edges along the contact radius"),
+        "order": ((1, 2, 3), "order of the displacement"),
+        "stabilize": (("none", "bubble"), "how macro-elements are made"),
+        "friction": (Positive, "coefficient of friction"),
+        "nu": (NotNegative, "Poisson's ratio"),
+        "steps": (Count, "steps of the tangential load"),
+    }
+    options = {name: (kind, getattr(problem, name), text) for name, (kind, text) in options.items()}
+    return options | {"smooth": (bool, False, "no friction while pressing")}
 
 
 def Write(results, out, name, curve, exact):
@@ -147,25 +131,20 @@ def Write(results, out, name, curve, exact):
 
     `curve` and `exact` are pairs of names of figures of the steps.
     """
-    from matplotlib.figure import Figure
-
-    out.mkdir(parents=True, exist_ok=True)
-    model, figure = results.model, Figure(figsize=(9, 3.6), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    rows = results.figures["steps"]
-    for (x, y), style, label in ((exact, "k-", "exact"), (curve, "o", "computed")):
-        left.plot([0, *(r[x] for r in rows)], [0, *(r[y] for r in rows)], style, label=label)
-    left.set(xlabel=curve[0].replace("_", " "), ylabel=curve[1].replace("_", " "))
-    left.legend()
-    along = {"along": lambda points: np.hypot(points[:, 0], points[:, 1]), "axes": right}
-    state, friction = results.states[-1], model.problem.friction
-    model.contact.Plot("traction", label="traction", **along)
-    hertz = model.problem.Hertz(state.force[2])
+    model, rows, state = results.model, results.figures["steps"], results.states[-1]
+    hertz, friction = model.problem.Hertz(state.force[2]), model.problem.friction
     r = np.linspace(0, 1.2 * hertz.contact_radius, 300)
-    right.plot(r, friction * hertz.Pressure(r), "k", lw=0.9, label="friction times Hertz' pressure")
-    right.set(xlabel="distance from the middle [mm]", ylabel="tangential traction [MPa]")
-    right.legend()
-    figure.savefig(out / f"{name}.png", dpi=150)
+    along = {"along": lambda points: np.hypot(points[:, 0], points[:, 1])}
+    with Picture(out, name, columns=2, size=(9, 3.6)) as (left, right):
+        for (x, y), style, label in ((exact, "k-", "exact"), (curve, "o", "computed")):
+            left.plot([0, *(r[x] for r in rows)], [0, *(r[y] for r in rows)], style, label=label)
+        left.set(xlabel=curve[0].replace("_", " "), ylabel=curve[1].replace("_", " "))
+        model.contact.Plot("traction", label="traction", axes=right, **along)
+        exact = "friction times Hertz' pressure"
+        right.plot(r, friction * hertz.Pressure(r), "k", lw=0.9, label=exact)
+        right.set(xlabel="distance from the middle [mm]", ylabel="tangential traction [MPa]")
+        left.legend()
+        right.legend()
     fields = [model.displacement, model.problem.Stress(model.displacement)]
     VTKOutput(model.mesh, fields, ["displacement", "stress"], str(out / name), subdivision=1).Do()
     model.contact.WriteVTU(out / f"{name}_contact.vtu", displacement=model.displacement)

@@ -14,9 +14,9 @@ needs no such argument, and four times as many unknowns.
 from dataclasses import dataclass
 
 import numpy as np
-from command import Positive, Start
+from command import Main, Positive
 from movedsphere import Model, Sphere
-from stickzone import Faces, Parser, Results, Row, Summary, Table, Write
+from stickzone import Choices, Faces, Results, Row, Summary, Table, Write
 
 from ngslac.reference import TwistPoint
 
@@ -29,20 +29,15 @@ FIRST = 0.01  # the angle of the first step, in units of F p0 / (2 G*)
 class Problem(Sphere):
     """What to compute: the fields of `Sphere`, and the path of the load.
 
-    Parameters
-    ----------
-    angle : float
-        Largest angle, in units of F p0 / (2 G*), where G* = G/2.
-    steps : int
-        Steps to this angle, all equal. One of a hundredth of the unit, which tells the stiffness
-        before slip, comes first.
+    A step of a hundredth of the unit of the angle, which tells the stiffness before slip, comes
+    before the `steps`.
     """
 
     model: str = "quarter"
     elements: float = 6.0
     stabilize: str = "bubble"
     steps: int = 5
-    angle: float = 1.5
+    angle: float = 1.5  # the largest, in units of F p0 / (2 G*), where G* = G/2
 
     def Twisted(self, force, moment):
         """Lubkin's solution for a normal force and a moment."""
@@ -102,13 +97,13 @@ def _Figures(results):
     }
 
 
-def Run(*, out, quiet, **options):
+def Run(*, out, quiet, smooth, **options):
     """Compute, print, write; the figures."""
 
     def Tell(state):
         print(f"  M = {-state.moment:9.3f} Nmm   {state.iterations} Newton iterations", flush=True)
 
-    results = Solve(None if quiet else Tell, **options)
+    results = Solve(None if quiet else Tell, rough=not smooth, **options)
     figures = results.figures
     if not quiet:
         print(Table(COLUMNS, figures["steps"]))
@@ -122,11 +117,12 @@ def Run(*, out, quiet, **options):
     return figures
 
 
-def main(argv=None):
-    """Run from the command line."""
-    parser = Parser(__doc__, Problem, "quarter", "full")
-    parser.add_argument("--angle", type=Positive, default=Problem.angle, help="largest angle")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    **Choices(Problem, "quarter", "full"),
+    angle=(Positive, Problem.angle, "largest angle"),
+)
 
 
 if __name__ == "__main__":

@@ -12,25 +12,9 @@ friction, force and width: 0.950 and 0.993 of it for 3 and 4 faces (steps of 15 
 """
 
 import numpy as np
-from command import Count, NotNegative, Options, Positive, Start
+from command import Columns, Count, Main, NotNegative, Picture, Positive
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    Id,
-    IfPos,
-    Mesh,
-    Parameter,
-    Variation,
-    VectorH1,
-    cos,
-    dx,
-    sin,
-    x,
-    y,
-)
+from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
@@ -120,7 +104,7 @@ class Blocks:
 
     def Figures(self):
         """Each number of the steps as a list; the first two press, the others turn."""
-        return {name: [row[name] for row in self.rows] for name in self.rows[0]}
+        return Columns(self.rows)
 
 
 def DrawTorque(axes, figures, friction):
@@ -134,13 +118,8 @@ def DrawTorque(axes, figures, friction):
 
 def Write(blocks, folder):
     """The torque as a picture; scene for the browser, and the contact for ParaView."""
-    from matplotlib import pyplot as plt
-
-    figure, axes = plt.subplots(layout="constrained")
-    DrawTorque(axes, blocks.Figures(), blocks.friction)
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "twistblocks.png", dpi=150)
-    plt.close(figure)
+    with Picture(folder, "twistblocks") as axes:
+        DrawTorque(axes, blocks.Figures(), blocks.friction)
     scene = blocks.contact.Draw("traction", deformation=blocks.displacement, show=False)
     scene.GenerateHTML(filename=str(folder / "twistblocks.html"))
     blocks.contact.WriteVTU(folder / "twistblocks", displacement=blocks.displacement)
@@ -154,7 +133,6 @@ def _Print(row):
 def Run(steps=12, out=None, quiet=True, **options):
     """Press and turn; the options are those of `Blocks`. Returns the numbers of the steps."""
     blocks = Blocks(**options)
-
     blocks.Turn(steps, None if quiet else _Print)
     figures = blocks.Figures() | {"steps": steps, "converged_steps": len(blocks.rows) - 2}
     if out:
@@ -162,17 +140,16 @@ def Run(steps=12, out=None, quiet=True, **options):
     return figures
 
 
-def main(argv=None):
-    """Run the example from the command line."""
-    parser = Options(__doc__)
-    add = parser.add_argument
-    add("--n", type=Count, default=3, help="faces of the upper block in each direction")
-    add("--order", type=int, choices=(2, 3), default=2, help="order of the displacement")
-    add("--friction", type=NotNegative, default=0.3, help="coefficient of friction")
-    add("--angle", type=Positive, default=180.0, help="angle of the turn in degrees")
-    add("--steps", type=Count, default=12, help="load steps of the turn")
-    add("--rigid", action="store_true", help="the lower block is rigid")
-    return Start(Run, parser, argv)
+main = Main(
+    Run,
+    __doc__,
+    n=(Count, 3, "faces of the upper block in each direction"),
+    order=((2, 3), 2, "order of the displacement"),
+    friction=(NotNegative, 0.3, "coefficient of friction"),
+    angle=(Positive, 180.0, "angle of the turn in degrees"),
+    steps=(Count, 12, "load steps of the turn"),
+    rigid=(bool, False, "the lower block is rigid"),
+)
 
 
 if __name__ == "__main__":
