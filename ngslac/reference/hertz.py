@@ -165,6 +165,9 @@ class HertzPoint(HertzPair):
     0.8662 636.3 0.01501
     >>> print(f"{hertz.MeanPressure([[0, 0], [0.5, 0], [0, 0.5]]):.1f}")
     599.5
+    >>> spheres = dict(radius1=50, radius2=50, young1=20e3, nu1=0.3, young2=20e3, nu2=0.3)
+    >>> print(f"{HertzPoint.FromApproach(approach=4, **spheres).peak:.2f}")
+    2798.33
     """
 
     @classmethod
@@ -181,13 +184,6 @@ class HertzPoint(HertzPair):
         Returns
         -------
         HertzPoint
-
-        Examples
-        --------
-        >>> spheres = dict(radius1=50, radius2=50, young1=20e3, nu1=0.3, young2=20e3, nu2=0.3)
-        >>> hertz = HertzPoint.FromApproach(approach=4, **spheres)
-        >>> print(f"{hertz.contact_radius:.3f} {hertz.peak:.2f} {hertz.force:.0f}")
-        10.000 2798.33 586081
         """
         positive("approach", approach)
         bodies = dict(radius1=radius1, radius2=radius2)
@@ -214,17 +210,12 @@ class HertzPoint(HertzPair):
         return self.contact_radius**2 / self.radius
 
     def Pressure(self, r):
-        """Pressure over the distance from the middle.
+        """Pressure over the distance from the middle, as in `HertzLine.Pressure`.
 
         Parameters
         ----------
         r : float or array
             Distance (length).
-
-        Returns
-        -------
-        float or array
-            Stress, of the shape of `r`.
         """
         return self.peak * semi_ellipse(points("r", r), self.contact_radius)
 
@@ -275,7 +266,6 @@ class HertzPoint(HertzPair):
         Raises
         ------
         ValueError
-            If `body` is another number, or a depth negative.
         """
         choice("body", body, (1, 2), "give 1 (slave) or 2 (master)")
         depth = points("depth", depth)

@@ -148,6 +148,9 @@ class CattaneoMindlinPoint(_Sheared):
     >>> partial = CattaneoMindlinPoint(hertz=hertz, shear=17.5, friction=0.2)
     >>> print(f"{partial.ratio:.3f} {partial.Traction(0) / (0.2 * hertz.peak):.3f}")
     0.500 0.500
+    >>> state = CattaneoMindlinPoint.FromShift(hertz=hertz, shift=1e-4, friction=0.2)
+    >>> print(f"{state.shear:.4f}")
+    3.5819
     """
 
     hertz: HertzPoint
@@ -167,18 +170,6 @@ class CattaneoMindlinPoint(_Sheared):
         Returns
         -------
         CattaneoMindlinPoint
-
-        Raises
-        ------
-        ValueError
-            If the bodies would slide.
-
-        Examples
-        --------
-        >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
-        >>> state = CattaneoMindlinPoint.FromShift(hertz=hertz, shift=1e-4, friction=0.2)
-        >>> print(f"{state.shear:.4f}")
-        3.5819
         """
         instance("hertz", hertz, HertzPoint)
         finite("shift", shift)

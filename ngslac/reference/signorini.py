@@ -172,8 +172,7 @@ class ElasticSignorini(ElasticPair, _Tip):
 
     Notes
     -----
-    Coordinates may be numbers or arrays; with ``sqrt=ngsolve.sqrt`` the methods `Displacement` and
-    `Stress` take and give coefficient functions. Any consistent system of units.
+    With ``sqrt=ngsolve.sqrt`` `Displacement` and `Stress` take and give coefficient functions.
 
     Examples
     --------
@@ -194,12 +193,9 @@ class ElasticSignorini(ElasticPair, _Tip):
         finite("tip", self.tip)
 
     def Displacement(self, x, y, *, body=1, sqrt=np.sqrt):
-        """Displacements of one of the bodies; arguments as in `ScalarSignorini.Value` (lengths).
+        """Displacements along x and y of one of the bodies, as a tuple (lengths).
 
-        Returns
-        -------
-        tuple of float, array or CoefficientFunction
-            Along x and y (length).
+        The arguments are as in `ScalarSignorini.Value`.
         """
         sign, k = sign_of(body), self.strength
         shear2, nu = self._Material(body)

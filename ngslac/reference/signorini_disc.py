@@ -56,8 +56,7 @@ class ElasticSignoriniDisc(ElasticPair):
 
     Notes
     -----
-    Coordinates may be numbers or arrays; with ``functions=ngsolve`` the method `Displacement`
-    takes and gives coefficient functions. Any consistent system of units.
+    With ``functions=ngsolve`` the method `Displacement` takes and gives coefficient functions.
 
     Examples
     --------
@@ -99,21 +98,16 @@ class ElasticSignoriniDisc(ElasticPair):
         return f_x - 0.25 * pi * z, f_z + bent, f_xz - 0.25 * pi, f_zz + 0.5 * pi * z
 
     def Displacement(self, x, y, z, *, body=1, functions=np):
-        """Displacements of one of the bodies.
+        """Displacements along x, y and z of one of the bodies, as a tuple (lengths).
+
+        Position and body are as in `ScalarSignorini.Value`.
 
         Parameters
         ----------
-        x, y, z : float, array or CoefficientFunction
-            Position (length), z >= 0 for body 1 and z <= 0 for body 2.
-        body : {1, 2}
-            Slave or master.
+        z : float, array or CoefficientFunction
+            Height (length), z >= 0 for body 1 and z <= 0 for body 2.
         functions : module
             With ``sqrt``, ``log`` and the arc tangent for these numbers: numpy or ngsolve.
-
-        Returns
-        -------
-        tuple of float, array or CoefficientFunction
-            Along x, y and z (length).
         """
         sign, k = sign_of(body), self.strength
         shear2, nu = self._Material(body)

@@ -96,16 +96,11 @@ class FrictionSlab:
         displacement : (n,) array
             Along x at `abscissae` (length).
         reference : {"converged", "published"}
-            Against which values.
+            Against which values; another name is a ValueError.
 
         Returns
         -------
         (n,) array
-
-        Raises
-        ------
-        ValueError
-            If `reference` is another name.
         """
         names = ("converged", "published")
         choice("reference", reference, names, "give 'converged' or 'published'")

@@ -186,14 +186,9 @@ class TwistPoint(PartialSlip):
         return limit * np.where(r < k * a, np.maximum(1.0 - 2.0 / pi * lag, 0.0), 1.0)[()]
 
     def MeanTraction(self, vertices):
-        """Average of the traction over polygons, to about 1e-12.
+        """Average of the traction over polygons, to about 1e-12, see `HertzPoint.MeanPressure`.
 
         By Stokes' theorem the sum over discs becomes one integral for each edge.
-
-        Parameters
-        ----------
-        vertices : array of shape (..., corners, 2)
-            Corners relative to the middle of the contact, in either sense of rotation.
 
         Returns
         -------

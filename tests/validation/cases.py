@@ -19,9 +19,15 @@ cases_hertz
 cases_friction
 cases_slab
 cases_hertz3d
+cases_spheres
 cases_friction3d
+cases_directions
+cases_punch
+cases_pin
+cases_halfring
 cases_large
 cases_large_friction
+cases_twistblocks
 case_materials
 case_series
 case_dynamics

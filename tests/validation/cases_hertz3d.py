@@ -1,34 +1,140 @@
-"""Contact without friction in 3D: Hertz' spheres and cylinder, benchmark 1 as a slice."""
+"""Hertz' sphere and cylinder in 3D, and NAFEMS benchmark 1 as a slice.
+
+Sphere and cylinder are those of `tutorials/examples/hertz3d.py`, in any frame and units.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache
+
+import hertz3d
 import numpy as np
-import test_validation_hertz_slice3d as slice3d
-from elasticity3d import Solid
+from elasticity3d import Pair3D, Solid
 from hertz3d_pictures import PressurePicture
 from hertzmeans import Means as HertzMeans
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Integrate, Sym, VectorH1, dx
-from problems_hertz3d import Problem, Run
-from problems_sphere import RADIUS, SPHERES, PressBlock, PressSpheres
-from report_bounds import Element, Means, Meshes, Neglected, Spread, Tolerance
+from macros3d import Comparison
+from ngsolve import Integrate, VectorH1, dx
+from report_bounds import Element, Means, Meshes, Neglected, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import INK, Figure, Profile
 from sector3d import SliceMesh
+from slavefaces import SlaveFaces
 
-from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.meshes import HertzMesh
-from ngslac.reference import HertzPoint
+from ngslac.meshes import HertzMesh, RotationMatrix
+from ngslac.meshes.cylinders import THICKNESS
+from ngslac.reference import HertzLine
 
-STRESS = (2868.9, 2929.4)  # code_aster with LAC, modellings k to n
-SIZES = {"P2": (3, 2), "P1bubble": (8, 6)}  # faces in a row, fine and coarse
-AXISYMMETRIC = 1.125  # force over Hertz' for two half spheres
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """The options of the example, and `maxh`, a part `force` of its load, units and a rotation.
+
+    `length` and `stress` are a millimetre and a MPa in the units of the computation. Results are
+    in mm and MPa, in the frame that is not rotated.
+    """
+
+    shape: str = "sphere"
+    model: str = "quarter"
+    order: int = 2
+    h: float = 0.3125
+    maxh: float | None = None
+    force: float = 1.0
+    friction: float = 0.0
+    steps: int = 1
+    stabilize: str = "none"
+    length: float = 1.0
+    stress: float = 1.0
+    rotation: object = None
+
+    def Hertz(self, t=1.0):
+        """Hertz' solution at the load factor t, in mm and MPa."""
+        return hertz3d.Hertz(self.shape, self.force * t)
+
+    @property
+    def load(self):
+        """Force on the model, in the units of the computation."""
+        force = self.force * hertz3d.FORCE[self.shape] * self.stress * self.length**2
+        thickness = THICKNESS if self.shape == "cylinder" else 1.0
+        return force * thickness * hertz3d.PART.get((self.shape, self.model), 1.0)
+
+    @property
+    def frame(self):
+        """Unit vectors of the x, y and z direction of the problem, as rows."""
+        return RotationMatrix(self.rotation).T
+
+    def Mesh(self):
+        options = {"model": self.model, "order": self.order, "stabilize": self.stabilize}
+        if self.shape == "sphere":
+            options |= {"maxh": self.maxh, "rotation": self.rotation}
+        return hertz3d.Mesh(self.shape, self.h, force=self.force, scale=self.length, **options)
+
+
+@dataclass(frozen=True)
+class State:
+    """A converged load step; macro-elements in the order of the space, in mm and MPa."""
+
+    time: float
+    iterations: int
+    pressure: np.ndarray
+    status: np.ndarray
+    force: float  # contact force over the load of this step
+
+
+@dataclass(frozen=True)
+class Results:
+    problem: Problem
+    contact: object
+    faces: SlaveFaces
+    states: list
+
+    def Figures(self, state):
+        hertz = self.problem.Hertz(state.time)
+        return Comparison(self.faces, hertz, state.pressure, state.status)
+
+    @property
+    def figures(self):
+        """Of the whole load."""
+        return self.Figures(self.states[-1])
+
+
+@cache
+def Run(**options):
+    """Compute a `Problem`."""
+    problem = Problem(**options)
+    names = ("order", "stabilize", "friction", "steps", "length", "stress")
+    options = {name: getattr(problem, name) for name in names}
+    up = problem.frame[2]
+    pressed = hertz3d.Press(problem.Mesh(), problem.load, up=up, **options)
+    states = [
+        State(
+            time,
+            iterations,
+            table["pressure"] / problem.stress,
+            table["status"],
+            float(up @ force / (problem.load * time)),
+        )
+        for time, iterations, force, table in pressed.steps
+    ]
+    contact, axes = pressed.contact, problem.frame[:2] / problem.length
+    line = problem.shape == "cylinder"
+    faces = SlaveFaces(contact.mesh, contact.space.macros, line, axes)
+    return Results(problem, contact, faces, states)
+
+
+def MeansError(results):
+    """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
+    exact, area = results.problem.Hertz(), results.faces.area
+    shape = HertzMeans(results.faces, exact) / exact.peak
+    # Integral of the square over that of the pressure, for the peak 1.
+    ratio = 8 / (3 * np.pi) if results.problem.shape == "cylinder" else 3 / 4
+    return np.sqrt(ratio * (area @ shape) / (area @ shape**2) - 1)
 
 
 def Sphere(quick):
-    sizes = (4,) if quick else (6, 8)
     exact = Problem().Hertz()
     rows, coarser, radius = [], None, exact.contact_radius
-    for n in sizes:
+    for n in (4,) if quick else (6, 8):
         results = Run(h=radius / n)
         figures, text = results.figures, f"{n} faces along the radius"
         peak, wide = figures["p0_ratio"] * exact.peak, figures["contact_radius_ratio"] * radius
@@ -38,132 +144,72 @@ def Sphere(quick):
             Row(f"{text}: peak pressure", peak, exact.peak, meshes, "MPa"),
             Row(f"{text}: contact radius", wide, radius, Element(1 / n, kind="relative"), "mm"),
             Row(f"{text}: error of the pressure in L2", error, 0, Means(MeansError(results))),
-            Row(f"{text}: force over load", figures["force_ratio"], 1, Tolerance()),
+            Row(f"{text}: force over load", results.states[-1].force, 1, Tolerance()),
         ]
     caption = "Pressures of the macro-elements over the distance from the middle, and from below."
     return Outcome(rows, lambda file: PressurePicture(results, file), caption)
 
 
-def MeansError(results):
-    """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    exact, area = results.problem.Hertz(), results.faces.area
-    shape = HertzMeans(results.faces, exact) / exact.peak
-    # Integral of the square over that of the pressure, for the peak 1.
-    ratio = 8 / (3 * np.pi) if hasattr(exact, "halfwidth") else 3 / 4
-    return np.sqrt(ratio * (area @ shape) / (area @ shape**2) - 1)
+# ---------------------------------------------------------------- benchmark 1 as a slice
+#
+# Plane strain by two planes of symmetry, small strain, no friction, slave faces of 1 mm; half of
+# the model with 17.5 kN per mm. The displacement of the block under the axis is from an independent
+# program with the same multipliers. The cylinder consists of flat faces: their middles lie
+# 0.0025 mm, or 0.2 % of the displacement, inside of the circle.
+
+FORCE, SIZE, DEPTH = 17.5e3, 1.0, 2.0
+DISPLACEMENT = -1.2734
+HERTZ = HertzLine(force=2 * FORCE, radius1=50.0, young1=210e3, nu1=0.3, young2=70e3, nu2=0.3)
+
+
+@cache
+def Slice(size):
+    """Displacement of the block, force, and macro-elements by x."""
+    mesh = SliceMesh(HertzMesh(size, order=1, zone=8.0, grading=0.5), DEPTH)
+    flags = {"dirichletx": "sym|bottom", "dirichlety": "front|back", "dirichletz": "bottom"}
+    young = mesh.MaterialCF({"cylinder": 210e3, "block": 70e3})
+    pair = Pair3D(VectorH1(mesh, order=2, **flags), Solid(young, 0.3))
+    weight = FORCE * DEPTH / Integrate(1, mesh.Materials("cylinder"))
+    pair.load += -weight * pair.v[2] * dx("cylinder")
+    pair.Solve(tol=1e-10)
+    table = pair.contact.Table()
+    along = np.argsort(table["x"][:, 0])
+    table = {name: values[along] for name, values in table.items()}
+    return pair.displacement(mesh(1e-9, 0.5, -1e-9))[2], pair.contact.Force(), table
+
+
+def Ends(table):
+    """Of the faces, along x."""
+    ends = 50 * np.sin(SIZE / 50 * np.arange(len(table["pressure"]) + 1))
+    return ends[:-1], ends[1:]
 
 
 def Cylinder(quick):
     h = 0.8 if quick else 0.4
     results, coarser = (Run(shape="cylinder", h=k * h) for k in (1, 2))
-    exact, figures = results.problem.Hertz(), results.figures
+    exact, text = results.problem.Hertz(), "cylinder of prisms"
     peaks = [each.figures["p0_ratio"] * exact.peak for each in (results, coarser)]
+    error, means = results.figures["profile_error"], Means(MeansError(results))
+    block, force, table = Slice(SIZE)
+    half_planes = Neglected((HERTZ.halfwidth / 50) ** 2, "(a/R)^2")
+    meshes, at = Meshes(block, Slice(2 * SIZE)[0], 2), "benchmark 1"
+    load = Tolerance(kind="relative")
     rows = [
-        Row("cylinder of prisms: p(0)", peaks[0], exact.peak, Meshes(*peaks, 2), "MPa"),
-        Row(
-            "cylinder of prisms: error of the pressure in L2",
-            figures["profile_error"],
-            0,
-            Means(MeansError(results)),
-        ),
+        Row(f"{text}: p(0)", peaks[0], exact.peak, Meshes(*peaks, 2), "MPa"),
+        Row(f"{text}: error of the pressure in L2", error, 0, means),
+        Row(f"{at}: displacement of the block", block, DISPLACEMENT, meshes, "mm"),
+        Row(f"{at}: p(0)", table["pressure"][0], HERTZ.peak, half_planes, "MPa"),
+        Row(f"{at}: contact force", force[2], FORCE * DEPTH, load, "N"),
     ]
-    block, force, table = Slice(slice3d.SIZE)
-    hertz, load = slice3d.HERTZ, slice3d.FORCE * slice3d.THICKNESS
-    half_planes = Neglected((hertz.halfwidth / 50) ** 2, "(a/R)^2")
-    meshes, at = Meshes(block, Slice(2 * slice3d.SIZE)[0], 2), "benchmark 1"
-    rows += [
-        Row(f"{at}: displacement of the block", block, slice3d.DISPLACEMENT, meshes, "mm"),
-        Row(f"{at}: p(0)", table["pressure"][0], hertz.peak, half_planes, "MPa"),
-        Row(f"{at}: contact force", force[2], load, Tolerance(kind="relative"), "N"),
-    ]
-    ends = 50 * np.sin(slice3d.SIZE / 50 * np.arange(len(table["pressure"]) + 1))
 
     def Draw(ax):
-        Profile(ax, ends[:-1], ends[1:], table["pressure"], table["status"])
+        Profile(ax, *Ends(table), table["pressure"], table["status"])
         x = np.linspace(0, 8, 400)
-        ax.plot(x, slice3d.HERTZ.Pressure(x), color=INK, lw=0.9, label="Hertz")
-        ax.set_xlim(0, 8)
-        ax.set_xlabel("x [mm]")
-        ax.set_ylabel("pressure [MPa]")
+        ax.plot(x, HERTZ.Pressure(x), color=INK, lw=0.9, label="Hertz")
+        ax.set(xlim=(0, 8), xlabel="x [mm]", ylabel="pressure [MPa]")
         ax.legend()
 
     return Outcome(rows, Figure(Draw, size=(6, 3.4)), "The pressure of benchmark 1 in the slice.")
-
-
-def Slice(size):
-    """Benchmark 1 between two planes of symmetry: displacement, force, macro-elements along x."""
-    mesh = SliceMesh(HertzMesh(size, order=1, zone=8.0, grading=0.5), slice3d.THICKNESS)
-    flags = {"dirichletx": "sym|bottom", "dirichlety": "front|back", "dirichletz": "bottom"}
-    V = VectorH1(mesh, order=2, **flags)
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    strain = Sym(Grad(u))
-    solids = {"cylinder": Solid(210e3, 0.3), "block": Solid(70e3, 0.3)}
-    stress = mesh.MaterialCF({name: solid.Stress(strain) for name, solid in solids.items()})
-    weight = slice3d.FORCE * slice3d.THICKNESS / Integrate(1, mesh.Materials("cylinder"))
-    a, gf = BilinearForm(X), GridFunction(X)
-    a += InnerProduct(stress, Sym(Grad(v))) * dx + weight * v[2] * dx("cylinder")
-    contact = LACContact(u, lam, master="master")
-    ContactSolver(a, gf, contact).Solve(printing=False)
-    table = contact.Table()
-    along = np.argsort(table["x"][:, 0])
-    table = {name: values[along] for name, values in table.items()}
-    return gf.components[0](mesh(1e-9, 0.5, -1e-9))[2], contact.Force(), table
-
-
-def Spheres(quick):
-    n = 3 if quick else 4
-    wide, coarser = (PressSpheres(4.0, m, updates=3) for m in (n, n - 1))
-    exact = HertzPoint.FromApproach(approach=4.0, **SPHERES)
-    stress = -wide.pair.stress(wide.pair.mesh(1e-6, 1e-6, 1e-3))[8]
-    middle = sum(STRESS) / 2
-    figures = wide.figures
-    text = "two half spheres, contact radius a fifth of theirs"
-    forces = [solution.hertz.force / exact.force for solution in (wide, coarser)]
-    half_spaces = Neglected((wide.hertz.contact_radius / RADIUS) ** 2, "(a/R)^2")
-    radius = figures["contact_radius_ratio"]
-    rows = [
-        Row(
-            f"{text}: stress at the first point of contact",
-            stress,
-            middle,
-            Spread(middle, STRESS, f"{STRESS[0]} to {STRESS[1]}"),
-            "MPa",
-        ),
-        Row(
-            f"{text}: force over that of half-spaces",
-            forces[0],
-            AXISYMMETRIC,
-            Meshes(*forces, n / (n - 1)),
-        ),
-        Row(
-            f"{text}: peak pressure over Hertz' for this force",
-            figures["p0_ratio"],
-            1,
-            half_spaces,
-        ),
-        Row(f"{text}: contact radius over Hertz' for this force", radius, 1, half_spaces),
-    ]
-    for space, sizes in {"P2": (3, 2)}.items() if quick else SIZES.items():
-        last, before = (PressBlock(m, space) for m in sizes)
-        peaks = [solution.figures["p0_ratio"] for solution in (last, before)]
-        text = f"rigid sphere on hexahedra of order {space[1]}: peak pressure over Hertz'"
-        rows.append(Row(text, peaks[0], 1, Meshes(*peaks, sizes[0] / sizes[1])))
-
-    def Draw(*axes):
-        for ax, solution in zip(axes, (wide, last), strict=True):
-            low, high = solution.faces.extent.T
-            ax.plot(0.5 * (low + high), solution.pressure, "o", ms=3, label="macro-elements")
-            r = np.linspace(0, high.max(), 300)
-            ax.plot(r, solution.hertz.Pressure(r), color=INK, lw=0.9, label="Hertz for this force")
-            ax.set_xlabel("distance from the middle [mm]")
-            ax.legend(loc="lower left")
-        axes[0].set_ylabel("pressure [MPa]")
-        axes[0].set_title("two half spheres")
-        axes[1].set_title("rigid sphere on hexahedra")
-
-    caption = "Pressures over the distance from the middle of the contact."
-    return Outcome(rows, Figure(Draw, columns=2), caption)
 
 
 CASES = [
@@ -183,21 +229,7 @@ CASES = [
         "A cylinder of prisms between two planes of symmetry has the line contact of 2D; and so "
         "has NAFEMS benchmark 1 in small strain, here with slave faces of 1 mm.",
         "`HertzLine`; the displacement: a program of others with the same multipliers in 2D.",
-        "pytest tests/validation/test_validation_hertz_slice3d.py "
-        "tests/validation/test_validation_hertz3d.py -k cylinder",
+        "pytest tests/validation/test_hertz_solids.py -k 'cylinder or slice'",
         Cylinder,
-    ),
-    Case(
-        "spheres",
-        "Two half spheres, and a rigid sphere on hexahedra",
-        "Two half spheres come closer by 4 mm: the contact radius is a fifth of theirs, so that "
-        "the bodies are stiffer than the half-spaces of Hertz, and their normals turn. The "
-        "surfaces are paired in the deformed configuration. Second, a block of hexahedra as slave "
-        "under a rigid sphere.",
-        "Code_aster with Local Average Contact, test SSNV104, modellings k to n (2868.9 to 2929.4 "
-        "MPa); an axisymmetric computation of third order without multipliers for the force; "
-        "`HertzPoint`.",
-        "pytest tests/validation/test_validation_hertz3d.py -k 'spheres or hexahedra'",
-        Spheres,
     ),
 ]

@@ -15,6 +15,7 @@ from ngsolve import (
     IfPos,
     InnerProduct,
     Parameter,
+    Sym,
     Trace,
     Variation,
     ds,
@@ -30,19 +31,20 @@ def Lame(young, nu):
     return young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
 
 
+def _Hooke(strain, young, nu):
+    first, shear = Lame(young, nu)
+    return first / 2 * Trace(strain) * Trace(strain) + shear * InnerProduct(strain, strain)
+
+
 def Small(u, young, nu):
     """Linear elasticity."""
-    first, shear = Lame(young, nu)
-    strain = 0.5 * (Grad(u) + Grad(u).trans)
-    return first / 2 * Trace(strain) * Trace(strain) + shear * InnerProduct(strain, strain)
+    return _Hooke(Sym(Grad(u)), young, nu)
 
 
 def SaintVenant(u, young, nu):
     """Hooke's law of Green's strain and the second Piola-Kirchhoff stress."""
-    first, shear = Lame(young, nu)
     F = Id(2) + Grad(u)
-    strain = 0.5 * (F.trans * F - Id(2))
-    return first / 2 * Trace(strain) * Trace(strain) + shear * InnerProduct(strain, strain)
+    return _Hooke(0.5 * (F.trans * F - Id(2)), young, nu)
 
 
 def Hencky(u, young, nu):
@@ -73,18 +75,9 @@ def _SquaredArcosh(z):
 class Model:
     """Bulk and contact on the displacement space `V`.
 
-    Parameters
-    ----------
-    V : displacement space with its Dirichlet conditions
-    energy : callable
-        ``energy(u, young, nu)``, one of the above.
-    young : dict
-        Moduli of the materials.
-    slave, master : str
-    finite : bool
-        Finite sliding; without it the surfaces are paired in the reference.
-    forces : dict
-        Vertex -> dead force (per thickness), multiplied by the load.
+    `V` has the Dirichlet conditions; ``energy(u, young, nu)`` is one of the above, with moduli
+    `young` by the material; `forces` are dead ones (per thickness) at vertices, which the load
+    multiplies. Without `finite` sliding the surfaces are paired in the reference.
     """
 
     V: object

@@ -3,12 +3,9 @@
 import pytest
 from cases import CASES
 
-TOO_SMALL = {"spheres"}  # their small sizes have still to grow
-
 
 def Marked(case):
     marks = [pytest.mark.slow] if case.slow else []
-    marks += [pytest.mark.xfail(strict=True)] if case.name in TOO_SMALL else []
     return pytest.param(case, id=case.name, marks=marks)
 
 

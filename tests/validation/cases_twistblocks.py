@@ -1,9 +1,20 @@
 """Twisting blocks, measured: balances of forces, moments and work, torques, symmetry."""
 
+from __future__ import annotations
+
+import math
+
 import numpy as np
 from ironing import Quadratic
 from ngsolve import CF, GridFunction, x, y, z
-from twistblocks import Blocks
+from report_bounds import Tolerance
+from report_case import Case, Outcome, Row
+from report_pictures import ORANGE, Figure
+from twistblocks import MEAN_DISTANCE, Blocks, DrawTorque
+
+TURN = 22.5  # degrees of a step
+HALF = math.radians(TURN / 2)
+MIDDLES = 0.25 * math.sqrt(2) / MEAN_DISTANCE  # of four faces, over the whole square
 
 
 def FrictionTorque(table, friction):
@@ -37,14 +48,7 @@ def SymmetryError(table, reference, n):
 class Measured:
     """The blocks, turned, with what is measured after each step.
 
-    Parameters
-    ----------
-    steps : int
-        Of the turn.
-    n : int
-        Faces of the upper block in each direction.
-    **options
-        Others of `Blocks`.
+    The upper block has n x n faces and turns in `steps`; `options` are others of `Blocks`.
     """
 
     def __init__(self, steps, n, **options):
@@ -123,3 +127,54 @@ class Measured:
             # way, h/2 from the tangent, and the ratio is tan(h/2) / (h/2).
             "dissipation_ratio": figures["dissipated"][-1] / work,
         }
+
+
+def Twist(quick):
+    count = 2 if quick else 4
+    rigid = Measured(count, 2, angle=count * TURN, rigid=True)
+    elastic = rigid if quick else Measured(8, 4, angle=120.0)
+    steady, full = rigid.figures, elastic.figures
+    torque, punch = (steady[name] for name in ("torque", "punch_ratio"))
+    text = "rigid plane, 4 faces: steady torque over that of a flat punch"
+    work = "rigid plane: work of friction over that of the tangential torque"
+    rows = [
+        Row(text, punch[-1], MIDDLES),
+        Row(work, steady["dissipation_ratio"], math.tan(HALF) / HALF),
+    ]
+    if not quick:
+        change = abs(torque[-1] / torque[-2] - 1)
+        rows.append(Row("rigid plane: change of the torque in the last step", change, 0))
+        text = "two blocks, 16 faces: torque over that of a flat punch"
+        rows.append(Row(text, full["punch_ratio"][-1], 1))
+    for name, value in full["balance"].items():
+        text = f"balance of {name.replace('_', ', ')}: error over its size"
+        rows.append(Row(text, value, 0, None if name == "torque_both" else Tolerance()))
+    rows.append(Row("symmetry of the pressures", full["symmetry_error"], 0, Tolerance()))
+    caption = "Pressures and tractions at the end from above, and the torque over the angle."
+
+    def Draw(left, right):
+        blocks, table = elastic.blocks, elastic.table
+        points = left.scatter(*table["x"][:, :2].T, c=table["pressure"], s=60)
+        left.figure.colorbar(points, ax=left, label="pressure [MPa]")
+        left.quiver(*table["x"][:, :2].T, *table["traction"][:, :2].T, color=ORANGE)
+        left.set_aspect("equal")
+        DrawTorque(right, blocks.Figures(), blocks.friction)
+
+    return Outcome(rows, Figure(Draw, columns=2), caption)
+
+
+CASES = [
+    Case(
+        "twisting-blocks",
+        "Twisting blocks",
+        "A soft block is pressed on another one and turned: it twists, then slides with friction "
+        "0.3 and turns as a whole. Under a uniform pressure the torque of a flat square punch is "
+        "0.3826 times friction, force and width; faces that count by their middles alone have "
+        "0.924 of it if there are four. Forces and moments balance; the tractions act on both "
+        "sides of a gap that vanishes on average, hence the error of the last moment.",
+        "The torque of a flat punch; balances of forces, moments and work "
+        "(`tests/validation/test_twistblocks.py`).",
+        "python tutorials/examples/twistblocks.py --n 4 --steps 8 --angle 120 --out results",
+        Twist,
+    ),
+]
