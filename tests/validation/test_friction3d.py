@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_directions import (
+from case_directions import (
     ANGLES,
     FRICTION,
     OPEN,

@@ -7,7 +7,7 @@ by 1.7 %: most of the 1.9 % by which the paper's result exceeds Hertz' is no err
 
 import numpy as np
 import pytest
-from cases_hertz import (
+from case_hertz import (
     CHANGES,
     DISPLACEMENT,
     FORCE,

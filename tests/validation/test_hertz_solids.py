@@ -14,8 +14,8 @@ crosses are either open or closed, and the multiplier is constant on them.
 
 import numpy as np
 import pytest
-from cases_hertz3d import DISPLACEMENT, FORCE, HERTZ, SIZE, Ends, Problem, Run, Slice
-from cases_spheres import AXISYMMETRIC, SPHERES, STRESS, AxisStress, PressBlock, PressSpheres
+from case_hertz3d import DISPLACEMENT, FORCE, HERTZ, SIZE, Ends, Problem, Run, Slice
+from case_spheres import AXISYMMETRIC, SPHERES, STRESS, AxisStress, PressBlock, PressSpheres
 from hertzmeans import Radius
 
 from ngslac.reference import HertzPoint

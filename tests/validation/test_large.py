@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from cases_halfring import FINE, LOGARITHMIC, UPDATED, OnQuads, OnTriangles
-from cases_large import EnergyError, Flattened, PenaltyLimit
-from cases_pin import BACK, BEHIND, FORCE, PUSHED, QUADRATIC, SMALL, SMOOTH, Pushed
+from case_halfring import FINE, LOGARITHMIC, UPDATED, OnQuads, OnTriangles
+from case_pin import BACK, BEHIND, FORCE, PUSHED, QUADRATIC, SMALL, SMOOTH, Pushed
+from case_rubber import EnergyError, Flattened, PenaltyLimit
 from ironing import Quadratic
 from problems_large import Small
 

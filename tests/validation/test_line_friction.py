@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases_friction import (
+from case_cylinder import (
     FLAT,
     GUESS,
     HERTZ,

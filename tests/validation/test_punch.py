@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_punch import ANGLE, EDGE, LOAD, PUBLISHED, Solved
+from case_punch import ANGLE, EDGE, LOAD, PUBLISHED, Solved
 
 
 @pytest.mark.parametrize("friction", PUBLISHED)

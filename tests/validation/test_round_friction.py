@@ -9,7 +9,7 @@ of the tractions.
 import numpy as np
 import pytest
 import twist
-from cases_friction3d import PushedSphere
+from case_sphere import PushedSphere
 from movedsphere import SLIP, STICK, Model
 from stickzone import Misfit, TractionMeans
 

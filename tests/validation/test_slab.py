@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cases_slab import SLICE, Solve
+from case_slab import SLICE, Solve
 
 from ngslac.reference import GRECO_SLAB
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from cases_twistblocks import HALF, MIDDLES, TURN, FrictionTorque, Measured, SymmetryError
+from case_twistblocks import HALF, MIDDLES, TURN, FrictionTorque, Measured, SymmetryError
 from twistblocks import MEAN_DISTANCE
 
 

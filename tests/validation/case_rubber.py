@@ -180,7 +180,7 @@ CASES = [
         "large one is compared with a penalty method, extrapolated to an infinite penalty, and "
         "the work with the energy.",
         "Johnson (1985), equation 5.56 for the approach; a penalty on the plane, by NGSolve alone "
-        "(`tests/validation/cases_large.py`).",
+        "(`tests/validation/case_rubber.py`).",
         "python tutorials/examples/hertz_large.py --h 0.1 --steps 15 --out results",
         Cylinder,
     ),
