@@ -88,7 +88,7 @@ def test_motions_are_those_of_a_rigid_body(make, turned):
 def mesh():
     """A block above its base, and further unit squares beside it; edges: material and side."""
     faces = []
-    for k, name in enumerate(["block", "base", "free", "fixed", "guided", "hung"]):
+    for k, name in enumerate(["block", "base", "free", "fixed", "free", "guided", "hung"]):
         width = 1.5 if name == "base" else 1  # of the same width the meshes would match
         face = Rectangle(width, 1).Face().Move((-0.2, -1, 0) if name == "base" else (2 * k, 0, 0))
         face.faces.name, face.faces.maxh = name, 0.3
@@ -132,12 +132,17 @@ def floating(a, gf, contact, *_, lift=None, closed=False):
 
 
 def said(body, motions):
-    return [f"body '{body}' floats ({motion})" for motion in motions]
+    return [f"body {body} floats ({motion})" for motion in motions]
 
 
 # A block that hangs on springs along x turns about its top.
-BLOCK, GUIDED, HUNG = said("block", PLANE), said("guided", PLANE[1:2]), said("hung", PLANE[1:])
-FREE = said("free", PLANE)
+BLOCK, GUIDED = said("'block'", PLANE), said("'guided'", PLANE[1:2])
+HUNG = said("'hung'", PLANE[1:])
+FREE = [
+    line
+    for k, middle in ((1, "(4.5, 0.5)"), (2, "(8.5, 0.5)"))
+    for line in said(f"'free' ({k} of 2, around {middle})", PLANE)
+]
 
 
 @pytest.mark.parametrize(
@@ -170,7 +175,7 @@ def test_bodies_that_float_together_are_named_after_the_first():
     problem = press(dim=3, spring=0, friction=0.5, flags={"dirichlet": ""})
     motions = [f"{kind} {c}" for kind in ("translation in", "rotation about") for c in "xyz"]
     found = floating(problem.a, problem.gf, problem.contact, closed=True)
-    assert found == said("upper", motions)
+    assert found == said("'upper'", motions)
 
 
 def test_a_body_that_repeats_itself_cannot_turn():
@@ -184,4 +189,4 @@ def test_a_body_that_repeats_itself_cannot_turn():
     a = BilinearForm(fes)
     a += linear(u, v)
     contact = LACContact(u, lam, obstacle=y + 1)
-    assert floating(a, GridFunction(fes), contact) == said("block", PLANE[:2])
+    assert floating(a, GridFunction(fes), contact) == said("'block'", PLANE[:2])

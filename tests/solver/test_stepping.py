@@ -20,6 +20,7 @@ from ngsolve import (
     VectorH1,
     dx,
     sqrt,
+    x,
 )
 from ngsolve.meshes import MakeStructured2DMesh
 from press import mixed_press, numpy, press
@@ -196,6 +197,27 @@ def test_a_prediction_that_is_worse_than_none_is_dropped():
     assert np.array_equal(starts[0], before)
     stepper.Integrate(1.0, steps=1, printing=False)  # a right one helps
     assert not np.array_equal(starts[1], before)
+
+
+@pytest.mark.parametrize(
+    ("push", "law", "said"),
+    [
+        ((0.02, -0.02), {"friction": 0.3}, "$"),
+        (
+            (0.3, -0.02),
+            {"friction": 0.3},
+            "; nearly all closed macro-elements slip: the load seems",
+        ),
+        ((0, 0.3 + 0.3 * x), {}, "; all macro-elements are open"),
+    ],
+)
+def test_why_no_shorter_step_converges(push, law, said):
+    stepper = loading(press, nonlinear=True, push=push, **law)
+    stepper.Integrate(0.5, steps=1, printing=False)
+    few = r"no step beyond load 0\.5 converges: no convergence in 1 iterations: [^;]*"
+    with pytest.raises(ContactConvergenceError, match=few + said):
+        stepper.Integrate(steps=1, maxit=1, tol=1e-14, printing=False)
+    assert stepper.load.Get() == 0.5
 
 
 # --- steps in time -------------------------------------------------------------------------------
