@@ -1,5 +1,7 @@
 """What must not be accepted, what must not be lost, and bodies in 3D that only contact holds."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from loaded import loaded
@@ -32,6 +34,24 @@ def test_loads_on_condensed_dofs_are_seen():
         assert np.abs(numpy(problem.gf) - before).max() > 1e-3 * np.abs(before).max()
         solutions.append(numpy(problem.gf.components[0]))
     assert solutions[1] == pytest.approx(solutions[0], abs=1e-9 * np.abs(solutions[0]).max())
+
+
+def test_a_limit_load_ends_the_stepping():
+    problem, attempts = press(), []
+    problem.load.Set(0.0)
+    solver = problem.solver()
+
+    def Solve(**_):
+        attempts.append(problem.load.Get())
+        if attempts[-1] > 0.73:
+            raise ContactConvergenceError("beyond the limit")
+        return SimpleNamespace(number=1)
+
+    solver.Solve = Solve
+    with pytest.raises(ContactConvergenceError, match="beyond the limit; all macro-elements are"):
+        LoadStepper(solver, problem.load, maxcuts=5).Integrate(steps=2, printing=False)
+    assert 0.73 - 0.5 / 2**5 <= problem.load.Get() <= 0.73
+    assert len(attempts) < 20
 
 
 @pytest.mark.parametrize(
