@@ -1,6 +1,6 @@
 """Hertz' sphere and cylinder in 3D, and NAFEMS benchmark 1 as a slice.
 
-Sphere and cylinder are those of `tutorials/examples/hertz3d.py`, in any frame and units.
+Sphere and cylinder are those of `tutorials/examples/hertz3d.py`.
 """
 
 from __future__ import annotations
@@ -11,70 +11,25 @@ from functools import cache
 import hertz3d
 import numpy as np
 from elasticity3d import Pair3D, Solid
-from hertz3d_pictures import PressurePicture
 from hertzmeans import Means as HertzMeans
-from macros3d import Comparison
+from macros3d import Comparison, Outlines
 from ngsolve import Integrate, VectorH1, dx
 from report_bounds import Element, Means, Meshes, Neglected, Tolerance
 from report_case import Case, Outcome, Row
-from report_pictures import INK, Figure, Profile
+from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
 from sector3d import SliceMesh
 from slavefaces import SlaveFaces
 
-from ngslac.meshes import HertzMesh, RotationMatrix
+from ngslac.meshes import HertzMesh
 from ngslac.meshes.cylinders import THICKNESS
 from ngslac.reference import HertzLine
 
 
-@dataclass(frozen=True, kw_only=True)
-class Problem:
-    """The options of the example, and `maxh`, a part `force` of its load, units and a rotation.
-
-    `length` and `stress` are a millimetre and a MPa in the units of the computation. Results are
-    in mm and MPa, in the frame that is not rotated.
-    """
-
-    shape: str = "sphere"
-    model: str = "quarter"
-    order: int = 2
-    h: float = 0.3125
-    maxh: float | None = None
-    force: float = 1.0
-    friction: float = 0.0
-    steps: int = 1
-    stabilize: str = "none"
-    length: float = 1.0
-    stress: float = 1.0
-    rotation: object = None
-
-    def Hertz(self, t=1.0):
-        """Hertz' solution at the load factor t, in mm and MPa."""
-        return hertz3d.Hertz(self.shape, self.force * t)
-
-    @property
-    def load(self):
-        """Force on the model, in the units of the computation."""
-        force = self.force * hertz3d.FORCE[self.shape] * self.stress * self.length**2
-        thickness = THICKNESS if self.shape == "cylinder" else 1.0
-        return force * thickness * hertz3d.PART.get((self.shape, self.model), 1.0)
-
-    @property
-    def frame(self):
-        """Unit vectors of the x, y and z direction of the problem, as rows."""
-        return RotationMatrix(self.rotation).T
-
-    def Mesh(self):
-        options = {"model": self.model, "order": self.order, "stabilize": self.stabilize}
-        if self.shape == "sphere":
-            options |= {"maxh": self.maxh, "rotation": self.rotation}
-        return hertz3d.Mesh(self.shape, self.h, force=self.force, scale=self.length, **options)
-
-
 @dataclass(frozen=True)
 class State:
-    """A converged load step; macro-elements in the order of the space, in mm and MPa."""
+    """A converged load step; macro-elements in the order of the space."""
 
-    time: float
+    hertz: object  # exact, for this load
     iterations: int
     pressure: np.ndarray
     status: np.ndarray
@@ -83,14 +38,13 @@ class State:
 
 @dataclass(frozen=True)
 class Results:
-    problem: Problem
-    contact: object
+    shape: str
+    h: float
     faces: SlaveFaces
     states: list
 
     def Figures(self, state):
-        hertz = self.problem.Hertz(state.time)
-        return Comparison(self.faces, hertz, state.pressure, state.status)
+        return Comparison(self.faces, state.hertz, state.pressure, state.status)
 
     @property
     def figures(self):
@@ -99,40 +53,37 @@ class Results:
 
 
 @cache
-def Run(**options):
-    """Compute a `Problem`."""
-    problem = Problem(**options)
-    names = ("order", "stabilize", "friction", "steps", "length", "stress")
-    options = {name: getattr(problem, name) for name in names}
-    up = problem.frame[2]
-    pressed = hertz3d.Press(problem.Mesh(), problem.load, up=up, **options)
+def Run(shape="sphere", *, h, order=2, stabilize="none", steps=1):
+    """Compute the example; the options are its own."""
+    mesh = hertz3d.Mesh(shape, h, order=order, stabilize=stabilize)
+    line = shape == "cylinder"
+    load = hertz3d.FORCE[shape] * hertz3d.PART[shape, "quarter"] * (THICKNESS if line else 1.0)
+    pressed = hertz3d.Press(mesh, load, order=order, stabilize=stabilize, steps=steps)
     states = [
         State(
-            time,
+            hertz3d.Hertz(shape, time),
             iterations,
-            table["pressure"] / problem.stress,
+            table["pressure"],
             table["status"],
-            float(up @ force / (problem.load * time)),
+            float(force[2] / (load * time)),
         )
         for time, iterations, force, table in pressed.steps
     ]
-    contact, axes = pressed.contact, problem.frame[:2] / problem.length
-    line = problem.shape == "cylinder"
-    faces = SlaveFaces(contact.mesh, contact.space.macros, line, axes)
-    return Results(problem, contact, faces, states)
+    contact = pressed.contact
+    return Results(shape, h, SlaveFaces(contact.mesh, contact.space.macros, line), states)
 
 
 def MeansError(results):
     """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    exact, area = results.problem.Hertz(), results.faces.area
+    exact, area = results.states[-1].hertz, results.faces.area
     shape = HertzMeans(results.faces, exact) / exact.peak
     # Integral of the square over that of the pressure, for the peak 1.
-    ratio = 8 / (3 * np.pi) if results.problem.shape == "cylinder" else 3 / 4
+    ratio = 8 / (3 * np.pi) if results.shape == "cylinder" else 3 / 4
     return np.sqrt(ratio * (area @ shape) / (area @ shape**2) - 1)
 
 
 def Sphere(quick):
-    exact = Problem().Hertz()
+    exact = hertz3d.Hertz("sphere")
     rows, coarser, radius = [], None, exact.contact_radius
     for n in (4,) if quick else (6, 8):
         results = Run(h=radius / n)
@@ -147,7 +98,45 @@ def Sphere(quick):
             Row(f"{text}: force over load", results.states[-1].force, 1, Tolerance()),
         ]
     caption = "Pressures of the macro-elements over the distance from the middle, and from below."
-    return Outcome(rows, lambda file: PressurePicture(results, file), caption)
+    options = {"columns": 2, "size": (9.4, 4.1), "width_ratios": (1.15, 1)}
+    return Outcome(rows, Figure(lambda *axes: _Pressures(*axes, results), **options), caption)
+
+
+def _Pressures(left, right, results):
+    """Over the distance from the middle, and on the macro-elements from below."""
+    state, faces = results.states[-1], results.faces
+    low, high = faces.extent.T
+    closed, middle = state.status > 0, 0.5 * (low + high)
+    for mine, colour, label in ((closed, BLUE, "in contact"), (~closed, GREY, "open")):
+        pressure = state.pressure[mine]
+        left.hlines(pressure, low[mine], high[mine], color=colour, lw=0.8, alpha=0.5)
+        left.plot(middle[mine], pressure, "o", color=colour, ms=3, label=f"macro-element, {label}")
+    means, r = HertzMeans(faces, state.hertz), np.linspace(0, high.max(), 1001)
+    left.plot(middle, means, "x", color=ORANGE, ms=3, mew=0.7, label="mean of Hertz'")
+    left.plot(r, state.hertz.Pressure(r), color=INK, lw=0.9, label="Hertz' pressure")
+    left.set(xlabel="distance from the middle [mm]", ylabel="pressure [MPa]", xlim=(0, high.max()))
+    left.set(
+        ylim=(-0.03 * state.hertz.peak, None), title="multipliers, constant on each macro-element"
+    )
+    left.legend(loc="lower left")
+    _FromBelow(right, faces, state)
+
+
+def _FromBelow(ax, faces, state):
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    shown = PolyCollection(faces.corners, cmap="viridis", edgecolors="face")
+    shown.set_array(state.pressure[faces.owner])
+    ax.add_collection(shown)
+    ax.add_collection(LineCollection(Outlines(faces), colors="white", linewidths=0.5))
+    angle, radius = np.linspace(0, 2 * np.pi, 361), state.hertz.contact_radius
+    ax.plot(radius * np.cos(angle), radius * np.sin(angle), color=ORANGE, lw=1.0)
+    (x0, y0), (x1, y1) = (end(faces.corners.reshape(-1, 2), axis=0) for end in (np.min, np.max))
+    # The y axis points down when looking up.
+    ax.set(xlim=(x0, x1), ylim=(y1, y0), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
+    ax.set_title("seen from below, and Hertz' contact radius", pad=10)
+    bar = ax.figure.colorbar(shown, ax=ax, shrink=0.85, label="pressure [MPa]")
+    bar.outline.set_linewidth(0.5)
 
 
 # ---------------------------------------------------------------- benchmark 1 as a slice
@@ -186,8 +175,8 @@ def Ends(table):
 
 def Cylinder(quick):
     h = 0.8 if quick else 0.4
-    results, coarser = (Run(shape="cylinder", h=k * h) for k in (1, 2))
-    exact, text = results.problem.Hertz(), "cylinder of prisms"
+    results, coarser = (Run("cylinder", h=k * h) for k in (1, 2))
+    exact, text = results.states[-1].hertz, "cylinder of prisms"
     peaks = [each.figures["p0_ratio"] * exact.peak for each in (results, coarser)]
     error, means = results.figures["profile_error"], Means(MeansError(results))
     block, force, table = Slice(SIZE)

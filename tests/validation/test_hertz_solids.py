@@ -14,13 +14,14 @@ crosses are either open or closed, and the multiplier is constant on them.
 
 import numpy as np
 import pytest
-from case_hertz3d import DISPLACEMENT, FORCE, HERTZ, SIZE, Ends, Problem, Run, Slice
+from case_hertz3d import DISPLACEMENT, FORCE, HERTZ, SIZE, Ends, Run, Slice
 from case_spheres import AXISYMMETRIC, SPHERES, STRESS, AxisStress, PressBlock, PressSpheres
+from hertz3d import Hertz
 from hertzmeans import Radius
 
 from ngslac.reference import HertzPoint
 
-RADIUS = Radius(Problem().Hertz())
+RADIUS = Radius(Hertz("sphere"))
 # Faces along the radius. Without friction each load is a problem of its own; the edge of the
 # contact crosses the mesh in another way each time.
 SPHERE = [(4, "none"), (6, "none"), (4, "bubble")]
@@ -33,8 +34,8 @@ def Sphere(elements, stabilize):
 def Loads(results):
     """Hertz' radius, size of the faces over it, figures and state per load."""
     for state in results.states:
-        radius = Radius(results.problem.Hertz(state.time))
-        yield radius, results.problem.h / radius, results.Figures(state), state
+        radius = Radius(state.hertz)
+        yield radius, results.h / radius, results.Figures(state), state
 
 
 def RootMeanSquare(results, name, exact, order):
@@ -53,7 +54,7 @@ def EdgeMisfit(faces, radius, status):
 @pytest.mark.parametrize("case", SPHERE)
 def test_sphere_at_three_loads(case):
     results = Sphere(*case)
-    figures, h = results.figures, results.problem.h / RADIUS
+    figures, h = results.figures, results.h / RADIUS
     assert abs(figures["p0_ratio"] - 1) <= 0.8 * h**2  # 0.6 % for twelve elements
     assert RootMeanSquare(results, "p0_ratio_fit", 1, order=2) <= 1.5
     assert RootMeanSquare(results, "contact_radius_ratio", 1, order=2) <= 0.8
@@ -146,12 +147,12 @@ def test_refinement_of_hexahedra():
     ],
 )
 def test_cylinder_of_prisms(options, peak, profile):
-    results = Run(shape="cylinder", **options)
+    results = Run("cylinder", **options)
     figures, state = results.figures, results.states[-1]
     assert state.force == pytest.approx(1, abs=1e-9)
     assert abs(figures["p0_ratio"] - 1) <= peak
     assert figures["profile_error"] <= profile
-    radius = Radius(results.problem.Hertz())
+    radius = Radius(state.hertz)
     assert EdgeMisfit(results.faces, radius, state.status) <= 0.1 * options["h"]
     if options == {"h": 0.8}:  # the same pressure along the axis
         order = np.argsort(results.faces.corners[..., 0].mean(axis=1))
@@ -199,27 +200,3 @@ def test_effect_of_the_finite_size_vanishes_with_the_approach():
     hertz = HertzPoint.FromApproach(approach=0.36, **SPHERES)
     assert small.hertz.force / hertz.force == pytest.approx(1.032, abs=0.025)
     assert small.figures["p0_ratio"] == pytest.approx(1, abs=0.03)
-
-
-# ---------------------------------------------------------------- frame and units
-
-# The full model with friction, coarse.
-FRAME = dict(model="full", order=1, stabilize="bubble", h=2.5, force=8.0, maxh=50.0, friction=0.1)
-TURN = ((1.0, -2.0, 0.7), 67.0)
-
-
-@pytest.mark.parametrize(
-    "change", [{"rotation": TURN}, {"length": 1e-3, "stress": 1e6}], ids=["rotated", "metres"]
-)
-def test_frame_and_units_change_nothing(change):
-    upright, changed = Run(**FRAME), Run(**FRAME, **change)
-    before, after = upright.states[-1], changed.states[-1]
-    size = np.abs(before.pressure).max()
-    np.testing.assert_allclose(after.pressure, before.pressure, rtol=0, atol=1e-9 * size)
-    np.testing.assert_array_equal(after.status, before.status)
-    assert set(before.status) == {0, 1, 2}
-    assert after.iterations == before.iterations
-    assert after.force == pytest.approx(1, abs=1e-9)
-    # Held sideways; by symmetry that takes a force of the size of the mesh's asymmetry.
-    force = np.asarray(upright.contact.Force()) / upright.problem.load
-    assert np.abs(force[:2]).max() <= 0.02
