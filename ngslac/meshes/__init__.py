@@ -22,8 +22,7 @@ from ngslac.meshes.cords import CordMesh, DiscInRing
 from ngslac.meshes.cylinders import CylinderOnBlock
 from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
-from ngslac.meshes.hertz import HertzMesh, PointForce
-from ngslac.meshes.indentation import IndentationMesh
+from ngslac.meshes.hertz import HertzMesh, IndentationMesh, PointForce
 from ngslac.meshes.spheres import SphereOnBlock, TwoSpheres
 
 __all__ = [

@@ -5,27 +5,12 @@ import importlib
 import math
 from itertools import pairwise
 
+import ngsolve as ngs
 import numpy as np
 import pytest
 from builders import CASES, KINDS2D, MeshOf
 from measures import area, connectivity, determinants, flux, samples, vertices_of, volume
 from netgen.occ import unit_square
-from ngsolve import (
-    CF,
-    ET,
-    H1,
-    L2,
-    VOL,
-    GridFunction,
-    InnerProduct,
-    Integrate,
-    Mesh,
-    VectorH1,
-    VectorValued,
-    x,
-    y,
-    z,
-)
 
 from ngslac.meshes import (
     CheckNonMatching,
@@ -168,7 +153,7 @@ class TestHertz:
         assert master.mean() == pytest.approx(0.73 * h, rel=0.06)
 
     def test_dofs_under_refinement(self):
-        dofs = [VectorH1(HertzMesh(h), order=2).ndof for h in (1, 0.5, 0.25)]
+        dofs = [ngs.VectorH1(HertzMesh(h), order=2).ndof for h in (1, 0.5, 0.25)]
         assert 5000 < dofs[1] < 10000
         assert all(1.4 * a < b < 2.6 * a for a, b in pairwise(dofs))
 
@@ -182,7 +167,7 @@ class TestHertz:
 
 def Sizes(mesh, name):
     """Lengths or areas of the faces of a boundary."""
-    return np.array([a for a in Integrate(1, mesh.Boundaries(name), element_wise=True) if a])
+    return np.array([a for a in ngs.Integrate(1, mesh.Boundaries(name), element_wise=True) if a])
 
 
 class TestBlocks:
@@ -197,11 +182,13 @@ class TestBlocks:
         arc = area(mesh, "arc")
         assert arc > 2.02  # two arcs over a height of 1 each
         assert area(TwoBlocks(curved=True, order=1), "arc") < arc - 1e-4
-        assert Integrate(y * y, mesh.Boundaries("slave|master")) == pytest.approx(0, abs=1e-25)
+        assert ngs.Integrate(ngs.y * ngs.y, mesh.Boundaries("slave|master")) == pytest.approx(
+            0, abs=1e-25
+        )
 
     def test_unstructured(self):
         mesh = TwoBlocks3D(n_slave=(4, 3), n_master=2, aligned=False, overhang=-0.2, **UNSTRUCTURED)
-        assert {el.type for el in mesh.Elements(VOL)} == {ET.TET}
+        assert {el.type for el in mesh.Elements(ngs.VOL)} == {ngs.ET.TET}
         assert determinants(mesh).min() > 0
         assert flux(mesh) == pytest.approx(3 * volume(mesh), rel=1e-12)
         assert area(mesh, "slave") == pytest.approx(1.96 / math.cos(math.radians(20)), rel=1e-12)
@@ -214,22 +201,22 @@ def test_spheres_are_round(model):
     """They go through the origin, are round between their vertices, and end at planes."""
     mesh = MeshOf(f"balls {model}")
     for name, centre in (("slave", 50), ("master", -80)):
-        distance = CF((x, y, z - centre))
-        error = (InnerProduct(distance, distance) / centre**2 - 1) ** 2
-        rms = math.sqrt(Integrate(error, mesh.Boundaries(name)) / area(mesh, name))
+        distance = ngs.CF((ngs.x, ngs.y, ngs.z - centre))
+        error = (ngs.InnerProduct(distance, distance) / centre**2 - 1) ** 2
+        rms = math.sqrt(ngs.Integrate(error, mesh.Boundaries(name)) / area(mesh, name))
         assert rms < 1e-5  # the gap at the end of the zone is 0.068 of the radius
         points = [mesh.vertices[nr].point for nr in vertices_of(mesh.Boundaries(name))]
         least = np.linalg.norm(points, axis=1).min() / np.sqrt(Sizes(mesh, name).mean())
         assert model != "quarter" or least < 1e-12
-    planes = {"top": z - 50, "bottom": z + 80, "sym_x": x, "sym_y": y}
+    planes = {"top": ngs.z - 50, "bottom": ngs.z + 80, "sym_x": ngs.x, "sym_y": ngs.y}
     for name in planes.keys() & set(mesh.GetBoundaries()):
-        assert Integrate(planes[name] ** 2, mesh.Boundaries(name)) < 1e-15
+        assert ngs.Integrate(planes[name] ** 2, mesh.Boundaries(name)) < 1e-15
 
 
 def test_sizes_in_the_contact_zone():
     """Twelve elements along a contact radius of a tenth: few displacements, equal sizes."""
     mesh = SphereOnBlock(5 / 12, zone=6.5)
-    assert 20000 < VectorH1(mesh, order=2).ndof < 30000
+    assert 20000 < ngs.VectorH1(mesh, order=2).ndof < 30000
     for name, h in (("slave", 5 / 12), ("master", 0.5)):
         edges = np.sqrt(4 / math.sqrt(3) * Sizes(mesh, name))  # of equilateral triangles
         assert edges.mean() == pytest.approx(h, rel=0.1)
@@ -238,27 +225,27 @@ def test_sizes_in_the_contact_zone():
 
 def test_slices_are_prisms():
     mesh = MeshOf("slice quarter")
-    assert {el.type for el in mesh.Elements(VOL)} == {ET.PRISM}
-    assert {el.type for el in mesh.Boundaries("slave|master").Elements()} == {ET.QUAD}
+    assert {el.type for el in mesh.Elements(ngs.VOL)} == {ngs.ET.PRISM}
+    assert {el.type for el in mesh.Boundaries("slave|master").Elements()} == {ngs.ET.QUAD}
 
 
 class TestPointForce:
     @pytest.mark.parametrize("order", [1, 2, 3])
     def test_is_the_value_at_the_vertex(self, order):
         mesh = HertzMesh(2, order=order)  # isoparametric: linear fields are in the space
-        scalar = H1(mesh, order=order)
-        for V in (VectorH1(mesh, order=order), VectorValued(scalar, 2), scalar**2):
-            u, load = GridFunction(V), PointForce(V, (5, -7))
-            u.Set(CF((x + 2 * y, y - 3 * x)))
+        scalar = ngs.H1(mesh, order=order)
+        for V in (ngs.VectorH1(mesh, order=order), ngs.VectorValued(scalar, 2), scalar**2):
+            u, load = ngs.GridFunction(V), PointForce(V, (5, -7))
+            u.Set(ngs.CF((ngs.x + 2 * ngs.y, ngs.y - 3 * ngs.x)))
             assert load.InnerProduct(u.vec) == pytest.approx(5 * 200 - 7 * 100, rel=1e-12)
             assert np.count_nonzero(load.FV().NumPy()) == 2
-        X = L2(mesh, order=0) * V
+        X = ngs.L2(mesh, order=0) * V
         both = PointForce(X, (5, -7), component=1).FV().NumPy()
         assert np.all(both[: mesh.ne] == 0)
         assert both[mesh.ne :] == pytest.approx(load.FV().NumPy(), abs=0)
 
     def test_unknown_vertex(self):
-        V = VectorH1(Mesh(unit_square.GenerateMesh(maxh=0.5)), order=1)
+        V = ngs.VectorH1(ngs.Mesh(unit_square.GenerateMesh(maxh=0.5)), order=1)
         with pytest.raises(ValueError, match="no vertex named 'load'"):
             PointForce(V, (0, 1))
 

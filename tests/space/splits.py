@@ -160,7 +160,7 @@ def is_conforming(mesh):
     return max(count.values()) <= 2 and {f for f, n in count.items() if n == 1} <= outer
 
 
-def check_split(mesh, split):
+def check_split(mesh, split, slave=".*"):
     """What holds for every split of a straight mesh with flat faces."""
     assert exact_volume(split) == pytest.approx(exact_volume(mesh), rel=1e-13)
     for name in set(mesh.GetBoundaries()):
@@ -168,6 +168,11 @@ def check_split(mesh, split):
     assert min_jacobian(split) > 0
     assert is_conforming(split)
     np.testing.assert_array_equal(vertices(split)[: mesh.nv], vertices(mesh))
+    old, numbers = elements(mesh, BND), {el.nr for el in slave_faces(mesh, slave)}
+    assert {face for nr, face in enumerate(old) if nr not in numbers} <= set(elements(split, BND))
+    faces = [set(old[nr][0]) for nr in numbers]
+    kept = {el for el in elements(mesh) if not any(face <= set(el[0]) for face in faces)}
+    assert kept <= set(elements(split))
 
 
 def exact_volume(mesh):

@@ -1,6 +1,7 @@
 """BubbleVectorH1: VectorH1 with a bubble on every slave face that has no dof of its own."""
 
 import pickle
+from itertools import product
 
 import numpy as np
 import pytest
@@ -134,8 +135,10 @@ def test_reproduces_polynomials(kind, order):
     assert Integrate(Norm(difference) * dx, mesh) < (1e-12 if mesh.dim == 2 else 1e-11)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("make", [lambda: ball(2, 0.4, 3), lambda: ball(3, 1.5), mixed])
+@pytest.mark.parametrize(
+    ("make", "order"),
+    [(lambda: ball(2, 0.4, 3), 1), *product((lambda: ball(3, 1.5), mixed), (1, 2))],
+)
 def test_trace_from_volume_and_boundary_agree(make, order):
     mesh, slave = make(), "surface|bottom"
     space = BubbleVectorH1(mesh, order=order, slave=slave)
@@ -146,7 +149,7 @@ def test_trace_from_volume_and_boundary_agree(make, order):
     expected = boundary.Assemble().vec.FV().NumPy()[bubbles]
     values = volume.Assemble().vec.FV().NumPy()[bubbles]
     np.testing.assert_allclose(values, expected, rtol=(1e-12, 1e-7)[mesh.dim - 2], atol=1e-12)
-    assert mesh.dim + order == 4 or abs(expected).max() > 1e-3
+    assert abs(expected).max() > 1e-3
 
 
 @pytest.mark.parametrize("kind", sorted(set(KINDS) - TRIANGLES))

@@ -2,32 +2,16 @@
 
 from functools import partial
 
+import ngsolve as ngs
 import pytest
 from bricks import ball, brick, unstructured
 from netgen.occ import Circle, MoveTo, OCCGeometry
-from ngsolve import (
-    BND,
-    H1,
-    L2,
-    ORDER_POLICY,
-    VOL,
-    Compress,
-    Discontinuous,
-    ElementId,
-    FacetFESpace,
-    GridFunction,
-    HCurl,
-    Mesh,
-    NumberSpace,
-    TangentialFacetFESpace,
-    VectorH1,
-)
 from ngsolve.meshes import Make1DMesh
 
 from ngslac import BubbleVectorH1, LACSpace, SplitSlaveFaces
 
 MESH, OTHER, CUBE = brick("trig"), brick("quad"), unstructured(3, 0.5)
-P2 = VectorH1(MESH, order=2)
+P2 = ngs.VectorH1(MESH, order=2)
 Q = LACSpace(P2, slave="bottom")
 
 
@@ -50,7 +34,7 @@ def split(mesh, slave, **flags):
 def quadratic(dim):
     ngmesh = unstructured(dim, 0.5).ngmesh
     ngmesh.SecondOrder()
-    return Mesh(ngmesh)
+    return ngs.Mesh(ngmesh)
 
 
 def five_edges():
@@ -58,28 +42,32 @@ def five_edges():
     body = MoveTo(-1.2, -1.2).Rectangle(2.4, 2.4).Face() - Circle((0, 0), 1).Face()
     body.edges.name = "rim"
     coarse = {"maxh": 10, "curvaturesafety": 0.5, "segmentsperedge": 0.5}
-    return Mesh(OCCGeometry(body, dim=2).GenerateMesh(**coarse))
+    return ngs.Mesh(OCCGeometry(body, dim=2).GenerateMesh(**coarse))
 
 
 NORMAL = "no displacement is free there along the norm"
 LACSPACE = [
     (space(None), TypeError, "V = None must be a displacement space, such as VectorH1"),
     (space(MESH), TypeError, "V = <ngsolve.comp.Mesh"),
-    (space(GridFunction(P2)), TypeError, "V = <ngsolve.comp.GridFunction"),
+    (space(ngs.GridFunction(P2)), TypeError, "V = <ngsolve.comp.GridFunction"),
     (space("VectorH1"), TypeError, "V = 'VectorH1' must be a displacement space"),
-    (space(Discontinuous(VectorH1(MESH))), Exception, "has no dofs there. Remedy"),
-    (space(VectorH1(MESH, definedon="no")), Exception, "has no dofs there. Remedy"),
-    (space(L2(MESH, order=1)), ValueError, "no values on the boundary"),
-    (space(H1(MESH) * H1(MESH)), ValueError, "no values on the boundary"),
-    (space(HCurl(MESH, order=1)), Exception, NORMAL),
-    (space(TangentialFacetFESpace(MESH)), Exception, NORMAL),
-    (space(FacetFESpace(MESH)), ValueError, r"1 component\(s\)"),
-    (space(NumberSpace(MESH)), ValueError, r"1 component\(s\)"),
-    (space(NumberSpace(MESH) ** 2), Exception, "no free displacement dof"),
+    (space(ngs.Discontinuous(ngs.VectorH1(MESH))), Exception, "has no dofs there. Remedy"),
+    (space(ngs.VectorH1(MESH, definedon="no")), Exception, "has no dofs there. Remedy"),
+    (space(ngs.L2(MESH, order=1)), ValueError, "no values on the boundary"),
+    (space(ngs.H1(MESH) * ngs.H1(MESH)), ValueError, "no values on the boundary"),
+    (space(ngs.HCurl(MESH, order=1)), Exception, NORMAL),
+    (space(ngs.TangentialFacetFESpace(MESH)), Exception, NORMAL),
+    (space(ngs.FacetFESpace(MESH)), ValueError, r"1 component\(s\)"),
+    (space(ngs.NumberSpace(MESH)), ValueError, r"1 component\(s\)"),
+    (space(ngs.NumberSpace(MESH) ** 2), Exception, "no free displacement dof"),
     (space(Q), ValueError, "V is itself a LACSpace"),
-    (partial(LACSpace, VectorH1(Make1DMesh(3)), slave="left"), ValueError, "mesh of dimension 1"),
+    (
+        partial(LACSpace, ngs.VectorH1(Make1DMesh(3)), slave="left"),
+        ValueError,
+        "mesh of dimension 1",
+    ),
     (lac(), TypeError, "slave = None must be a pattern of boundary names or a boundary region"),
-    (lac(slave=ElementId(VOL, 0)), TypeError, "slave = .* must be a pattern"),
+    (lac(slave=ngs.ElementId(ngs.VOL, 0)), TypeError, "slave = .* must be a pattern"),
     (lac(slave="rim"), ValueError, "slave='rim' matches no boundary face; .*'bottom'"),
     (lac(slave=OTHER.Boundaries("bottom")), ValueError, "region of another mesh"),
     (lac(slave=MESH.Materials(".*")), ValueError, "slave must be a boundary region"),
@@ -104,7 +92,7 @@ BUBBLE = [
     (bubble(slave=MESH.Materials(".*")), Exception, "must be one of boundaries"),
     (bubble(slave=None), TypeError, "slave = None must be a pattern or a Region"),
     (bubble(slave="left", hoprolongation=True), Exception, "leaves no place for bubbles"),
-    (bubble(slave="left", order_policy=ORDER_POLICY.CONSTANT), Exception, "VARIABLE"),
+    (bubble(slave="left", order_policy=ngs.ORDER_POLICY.CONSTANT), Exception, "VARIABLE"),
     (bubble(Make1DMesh(3), slave="left"), Exception, "two- or three-dimensional"),
     (bubble(slave="["), ValueError, r"slave = '\[' is no regular expression"),
     (bubble(slave=2.5), TypeError, "slave = 2.5 must be a pattern or a Region"),
@@ -145,15 +133,15 @@ def test_refused(call, error, text):
 
 
 def test_spaces_that_serve():
-    for V in Compress(P2), H1(MESH, order=2, dim=2), H1(MESH, order=2) ** 2:
+    for V in ngs.Compress(P2), ngs.H1(MESH, order=2, dim=2), ngs.H1(MESH, order=2) ** 2:
         assert LACSpace(V, slave="bottom").nmacros == 4
 
 
 def test_region_and_pattern_are_the_same():
     region = MESH.Boundaries("left") + MESH.Boundaries("top")
     spaces = [BubbleVectorH1(MESH, slave=slave) for slave in ("left|top", region)]
-    assert isinstance(spaces[0], VectorH1)
-    dofs = [[list(el.dofs) for el in V.Elements(BND)] for V in spaces]
+    assert isinstance(spaces[0], ngs.VectorH1)
+    dofs = [[list(el.dofs) for el in V.Elements(ngs.BND)] for V in spaces]
     assert dofs[0] == dofs[1]
     for mesh in (MESH, CUBE):
         region = mesh.Boundaries("left") + mesh.Boundaries("top")
