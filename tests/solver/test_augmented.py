@@ -4,6 +4,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from loaded import loaded
 from ngsolve import CF, ds
 from press import mixed_press, mixed_press3d, numpy, press, solved
 
@@ -113,7 +114,7 @@ def test_the_scale_of_the_contact_does_not_matter(case, stiffness):
     same(problem.gf, other.gf, 1e-6)  # constraints are measured in lengths: soft ones are small
 
 
-@pytest.mark.parametrize("first", [1e-2, 1e4, 1e7])
+@pytest.mark.parametrize("first", [1e-4, 1e4, 1e7])
 @pytest.mark.parametrize(
     "case", ["frictionless", "friction", "stick", "tied", "hyperelastic with friction"]
 )
@@ -148,13 +149,12 @@ def test_a_matrix_that_stays_is_factored_once():
         (mixed_press, {"augmentation": 1e-3}, ContactConvergenceError, "augmentation larger than"),
         (mixed_press, {"augmentation": 1e9}, ContactConvergenceError, "augmentation smaller than"),
         (mixed_press, {"maxit": 2}, ContactConvergenceError, "no convergence in 2 iterations"),
-        (lambda: press(spring=0), {}, FloatingBodyError, "translation in x"),
+        (lambda: loaded(1, 0), {}, FloatingBodyError, "translation in x"),
     ],
 )
 def test_failure_leaves_everything_as_it_was(problem, flags, error, message):
     problem = problem()
-    problem.a += -problem.X.TestFunction()[0][0] * ds("top")
-    problem.gf.vec.FV().NumPy()[:] = 1e-3
+    problem.gf.vec.FV().NumPy()[:] = 1e-3 if "maxit" in flags else 0
     before = numpy(problem.gf)
     with pytest.raises(error, match=message):
         augmented(problem, **flags)
