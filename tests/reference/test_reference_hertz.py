@@ -199,16 +199,3 @@ def test_mean_pressure_is_the_average(point, integral, corners):
 def test_mean_pressure_outside_is_exactly_zero(point):
     triangles = [[[1.0, 0.3], [1.4, 0.2], [1.1, 0.6]], [[1.1, 0.0], [0.0, 9.0], [9.0, 9.0]]]
     assert (point.MeanPressure(point.contact_radius * np.array(triangles)) == 0).all()
-
-
-def test_mean_pressure_of_many_faces_carries_the_force(point):
-    """Quadrilaterals of a distorted grid: one call, averages times areas add up to the force."""
-    grid = np.stack(np.meshgrid(*2 * [np.linspace(-1.2, 1.2, 14)], indexing="ij"), axis=-1)
-    grid[1:-1, 1:-1] += np.random.default_rng(3).uniform(-0.06, 0.06, (12, 12, 2))
-    grid *= point.contact_radius
-    faces = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=-2)
-    x, y = faces[..., 0], faces[..., 1]
-    areas = 0.5 * (x * np.roll(y, -1, -1) - y * np.roll(x, -1, -1)).sum(axis=-1)
-    means = point.MeanPressure(faces)
-    assert means.shape == (13, 13)
-    assert (means * areas).sum() == pytest.approx(point.force, rel=1e-13)

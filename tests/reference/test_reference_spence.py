@@ -1,7 +1,5 @@
 """Spence's self-similar partial slip under a growing normal load."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -13,11 +11,6 @@ from ngslac.reference import SpenceLine, StickZone
 @pytest.fixture
 def spence(seed):
     return SpenceLine(hertz=seed, friction=0.2)
-
-
-def cuts(spence):
-    a, c = spence.hertz.halfwidth, spence.stick
-    return [-a, -c, 0.0, c, a]
 
 
 @pytest.mark.parametrize(
@@ -45,15 +38,6 @@ def test_stick_ratio_solves_the_equation_of_elliptic_integrals(quotient):
     logit = brentq(residual, -40, 30, xtol=1e-13)
     expected = np.sqrt(1 / (1 + np.exp(-logit)))
     assert StickZone(beta=0.2, friction=0.2 * quotient).ratio == pytest.approx(expected, rel=1e-11)
-
-
-def test_stick_ratio_grows_with_friction_over_its_whole_range():
-    frictions = np.geomspace(1e-3, 10, 60)
-    ratios = np.array([StickZone(beta=0.1, friction=f).ratio for f in frictions])
-    assert (np.diff(ratios) >= 0).all()
-    assert (np.diff(ratios[(ratios > 1e-100) & (ratios < 1 - 1e-12)]) > 0).all()
-    assert ratios[0] < 1e-60
-    assert ratios[-1] == 1
 
 
 def test_traction_ratio_against_independent_numbers():
@@ -93,16 +77,6 @@ def test_punch_increment_solves_the_singular_integral_equation(hilbert, beta):
         assert beta * residual(t) > 1e-3
 
 
-def test_frozen_slip_is_the_same_for_all_points_in_stick(spence, hilbert):
-    """Points stuck since they left the slip zone: strain mismatch in proportion to |x|."""
-    hertz = spence.hertz
-    slopes = [
-        (hertz.beta * hertz.Pressure(x) + hilbert(spence.Traction, x, cuts(spence))) / x
-        for x in np.array([0.05, 0.3, 0.6, 0.9]) * hertz.halfwidth
-    ]
-    np.testing.assert_allclose(slopes, slopes[0], rtol=1e-7)
-
-
 def test_traction_direction_and_coulomb_law(spence):
     a, c = spence.hertz.halfwidth, spence.stick
     x = np.linspace(0.01 * a, 1.3 * a, 301)
@@ -117,14 +91,6 @@ def test_traction_direction_and_coulomb_law(spence):
     assert below == pytest.approx(above, rel=1e-5)
 
 
-def test_exchange_of_slave_and_master_changes_the_sign(spence):
-    h = spence.hertz
-    swapped = replace(h, young1=h.young2, nu1=h.nu2, young2=h.young1, nu2=h.nu1)
-    x = np.linspace(-5, 5, 11)
-    other = SpenceLine(hertz=swapped, friction=0.2).Traction(x)
-    np.testing.assert_allclose(other, -spence.Traction(x), rtol=1e-12)
-
-
 @pytest.mark.parametrize("friction", [5.0, 50.0, 1e4])
 def test_without_slip_the_punch_is_that_of_goodman(friction):
     """q = (beta/pi) p ln((1 + t)/(1 - t)) when friction never gives way."""
@@ -133,10 +99,14 @@ def test_without_slip_the_punch_is_that_of_goodman(friction):
     np.testing.assert_allclose(values, 0.1 / np.pi * np.log((1 + t) / (1 - t)), rtol=1e-10)
 
 
-def test_little_friction_slips_everywhere():
+def test_little_friction_slips_everywhere_and_much_nowhere():
     t = np.array([-0.9, -0.01, 0.01, 0.9])
     values = StickZone(beta=0.3, friction=0.01).HertzFriction(t)
     np.testing.assert_allclose(values, 0.01 * np.sign(t), rtol=1e-12)
+    ratios = [StickZone(beta=0.1, friction=f).ratio for f in np.geomspace(1e-3, 10, 60)]
+    assert (np.diff(ratios) >= 0).all()
+    assert ratios[0] < 1e-60
+    assert ratios[-1] == 1
 
 
 @pytest.mark.parametrize(("beta", "friction", "ratio"), [(0.0, 0.3, 1.0), (0.1, 0.0, 0.0)])
