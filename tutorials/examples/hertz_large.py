@@ -11,20 +11,12 @@ The force at the end is 0.6282 N/mm on fine meshes, of which Hertz' theory has 0
 
 import numpy as np
 from command import Columns, Count, Main, NotNegative, Picture, Positive
-from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import *
 from scipy.optimize import brentq
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
-from ngslac.meshes.geometry import (
-    Body,
-    Divisions,
-    GenerateMesh,
-    NonMatchingDivisions,
-    Polygon,
-    Side,
-)
+from ngslac.meshes import geometry
 
 RADIUS = 1.0  # mm
 YOUNG = 1.0  # MPa
@@ -38,23 +30,19 @@ def CylinderMesh(h=0.05, order=3):
     Boundaries: "slave" (the arc that may touch), "free", "sym" (x = 0), "middle" (y = 1), "master"
     (the top of the plate), "back". No node of the slave is above one of the master but at x = 0.
     """
-    arc = Divisions(REACH * RADIUS, h)
+    arc, point = geometry.Divisions(REACH * RADIUS, h), geometry.Touching(RADIUS)
     nodes = RADIUS * np.sin(np.linspace(0, REACH, arc + 1))
-    count = NonMatchingDivisions(nodes, 0.0, LENGTH, 1.3 * h)
-
-    def Point(angle):
-        return Pnt(RADIUS * np.sin(angle), RADIUS * (1 - np.cos(angle)), 0)
-
-    centre, bottom, side = Pnt(0, RADIUS, 0), Point(0), Point(np.pi / 2)
-    cylinder = [
-        Side(ArcOfCircle(bottom, Point(REACH / 2), Point(REACH)), "slave", arc),
-        Side(ArcOfCircle(Point(REACH), Point((REACH + np.pi / 2) / 2), side), "free"),
-        Side(Segment(side, centre), "middle"),
-        Side(Segment(centre, bottom), "sym"),
+    count = geometry.NonMatchingDivisions(nodes, 0.0, LENGTH, 1.3 * h)
+    sides = [
+        geometry.Arc(point, 0, REACH, "slave", arc),
+        geometry.Arc(point, REACH, np.pi / 2, "free"),
+        geometry.Line(point(np.pi / 2), (0, RADIUS), "middle"),
+        geometry.Line((0, RADIUS), point(0), "sym"),
     ]
     corners = [(0, -THICKNESS), (LENGTH, -THICKNESS), (LENGTH, 0), (0, 0)]
-    plate = Polygon(corners, ("back", "back", "master", "back"), "plate", master=count)
-    return GenerateMesh([Body(cylinder, "cylinder"), plate], order=order, maxh=0.25, grading=0.25)
+    plate = geometry.Polygon(corners, ("back", "back", "master", "back"), "plate", master=count)
+    bodies = [geometry.Body(sides, "cylinder"), plate]
+    return geometry.GenerateMesh(bodies, order=order, maxh=0.25, grading=0.25)
 
 
 def Approach(force, nu, young=YOUNG):

@@ -18,7 +18,6 @@ from itertools import pairwise
 import numpy as np
 from command import Columns, Count, Main, NotNegative, Picture, Positive
 from driven import RigidMotion
-from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import *
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
@@ -43,11 +42,14 @@ def IroningMesh(h=0.2, order=2):
     flank = max(2, foot // 3)
     nodes = middle + radius * np.sin(np.linspace(-angle, angle, foot + 1))
     count = geometry.NonMatchingDivisions(nodes, 0.0, LENGTH, h)
-    corners = [Pnt(x, y, 0) for x, y in ((left, low), (right, low), (right, high), (left, high))]
-    arc = ArcOfCircle(corners[0], Pnt(middle, CLEARANCE, 0), corners[1])
-    sides = zip(corners[1:], [*corners[2:], corners[0]], ("flank", "top", "flank"), strict=True)
-    lines = [geometry.Side(Segment(p, q), name, flank) for p, q, name in sides]
-    die = geometry.Body([geometry.Side(arc, "foot", foot), *lines], "die")
+    circle = geometry.Touching(radius)
+    sides = [
+        geometry.Arc(lambda t: np.add(circle(t), (middle, CLEARANCE)), -angle, angle, "foot", foot),
+        geometry.Line((right, low), (right, high), "flank", flank),
+        geometry.Line((right, high), (left, high), "top", flank),
+        geometry.Line((left, high), (left, low), "flank", flank),
+    ]
+    die = geometry.Body(sides, "die")
     points = [(0, -HEIGHT), (LENGTH, -HEIGHT), (LENGTH, 0), (0, 0)]
     slab = geometry.Polygon(points, ("bottom", "side", "master", "side"), "slab", master=count)
     return geometry.GenerateMesh([die, slab], order=order, maxh=HEIGHT / 4, grading=0.3)
@@ -98,8 +100,7 @@ class Ironing:
             self.stepper.Integrate(end, steps=count, callback=self._Record, printing=False)
 
     def _Record(self, step):
-        right, up = self.contact.Force()  # on the die, which is the slave
-        history = self.stepper.solver.history
+        history, (right, up) = self.stepper.solver.history, self.contact.Force()  # on the die
         self.rows.append(
             {
                 "time": step.time,
