@@ -132,6 +132,10 @@ def test_nothing_but_friction_and_impact_takes_energy(name):
         assert velocity[0] < 0.29
     elif name == "sliding":  # v^2 / (2 F g)
         assert motion.mean()[0] == pytest.approx(1 / 0.6, rel=2e-4)
+        assert table["friction"][-1] == pytest.approx(0.05, rel=1e-3)
+        time, force, _, tangential = np.array(motion.record).T
+        slides = time < 3.2
+        assert -tangential[slides] == pytest.approx(0.3 * force[slides], rel=1e-9)
         assert np.all(motion.contact.Table()["status"] == 1)
 
 

@@ -55,8 +55,9 @@ def test_dict_and_callable_give_the_same(clears):
 
 def test_only_constrained_components_are_set():
     """The sliding guide at the top holds x; what the user says of y does not count."""
-    flags = {"dirichletx": "top", "dirichlet": "bottom"}
-    _, stepper, top = driven(lambda t: {"top": CF((0.01 * t, 99))}, flags=flags, spring=10.0)
+    guide = {"dirichletx": "top", "dirichlet": "bottom"}
+    flags = {"flags": guide, "spring": 10.0, "nonlinear": True}
+    _, stepper, top = driven(lambda t: {"top": CF((0.01 * t, 99))}, **flags)
     stepper.Integrate(steps=1, printing=False)
     ux, uy = top()
     assert ux == pytest.approx(0.01, rel=1e-12)
