@@ -16,18 +16,14 @@ def sign_of(body):
     return 1.0 if body == 1 else -1.0
 
 
-class _Tip:
-    """What ends at x = `tip`."""
-
-    def _Root(self, x, y, sqrt):
-        """Real and imaginary part of (x - X0 + i |y|)^(1/2), and its square."""
-        x = x - self.tip
-        r = sqrt(x * x + y * y)
-        return sqrt(0.5 * (r + x)), sqrt(0.5 * (r - x)), r
+def _Root(x, y, sqrt):
+    """Real and imaginary part of (x + i |y|)^(1/2), and the size of its square."""
+    r = sqrt(x * x + y * y)
+    return sqrt(0.5 * (r + x)), sqrt(0.5 * (r - x)), r
 
 
 @dataclass(frozen=True, kw_only=True)
-class ScalarSignorini(_Tip):
+class ScalarSignorini:
     """Two membranes that touch along part of a line, with the typical singularity at its end.
 
     Body 1 (slave) lies in y > 0 and body 2 in y < 0, both with -Laplace(u) = 0 and with u1 >= u2
@@ -84,13 +80,13 @@ class ScalarSignorini(_Tip):
         float, array or CoefficientFunction
         """
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        real, imag, _ = self._Root(x, y, sqrt)
+        real, imag, _ = _Root(x - self.tip, y, sqrt)
         return sign_of(body) * real * (real * real - 3.0 * imag * imag)
 
     def Gradient(self, x, y, *, body=1, sqrt=np.sqrt):
         """Both derivatives of the solution, as a tuple; arguments as in `ScalarSignorini.Value`."""
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        real, imag, _ = self._Root(x, y, sqrt)
+        real, imag, _ = _Root(x - self.tip, y, sqrt)
         return sign_of(body) * 1.5 * real, -1.5 * imag
 
     def Gap(self, x):
@@ -119,8 +115,15 @@ class ScalarSignorini(_Tip):
         return (left**1.5 - right**1.5) / (x1 - x0)
 
 
+@dataclass(frozen=True, kw_only=True)
 class ElasticPair:
     """Two elastic bodies, mirrored at their plane of contact, and the strength of the pressure."""
+
+    young1: float
+    nu1: float
+    young2: float
+    nu2: float
+    strength: float = 1.0
 
     def __post_init__(self):
         positive("young1", self.young1)
@@ -141,7 +144,7 @@ class ElasticPair:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElasticSignorini(ElasticPair, _Tip):
+class ElasticSignorini(ElasticPair):
     """Two elastic bodies in plane strain that touch without friction along part of a line.
 
     Body 1 (slave) lies in y > 0, body 2 in y < 0; they touch for x < X0 and part beyond. It is
@@ -181,12 +184,7 @@ class ElasticSignorini(ElasticPair, _Tip):
     1.000 1.853
     """
 
-    young1: float
-    nu1: float
-    young2: float
-    nu2: float
     tip: float = 1.0 / 3.0
-    strength: float = 1.0
 
     def __post_init__(self):
         super().__post_init__()
@@ -200,7 +198,7 @@ class ElasticSignorini(ElasticPair, _Tip):
         sign, k = sign_of(body), self.strength
         shear2, nu = self._Material(body)
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        imag, real, _ = self._Root(x, y, sqrt)  # of (X0 - z)^(1/2), with imag < 0 above
+        imag, real, _ = _Root(x - self.tip, y, sqrt)  # of (X0 - z)^(1/2), with imag < 0 above
         integral_real = 2.0 / 3.0 * k * real * (real * real - 3.0 * imag * imag)
         integral_imag = 2.0 / 3.0 * k * imag * (imag * imag - 3.0 * real * real)
         height = sign * y
@@ -215,7 +213,7 @@ class ElasticSignorini(ElasticPair, _Tip):
         """
         sign, k = sign_of(body), self.strength
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
-        imag, real, r = self._Root(x, y, sqrt)
+        imag, real, r = _Root(x - self.tip, y, sqrt)
         slope = 0.5 * k * (sign * y) / (r + 1e-300)  # the offset gives zero at the tip
         mean = -k * real
         return mean - slope * imag, mean + slope * imag, -sign * slope * real

@@ -65,12 +65,7 @@ class ElasticSignoriniDisc(ElasticPair):
     0.400 0.665
     """
 
-    young1: float
-    nu1: float
-    young2: float
-    nu2: float
     radius: float = 0.6
-    strength: float = 1.0
 
     def __post_init__(self):
         super().__post_init__()

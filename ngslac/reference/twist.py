@@ -244,10 +244,8 @@ class TwistPoint(PartialSlip):
 class TwistReversal(Reversal):
     """A twisted point contact whose moment is brought back, once and steadily.
 
-    From M* = `start.moment` to M = `moment`, with |M| <= |M*|, slip comes back from the edge of
-    the contact. The change is a twist with twice the friction, so the state is that of M* less
-    twice that of (M* - M)/2. Sources: Deresiewicz, J. Appl. Mech. 21 (1954) 52; Jager, Arch.
-    Appl. Mech. 65 (1995) 478.
+    The state is found as in `MindlinReversal`. Sources: Deresiewicz, J. Appl. Mech. 21 (1954) 52;
+    Jager, Arch. Appl. Mech. 65 (1995) 478.
 
     Parameters
     ----------
@@ -255,11 +253,6 @@ class TwistReversal(Reversal):
         The state at the point of reversal.
     moment : float
         Present moment M of the tangential tractions on the slave, -|M*| <= M <= |M*|.
-
-    Raises
-    ------
-    ValueError
-        If the moment is larger than the one at the point of reversal.
 
     Examples
     --------
