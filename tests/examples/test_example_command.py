@@ -59,6 +59,14 @@ def test_the_end_is_one_line(error, message, tmp_path):
     assert not file.exists()
 
 
+def test_a_failure_on_the_way_ends_the_script_after_its_numbers(tmp_path):
+    file = tmp_path / "numbers.json"
+    with pytest.raises(SystemExit, match="too far") as end:
+        Command(lambda **options: {"steps": 3, "failure": "too far"})(["--json", str(file)])
+    assert end.value.code == "too far"
+    assert json.loads(file.read_text())["steps"] == 3
+
+
 def test_bad_input_is_refused(capsys):
     def Run(**options):
         raise ValueError("h = 0.5 is too coarse")

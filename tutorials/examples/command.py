@@ -50,7 +50,10 @@ def Count(text):
 
 
 def Start(run, parser, arguments=None):
-    """Call ``run(**options)``, which returns a dict of numbers; write and return them."""
+    """Call ``run(**options)``, which returns a dict of numbers; write and return them.
+
+    What failed when there were some numbers is a text among them, and the end of the script.
+    """
     options = vars(parser.parse_args(arguments))
     file = options.pop("json")
     if options["out"] and not find_spec("matplotlib"):  # said before the work, not after it
@@ -66,6 +69,8 @@ def Start(run, parser, arguments=None):
     if file:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(figures, indent=2, default=float) + "\n")
+    if figures.get("failure"):
+        raise SystemExit(figures["failure"])
     return figures
 
 

@@ -158,7 +158,7 @@ def Run(steps=80, stroke=STROKE, out=None, quiet=True, **options):
     return figures
 
 
-compute = Main(
+main = Main(
     Run,
     __doc__,
     h=(Positive, 0.3, "edge length on the top of the slab, in mm"),
@@ -167,13 +167,6 @@ compute = Main(
     steps=(Count, 80, "load steps, at least 2"),
     stroke=(Positive, STROKE, "way of the die to the right, in mm"),
 )
-
-
-def main(arguments=None):
-    """Run the example from the command line; a failure is told at the end."""
-    figures = compute(arguments)
-    if figures["failure"]:
-        raise SystemExit(figures["failure"])
 
 
 if __name__ == "__main__":
