@@ -15,8 +15,7 @@ from elasticity import NAMES, Displacements, Field, Material, Pair
 from ngsolve import CF, ET, VOL, x, y, z
 from report_bounds import Rounding
 from report_case import Case, Outcome, Row
-from report_pictures import BLUE, INK, ORANGE, Bodies, Figure, Strip
-from report_sampling import Matplotlib
+from report_pictures import BLUE, INK, ORANGE, Bodies, Figure, Matplotlib, Strip
 
 from ngslac.meshes import RotationMatrix, TwoBlocks, TwoBlocks3D
 from ngslac.meshes.geometry3d import CheckNonMatching3D

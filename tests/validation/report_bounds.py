@@ -7,25 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = [
-    "ORIGINS",
-    "Bound",
-    "Element",
-    "Exact",
-    "Extrapolated",
-    "HalfDigit",
-    "Means",
-    "MeshSpread",
-    "Meshes",
-    "Neglected",
-    "Rate",
-    "Rounding",
-    "Spread",
-    "Stated",
-    "Step",
-    "Tolerance",
-]
-
 KINDS = ("relative", "absolute", "least")
 UNIT = 2.2e-16
 CONDITION = (
