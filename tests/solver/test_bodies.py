@@ -170,14 +170,6 @@ def test_a_displacement_among_other_fields(mesh):
     assert floating(a, gf, contact, lift=2) == BLOCK + FREE + GUIDED + HUNG
 
 
-def test_bodies_that_float_together_are_named_after_the_first():
-    """Rounding does not choose between two that are as good."""
-    problem = press(dim=3, spring=0, friction=0.5, flags={"dirichlet": ""})
-    motions = [f"{kind} {c}" for kind in ("translation in", "rotation about") for c in "xyz"]
-    found = floating(problem.a, problem.gf, problem.contact, closed=True)
-    assert found == said("'upper'", motions)
-
-
 def test_a_body_that_repeats_itself_cannot_turn():
     """The left and the right side are one: a space whose dofs tell no positions."""
     face = Rectangle(1, 1).Face()

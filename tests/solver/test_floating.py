@@ -1,5 +1,7 @@
 """Bodies held by contact alone: what holds them, what no contact can balance, what is said."""
 
+import re
+
 import numpy as np
 import pytest
 from loaded import loaded
@@ -55,39 +57,16 @@ def test_contact_holds_what_is_guided_and_what_lies_below(problem, force):
     assert problem.contact.Force() == pytest.approx([0, force], abs=1e-9)
 
 
-# --- what nothing holds --------------------------------------------------------------------------
+# --- what no contact traction balances -----------------------------------------------------------
 
-BOTTOM = {"dirichlet": "bottom"}
-MOTIONS = "translation in x", "translation in y", "rotation"
 FLIES = "body 'upper' is pulled away (translation in y, towards +y): contact can only push"
 
 
-@pytest.mark.parametrize(
-    ("load", "flags", "initial", "said"),
-    [
-        ((0, -1), {}, "gap", MOTIONS[:1]),
-        ((0, -1), {"flags": GUIDED}, "none", MOTIONS[1:2]),
-        ((0, -1), {"flags": BOTTOM}, "none", MOTIONS),
-        ((0, -1), {"flags": BOTTOM | {"dirichlety": "top"}}, "none", MOTIONS[:1]),
-        ((0, -1), {"flags": BOTTOM | {"dirichletx": "top"}}, "none", MOTIONS[1:]),
-        ((0, 1), {"friction": 0.5}, "gap", [FLIES]),
-    ],
-)
-def test_every_free_motion_is_named(load, flags, initial, said):
-    problem = loaded(*load, **flags)
-    error = ContactConvergenceError if said == [FLIES] else FloatingBodyError
-    with pytest.raises(error) as caught:
-        problem.solver(initial=initial).Solve(printing=False)
-    found = str(caught.value)
-    if said != [FLIES]:
-        assert "start in contact" in found
-        said = [f"body 'upper' floats ({motion})" for motion in said]
-        assert found.split(":")[0].count("floats") == len(said)
-    assert all(words in found for words in said)
+def test_a_pulled_body_flies_away():
+    problem = loaded(0, 1, friction=0.5)
+    with pytest.raises(ContactConvergenceError, match=re.escape(FLIES)):
+        problem.solver().Solve(printing=False)
     assert not np.any(numpy(problem.gf))
-
-
-# --- what no contact traction balances -----------------------------------------------------------
 
 
 def told(*traction, **flags):
