@@ -251,3 +251,17 @@ def test_step_of_the_barrier_is_a_newton_step():
     assert residual[law.rubs] == pytest.approx(0, abs=1e-12)
     product = law.nu * law.w + law.nu * step.w + law.w * step.nu
     assert product[law.rubs] == pytest.approx(mu)
+
+
+def test_middle_of_the_barrier_is_inside_and_knows_the_gaps():
+    normal = np.tile([0.0, 1.0], (4, 1))
+    gap, bound = np.array([-1.0, 0.0, 1e-4, 50.0]), np.array([0.3, 0.3, 0, 0.3])
+    law = Barrier(normal, gap, bound, np.full(4, 2.0), 1.0)
+    law.p, law.g = np.array([3.0, 1e-9, 1e-9, 1e-9]), np.full(4, 1e-3)
+    law.t[:, 0] = bound
+    law.Center(1e-2)
+    assert law.p * law.g == pytest.approx(1e-2)
+    assert (law.nu * law.w)[law.rubs] == pytest.approx(1e-2)
+    assert np.all(np.linalg.norm(law.t, axis=1) <= 0.5 * law.s)
+    assert law.p[0] == 3  # closed: the gap follows the pressure
+    assert law.g[3] == pytest.approx(50)  # open: the pressure follows the gap
