@@ -241,6 +241,21 @@ def test_own_preconditioner(order, friction):
     assert u == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
+def test_matrix_is_merged_in_place_where_only_contact_changes():
+    """As merged anew, after each change of status; another bulk makes another matrix."""
+    problem = press3d(friction=0.05)
+    solver, vec = solved(problem, solver="saddle"), problem.gf.vec
+    given, linear = (problem.a.mat, [problem.contact.form], solver.scale), solver.linear
+    first = linear._Merge(*given, None)
+    vec.FV().NumPy()[:] = 1e-3 * np.random.default_rng(0).standard_normal(len(vec))
+    problem.contact.form.AssembleStep(vec, vec.CreateVector())
+    again = linear._Merge(*given, None)
+    assert again is first
+    assert np.array_equal(dense(again), dense(MergeMatrices(*given)))
+    linear.NewBulk()
+    assert linear._Merge(*given, None) is not first
+
+
 # --- what does not fit is refused before anything is read with it --------------------------------
 
 
