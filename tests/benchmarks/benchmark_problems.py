@@ -120,7 +120,6 @@ class Problem:
         return -1 / area * InnerProduct(force, v) * ds("top")
 
     def Product(self, mesh):
-        """Displacements and multipliers."""
         V = self.Space(mesh)
         return V * LACSpace(V, slave="slave")
 

@@ -103,7 +103,6 @@ class Meter:
         self.memory = PeakMemory()
 
     def Figures(self):
-        """For a row."""
         return {"wall": self.wall, "cpu": self.cpu, "memory": self.memory}
 
 

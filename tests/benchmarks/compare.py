@@ -141,7 +141,6 @@ def Run(name, key, mesh, *, order=2, extra=(), limit=600.0, threads=2):
 
 
 def MeshFile(case, h, folder, limit, threads):
-    """Make a mesh, unless it is there."""
     file = Path(folder) / f"{case.problem}_{h:g}.npz"
     if not file.exists():
         command = [sys.executable, FOLDER / "meshes.py", case.problem, f"{h:g}", file]
@@ -180,7 +179,6 @@ def Table(case, rows, missing):
 
 
 def Cells(case, row):
-    """The cells of a row."""
     figures = [f"P{row['order']}", f"{row['h']:g}", str(row["dofs"]), str(row["iterations"])]
     figures += [f"{row[name]:.2f}" for name in ("seconds", "cpu", "memory")]
     return [row["title"], *figures, *(Percent(row[name]) for name in case.errors)]
@@ -241,7 +239,6 @@ def Everything(options):
 
 
 def main(argv=None):
-    """Run from the command line."""
     parser = Parser(__doc__)
     add = parser.add_argument
     add("--problems", nargs="+", choices=CASES, default=list(CASES))

@@ -152,7 +152,6 @@ def Exponents(rows, threads):
 
 
 def main(argv=None):
-    """Run from the command line."""
     parser = Parser(__doc__)
     add = parser.add_argument
     add("--dim", type=int, choices=(2, 3), default=2)

@@ -69,7 +69,6 @@ def Measure(h, friction=0.2, *, grading=None, repeat=3, **options):
 
 
 def Head():
-    """The titles of the columns."""
     left = f"{'h':>7} {'ndof':>7} {'macros':>6} {'it':>3} {'total s':>8}"
     middle = " ".join(f"{phase:>8}" for phase in PHASES)
     return f"{left} | {middle} | {'umfpack':>8} {'ratio':>6} | {'cholesky':>8} {'ratio':>6}"
@@ -109,7 +108,6 @@ def Bars(axes, rows):
 
 
 def main(argv=None):
-    """Run from the command line."""
     parser = Parser(__doc__)
     add = parser.add_argument
     add("--levels", type=int, default=4, choices=range(1, len(MESHES) + 1))

@@ -28,18 +28,10 @@ from ngslac.linear.factor import HasMKL
 # Kind of run -> is there friction, number of load steps.
 KINDS = {"frictionless": (False, 1), "friction": (True, 1), "ten_steps": (True, 10)}
 ALL = ("elastic", *KINDS)
-TITLES = {
-    "patch": "two blocks, tetrahedra",
-    "patch_hex": "two blocks, hexahedra",
-    "sphere": "sphere on block",
-    "hertz": "Hertz, 2D",
-}
-NAMES = {
-    "elastic": "elastic solve",
-    "frictionless": "frictionless",
-    "friction": "friction, one step",
-    "ten_steps": "friction, ten steps",
-}
+TITLES = {"patch": "two blocks, tetrahedra", "patch_hex": "two blocks, hexahedra"}
+TITLES |= {"sphere": "sphere on block", "hertz": "Hertz, 2D"}
+NAMES = {"elastic": "elastic solve", "frictionless": "frictionless"}
+NAMES |= {"friction": "friction, one step", "ten_steps": "friction, ten steps"}
 # Beyond, no direct solver has the memory to solve the elastic problem in three dimensions.
 LARGEST_DIRECT = 500_000
 SMALL = 30_000  # these are run three times
@@ -131,7 +123,6 @@ def Measure(problem, size, kind, *, inverse=None, solver=None, repeat=None):
 
 
 def Kinds(problem, size):
-    """The kinds of runs of a problem."""
     if problem == "hertz":
         return ("elastic", "ten_steps")
     return ALL if size <= LARGEST_DIRECT else tuple(KINDS)
@@ -230,7 +221,6 @@ def Draw(rows, file):
 
 
 def Curves(axes, rows, quantity):
-    """One for each kind of run."""
     for number, (kind, style) in enumerate(zip(NAMES, ("s--", "o-", "^-", "D-"), strict=True)):
         own = sorted((row for row in rows if row.kind == kind), key=lambda row: row.ndof)
         dofs, values = [r.ndof for r in own], [getattr(r, quantity) for r in own]
@@ -243,7 +233,6 @@ def Curves(axes, rows, quantity):
 
 
 def main(argv=None):
-    """Run from the command line."""
     parser = Parser(__doc__)
     add = parser.add_argument
     add("--sizes", type=int, nargs="+", default=DEFAULT_SIZES)

@@ -4,6 +4,7 @@ import json
 import math
 import os
 from dataclasses import asdict
+from types import SimpleNamespace
 
 import benchmark_runs
 import numpy as np
@@ -44,6 +45,13 @@ def test_layers_pair_completely(dim, n, curved):
     assert row.length == pytest.approx(exact, rel=1e-7 if dim == 2 else 1e-4)
     assert set(row.parts) == set(pairing.PARTS)
     assert all(0 <= seconds <= row.update for seconds in row.parts.values())
+
+
+def test_timers_count_one_update_only(monkeypatch):
+    readings = iter([dict.fromkeys(pairing.PARTS.values(), seconds) for seconds in (5.0, 7.0)])
+    monkeypatch.setattr(pairing, "TimerSeconds", lambda: next(readings))
+    *_, parts = pairing.TimedUpdate(SimpleNamespace(Update=lambda gf: None), None)
+    assert parts == dict.fromkeys(pairing.PARTS, 2.0)
 
 
 @pytest.mark.parametrize(("dim", "n", "nodes"), [(2, 7, (8, 9)), (3, 32, (25, 36))])

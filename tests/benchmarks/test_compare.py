@@ -185,14 +185,13 @@ SCRIPTS = {
     "lac.py": WRITES,
     "contactboundary.py": WRITES.replace("3.0", "2.0"),
     "calculix.py": "print('install ccx'); exit(3)",
-    "kratos.py": "print('on the way'); raise ValueError('no convergence')",
+    "kratos.py": "import sys; print('on the way'); raise ValueError('order ' + sys.argv[4])",
     "getfem_peer.py": "import time; time.sleep(60)",
 }
 
 
 @pytest.fixture
 def scripts(monkeypatch, tmp_path):
-    """In place of the drivers."""
     for name, text in SCRIPTS.items():
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(compare, "FOLDER", tmp_path)
@@ -211,7 +210,7 @@ def test_command_line(tmp_path, capsys, files):
     assert figures["rows"][0]["settings"] == "--inverse umfpack"
     assert text.index("| ContactBoundary") < text.index("| ngslac")  # the faster one first
     assert "|1e-13%|1.00%|-50.00%|" in text.replace(" ", "")
-    for reason in ("not installed: install ccx", "failed: ValueError: no conv"):
+    for reason in ("not installed: install ccx", "failed: ValueError: order 1"):
         assert reason in text
     assert len(figures["missing"]) == 2
 

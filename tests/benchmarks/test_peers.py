@@ -105,7 +105,8 @@ def test_calculix_elements(deck):
         if read.kind in MIDS:
             ends = points[np.array(MIDS[read.kind]) - 1]
             bow = np.linalg.norm(points[-len(ends) :] - ends.mean(axis=1), axis=1)
-            assert np.all(bow < 0.2 * np.ptp(ends, axis=1).max(axis=1))
+            most = 1e-9 if mesh.problem == "patch" else 0.2  # others are curved
+            assert np.all(bow < most * np.ptp(ends, axis=1).max(axis=1))
     for body in BODIES[mesh.problem]:
         own = read.Rows(f"*ELEMENT,TYPE={read.kind},ELSET={body.upper()}")
         assert [int(row[0]) - 1 for row in own] == np.flatnonzero(mesh.materials == body).tolist()

@@ -48,7 +48,6 @@ class Case:
 
 
 def Crossed(target, every):
-    """Arguments of a target with odd values."""
 
     def Run(world, name, label):
         target.call(world, **(target.given(world) | {name: VALUES[label](world)}))

@@ -30,7 +30,6 @@ def Steps(w, **flags):
 
 
 def Written(w, content):
-    """A file with this content."""
     file = Path(w.folder.name) / "written"
     file.write_bytes(content)
     return file

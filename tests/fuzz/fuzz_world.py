@@ -135,7 +135,6 @@ class World(Problem):
         return self.contact.Segments()
 
     def Vector(self):
-        """A vector on the product space."""
         vec = self.gf.vec.CreateVector()
         vec.data = self.gf.vec
         return vec

@@ -28,7 +28,6 @@ OUTCOMES = ("named", "harmless", *BAD)
 
 
 def Parser():
-    """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--json", type=Path, help="write the numbers to this file")

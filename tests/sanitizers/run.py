@@ -63,7 +63,6 @@ def Check(kind, files, jobs, limit):
 
 
 def Missed(kind, plugin, environment):
-    """Planted errors that were not found."""
     (planted,) = plugin.parent.glob("planted.*.so")
 
     def Found(name):

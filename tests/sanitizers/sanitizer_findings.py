@@ -49,7 +49,6 @@ class Finding:
         return next((line for line in lines if OURS.search(line)), next(filter(None, lines), ""))
 
     def Text(self):
-        """For a terminal."""
         owner = "ngslac" if self.ours else "elsewhere"
         lines = [f"{owner}: {self.what}", self.place, *self.frames[:MOST]]
         return "\n        ".join(filter(None, lines))

@@ -117,7 +117,6 @@ def Find(pattern, log):
 
 
 def Options(parser):
-    """What only CalculiX has."""
     add = parser.add_argument
     add("--variant", choices=("penalty", "mortar"), default="penalty")
     add("--stiffness", type=float, help="over Young's modulus, 1/mm; mortar: 0 is hard")

@@ -52,7 +52,6 @@ class Solid:
         return np.hstack([*wedge, corners + 2 * n] if self.order == 2 else wedge)
 
     def Nodes(self, name):
-        """All nodes on a boundary of the mesh."""
         nodes = self.mesh.Nodes(self.order, name)
         if self.mesh.dim == 3:
             return nodes
@@ -96,7 +95,6 @@ def ModelLines(solid):
 
 
 def SupportLines(solid):
-    """Supports of the problem."""
     held = HELD[solid.mesh.problem]
     for name in held:
         yield f"*NSET,NSET=N{name.upper()}"
@@ -109,7 +107,6 @@ def SupportLines(solid):
 
 
 def ContactLines(arguments, stiffness):
-    """The contact and its law."""
     yield f"*CONTACT PAIR,INTERACTION=CONTACT,TYPE={CONTACT_TYPES[arguments.variant]}"
     yield from ("SLAVE,MASTER", "*SURFACE INTERACTION,NAME=CONTACT")
     if stiffness:

@@ -81,7 +81,6 @@ class Contact:
         return contact
 
     def Form(self, space):
-        """Elasticity and contact."""
         u, v = space.TnT()
         form = BilinearForm(space)
         form += Elastic(self.mesh, u, v)
@@ -203,7 +202,6 @@ def Pressure(mesh, contact, gf):
 
 
 def Options(parser):
-    """What only this peer has."""
     parser.add_argument("--variant", choices=("penalty", "nitsche"), default="penalty")
     parser.add_argument("--gamma", type=float, default=10.0, help="penalty times h / E")
     parser.add_argument("--inverse", help="sparse direct solver")

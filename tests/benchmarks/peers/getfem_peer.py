@@ -215,7 +215,6 @@ def Pressure(mesh, body, model):
 
 
 def Options(parser):
-    """What only GetFEM has."""
     parser.add_argument("--augmentation", type=float, default=1.0, help="over E/h")
     parser.add_argument("--intorder", type=int, default=6, help="order of integration")
 

@@ -128,7 +128,6 @@ def Pressure(mesh, model):
 
 
 def Options(parser):
-    """What only Kratos has."""
     text = "Kratos' name; default: amgcl in 3D, sparse_lu in 2D"
     parser.add_argument("--linear-solver", help=text)
 

@@ -44,7 +44,6 @@ def WriteMesh(file, mesh):
 
 
 def Lines(mesh):
-    """The lines of the .mdpa file."""
     points = np.zeros((mesh.nvertices, 3))
     points[:, : mesh.dim] = mesh.Lowered(1)
     for head in ("ModelPartData", "Properties 0", "Properties 1", "Properties 2"):
@@ -67,14 +66,12 @@ def Lines(mesh):
 
 
 def Block(head, lines):
-    """A block of an .mdpa file."""
     yield f"Begin {head}"
     yield from lines
     yield f"End {head.split()[0]}"
 
 
 def Entities(head, numbers, properties, nodes):
-    """A block of elements or conditions."""
     return Block(head, Rows(numbers, np.insert(nodes, 0, properties, axis=1)))
 
 
@@ -126,7 +123,6 @@ def Parameters(mesh, job, *, friction=0.0, steps=1, linear_solver="amgcl"):
 
 
 def Solver(mesh, job, kind, steps, linear_solver):
-    """The settings of the solver."""
     return {
         "solver_type": "Static",
         "model_part_name": "Structure",
@@ -147,7 +143,6 @@ def Solver(mesh, job, kind, steps, linear_solver):
 
 
 def Process(module, package, name, **parameters):
-    """A process of Kratos."""
     return {
         "python_module": module,
         "kratos_module": "KratosMultiphysics" + package,
@@ -157,7 +152,6 @@ def Process(module, package, name, **parameters):
 
 
 def Contact(mesh, kind, friction):
-    """The contact."""
     search = {"search_parameters": {"type_search": "in_radius", "search_factor": 20.0}}
     return Process(
         "alm_contact_process",

@@ -48,7 +48,6 @@ def Solve(peermesh, arguments, watch):
 
 
 def Model(peermesh, mesh, arguments):
-    """The contact solver and the load parameter."""
     bubbles = {"space": BubbleVectorH1, "slave": "slave"}
     V = Displacements(mesh, arguments, **(bubbles if arguments.variant == "bubble" else {}))
     fes = V * LACSpace(V, slave="slave")
@@ -74,7 +73,6 @@ def Pressure(mesh, contact):
 
 
 def Options(parser):
-    """What only ngslac has."""
     parser.add_argument("--variant", choices=("plain", "bubble"), default="plain")
     parser.add_argument("--inverse", help="sparse direct solver; default: that of ContactSolver")
     parser.add_argument("--solver", help="kind of solver; default: that of ContactSolver")

@@ -32,11 +32,8 @@ FACE_EDGES = {2: ((0, 1),), 3: ((0, 1), (1, 2), (2, 0))}
 HELD = {"hertz": {"sym": 0, "bottom": 1}, "sphere": {"sym_x": 0, "sym_y": 1, "bottom": 2}}
 HELD["patch"] = HELD["sphere"]
 # The body of the slave, above, and that of the master.
-BODIES = {
-    "hertz": ("cylinder", "block"),
-    "sphere": ("sphere", "block"),
-    "patch": ("upper", "lower"),
-}
+BODIES = {"hertz": ("cylinder", "block"), "sphere": ("sphere", "block")}
+BODIES["patch"] = ("upper", "lower")
 # The upper body starts lower by this: contact is all that holds it.
 SHIFT = {"hertz": 0.05, "sphere": 0.1, "patch": 1e-5}
 
@@ -60,11 +57,9 @@ class PeerMesh:
 
     @property
     def dim(self):
-        """2 or 3."""
         return self.points.shape[1]
 
     def Points(self, order):
-        """Coordinates of the nodes."""
         return self.points if order > 1 else self.points[: self.nvertices]
 
     def Elements(self, order, material=None):
@@ -73,15 +68,12 @@ class PeerMesh:
         return self.elements[chosen, : None if order > 1 else self.dim + 1]
 
     def Faces(self, order, name):
-        """Nodes of the faces of a boundary."""
         return self.faces[self.names == name, : None if order > 1 else self.dim]
 
     def Nodes(self, order, name):
-        """Numbers of the nodes on a boundary, sorted."""
         return np.unique(self.Faces(order, name))
 
     def MaterialNodes(self, order, material):
-        """Numbers of the nodes of a body, sorted."""
         return np.unique(self.Elements(order, material))
 
     @property
@@ -106,12 +98,10 @@ class PeerMesh:
         return elements, np.argmin(on_face, axis=1)
 
     def Save(self, file):
-        """Write all to an .npz file."""
         np.savez_compressed(file, **asdict(self))
 
 
 def Load(file):
-    """Read a `PeerMesh`."""
     with np.load(file) as data:
         arrays = {name: data[name] for name in data.files}
     return PeerMesh(**{k: v.item() if v.ndim == 0 else v for k, v in arrays.items()})
@@ -216,7 +206,6 @@ def OrientFaces(points, elements, faces):
 
 
 def main(argv=None):
-    """Run from the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("problem", choices=HELD)
     parser.add_argument("h", type=float, help="size of the slave faces")

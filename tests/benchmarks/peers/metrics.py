@@ -39,7 +39,6 @@ def LinePressure(x):
 
 
 def SpherePressure(r):
-    """Hertz' pressure of the sphere."""
     return SPHERE_PEAK * np.sqrt(np.maximum(0, 1 - (np.asarray(r) / SPHERE_CONTACT_RADIUS) ** 2))
 
 

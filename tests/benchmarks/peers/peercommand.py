@@ -38,7 +38,6 @@ class StopWatch:
 
     @contextmanager
     def Running(self):
-        """Count the time of this block."""
         wall, cpu = time.perf_counter(), ProcessorSeconds()
         try:
             yield
