@@ -2,7 +2,7 @@
 
 import numpy as np
 from ngsolve import CF, cos, sin, x, y
-from stress_blocks2d import Waves
+from stress_blocks import Waves
 from stress_meshes import Grids, Part, Plate, Sketch
 from stress_problem import Problem, problem
 
