@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import block_mesh, contact_form, matrix, moved, random_state, residual, vector
-from ngsolve import CF, H1, GridFunction, Parameter, x
+from blocks import C, block_mesh, contact_form, matrix, moved, random_state, residual, vector
+from ngsolve import CF, H1, BitArray, GridFunction, Parameter, x
 
 
 def gaps(contact, state):
@@ -48,6 +48,10 @@ def test_restore_takes_back_the_obstacle(mesh):
     contact.Restore()
     assert contact.Table()["gap"] == pytest.approx(-0.1)
     assert contact.Segments().gap == pytest.approx(-0.1)
+    contact.form.Close(BitArray(contact.space.nmacros * [True]), gf.vec)  # by the restored gap
+    normals = contact.Table()["normal"]
+    pressure = -np.sum(gf.components[1].vec.FV().NumPy().reshape(-1, 2) * normals, axis=1)
+    assert pressure == pytest.approx(0.1 * C, rel=1e-4)
     t.Set(0.3)
     assert gaps(contact, 0.0) == pytest.approx(-0.3)
 
