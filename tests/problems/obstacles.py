@@ -1,8 +1,8 @@
 """A block on a rigid obstacle, in 2D and 3D: Signorini's problem."""
 
+from bricks import brick
 from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Parameter, VectorH1, ds
-from ngsolve.meshes import MakeStructured2DMesh
-from press import Press, brick, linear
+from press import Press, linear
 
 from ngslac import LACContact, LACSpace
 
@@ -17,7 +17,7 @@ def block_on_obstacle(
     `traction` acts at the top, `flags` go to the displacement space, the rest to LACContact.
     """
     n = n or {2: 8, 3: 4}[dim]
-    mesh = MakeStructured2DMesh(quads=False, nx=n, ny=n) if dim == 2 else brick(n, kind)
+    mesh = brick("trig", n, n) if dim == 2 else brick(kind, n)
     V = space(mesh, order=order, **(RIM[dim] if flags is None else flags))
     X = V * LACSpace(V, slave="bottom")
     (u, lam), (v, _) = X.TnT()

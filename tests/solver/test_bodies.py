@@ -5,6 +5,7 @@ from operator import mul
 
 import numpy as np
 import pytest
+from bricks import brick
 from netgen.occ import Compound, OCCGeometry, Rectangle
 from netgen.occ import X as EAST
 from netgen.occ import Y as NORTH
@@ -26,7 +27,7 @@ from ngsolve import (
     y,
     z,
 )
-from press import brick, linear, numpy, press
+from press import linear, numpy, press
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
 from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
@@ -57,9 +58,9 @@ def fields(mesh, u):
         lambda: VectorH1(press().mesh, order=1),
         lambda: H1(press().mesh, order=2, dim=2),
         lambda: BubbleVectorH1(press().mesh, order=1, slave="slave"),
-        lambda: VectorH1(brick(2), order=3),
-        lambda: H1(brick(2, "prism"), order=3, dim=3),
-        lambda: VectorH1(brick(1, "pyramid"), order=2),
+        lambda: VectorH1(brick("hex", 2), order=3),
+        lambda: H1(brick("prism", 2), order=3, dim=3),
+        lambda: VectorH1(brick("pyramid", 1), order=2),
         lambda: VectorH1(press().mesh, order=2, definedon="upper"),
         lambda: VectorL2(press().mesh, order=2),
     ],
