@@ -7,55 +7,34 @@ second half and writes the end values there.
 import sys
 
 import numpy as np
-from motions import neo_hooke, on_ground, values
+from motions import on_ground, values
 from netgen.occ import MoveTo, OCCGeometry
-from ngsolve import (
-    CF,
-    BilinearForm,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Mesh,
-    Parameter,
-    Variation,
-    VectorH1,
-    ds,
-    dx,
-    y,
-)
+from ngsolve import CF, IfPos, InnerProduct, Mesh, ds, y
 from press import press
 
-from ngslac import (
-    ContactSolver,
-    LACContact,
-    LACSpace,
-    LoadMesh,
-    LoadState,
-    LoadStepper,
-    TimeStepper,
-)
+from ngslac import LoadMesh, LoadState, LoadStepper, TimeStepper
 
 # Pardiso's results depend on where its memory lies, so that two runs of the same script differ.
 INVERSE = "umfpack"
 
 
+def driven(mesh, springs, **flags):
+    """A press from load 0, driven by `springs(u, v, load)`; on its own mesh if none is given."""
+    problem = press(change=lambda fresh: mesh or fresh, spring=0, **flags)
+    problem.load.Set(0.0)
+    u, v = problem.X.TrialFunction()[0], problem.X.TestFunction()[0]
+    problem.a += springs(u, v, problem.load)
+    return LoadStepper(problem.solver(inverse=INVERSE), problem.load)
+
+
 def loading(mesh=None, *, nonlinear=True, friction=0.3, **law):
     """A block pushed down and aside on another one; the parameter is the load."""
-    problem = press(
-        change=lambda fresh: mesh or fresh,
-        h=0.3,
-        mesh_flags={"structured": False},
-        nonlinear=nonlinear,
-        spring=0,
-        friction=friction,
-        **law,
-    )
-    u, v = problem.X.TrialFunction()[0], problem.X.TestFunction()[0]
-    load = problem.load
-    load.Set(0.0)
-    # Down first, then aside, so that what was stuck begins to slip.
-    problem.a += 400 * InnerProduct(u - load * CF((0.1 * load, -0.05)), v) * ds("top")
-    return LoadStepper(problem.solver(inverse=INVERSE), load)
+
+    def springs(u, v, load):  # down first, then aside, so that what was stuck begins to slip
+        return 400 * InnerProduct(u - load * CF((0.1 * load, -0.05)), v) * ds("top")
+
+    flags = {"h": 0.3, "mesh_flags": {"structured": False}, "nonlinear": nonlinear}
+    return driven(mesh, springs, friction=friction, **flags, **law)
 
 
 def slotted(h=0.35, width=0.08):
@@ -65,23 +44,20 @@ def slotted(h=0.35, width=0.08):
     shape.edges.name = "outside"
     for edge in shape.edges:
         if abs(edge.center.y) < 0.5 and abs(edge.center.x) < 0.9:
-            edge.name = "slot"
+            edge.name = "slave"
     return Mesh(OCCGeometry(shape, dim=2).GenerateMesh(maxh=h))
 
 
 def squeezed(mesh=None):
     """The slot is closed, and its sides slide: self-contact."""
-    V = VectorH1(mesh or slotted(), order=2)
-    X = V * LACSpace(V, slave="slot")
-    (u, lam), (v, _) = X.TnT()
-    load = Parameter(0.0)
-    a = BilinearForm(X)
-    a += Variation(neo_hooke(u, 10.0).Compile() * dx)
-    above, below = (IfPos(side * y - 0.999, 300, 0) for side in (1, -1))
-    at = load * CF((0.1 * load, -0.4))
-    a += (above * InnerProduct(u - at, v) + below * InnerProduct(u, v)) * ds("outside")
-    contact = LACContact(u, lam, master="slot", friction=0.3, finite=True)
-    return LoadStepper(ContactSolver(a, GridFunction(X), contact, inverse=INVERSE), load)
+
+    def springs(u, v, load):
+        above, below = (IfPos(side * y - 0.999, 1200, 0) for side in (1, -1))
+        at = load * CF((0.1 * load, -0.4))
+        return (above * InnerProduct(u - at, v) + below * InnerProduct(u, v)) * ds("outside")
+
+    law = {"master": "slave", "friction": 0.3, "finite": True}
+    return driven(mesh or slotted(), springs, nonlinear=True, flags={"dirichlet": ""}, **law)
 
 
 def bouncing(mesh=None, **flags):

@@ -6,16 +6,7 @@ import pytest
 from motions import bar, elastic, moving, neo_hooke, on_ground, sliding
 from netgen.libngpy._meshing import _GetStatus
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
-from ngsolve import (
-    CF,
-    BilinearForm,
-    GridFunction,
-    Mesh,
-    Parameter,
-    VectorH1,
-    sqrt,
-    x,
-)
+from ngsolve import CF, BilinearForm, GridFunction, Mesh, Parameter, VectorH1, sqrt, x
 from ngsolve.meshes import MakeStructured2DMesh
 from press import mixed_press, numpy, press
 
