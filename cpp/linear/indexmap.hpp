@@ -23,8 +23,6 @@ public:
   IndexMap() { Allocate(6); }
 
   FlatArray<int> Indices() const { return indices; }
-  size_t Size() const { return indices.Size(); }
-  bool Contains(int index) const { return IsUsed(SlotOf(index)); }
   /// -1 if the index did not appear.
   int Find(int index) const {
     auto & slot = slots[SlotOf(index)];
