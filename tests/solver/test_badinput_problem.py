@@ -6,7 +6,6 @@ from netgen.meshing import NgException
 from ngsolve import (
     BilinearForm,
     BitArray,
-    Grad,
     GridFunction,
     InnerProduct,
     LinearForm,
@@ -14,7 +13,7 @@ from ngsolve import (
     ds,
     dx,
 )
-from press import linear, mixed_press, numpy, press
+from press import linear, mixed_press, numpy, press, same, solved
 from refused import calls, check_refused
 
 from ngslac import ContactConvergenceError, ContactSolver, FormSum, LACContact, LACSpace
@@ -220,9 +219,10 @@ def test_flags_that_change_nothing(flags):
     a = BilinearForm(other.X, **flags)
     for integrator in other.a.integrators:
         a += integrator
-    plain.solver().Solve(printing=False)
-    ContactSolver(a, other.gf, other.contact).Solve(printing=False)
-    assert numpy(other.gf) == pytest.approx(numpy(plain.gf), rel=1e-9, abs=1e-12)
+    other.a = a
+    solved(plain)
+    solved(other)
+    same(other, plain, 1e-9)
 
 
 def test_any_iterable_of_contacts(problem):
@@ -251,29 +251,14 @@ def test_loads_that_are_zero_or_set_by_hand(problem):
 def test_reactions_of_a_solution_as_loads():
     """In the rows of the multipliers they hold what the solver took for zero."""
     problem = mixed_press(h=0.5)
-    problem.solver().Solve(printing=False)
+    solved(problem)
     forces = problem.gf.vec.CreateVector()
     problem.a.Apply(problem.gf.vec, forces)
     problem.contact.AddApply(problem.gf.vec, forces)
     assert any(forces[int(dof)] for dof in problem.contact.form.MultiplierDofs())
     start = numpy(problem.gf)
-    solver = ContactSolver(problem.a, problem.gf, problem.contact, rhs=forces)
-    assert solver.Solve(printing=False).number <= 1
+    assert problem.solver(rhs=forces).Solve(printing=False).number <= 1
     assert numpy(problem.gf) == pytest.approx(start, abs=1e-12)
-
-
-@pytest.mark.parametrize("size", [1e-140, 1e140])
-def test_forces_of_any_unit(problem, size):
-    (u, _), (v, _) = problem.X.TnT()
-    forces = []
-    for factor in (1, size):
-        contact = LACContact(*problem.X.TrialFunction(), master="master")
-        a, gf = BilinearForm(problem.X), GridFunction(problem.X)
-        a += factor * (InnerProduct(Grad(u), Grad(v)) * dx + u * v * ds("top|bottom"))
-        a += factor * 0.01 * v[1] * ds("top")
-        ContactSolver(a, gf, contact).Solve(printing=False)
-        forces.append(contact.Force()[1] / factor)
-    assert forces[1] == pytest.approx(forces[0], rel=1e-12)
 
 
 def test_sizes_whose_squares_are_no_numbers():

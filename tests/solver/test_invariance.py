@@ -116,6 +116,7 @@ TURNED = [(0, {}), (2, {"length": 1e3, "stress": 1e-6})]
     ("case", "seed", "units"),
     [
         *((case, None, units) for case in CASES for units in UNITS),
+        *(("2D", None, {"stress": size}) for size in (1e-140, 1e140)),
         # In finite sliding the shares of the bodies in the normal follow the rows of the matrix.
         *((case, *frame) for case in ("2D", "3D", "bubbles") for frame in TURNED),
     ],
