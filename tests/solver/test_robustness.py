@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from loaded import loaded
 from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Parameter, VectorH1, dx, x, y
-from press import linear, mixed_press, numpy, press, solved
+from press import linear, numpy, press, solved
 
 from ngslac import (
     ContactConvergenceError,
@@ -52,27 +52,6 @@ def test_a_limit_load_ends_the_stepping():
         LoadStepper(solver, problem.load, maxcuts=5).Integrate(steps=2, printing=False)
     assert 0.73 - 0.5 / 2**5 <= problem.load.Get() <= 0.73
     assert len(attempts) < 20
-
-
-@pytest.mark.parametrize(
-    ("dim", "error"), [(2, RuntimeError), (2, ValueError), (3, KeyboardInterrupt)]
-)
-def test_any_error_restores_solution_load_and_fields(dim, error):
-    problem = mixed_press(dim=dim, n=(3, 2))
-    problem.load.Set(0.0)
-    stepper = LoadStepper(problem.solver(), problem.load)
-    stepper.Integrate(0.8, steps=2, printing=False)
-    before, state = numpy(problem.gf), problem.contact.State()
-    table = {k: v.copy() for k, v in problem.contact.Table().items()}
-    assert np.abs(table["slip"]).max() > 0
-    stepper.prescribe = lambda gf: (_ for _ in ()).throw(error("on purpose"))
-    with pytest.raises(error, match="on purpose"):
-        stepper.Integrate(1.2, steps=1, printing=False)
-    assert problem.load.Get() == pytest.approx(0.8)
-    assert np.array_equal(numpy(problem.gf), before)
-    np.testing.assert_equal(problem.contact.State(), state)
-    np.testing.assert_equal(problem.contact.Table(), table)
-    assert np.array_equal(numpy(problem.contact.slip), table["slip"].ravel())
 
 
 def test_after_a_refinement_the_old_solver_is_refused():
