@@ -11,6 +11,10 @@ from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 
 
+def soft(F):
+    return NeoHooke(F, 104, 0.3)
+
+
 class Led:
     """Blocks "upper" and "lower"; `lead(load)` says where the top goes, then both are turned.
 
@@ -22,16 +26,18 @@ class Led:
         Displacement of the top as a tuple, from the load.
     turn : callable
         Angle in degrees of the rotation of everything, from the load.
+    energy : callable
+        Per volume, from the deformation gradient.
     """
 
-    def __init__(self, mesh, lead=None, *, turn=lambda load: 0.0, order=2, **law):
+    def __init__(self, mesh, lead=None, *, turn=lambda load: 0.0, order=2, energy=soft, **law):
         self.mesh, self.dim = mesh, mesh.dim
         self.lead, self.turn = lead, turn
         V = VectorH1(mesh, order=order, dirichlet="top|bottom")
         X = V * LACSpace(V, slave="slave")
         u, lam = X.TrialFunction()
         self.a = BilinearForm(X)
-        self.a += Variation(NeoHooke(Id(self.dim) + Grad(u), 104, 0.3).Compile() * dx)
+        self.a += Variation(energy(Id(self.dim) + Grad(u)).Compile() * dx)
         self.gf, self.load = GridFunction(X), Parameter(0.0)
         self.contact = LACContact(u, lam, master="master", finite=True, **law)
         self.solver = ContactSolver(self.a, self.gf, self.contact)
