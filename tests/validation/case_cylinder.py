@@ -262,7 +262,7 @@ CASES = [
         "tractions remember the way (hysteresis).",
         "Mindlin, J. Appl. Mech. 16 (1949); Mindlin and Deresiewicz, J. Appl. Mech. 20 (1953); as "
         "`CattaneoMindlin` and `MindlinReversal`.",
-        "pytest tests/validation/test_line_friction.py",
+        "pytest tests/validation/test_cylinder.py",
         Mindlin,
     ),
     Case(
@@ -275,7 +275,7 @@ CASES = [
         "stick ratio are accepted up to one macro-element.",
         "Spence, Proc. Camb. Phil. Soc. 73 (1973) and J. Elasticity 5 (1975), as `SpenceLine`; "
         "coupled equations solved by quadrature (`tests/validation/problems_punch.py`).",
-        "pytest tests/validation/test_line_friction.py",
+        "pytest tests/validation/test_cylinder.py",
         Spence,
     ),
 ]

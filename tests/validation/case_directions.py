@@ -96,7 +96,7 @@ CASES = [
         "Two blocks under a pressure of 25, sheared in eight directions of the interface, at the "
         "bound of friction and just below it, on a mesh of hexahedra and tetrahedra.",
         "Coulomb's law: friction 0.3 times the pressure along the shear.",
-        "pytest tests/validation/test_friction3d.py",
+        "pytest tests/validation/test_directions.py",
         Directions,
     ),
 ]

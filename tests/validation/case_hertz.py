@@ -236,7 +236,7 @@ CASES = [
         "large displacements of the published values (Hooke's law of Green's strain).",
         "A. Konter, Advanced Finite Element Contact Benchmarks, NAFEMS (2006); values of "
         "code_aster, test SSNP154. Small strain: a program of others with the same multipliers.",
-        "pytest tests/validation/test_hertz_line.py -k 'benchmark or large'",
+        "pytest tests/validation/test_hertz.py -k 'benchmark or large'",
         Nafems,
     ),
     Case(
@@ -245,7 +245,7 @@ CASES = [
         "The frictional Hertz problem once more, turned by 37 degrees, and in metres and pascals: "
         "nothing in the method knows directions or sizes.",
         "The same problem upright, in millimetres and megapascals.",
-        "pytest tests/validation/test_hertz_line.py -k frame",
+        "pytest tests/validation/test_hertz.py -k frame",
         Frame,
     ),
 ]

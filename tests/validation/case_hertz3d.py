@@ -218,7 +218,7 @@ CASES = [
         "A cylinder of prisms between two planes of symmetry has the line contact of 2D; and so "
         "has NAFEMS benchmark 1 in small strain, here with slave faces of 1 mm.",
         "`HertzLine`; the displacement: a program of others with the same multipliers in 2D.",
-        "pytest tests/validation/test_hertz_solids.py -k 'cylinder or slice'",
+        "pytest tests/validation/test_hertz3d.py -k 'cylinder or slice'",
         Cylinder,
     ),
 ]

@@ -243,7 +243,7 @@ CASES = [
         "Code_aster with Local Average Contact, test SSNV104, modellings k to n (2868.9 to 2929.4 "
         "MPa); an axisymmetric computation of third order without multipliers for the force; "
         "`HertzPoint`.",
-        "pytest tests/validation/test_hertz_solids.py -k 'spheres or hexahedra'",
+        "pytest tests/validation/test_hertz3d.py -k 'spheres or hexahedra'",
         Spheres,
     ),
 ]
