@@ -1,4 +1,4 @@
-#include "formbase.hpp"
+#include "form.hpp"
 
 namespace ngslac {
 ContactForm::ContactForm(const ContactSetup & asetup)
@@ -32,8 +32,8 @@ void ContactForm::CheckPaired() const {
 
 shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
   int dim = ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension();
-  if (setup.finite)
-    return dim == 2 ? MakeFiniteSliding<2>(setup) : MakeFiniteSliding<3>(setup);
-  return dim == 2 ? MakeSmallSliding<2>(setup) : MakeSmallSliding<3>(setup);
+  if (dim == 2)
+    return make_shared<Form<2>>(setup);
+  return make_shared<Form<3>>(setup);
 }
 } // namespace ngslac

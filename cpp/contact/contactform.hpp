@@ -51,7 +51,7 @@ public:
   void CheckPaired() const;
   /// Finite sliding: pairs anew at x. The points on the slave faces and the partners stay until the
   /// next call. Nothing to do with small sliding.
-  virtual void Follow(const BaseVector & /* x */) {}
+  virtual void Follow(const BaseVector & x) = 0;
   /// Chooses c of every macro-element from the diagonal of the bulk matrix.
   virtual void SetStiffness(FlatVector<> diagonal, double factor) = 0;
   virtual void SetConstant(double c) = 0;
@@ -99,7 +99,7 @@ public:
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
   FlatArray<MacroState> States() const { return states; }
   /// d scalar dofs per macro-element
-  FlatArray<int> MultiplierDofs() const { return lamdof; }
+  virtual FlatArray<int> MultiplierDofs() const = 0;
   shared_ptr<LACSpace> Space() const { return space; }
   const ProxyInfo & U() const { return u; }
   const ProxyInfo & Lambda() const { return lam; }
@@ -117,6 +117,5 @@ protected:
   shared_ptr<LACSpace> space;
   shared_ptr<SparseMatrix<double>> mat;
   Array<MacroState> states;
-  Array<int> lamdof;
 };
 } // namespace ngslac

@@ -4,4 +4,18 @@
 namespace ngslac {
 /// The states that `AppendState` has written; throws if that was not all.
 Array<MacroState> StatesFrom(FlatArray<double> flat);
+
+/// Vectors as numbers, the space dimension fastest.
+template <int D>
+void SaveVectors(Array<double> & flat, FlatArray<Vec<D>> vectors) {
+  for (auto & v : vectors)
+    for (int k : Range(D))
+      flat.Append(v(k));
+}
+template <int D>
+void LoadVectors(FlatArray<double> flat, FlatArray<Vec<D>> vectors) {
+  for (size_t i : Range(vectors))
+    for (int k : Range(D))
+      vectors[i](k) = flat[D * i + k];
+}
 } // namespace ngslac

@@ -143,7 +143,8 @@ void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & point
 /// slip.
 template <int D>
 Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
+/// Adds its derivative to that of the slip.
 template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                MacroRows<D> & rows, LocalHeap & lh);
+void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+             MacroRows<D> & rows, LocalHeap & lh);
 } // namespace ngslac

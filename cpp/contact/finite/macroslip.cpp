@@ -63,9 +63,8 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
 }
 
 template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                MacroRows<D> & rows, LocalHeap & lh) {
-  Vec<D> sum = 0.0;
+void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+             MacroRows<D> & rows, LocalHeap & lh) {
   double mean = 1 / points.area[macro];
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
@@ -76,7 +75,6 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
       HeapReset hr(lh);
       OldPair<D> old(now, segment, p);
-      sum += p.weight * old.Slip();
       auto & d = old.direction;
       SlipSide<D> of_slave{1, old.gap, d.of_slave, old.slave_normal, old.dx};
       SlipSide<D> of_master{-1, 0, d.of_master, old.master_normal, old.dy};
@@ -93,7 +91,6 @@ Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, si
       for (int j : Range(faces.at))
         rows.slip(l, faces.at[j]) += of_dofs(l, j);
   }
-  return mean * sum;
 }
 
 template <int D>
@@ -133,8 +130,8 @@ void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & point
   template void SubtractCarried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,         \
                                 const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
-  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,              \
-                           MacroRows<D> &, LocalHeap &);
+  template void AddSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, MacroRows<D> &, \
+                        LocalHeap &);
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

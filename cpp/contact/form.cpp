@@ -1,0 +1,266 @@
+#include "form.hpp"
+#include "linear/eliminate.hpp"
+
+namespace ngslac {
+template <int D>
+Form<D>::Form(const ContactSetup & asetup)
+    : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
+      kinematics(
+          (setup.finite ? MakeFiniteSliding<D> : MakeSmallSliding<D>)(setup, space, u, law)) {}
+
+template <int D>
+void Form<D>::Update(shared_ptr<GridFunction> gf, const FormHistory * history) {
+  static Timer timer("ngslac::ContactForm::Update");
+  RegionTimer reg(timer);
+  CheckUpdated(gf);
+  Form fresh(setup); // a failure leaves everything as it was
+  fresh.Start(gf);
+  if (history)
+    fresh.SetHistory(*history);
+  *this = std::move(fresh);
+}
+
+template <int D>
+void Form<D>::Start(shared_ptr<GridFunction> gf) {
+  nscalars = NScalars();
+  meshsize = MeshSize();
+  Vector<> x(nscalars);
+  x = 0.0;
+  if (gf)
+    x = gf->GetVector().FV<double>();
+  mat = kinematics->Start(gf, x);
+  normal = kinematics->Jump().normal;
+  states.SetSize(kinematics->Size());
+  for (size_t m : Range(states))
+    states[m] = {0, kinematics->Place(m, x).gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+  Accept();
+}
+
+template <int D>
+void Form<D>::Follow(const BaseVector & bx) {
+  if (!setup.finite)
+    return;
+  CheckSize(bx.FV<double>().Size());
+  kinematics->Follow(bx.FV<double>());
+  normal = kinematics->Jump().normal; // before any Evaluate
+}
+
+// --- residual and matrices -----------------------------------------------------------------------
+
+template <int D>
+void Form<D>::AddApply(const BaseVector & bx, BaseVector & by) {
+  static Timer timer("ngslac::ContactForm::Apply");
+  RegionTimer reg(timer);
+  Prepare(bx);
+  CheckSize(by.FV<double>().Size());
+  auto x = bx.FV<double>(), y = by.FV<double>();
+  ParallelFor(states.Size(), [&](size_t m) {
+    auto place = kinematics->Place(m, x);
+    law->AddResidual(m, place, law->ProjectAt(m, place, x), x, y);
+  });
+  kinematics->AddAllForces(x, y);
+}
+
+template <int D>
+void Form<D>::AssembleLinearization(const BaseVector & bx) {
+  Prepare(bx);
+  auto x = bx.FV<double>();
+  Array<Projection<D>> projections(states.Size());
+  ParallelFor(states.Size(),
+              [&](size_t m) { projections[m] = law->ProjectAt(m, kinematics->Place(m, x), x); });
+  Linearize(x, projections, Rim::stays);
+}
+
+template <int D>
+void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
+  Prepare(bx);
+  auto x = bx.FV<double>(), y = residual.FV<double>();
+  Array<Projection<D>> projections(states.Size());
+  ParallelFor(states.Size(), [&](size_t m) {
+    auto place = kinematics->Place(m, x);
+    projections[m] = law->ProjectWithMemory(m, place, x);
+    law->AddResidual(m, place, projections[m], x, y);
+  });
+  Linearize(x, projections, Rim::moves);
+  kinematics->AddAllForces(x, y);
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::AssembleAugmented(const BaseVector & bx,
+                                                            BaseVector & residual, double factor) {
+  Prepare(bx);
+  Augmentation augmentation(*law, factor);
+  auto x = bx.FV<double>(), y = residual.FV<double>();
+  Array<Projection<D>> projections(states.Size());
+  Array<Vec<D>> tractions(states.Size());
+  ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
+    projections[m] = law->ProjectWithMemory(m, kinematics->Place(m, x), x);
+    tractions[m] = projections[m].traction;
+    kinematics->AddForces(m, tractions[m], forces, lh);
+  });
+  mat = kinematics->Linearize(x, projections, tractions, Rim::moves);
+  return Penalized();
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
+                                                          FlatArray<double> stiffness) {
+  Prepare(bx);
+  if (stiffness.Size() != D * D * states.Size())
+    throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
+                    ToString(states.Size()) + " macro-elements");
+  auto x = bx.FV<double>();
+  Array<Projection<D>> projections(states.Size());
+  ParallelFor(states.Size(), [&](size_t m) {
+    auto & p = projections[m] = Sticking(law->Multiplier(m, x));
+    p.by_normal = InnerProduct(p.traction, kinematics->Place(m, x).normal) * Id<D>();
+    for (int k : Range(D))
+      for (int l : Range(D))
+        p.derivative(k, l) = stiffness[(m * D + k) * D + l] / law->c[m];
+  });
+  Linearize(x, projections, Rim::moves);
+  return Penalized();
+}
+
+template <int D>
+void Form<D>::Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Rim rim) {
+  static Timer timer("ngslac::ContactForm::Linearize");
+  RegionTimer reg(timer);
+  Array<Vec<D>> tractions(states.Size());
+  for (size_t m : Range(tractions))
+    tractions[m] = law->Multiplier(m, x);
+  mat = kinematics->Linearize(x, projections, tractions, rim);
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::Penalized() const {
+  Array<double> penalties(states.Size());
+  for (size_t m : Range(penalties))
+    penalties[m] = law->c[m] / RowArea(m);
+  return EliminateMultipliers(*mat, law->dofs, D, penalties);
+}
+
+template <int D>
+void Form<D>::UpdateMultipliers(BaseVector & bx, double factor) {
+  Prepare(bx);
+  Augmentation augmentation(*law, factor);
+  auto x = bx.FV<double>();
+  ParallelFor(states.Size(), [&](size_t m) {
+    Vec<D> traction = law->ProjectAt(m, kinematics->Place(m, x), x).traction;
+    for (int k : Range(D))
+      x(law->dofs[D * m + k]) = traction(k);
+  });
+}
+
+template <int D>
+void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
+  CheckSize(bx.FV<double>().Size());
+  if (macros.Size() != states.Size())
+    throw Exception("LACContact: " + ToString(macros.Size()) + " bits for " +
+                    ToString(states.Size()) + " macro-elements");
+  auto x = bx.FV<double>();
+  kinematics->At(x);
+  for (size_t m : Range(states)) {
+    auto place = kinematics->Place(m, x);
+    if (!macros.Test(m) || place.area == 0)
+      continue;
+    // just enough for a positive trial pressure
+    double size = pow(place.fullarea, 1.0 / (D - 1));
+    double pressure = law->c[m] * (fabs(place.gap) + 1e-6 * size);
+    Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
+    pressure /= 1 - InnerProduct(given, place.normal);
+    for (int k : Range(D))
+      x(law->dofs[D * m + k]) = -pressure * place.normal(k);
+  }
+}
+
+// --- scales --------------------------------------------------------------------------------------
+
+template <int D>
+void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
+  CheckSize(diagonal.Size());
+  auto & jump = kinematics->JumpWithRows();
+  double sum = 0;
+  int paired = 0;
+  for (size_t m : Range(jump.Size())) {
+    double compliance = 0;
+    for (auto & e : jump.Row(m))
+      if (diagonal(e.dof) > 0)
+        compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
+    law->c[m] = compliance > 0 ? factor * jump.area[m] / compliance : 0;
+    sum += law->c[m];
+    paired += law->c[m] > 0;
+  }
+  // A macro-element without a partner still needs a regular row of the right size.
+  for (double & value : law->c)
+    if (value == 0)
+      value = paired ? sum / paired : factor;
+  kinematics->LearnStiffness(diagonal);
+}
+
+template <int D>
+void Form<D>::AddScale(FlatVector<> scale) {
+  CheckSize(scale.Size());
+  for (size_t m : Range(states))
+    for (int k : Range(D))
+      scale(law->dofs[D * m + k]) = sqrt(law->c[m] / RowArea(m));
+}
+
+// --- checks --------------------------------------------------------------------------------------
+
+template <int D>
+std::array<size_t, 2> Form<D>::MeshSize() const {
+  auto & ma = *u.fes->GetMeshAccess();
+  return {ma.GetNE(BND), ma.GetNV()};
+}
+
+template <int D>
+bool Form<D>::IsCurrent() const {
+  return IsPaired() && meshsize == MeshSize() && nscalars == NScalars() &&
+         space->NMacros() == states.Size();
+}
+
+template <int D>
+void Form<D>::CheckSize(size_t entries) const {
+  CheckPaired();
+  if (entries != nscalars)
+    throw Exception("LACContact: got " + ToString(entries) +
+                    " entries, but the pairing was made "
+                    "for a product space with " +
+                    ToString(nscalars) +
+                    "; after a refinement call Update() and make a new solver");
+}
+
+template <int D>
+void Form<D>::CheckUpdated(const shared_ptr<GridFunction> & gf) const {
+  if (gf && gf->GetFESpace() != u.fes)
+    throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one on "
+                    "the product space");
+  if (space->MacroOfFace().Size() != u.fes->GetMeshAccess()->GetNE(BND))
+    throw Exception("LACContact.Update: the mesh was refined, but not its spaces; call Update() of "
+                    "the product space first");
+  if (gf && gf->GetVector().FV<double>().Size() != NScalars())
+    throw Exception("LACContact.Update: gf has " + ToString(gf->GetVector().FV<double>().Size()) +
+                    " entries, its space " + ToString(NScalars()) + "; call gf.Update() first");
+}
+
+template <int D>
+void Form<D>::Reevaluate() {
+  law->Reevaluate();
+  kinematics->Reevaluate();
+}
+
+template <int D>
+void Form<D>::Prepare(const BaseVector & x) {
+  CheckSize(x.FV<double>().Size());
+  Reevaluate();
+  for (double value : law->c)
+    if (!(value > 0))
+      throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
+                      "ContactSolver or FormSum do it");
+  kinematics->At(x.FV<double>());
+}
+
+template class Form<2>;
+template class Form<3>;
+} // namespace ngslac

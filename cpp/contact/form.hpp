@@ -1,0 +1,74 @@
+#pragma once
+#include "kinematics.hpp"
+
+namespace ngslac {
+/// A contact form: a law, and the kinematics that tells where macro-elements are.
+template <int D>
+class Form final : public ContactForm {
+public:
+  explicit Form(const ContactSetup & asetup);
+
+  void Update(shared_ptr<GridFunction> gf, const FormHistory * history) override;
+  void Follow(const BaseVector & x) override;
+  void SetStiffness(FlatVector<> diagonal, double factor) override;
+  void SetConstant(double value) override { law->c = value; }
+  void AddApply(const BaseVector & x, BaseVector & y) override;
+  void AssembleLinearization(const BaseVector & x) override;
+  void AssembleStep(const BaseVector & x, BaseVector & residual) override;
+  void BeginSolve() override { law->BeginSolve(); }
+  void Evaluate(const BaseVector & x) override;
+  void Commit(const BaseVector & x) override;
+  void Restore() override;
+  FormHistory History() const override;
+  void SetHistory(const FormHistory & history) override;
+  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & x, BaseVector & residual,
+                                                     double factor) override;
+  shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & x,
+                                                   FlatArray<double> stiffness) override;
+  void UpdateMultipliers(BaseVector & x, double factor) override;
+  void Close(const BitArray & macros, BaseVector & x) override;
+  void AddScale(FlatVector<> scale) override;
+  shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
+  Array<double> Vectors(const string & name) const override;
+  Array<double> Scalars(const string & name) const override;
+  SegmentTable Segments() const override;
+  size_t NSegments() const override;
+  Array<double> Overlaps() const override;
+  FlatArray<int> MultiplierDofs() const override { return law->dofs; }
+  bool IsCurrent() const override;
+
+private:
+  void Start(shared_ptr<GridFunction> gf);
+  /// Everything as it is now is that of a committed step.
+  void Accept();
+  /// Throws unless these are the entries of a vector on the space that was paired.
+  void CheckSize(size_t entries) const;
+  /// Throws where a pairing could not be made: of mesh, space and gf.
+  void CheckUpdated(const shared_ptr<GridFunction> & gf) const;
+  void Reevaluate();
+  /// Looks at x, with scales for the law.
+  void Prepare(const BaseVector & x);
+  /// The matrix at x, whose forces are those of its multipliers.
+  void Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Rim rim);
+  /// Matrix of the displacements alone, from `mat`.
+  shared_ptr<SparseMatrix<double>> Penalized() const;
+  /// Numbers of boundary elements and of vertices.
+  std::array<size_t, 2> MeshSize() const;
+  /// Entries of a vector on the product space.
+  size_t NScalars() const { return u.fes->GetNDof() * u.fes->GetDimension(); }
+  double RowArea(size_t m) const {
+    auto & jump = kinematics->Jump();
+    return jump.area[m] > 0 ? jump.area[m] : jump.fullarea[m];
+  }
+
+  shared_ptr<MacroLaw<D>> law;
+  unique_ptr<Kinematics<D>> kinematics;
+  Array<Vec<D>> normal;           // of the macro-elements at the last evaluation
+  size_t nscalars = 0;            // entries of a vector on the product space that was paired
+  std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
+  struct {
+    Array<Vec<D>> normal;
+    Array<MacroState> states;
+  } accepted; // at the last committed step
+};
+} // namespace ngslac

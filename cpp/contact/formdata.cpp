@@ -1,0 +1,156 @@
+#include "form.hpp"
+
+namespace ngslac {
+template <int D>
+void Form<D>::Evaluate(const BaseVector & bx) {
+  CheckSize(bx.FV<double>().Size());
+  Reevaluate();
+  auto x = bx.FV<double>();
+  kinematics->At(x);
+  ParallelFor(states.Size(), [&](size_t m) {
+    auto place = kinematics->Place(m, x);
+    Vec<D> traction = law->Multiplier(m, x);
+    auto & state = states[m];
+    state.pressure = -InnerProduct(traction, place.normal);
+    state.gap = place.gap;
+    state.traction = 0.0, state.slip = 0.0;
+    for (int k : Range(D))
+      state.traction(k) = traction(k), state.slip(k) = place.slip(k);
+    normal[m] = place.normal;
+    state.status = law->ProjectAt(m, place, x).status;
+  });
+}
+
+template <int D>
+void Form<D>::Commit(const BaseVector & bx) {
+  Follow(bx);
+  Evaluate(bx);
+  kinematics->Commit(bx.FV<double>(), accepted.states, states);
+  Accept();
+}
+
+template <int D>
+void Form<D>::Accept() {
+  accepted.normal = normal;
+  accepted.states = states;
+}
+
+template <int D>
+void Form<D>::Restore() {
+  CheckPaired();
+  kinematics->Restore();
+  normal = accepted.normal;
+  states = accepted.states;
+}
+
+template <int D>
+FormHistory Form<D>::History() const {
+  CheckPaired();
+  FormHistory history;
+  kinematics->Save(history);
+  SaveVectors<D>(history["reference"], kinematics->Reference());
+  history["c"] = law->c;
+  SaveVectors<D>(history["normal"], normal);
+  SaveVectors<D>(history["accepted_normal"], accepted.normal);
+  for (auto & s : states)
+    AppendState(history["states"], s);
+  for (auto & s : accepted.states)
+    AppendState(history["accepted"], s);
+  return history;
+}
+
+template <int D>
+void Form<D>::SetHistory(const FormHistory & history) {
+  for (auto & [name, values] : History())
+    if (!history.count(name) || history.at(name).Size() != values.Size())
+      throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
+                      ToString(values.Size()) + " numbers");
+  auto saved = StatesFrom(history.at("states")), committed = StatesFrom(history.at("accepted"));
+  law->c = history.at("c");
+  kinematics->Load(history);
+  LoadVectors<D>(history.at("reference"), kinematics->Reference());
+  LoadVectors<D>(history.at("normal"), normal);
+  LoadVectors<D>(history.at("accepted_normal"), accepted.normal);
+  states = std::move(saved);
+  accepted.states = std::move(committed);
+}
+
+// --- what Python asks for ------------------------------------------------------------------------
+
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::JumpMatrix(Side side) {
+  CheckPaired();
+  auto & surfaces = kinematics->Surfaces();
+  MacroJump<D> one(*space, *surfaces.slave, *surfaces.pairing);
+  if (side != Side::both) // of both sides there is one already
+    one.SetRows(u, *surfaces.slave, surfaces.master.get(), *surfaces.pairing, side);
+  auto & op = side == Side::both ? kinematics->JumpWithRows() : one;
+  int block = u.fes->GetDimension();
+  return op.AsMatrix(u.offset * block, u.component->GetNDof() * block,
+                     side == Side::master ? -1 : 1); // D and M are both positive
+}
+
+template <int D>
+Array<double> Form<D>::Vectors(const string & name) const {
+  CheckPaired();
+  Array<double> values;
+  if (name == "normal")
+    SaveVectors<D>(values, normal);
+  else if (name == "center")
+    SaveVectors<D>(values, kinematics->Jump().center);
+  else if (name == "reference")
+    SaveVectors<D>(values, kinematics->Reference());
+  else if (name == "force" || name == "moment")
+    for (size_t m : Range(states)) {
+      Vec<D> traction;
+      for (int k : Range(D))
+        traction(k) = states[m].traction(k);
+      auto [force, moment] = kinematics->ResultantOf(m, traction);
+      for (int k : Range(name == "force" ? D : 3))
+        values.Append(name == "force" ? force(k) : moment(k));
+    }
+  else
+    throw Exception("ContactForm: no vectors named " + name);
+  return values;
+}
+
+template <int D>
+Array<double> Form<D>::Scalars(const string & name) const {
+  CheckPaired();
+  auto & jump = kinematics->Jump();
+  std::map<string, const Array<double> *> known{
+      {"area", &jump.area}, {"fullarea", &jump.fullarea}, {"flatness", &jump.flatness},
+      {"c", &law->c},       {"friction", &law->friction}, {"threshold", &law->threshold}};
+  if (auto found = known.find(name); found != known.end())
+    return Array<double>(FlatArray<double>(*found->second));
+  if (name != "prescribed")
+    throw Exception("ContactForm: no scalars named " + name);
+  Array<double> directions(states.Size());
+  for (size_t m : Range(directions))
+    directions[m] = D - Trace(space->ReachOf(m));
+  return directions;
+}
+
+template <int D>
+size_t Form<D>::NSegments() const {
+  CheckPaired();
+  return kinematics->Surfaces().pairing->Size();
+}
+
+template <int D>
+SegmentTable Form<D>::Segments() const {
+  CheckPaired();
+  auto & surfaces = kinematics->Surfaces();
+  return MakeSegmentTable(*surfaces.pairing, *surfaces.slave, surfaces.master.get());
+}
+
+template <int D>
+Array<double> Form<D>::Overlaps() const {
+  CheckPaired();
+  auto & surfaces = kinematics->Surfaces();
+  return kinematics->Finder().Overlaps(*surfaces.slave, surfaces.master.get());
+}
+
+template class Form<2>;
+template class Form<3>;
+} // namespace ngslac

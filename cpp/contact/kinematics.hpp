@@ -1,0 +1,99 @@
+#pragma once
+#include "linear/scatter.hpp"
+#include "macrolaw.hpp"
+#include "macrostate.hpp"
+#include "pairfinder.hpp"
+
+namespace ngslac {
+/// Does the matrix see that the overlap changes where the master ends?
+enum class Rim { stays, moves };
+
+/// How macro-elements move with the dofs, whatever the law is.
+///
+/// Small sliding: as at the last Start. Finite sliding: in the configuration looked at last.
+template <int D>
+class Kinematics {
+public:
+  Kinematics(const ContactSetup & asetup, shared_ptr<LACSpace> aspace, const ProxyInfo & au,
+             shared_ptr<MacroLaw<D>> alaw)
+      : setup(asetup), space(aspace), u(au), finder(asetup, aspace, au), law(alaw) {}
+  virtual ~Kinematics() = default;
+
+  /// Pairs at x, the values of gf (null: in the reference configuration, x is zero); slip counts
+  /// from there. Returns a matrix to begin with.
+  virtual shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x) = 0;
+  /// Pairs anew at x.
+  virtual void Follow(FlatVector<> /* x */) {}
+  /// Evaluates what Parameters and other functions may have changed.
+  virtual void Reevaluate() {}
+  /// Looks at the configuration of x, of which everything below tells.
+  virtual void At(FlatVector<> /* x */) {}
+  virtual MacroPlace<D> Place(size_t m, FlatVector<> x) const = 0;
+  /// Subtracts the virtual work of a traction on one macro-element.
+  virtual void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const = 0;
+  /// The same of all multipliers.
+  virtual void AddAllForces(FlatVector<> x, FlatVector<> y) const {
+    ScatterInOrder(Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
+      AddForces(m, law->Multiplier(m, x), forces, lh);
+    });
+  }
+  /// Resultant of a traction, and its moment about the origin.
+  virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
+  /// The matrix at x where the projections are these, and the forces are those of the tractions.
+  virtual shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x,
+                                                     FlatArray<Projection<D>> projections,
+                                                     FlatArray<Vec<D>> tractions, Rim rim) = 0;
+  /// Looks at the diagonal of the bulk matrix.
+  virtual void LearnStiffness(FlatVector<> /* diagonal */) {}
+  /// Accepts x as the end of a step, with the states before and after it.
+  virtual void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) = 0;
+  /// Everything is as it was at the last Commit.
+  virtual void Restore() = 0;
+  /// The numbers of the last commit that a later solve depends on.
+  virtual void Save(FormHistory & history) const = 0;
+  virtual void Load(const FormHistory & history) = 0;
+
+  size_t Size() const { return surfaces.jump->Size(); }
+  const Paired<D> & Surfaces() const { return surfaces; }
+  MacroJump<D> & Jump() const { return *surfaces.jump; }
+  const PairFinder<D> & Finder() const { return finder; }
+  /// The macro-elements with the rows of the jump, which finite sliding seldom needs.
+  MacroJump<D> & JumpWithRows() const {
+    if (!Jump().HasRows())
+      Jump().SetRows(u, *surfaces.slave, surfaces.master.get(), *surfaces.pairing);
+    return Jump();
+  }
+  /// Slip counts from there.
+  FlatArray<Vec<D>> Reference() const { return reference; }
+
+protected:
+  /// Takes over a pairing, and makes its macro-elements where there are none.
+  void Take(Paired<D> paired) {
+    if (!paired.jump)
+      paired.jump = make_shared<MacroJump<D>>(*space, *paired.slave, *paired.pairing);
+    surfaces = std::move(paired);
+  }
+  /// An open macro-element that goes on as in the last step will touch where its path meets the
+  /// master: what it moves until then, counted in such steps, is no slip.
+  static double TimeToTouch(const MacroState & state, double approach, double motion) {
+    bool touches = state.status == Status::open && state.gap > 0 && approach > 0.1 * motion &&
+                   state.gap < 10 * approach;
+    return touches ? state.gap / approach : 0;
+  }
+
+  ContactSetup setup;
+  shared_ptr<LACSpace> space;
+  ProxyInfo u;
+  PairFinder<D> finder;
+  shared_ptr<MacroLaw<D>> law;
+  Paired<D> surfaces;
+  Array<Vec<D>> reference;
+};
+
+template <int D>
+unique_ptr<Kinematics<D>> MakeSmallSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                           const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+template <int D>
+unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                            const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+} // namespace ngslac

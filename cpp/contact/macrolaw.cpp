@@ -1,0 +1,116 @@
+#include "macrolaw.hpp"
+
+namespace ngslac {
+template <int D>
+MacroLaw<D>::MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace,
+                      const ProxyInfo & alam)
+    : space(aspace), lam(alam), tied(setup.tied), watch_friction(setup.friction),
+      watch_threshold(setup.threshold) {}
+
+template <int D>
+void MacroLaw<D>::FindDofs(const Surface<D> & slave) {
+  dofs.SetSize(D * space->NMacros());
+  LocalHeap lh(1000 * 1000, "ngslac-multipliers");
+  int block = lam.fes->GetDimension();
+  Array<DofId> own;
+  for (size_t f : Range(slave.Size())) {
+    HeapReset hr(lh);
+    ElementId ei(BND, slave.Element(f));
+    lam.fes->GetDofNrs(ei, own);
+    IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
+    for (int k : Range(D))
+      dofs[D * space->MacroOfFace()[ei.Nr()] + k] =
+          block * own[(used.First() + k) / block] + (used.First() + k) % block;
+  }
+}
+
+template <int D>
+void MacroLaw<D>::Reset() {
+  Reevaluate();
+  c.SetSize(space->NMacros()), direction.SetSize(space->NMacros());
+  c = 0.0;
+  BeginSolve();
+}
+
+template <int D>
+void MacroLaw<D>::Reevaluate() {
+  auto means = [&](Watch & watch, const char * name, Array<double> & values) {
+    watch.WhereChanged([&] {
+      if (watch)
+        values = MacroMeans(*watch, *space, name);
+      else {
+        values.SetSize(space->NMacros());
+        values = -1.0;
+      }
+    });
+  };
+  means(watch_friction, "friction", friction);
+  means(watch_threshold, "tresca", threshold);
+}
+
+template <int D>
+Vec<D> MacroLaw<D>::Multiplier(size_t m, FlatVector<> x) const {
+  Vec<D> traction;
+  for (int k : Range(D))
+    traction(k) = x(dofs[D * m + k]);
+  return traction;
+}
+
+template <int D>
+LawData<D> MacroLaw<D>::Data(size_t m, const MacroPlace<D> & place) const {
+  LawData<D> data{place.normal, c[m], friction[m], threshold[m], tied && place.area > 0};
+  if (!place.slides) // it has just met its partner
+    data.friction = data.threshold = -1;
+  return data;
+}
+
+template <int D>
+Vec<D> MacroLaw<D>::Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
+  if (place.area == 0)
+    return place.normal;
+  Vec<D> traction = Multiplier(m, x);
+  return traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+}
+
+template <int D>
+Projection<D> MacroLaw<D>::ProjectWithMemory(size_t m, const MacroPlace<D> & place,
+                                             FlatVector<> x) {
+  Vec<D> now = 0.0, trial = Trial(m, place, x);
+  auto data = Data(m, place);
+  auto p = Project(data, trial);
+  if (p.status == Status::slip && max(data.friction, data.threshold) > 0)
+    now = trial - InnerProduct(trial, place.normal) * place.normal;
+  if (InnerProduct(now, direction[m]) < 0) {
+    p = Sticking(trial);
+    now = 0.0;
+  }
+  direction[m] = now;
+  return p;
+}
+
+template <int D>
+void MacroLaw<D>::AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
+                              FlatVector<> x, FlatVector<> y) const {
+  Vec<D> residual = (place.RowArea() / c[m]) * (p.traction - Multiplier(m, x));
+  for (int k : Range(D))
+    y(dofs[D * m + k]) += residual(k);
+}
+
+template <int D>
+ngbla::Mat<D, D> MacroLaw<D>::MultiplierBlock(size_t m, const MacroPlace<D> & place,
+                                              const ngbla::Mat<D, D> & projection) const {
+  ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(place.normal);
+  return (place.RowArea() / c[m]) * (by_trial - Id<D>());
+}
+
+template <int D>
+Vec<D> MacroLaw<D>::ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {
+  if (ComplianceOf(m).IsRigid() || !(c[m] > 0))
+    return Vec<D>(0.0);
+  Vec<D> slip = (1 / c[m]) * (ComplianceOf(m).At(normal) * Multiplier(m, x));
+  return slip - InnerProduct(slip, normal) * normal;
+}
+
+template class MacroLaw<2>;
+template class MacroLaw<3>;
+} // namespace ngslac

@@ -1,0 +1,81 @@
+#pragma once
+#include "coefficients.hpp"
+#include "compliance.hpp"
+#include "contactform.hpp"
+
+namespace ngslac {
+/// Where a macro-element is: means over its paired part.
+template <int D>
+struct MacroPlace {
+  Vec<D> normal;
+  double gap;            // along the slave normals
+  Vec<D> slip;           // of this step, perpendicular to the normal
+  Vec<D> jump;           // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
+  double area, fullarea; // paired, of all faces
+  bool slides = true;    // is it known what it slid in this step?
+
+  /// Factor of the multiplier's rows, also without a partner.
+  double RowArea() const { return area > 0 ? area : fullarea; }
+};
+
+/// The contact law of all macro-elements: multipliers, scales and coefficients.
+template <int D>
+class MacroLaw {
+  shared_ptr<LACSpace> space;
+  ProxyInfo lam;
+  bool tied;
+  Watch watch_friction, watch_threshold;
+  Array<Vec<D>> direction; // of slip in the last Newton step
+
+public:
+  Array<double> c;                   // traction per displacement
+  Array<double> friction, threshold; // means over the macro-elements, -1: none
+  Array<int> dofs;                   // of the multipliers, D for each
+
+  MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam);
+
+  /// Finds the multipliers over the faces of a surface.
+  void FindDofs(const Surface<D> & slave);
+  /// Evaluates the coefficients; no scale is known.
+  void Reset();
+  /// Evaluates what Parameters and other functions may have changed.
+  void Reevaluate();
+  /// Forgets the slip directions of the last iteration.
+  void BeginSolve() { direction = Vec<D>(0.0); }
+
+  Vec<D> Multiplier(size_t m, FlatVector<> x) const;
+  Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }
+  Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
+    return Project(Data(m, place), Trial(m, place, x));
+  }
+  /// The projection, but what slips the other way than in the last Newton step sticks.
+  Projection<D> ProjectWithMemory(size_t m, const MacroPlace<D> & place, FlatVector<> x);
+  /// Adds the residual of the multiplier's rows.
+  void AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p, FlatVector<> x,
+                   FlatVector<> y) const;
+  /// Derivative of a multiplier's rows by the multiplier, from that of the projection.
+  ngbla::Mat<D, D> MultiplierBlock(size_t m, const MacroPlace<D> & place,
+                                   const ngbla::Mat<D, D> & projection) const;
+  /// Slip that comes back when the tangential traction is taken away: it counts on.
+  Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;
+
+private:
+  LawData<D> Data(size_t m, const MacroPlace<D> & place) const;
+  /// The traction before the projection. Macro-elements without a partner stay open.
+  Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const;
+};
+
+/// Makes the scales of a law larger while it lives.
+template <int D>
+class Augmentation {
+  MacroLaw<D> & law;
+  Array<double> before;
+
+public:
+  Augmentation(MacroLaw<D> & alaw, double factor) : law(alaw), before(alaw.c) {
+    for (double & value : law.c)
+      value *= factor;
+  }
+  ~Augmentation() { law.c = before; }
+};
+} // namespace ngslac
