@@ -1,9 +1,10 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
+from contextlib import contextmanager
+
 from ngsolve import BaseMatrix, GridFunction
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
     BoundaryNames,
     BoundaryRegion,
@@ -19,18 +20,19 @@ from ngslac.arguments import (
     Coefficient,
     Wrong,
 )
-from ngslac.contact.results import ContactResults
-from ngslac.contact.state import FIELDS, IN_DOUBT, REFERENCE, ContactState
+from ngslac.contact import results
+from ngslac.contact.state import CheckSaved, FormState
 from ngslac.errors import RefuseCopy
-from ngslac.output.pictures import ContactPictures
+from ngslac.output import pictures
 
 __all__ = ["LACContact"]
 
 # Beyond this, and below its inverse, a factor of the scale loses digits of the linear systems.
 STIFFEST = 1e6
+FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
 
 
-class LACContact(ContactState, ContactResults, ContactPictures):
+class LACContact:
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,
@@ -121,42 +123,30 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         penetration=None,
         stiffness=1.0,
     ):
-        for name, proxy in {"u": u, "lam": lam}.items():
-            if not isinstance(proxy, ProxyFunction):
-                raise Wrong(TypeError, name, proxy, "a trial function of a product space")
+        CheckProxies(u=u, lam=lam)
         if (master is None) == (obstacle is None):
             raise ValueError("give either master= or obstacle=, not both and not none")
-        tied, finite = CheckFlag("tied", tied), CheckFlag("finite", finite)
+        CheckFlag("tied", tied)
+        CheckFlag("finite", finite)
         if tied and (friction is not None or tresca is not None):
             raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-        for name, value in {"maxdist": maxdist, "penetration": penetration}.items():
-            if value is not None:
-                CheckPositive(name, value, "a positive length")
+        CheckLengths(maxdist=maxdist, penetration=penetration)
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
         mesh = u.space.mesh
         for name, value in {"obstacle": obstacle, "friction": friction, "tresca": tresca}.items():
             CheckOnMesh(name, value, mesh)
         region = None if master is None else BoundaryRegion(mesh, master, "master")
-        self.mesh, self.master = mesh, region
-        self._setup = {
-            "u": u,
-            "lam": lam,
-            "master": region,
-            "obstacle": Coefficient("obstacle", obstacle),
-            "friction": Coefficient("friction", friction, least=0),
-            "tresca": Coefficient("tresca", tresca, least=0),
-            "tied": tied,
-            "finite": finite,
-            "maxdist": maxdist or 0.0,
-            "penetration": penetration or 0.0,
-        }
-        self.form = ContactForm(**self._setup)
-        self.holds_tangentially = tied or friction is not None or tresca is not None
-        self.space = self.form.space
+        setup = {"u": u, "lam": lam, "master": region, "tied": tied, "finite": finite}
+        setup["obstacle"] = Coefficient("obstacle", obstacle)
+        setup["friction"] = Coefficient("friction", friction, least=0)
+        setup["tresca"] = Coefficient("tresca", tresca, least=0)
+        setup |= {"maxdist": maxdist or 0.0, "penetration": penetration or 0.0}
+        self.mesh, self.master, self.finite, self.tied = mesh, region, finite, tied
         self.stiffness = stiffness
-        self.finite, self.tied = finite, tied
-        self._scaled, self._paired = False, None
+        self.holds_tangentially = tied or friction is not None or tresca is not None
+        self._state = FormState(setup, stiffness)
+        self.space = self.form.space
         if region is not None:
             CheckMoves(region, self.form.fes, self.form.component)
             if not finite:
@@ -166,7 +156,7 @@ class LACContact(ContactState, ContactResults, ContactPictures):
     def __repr__(self):
         sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
         names = [repr(BoundaryNames(side)) for side in sides]
-        given = self._setup
+        given = self._state.setup
         laws = {"tied": given["tied"], "Coulomb friction": given["friction"] is not None}
         laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
         words = [word for word, holds in laws.items() if holds]
@@ -177,15 +167,42 @@ class LACContact(ContactState, ContactResults, ContactPictures):
             + (">" if self.form.paired else ", not paired yet>")
         )
 
+    @property
+    def form(self):
+        """The compiled form."""
+        return self._state.form
+
+    # --- fields --------------------------------------------------------------------------------
+
     def _MakeFields(self):
-        scalar = self.space.WithComponents(1)
-        vector = self.space.WithComponents(self.mesh.dim)
+        scalar, vector = (self.space.WithComponents(n) for n in (1, self.mesh.dim))
         self.pressure = GridFunction(scalar, name="pressure")
         self.gap = GridFunction(scalar, name="gap")
         self.status = GridFunction(scalar, name="status")
         self.traction = GridFunction(vector, name="traction")
         self.slip = GridFunction(vector, name="slip")
         self.normal = GridFunction(vector, name="normal")
+
+    def _Fill(self):
+        table = self.Table() if self.form.paired else {}
+        for name in FIELDS:
+            values = table[name].ravel() if table else 0.0
+            getattr(self, name).vec.FV().NumPy()[:] = values
+
+    @contextmanager
+    def _Changing(self, kept):
+        """Fields follow the form; in the context `kept` what fails leaves both as they were."""
+        fits = len(self.pressure.vec) == self.space.nmacros
+        if self._state.refined or not fits:  # no way back
+            yield
+            self._MakeFields()
+            self._Fill()
+            return
+        try:
+            with kept:
+                yield
+        finally:
+            self._Fill()
 
     # --- the form ------------------------------------------------------------------------------
 
@@ -210,28 +227,14 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         """
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
-        if self._IsRefined():  # no way back
-            self._Pair(gf)
-            return
-        with self._FormKept():
-            self._Pair(gf)
+        with self._Changing(self._state.FormKept()):
+            self._state.Pair(gf)
 
-    def _IsRefined(self):
-        """Are pairing and fields those of another mesh?"""
-        fits = len(self.pressure.vec) == self.space.nmacros
-        return not fits or (self.form.paired and not self.form.current)
-
-    def _Pair(self, gf, history=None):
-        paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
-        form = ContactForm(**self._setup)
-        form.Update(gf, history)
-        refined = self._IsRefined()
-        self.form = form
-        if refined:
-            self._MakeFields()
-        self._scaled = False
-        self._Fill()
-        self._paired = paired
+    def _PairOnce(self):
+        if self.form.paired:
+            self.form.CheckPaired()
+        else:
+            self.Update()
 
     def Prepare(self, bulk):
         """Pair if that was not done, and take the scale of the form from the bulk's matrix.
@@ -243,9 +246,7 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         """
         CheckInstance("bulk", bulk, BaseMatrix, "a matrix on the product space, such as a.mat")
         self._PairOnce()
-        if not self._scaled:
-            self.form.SetStiffness(bulk, self.stiffness)
-            self._scaled = True
+        self._state.Scale(bulk)
 
     def Follow(self, gf):
         """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.
@@ -301,12 +302,8 @@ class LACContact(ContactState, ContactResults, ContactPictures):
             On the product space.
         """
         CheckOnSpace("gf", gf, self.form.fes)
-        paired = gf.vec.FV().NumPy().copy() if self.finite else self._paired
-        with self._WholeOrNot(gf):
-            if self.finite:
-                self._paired = IN_DOUBT
-            self.form.Commit(gf.vec)
-            self._paired = paired
+        with self._Changing(self._state.WholeOrNot(gf)):
+            self._state.Commit(gf)
 
     def Evaluate(self, gf):
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
@@ -326,7 +323,89 @@ class LACContact(ContactState, ContactResults, ContactPictures):
         self.form.Restore()
         self._Fill()
 
-    def _Fill(self):
-        table = self.Table()
-        for name in FIELDS:
-            getattr(self, name).vec.FV().NumPy()[:] = table[name].ravel()
+    def State(self):
+        """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
+
+        Restore it with `SetState` on a contact that was built in the same way.
+
+        Returns
+        -------
+        dict
+        """
+        return self._state.State()
+
+    def SetState(self, state, gf=None):
+        """Pair in the saved configuration and take over the saved history.
+
+        Parameters
+        ----------
+        state : dict
+            Of `State`.
+        gf : GridFunction, optional
+            The solution then, on the product space. Without it the fields of ``finite=True`` are
+            those of the last `Commit`.
+
+        Raises
+        ------
+        TypeError, ValueError, ngsolve.NgException
+            The state is none, or that of another contact. Nothing is changed then.
+        """
+        CheckSaved(state)
+        if gf is not None:
+            CheckOnSpace("gf", gf, self.form.fes)
+        kept = self._state.FormKept() if self.finite else self._state.WholeOrNot(gf)
+        with self._Changing(kept):
+            self._state.SetState(state, gf)
+
+    # --- results -------------------------------------------------------------------------------
+
+    def Table(self):
+        """The last evaluation as numpy arrays over the macro-elements.
+
+        Returns
+        -------
+        dict
+            ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
+            both of the reference configuration with ``finite=True``,
+            ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
+            ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
+            ``friction`` (n) coefficient, -1 without Coulomb friction.
+        """
+        d = self.mesh.dim
+        states = self.form.States().reshape(-1, 9)
+        table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
+        return table | {
+            "x": self.form.Vectors("center").reshape(-1, d),
+            "normal": self.form.Vectors("normal").reshape(-1, d),
+            "pressure": states[:, 0],
+            "gap": states[:, 1],
+            "status": states[:, 2].astype(int),
+            "traction": states[:, 3 : 3 + d],
+            "slip": states[:, 6 : 6 + d],
+        }
+
+    def _GetWebguiData(self):
+        return self.Segments()._GetWebguiData()
+
+    Force = results.Force
+    Moment = results.Moment
+    Mortar = results.Mortar
+    Segments = results.SegmentsOf
+    Check = results.Check
+    Draw = pictures.Draw
+    Plot = pictures.Plot
+    WriteVTU = pictures.WriteVTU
+
+
+def CheckProxies(**proxies):
+    """Trial functions."""
+    for name, proxy in proxies.items():
+        if not isinstance(proxy, ProxyFunction):
+            raise Wrong(TypeError, name, proxy, "a trial function of a product space")
+
+
+def CheckLengths(**lengths):
+    """Positive, or None."""
+    for name, value in lengths.items():
+        if value is not None:
+            CheckPositive(name, value, "a positive length")

@@ -1,4 +1,4 @@
-"""Pictures of a contact: scenes of the webgui, profiles by matplotlib, files for ParaView."""
+"""Methods of `LACContact` that show it: webgui scenes, profiles by matplotlib, ParaView files."""
 
 import numpy as np
 from ngsolve import BND, CF, CoefficientFunction, GridFunction
@@ -18,7 +18,7 @@ from ngslac.output.facepoints import FacePoints
 from ngslac.output.glyphs import Arrows, Bars, Dots, Ticks
 from ngslac.output.vtkfile import WriteVTK
 
-__all__ = ["ContactPictures"]
+__all__ = ["Draw", "Plot", "WriteVTU"]
 
 SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
 KINDS = (*SCALARS, *VECTORS, "macros", "segments")
@@ -26,206 +26,209 @@ COLOUR = "crimson"  # of bars and arrows
 STATUS = {"open": "gray", "stick": "blue", "slip": "orange"}
 
 
-class ContactPictures:
-    """How a contact, with its fields on its `mesh`, is looked at: a base of `LACContact`."""
+def Draw(
+    self, field="pressure", *, background=None, deformation=None, scale=1, size=None, **options
+):
+    """Show a field of the last evaluation on the slave side, in the webgui.
 
-    def Draw(
-        self, field="pressure", *, background=None, deformation=None, scale=1, size=None, **options
-    ):
-        """Show a field of the last evaluation on the slave side, in the webgui.
+    In 3D numbers are colours on the slave faces and vectors are arrows on them. In 2D the faces
+    are edges: numbers are bars along the outward normal, vectors arrows, each status a
+    colour of dots (gray open, blue stick, orange slip), drawn on the bodies.
 
-        In 3D numbers are colours on the slave faces and vectors are arrows on them. In 2D the faces
-        are edges: numbers are bars along the outward normal, vectors arrows, each status a
-        colour of dots (gray open, blue stick, orange slip), drawn on the bodies.
+    Parameters
+    ----------
+    field : str
+        "pressure", "gap", "status", "traction", "slip", "normal", or what contact is made of:
+        "macros" (by shuffled colours, in 2D by their ends) or "segments".
+    background : CoefficientFunction, optional
+        In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
+        norm of the `deformation`.
+    deformation : GridFunction or CoefficientFunction, optional
+        Displacement (d,), by which bodies and glyphs are moved.
+    scale : float
+        Factor of the deformation.
+    size : float, optional
+        Length of the longest bar or arrow. Default: a fifth of the slave's diameter.
+    **options :
+        Handed to `ngsolve.webgui.Draw` (min, max, radius, euler_angles, settings, show, ...).
 
-        Parameters
-        ----------
-        field : str
-            "pressure", "gap", "status", "traction", "slip", "normal", or what contact is made of:
-            "macros" (by shuffled colours, in 2D by their ends) or "segments".
-        background : CoefficientFunction, optional
-            In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
-            norm of the `deformation`.
-        deformation : GridFunction or CoefficientFunction, optional
-            Displacement (d,), by which bodies and glyphs are moved.
-        scale : float
-            Factor of the deformation.
-        size : float, optional
-            Length of the longest bar or arrow. Default: a fifth of the slave's diameter.
-        **options :
-            Handed to `ngsolve.webgui.Draw` (min, max, radius, euler_angles, settings, show, ...).
+    Returns
+    -------
+    ngsolve.webgui.WebGLScene
 
-        Returns
-        -------
-        ngsolve.webgui.WebGLScene
+    Raises
+    ------
+    ValueError, TypeError
+        An unknown field, or an argument of another kind.
 
-        Raises
-        ------
-        ValueError, TypeError
-            An unknown field, or an argument of another kind.
+    Examples
+    --------
+    >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
+    >>> scene = contact.Draw("traction", deformation=gf.components[0], show=False)
+    """
+    # Importing the webgui switches NumPy's warnings off: not before somebody draws.
+    from ngsolve import webgui
 
-        Examples
-        --------
-        >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
-        >>> scene = contact.Draw("traction", deformation=gf.components[0], show=False)
-        """
-        # Importing the webgui switches NumPy's warnings off: not before somebody draws.
-        from ngsolve.webgui import Draw
+    CheckChoice("field", field, KINDS)
+    CheckDisplacement("deformation", deformation, self.mesh)
+    CheckNumber("scale", scale)
+    if size is not None:
+        CheckPositive("size", size, "a positive length, or None")
+    if background is not None:
+        wanted = "a CoefficientFunction such as a stress, or None"
+        CheckInstance("background", background, CoefficientFunction, wanted)
+        CheckOnMesh("background", background, self.mesh)
+    self._PairOnce()
+    flat = self.mesh.dim == 2
+    displacement = deformation
+    if deformation is not None:
+        # `scale` of Draw does not reach a deformation that is not the shown function.
+        options["deformation"] = deformation = scale * displacement
+    objects = list(options.pop("objects", []))
+    if field == "segments":
+        objects.append(self)
+    elif field in VECTORS or flat:
+        objects += _Glyphs(self, field, FacePoints(self, deformation), size)
+    if not flat:
+        shown, defaults = _Colours(self, field)
+        return webgui.Draw(shown, self.space.slave, objects=objects, **(defaults | options))
+    shown = displacement if background is None else background
+    shown = [self.mesh] if shown is None else [shown, self.mesh]
+    return webgui.Draw(*shown, objects=objects, **options)
 
-        CheckChoice("field", field, KINDS)
-        CheckDisplacement("deformation", deformation, self.mesh)
-        CheckNumber("scale", scale)
-        if size is not None:
-            CheckPositive("size", size, "a positive length, or None")
-        if background is not None:
-            wanted = "a CoefficientFunction such as a stress, or None"
-            CheckInstance("background", background, CoefficientFunction, wanted)
-            CheckOnMesh("background", background, self.mesh)
-        self._PairOnce()
-        flat = self.mesh.dim == 2
-        displacement = deformation
-        if deformation is not None:
-            # `scale` of Draw does not reach a deformation that is not the shown function.
-            options["deformation"] = deformation = scale * displacement
-        objects = list(options.pop("objects", []))
-        if field == "segments":
-            objects.append(self)
-        elif field in VECTORS or flat:
-            objects += self._Glyphs(field, FacePoints(self, deformation), size)
-        if not flat:
-            shown, defaults = self._Colours(field)
-            return Draw(shown, self.space.slave, objects=objects, **(defaults | options))
-        shown = displacement if background is None else background
-        shown = [self.mesh] if shown is None else [shown, self.mesh]
-        return Draw(*shown, objects=objects, **options)
 
-    def _Glyphs(self, field, faces, size):
-        if field == "macros":
-            return [Ticks(faces, field, COLOUR, size)]
-        values = self.Table()[field][faces.macro]
-        if field == "status":
-            return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
-        kind = Arrows if field in VECTORS else Bars
-        return [kind(faces, field, COLOUR, values, size)]
+def _Glyphs(contact, field, faces, size):
+    if field == "macros":
+        return [Ticks(faces, field, COLOUR, size)]
+    values = contact.Table()[field][faces.macro]
+    if field == "status":
+        return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
+    kind = Arrows if field in VECTORS else Bars
+    return [kind(faces, field, COLOUR, values, size)]
 
-    def _Colours(self, field):
-        """In 3D the function that gives the colours, and options of its own."""
-        if field == "status":
-            return self.status, {"min": 0, "max": 2, "settings": {"colormap_ncolors": 3}}
-        if field == "macros":
-            # Neighbours have nearly the same number: in order they would have the same colour.
-            order = np.random.default_rng(1).permutation(self.space.nmacros)
-            return self._Numbers(order), {"settings": {"colormap_ncolors": 32}}
-        if field == "segments":
-            return self.gap, {}
-        values = getattr(self, field)
-        return (sum(value * value for value in values) ** 0.5 if field in VECTORS else values), {}
 
-    def _Numbers(self, values):
-        """A field with one number for each macro-element."""
-        field = GridFunction(self.space.WithComponents(1))
-        field.vec.FV().NumPy()[:] = values
-        return field
+def _Colours(contact, field):
+    """In 3D the function that gives the colours, and options of its own."""
+    if field == "status":
+        return contact.status, {"min": 0, "max": 2, "settings": {"colormap_ncolors": 3}}
+    if field == "macros":
+        # Neighbours have nearly the same number: in order they would have the same colour.
+        order = np.random.default_rng(1).permutation(contact.space.nmacros)
+        return _Numbers(contact, order), {"settings": {"colormap_ncolors": 32}}
+    if field == "segments":
+        return contact.gap, {}
+    values = getattr(contact, field)
+    return (sum(value * value for value in values) ** 0.5 if field in VECTORS else values), {}
 
-    def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
-        """Plot a field of the last evaluation over a coordinate, by matplotlib.
 
-        In 2D one step for each macro-element, in 3D one point. Of the traction and of the slip the
-        tangential part is shown: in 2D its component along the normal turned by 90 degrees
-        counterclockwise, in 3D its norm.
+def _Numbers(contact, values):
+    """A field with one number for each macro-element."""
+    field = GridFunction(contact.space.WithComponents(1))
+    field.vec.FV().NumPy()[:] = values
+    return field
 
-        Parameters
-        ----------
-        field : str
-            "pressure", "gap", "status", "traction" or "slip".
-        along : str or callable
-            "x", "y", "z", or a function of the points (n, d) that returns (n,).
-        deformation : GridFunction or CoefficientFunction, optional
-            Displacement (d,): points of the current configuration in place of the reference.
-        axes : matplotlib.axes.Axes, optional
-            Default: the current ones.
-        **style :
-            Handed to `axes.plot` (label, color, ...).
 
-        Returns
-        -------
-        matplotlib.axes.Axes
+def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
+    """Plot a field of the last evaluation over a coordinate, by matplotlib.
 
-        Raises
-        ------
-        ValueError, TypeError
-            An unknown field or coordinate, or an argument of another kind.
+    In 2D one step for each macro-element, in 3D one point. Of the traction and of the slip the
+    tangential part is shown: in 2D its component along the normal turned by 90 degrees
+    counterclockwise, in 3D its norm.
 
-        Examples
-        --------
-        >>> axes = contact.Plot("pressure", along="x", label="computed")
-        """
-        from matplotlib import pyplot as plt
+    Parameters
+    ----------
+    field : str
+        "pressure", "gap", "status", "traction" or "slip".
+    along : str or callable
+        "x", "y", "z", or a function of the points (n, d) that returns (n,).
+    deformation : GridFunction or CoefficientFunction, optional
+        Displacement (d,): points of the current configuration in place of the reference.
+    axes : matplotlib.axes.Axes, optional
+        Default: the current ones.
+    **style :
+        Handed to `axes.plot` (label, color, ...).
 
-        fields = (*SCALARS, *VECTORS[:2])
-        CheckChoice("field", field, fields)
-        CheckDisplacement("deformation", deformation, self.mesh)
-        if axes is not None and not callable(getattr(axes, "plot", None)):
-            raise Wrong(TypeError, "axes", axes, "axes of matplotlib, or None")
-        self._PairOnce()
-        coordinate = _Coordinate(along, self.mesh.dim)
-        axes = plt.gca() if axes is None else axes
-        values = self._Tangential(field) if field in VECTORS else self.Table()[field]
-        faces = FacePoints(self, deformation)
-        if self.mesh.dim == 2:
-            axes.plot(*_Steps(faces, coordinate, values), **style)
-        else:
-            points = faces.MacroMeans(faces.centers)
-            axes.plot(coordinate(points), values, **({"ls": "", "marker": "."} | style))
-        axes.set_ylabel(field)
-        if isinstance(along, str):
-            axes.set_xlabel(along)
-        return axes
+    Returns
+    -------
+    matplotlib.axes.Axes
 
-    def _Tangential(self, field):
-        table = self.Table()
-        vectors, normals = table[field], table["normal"]
-        if self.mesh.dim == 2:
-            return normals[:, 0] * vectors[:, 1] - normals[:, 1] * vectors[:, 0]
-        along = np.sum(vectors * normals, axis=1, keepdims=True)
-        return np.linalg.norm(vectors - along * normals, axis=1)
+    Raises
+    ------
+    ValueError, TypeError
+        An unknown field or coordinate, or an argument of another kind.
 
-    def WriteVTU(self, filename, *, displacement=None):
-        """Write the fields on the slave faces for ParaView.
+    Examples
+    --------
+    >>> axes = contact.Plot("pressure", along="x", label="computed")
+    """
+    from matplotlib import pyplot as plt
 
-        Parameters
-        ----------
-        filename : str or Path
-        displacement : GridFunction or CoefficientFunction, optional
-            Written, too: ParaView's filter "Warp By Vector" shows the deformed faces.
+    fields = (*SCALARS, *VECTORS[:2])
+    CheckChoice("field", field, fields)
+    CheckDisplacement("deformation", deformation, self.mesh)
+    if axes is not None and not callable(getattr(axes, "plot", None)):
+        raise Wrong(TypeError, "axes", axes, "axes of matplotlib, or None")
+    self._PairOnce()
+    coordinate = _Coordinate(along, self.mesh.dim)
+    axes = plt.gca() if axes is None else axes
+    values = _Tangential(self, field) if field in VECTORS else self.Table()[field]
+    faces = FacePoints(self, deformation)
+    if self.mesh.dim == 2:
+        axes.plot(*_Steps(faces, coordinate, values), **style)
+    else:
+        points = faces.MacroMeans(faces.centers)
+        axes.plot(coordinate(points), values, **({"ls": "", "marker": "."} | style))
+    axes.set_ylabel(field)
+    if isinstance(along, str):
+        axes.set_xlabel(along)
+    return axes
 
-        Returns
-        -------
-        pathlib.Path
 
-        Raises
-        ------
-        OSError
-            The file cannot be written; nothing is left of it.
-        TypeError, ValueError
-            `filename` is none, or `displacement` no displacement.
+def _Tangential(contact, field):
+    table = contact.Table()
+    vectors, normals = table[field], table["normal"]
+    if contact.mesh.dim == 2:
+        return normals[:, 0] * vectors[:, 1] - normals[:, 1] * vectors[:, 0]
+    along = np.sum(vectors * normals, axis=1, keepdims=True)
+    return np.linalg.norm(vectors - along * normals, axis=1)
 
-        Examples
-        --------
-        >>> path = contact.WriteVTU("slave", displacement=gf.components[0])
-        >>> path.name
-        'slave.vtu'
-        """
-        CheckDisplacement("displacement", displacement, self.mesh)
-        self._PairOnce()
-        fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
-        fields["macro"] = self._Numbers(np.arange(self.space.nmacros))
-        if displacement is not None:
-            fields["displacement"] = displacement
-        if self.mesh.dim == 2:  # ParaView's vectors have three components
-            fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
-        chosen = AsBits(np.array(self.space.macros) >= 0)
-        return WriteVTK(filename, self.mesh, fields, vb=BND, drawelems=chosen, order=2)
+
+def WriteVTU(self, filename, *, displacement=None):
+    """Write the fields on the slave faces for ParaView.
+
+    Parameters
+    ----------
+    filename : str or Path
+    displacement : GridFunction or CoefficientFunction, optional
+        Written, too: ParaView's filter "Warp By Vector" shows the deformed faces.
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    OSError
+        The file cannot be written; nothing is left of it.
+    TypeError, ValueError
+        `filename` is none, or `displacement` no displacement.
+
+    Examples
+    --------
+    >>> path = contact.WriteVTU("slave", displacement=gf.components[0])
+    >>> path.name
+    'slave.vtu'
+    """
+    CheckDisplacement("displacement", displacement, self.mesh)
+    self._PairOnce()
+    fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
+    fields["macro"] = _Numbers(self, np.arange(self.space.nmacros))
+    if displacement is not None:
+        fields["displacement"] = displacement
+    if self.mesh.dim == 2:  # ParaView's vectors have three components
+        fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
+    chosen = AsBits(np.array(self.space.macros) >= 0)
+    return WriteVTK(filename, self.mesh, fields, vb=BND, drawelems=chosen, order=2)
 
 
 def _Coordinate(along, dim):
