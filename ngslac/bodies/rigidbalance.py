@@ -10,13 +10,11 @@ from scipy.optimize import linprog
 from scipy.sparse import csc_matrix, csr_matrix, hstack, identity
 from scipy.sparse.linalg import norm
 
-from ngslac.bodies.bodies import JumpRows
+from ngslac.bodies.constraints import JumpRows
 from ngslac.bodies.rigidmotions import Turned
 
-__all__ = ["CarriedOff", "IsLinear", "RigidBalance"]
+__all__ = ["RigidBalance"]
 
-# Deviation of forces from a straight line that is rounding.
-STRAIGHT = 1e-11
 # Loads that are not balanced, relative to all; forces at work that are rounding.
 LEAST, ROUNDING = 1e-5, 1e-9
 # Directions of friction in 3D: more of them than friction could carry, by half a per cent.
@@ -26,52 +24,6 @@ REMEDY = ". Constrain it, or prescribe a displacement in place of a force"
 ROUGH = 10.0
 # Part of the farthest motion that belongs to a body which moves, too.
 MOVING = 0.1
-
-
-def CarriedOff(solver):
-    """Which bodies the loads carry off in the configuration of a solver, whatever contact does.
-
-    Parameters
-    ----------
-    solver : ContactSolver
-
-    Returns
-    -------
-    str
-        Empty where there is a balance, or no body that contact alone holds.
-    """
-    bodies, a = solver._Bodies(), solver.a
-    if not bodies.floating:
-        return ""
-    if a.condense:
-        solver._Assemble()
-    state = solver.residual.Measure(solver.scale, honest=True)
-    if not state.finite:
-        return ""
-    forces = solver.gf.vec.CreateVector()
-    forces.FV().NumPy()[:] = state.bulk
-    solver.bulk.Condense(forces)  # bodies do not know what is condensed
-    own = slice(bodies.first, bodies.first + bodies.count)
-    finite = any(contact.finite for contact in solver.contacts)
-    displacement = solver.gf.vec.FV().NumPy()[own] if finite else None
-    return RigidBalance(bodies, solver.contacts, displacement).Find(forces.FV().NumPy()[own])
-
-
-def IsLinear(solver):
-    """Are forces of the bulk and loads linear in all of the displacement, and all slip small?"""
-    if any(contact.finite for contact in solver.contacts):
-        return False
-    vec, forces = solver.gf.vec, []
-    at, moved = vec.CreateVector(), vec.CreateVector()
-    way = np.random.default_rng(3).standard_normal(len(vec.FV().NumPy()))
-    way *= 0.1 * solver._Bodies().size * (solver.linear.free | solver.bulk.inner)
-    for part in range(3):
-        at.data = vec
-        at.FV().NumPy()[:] += part * way
-        solver.a.Apply(at, moved)
-        forces.append(moved.FV().NumPy() - solver.bulk.load)
-    bend = np.linalg.norm(forces[2] - 2 * forces[1] + forces[0])
-    return bool(bend <= STRAIGHT * np.linalg.norm(forces[2] - forces[0]))
 
 
 class RigidBalance:

@@ -6,12 +6,11 @@ import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
-from ngslac.errors import ContactConvergenceError
 from ngslac.linear.primal import PrimalSolver
-from ngslac.solve.problem import CheckInverse, CheckTolerance
+from ngslac.solve.problem import CheckInverse
 from ngslac.solve.solver import ContactSolver
 
-__all__ = ["AugmentedLagrangianSolver"]
+__all__ = ["Augmented", "AugmentedLagrangianSolver"]
 
 # Augmentation where none is given: the first one, and between what it may change.
 # Where surfaces rub and turn, many small outer iterations are easier than few large ones.
@@ -61,10 +60,6 @@ class AugmentedLagrangianSolver(ContactSolver):
     ----------
     history : list[Iteration]
         Of the last `Solve`: one line for each linear solve.
-    outer : int
-        How often the last `Solve` moved the multipliers on.
-    factor : float
-        The augmentation at the end of the last `Solve`.
 
     Raises
     ------
@@ -96,135 +91,148 @@ class AugmentedLagrangianSolver(ContactSolver):
             CheckPositive("augmentation", augmentation, "a positive factor, or None")
         CheckInverse(inverse)
         super().__init__(a, gf, contacts, rhs=rhs, freedofs=freedofs, initial=initial)
-        self.linear = PrimalSolver(self.linear, inverse)
+        self.system.linear = PrimalSolver(self.linear, inverse)
         self.augmentation = augmentation
-        self._Forget()
+        self._scheme = Augmented(augmentation)
 
-    def _Forget(self):
-        """Begin with the first augmentation, and with the multipliers of the solution."""
-        self.factor, self.outer = self.augmentation or START, 0
-        self._fixed = self._pull = None
-        self._tries, self._ceiling, self._slow = 0, LARGEST, False
+    @property
+    def factor(self):
+        """The augmentation at the end of the last `Solve`, a float."""
+        return self._scheme.factor
+
+    @property
+    def outer(self):
+        """How often the last `Solve` moved the multipliers on, an int."""
+        return self._scheme.outer
 
     def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True):
         """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations.
 
         There is no other method for the contact status: `path` has no effect.
         """
-        self._Forget()
-        self._tol = CheckTolerance(tol)
+        self._scheme = self.system.scheme = Augmented(self.augmentation)
         self.linear.Forget()
         return super().Solve(
             maxit=maxit, tol=tol, printing=printing, callback=callback, motion=motion, path=path
         )
 
+
+class Augmented:
+    """Multipliers that are fixed in each linear system, with the verbs of `Saddle`.
+
+    Parameters
+    ----------
+    augmentation : float or None
+        As in AugmentedLagrangianSolver.
+
+    Attributes
+    ----------
+    factor : float
+        The present one.
+    outer : int
+        How often the multipliers moved on.
+    """
+
+    most, searches = np.inf, False
+
+    def __init__(self, augmentation):
+        self.augmentation, self.factor, self.outer = augmentation, augmentation or START, 0
+        self._fixed = self._pull = None
+        self._tries, self._ceiling, self._slow = 0, LARGEST, False
+
+    @property
+    def advice(self):
+        """What else to try where there is no convergence."""
+        if self.augmentation is None:
+            return ""
+        return (
+            f", or an augmentation {'larger' if self._slow else 'smaller'} than "
+            f"{self.augmentation:g}; without one it is chosen on the way"
+        )
+
     # --- outer iteration -----------------------------------------------------------------------
 
-    def _ChooseMultipliers(self, state):
-        """Those of the next step: the ones before, or the projections, which are in gf."""
-        values, rows = self.gf.vec.FV().NumPy(), self.residual.rows
+    def Prepare(self, newton, state):
+        """Take the multipliers of the next step: those before, or the projections, now in gf."""
+        system = newton.system
+        values, rows = system.values, system.residual.rows
         if self._fixed is None:
-            self.linear.Leave(rows)
             self._fixed, self._constraint = values[rows], np.inf
-            rubs = any(c.finite and np.any(c.Table()["friction"] > 0) for c in self.contacts)
+            rubs = any(c.finite and np.any(c.Table()["friction"] > 0) for c in system.contacts)
             self.factor = self.augmentation or (RUBBING if rubs else START)
-        elif state.equilibrium <= max(FORCING * state.constraint, self._tol):
+        elif state.equilibrium <= max(FORCING * state.constraint, newton.tol):
             self._slow = state.constraint > PROGRESS * self._constraint
             if self._slow and self.augmentation is None:
                 self.factor = min(GROWTH * self.factor, self._ceiling)
             self._fixed, self._constraint = values[rows], state.constraint
             self.outer += 1
-            self._BeginInner(state)
-        elif self._Struggles():
+            self._BeginInner(newton, state)
+        elif self._Struggles(newton.history):
             self._ceiling = self.factor / np.sqrt(GROWTH)
             self.factor = max(self.factor / GROWTH, LEAST)
-            self._BeginInner(state)
+            self._BeginInner(newton, state)
         self._tries += 1
         values[rows] = self._fixed
 
-    def _Struggles(self):
+    def _Struggles(self, history):
         """Is the augmentation too large for the inner iteration to get anywhere?"""
         if self.augmentation is not None or self.factor <= LEAST:
             return False
-        short = len(self.history) > 2 and max(e.damping for e in self.history[-2:]) <= SHORT
+        short = len(history) > 2 and max(e.damping for e in history[-2:]) <= SHORT
         return self._tries > PATIENCE or (self._tries > PATIENCE // 2 and short)
 
-    def _BeginInner(self, state):
+    def _BeginInner(self, newton, state):
         self._tries = 0
-        self.globalization.Begin()
-        self.globalization.Watch(state, 0)
-
-    def _NotConverged(self, state):
-        error = super()._NotConverged(state)
-        if self.augmentation is None:
-            return error
-        other = "larger" if self._slow else "smaller"
-        return ContactConvergenceError(
-            f"{error}, or an augmentation {other} than {self.augmentation:g}; without one it is "
-            "chosen on the way"
-        )
+        newton.globalization.Begin()
+        newton.globalization.Watch(state, 0)
 
     # --- inner iteration -----------------------------------------------------------------------
 
-    def _Linearize(self, state):
+    def Closed(self, system, before):
+        """Macro-elements were closed by multipliers, which only tell what is closed."""
+        self._pull = system.values - before
+        system.values[:] = before
+
+    def Linearize(self, system, state):
         """Residual and matrices of the displacements, with the multipliers of this iteration."""
-        self._ChooseMultipliers(state)
-        vec, rows = self.gf.vec, self.residual.rows
-        values = vec.FV().NumPy()
+        vec, values, rows = system.gf.vec, system.values, system.residual.rows
+        system.linear.Leave(rows)
         residual = vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
         pull = None if self._pull is None else self.factor * self._pull[rows]
         if pull is not None:
             values[rows] = self._fixed + pull
-        self.linear.contacts = [
+        system.linear.contacts = [
             contact.form.AssembleAugmented(vec, residual, self._FactorOf(contact))
-            for contact in self.contacts
+            for contact in system.contacts
         ]
-        if pull is not None:  # it only tells what is closed: the force is that of its penalty
+        if pull is not None:  # the force is that of its penalty
             values[rows] = -pull
-            for contact in self.contacts:
+            for contact in system.contacts:
                 contact.AddApply(vec, residual)
             values[rows] = self._fixed
             self._pull = None
         residual.FV().NumPy()[rows] = 0
         return residual
 
-    def _Measure(self):
+    def Matrices(self, system):
+        """What the contacts add to the bulk's matrix."""
+        return system.linear.contacts
+
+    def Measure(self, system, honest):
         """The State with those multipliers of which the forces of the inner problem are made.
 
         Its equilibrium is what the inner iteration reduces, its constraint what the outer one does.
         """
         try:
-            self.residual.Follow()
-            for contact in self.contacts:
-                contact.form.UpdateMultipliers(self.gf.vec, self._FactorOf(contact))
+            system.residual.Follow()
+            for contact in system.contacts:
+                contact.form.UpdateMultipliers(system.gf.vec, self._FactorOf(contact))
         except NgException:
             pass  # Measure meets and reports it
-        state = self.residual.Measure(self.scale, honest=self._motion is not None)
+        state = system.residual.Measure(system.scale, honest)
         return replace(state, merit=state.unbalance)
 
     def _FactorOf(self, contact):
         """Of the form's scale, in which `stiffness` is."""
         return self.factor / contact.stiffness
-
-    def _Newton(self, state, maxit, most=0):
-        return super()._Newton(state, max(maxit, most))
-
-    def _Otherwise(self, error, maxit, start, motion, found):
-        """There is no other method: what was found if it may be, else the error."""
-        if found is not None and not self._Bodies().Lost(found):
-            return self._Accepted()
-        self._CheckBalance(error, start, motion, lost=True)
-        raise error
-
-    def _ContactMatrices(self):
-        return self.linear.contacts
-
-    def _CloseWhatFloats(self, start=False):
-        values = self.gf.vec.FV().NumPy()
-        before = values.copy()
-        closed = super()._CloseWhatFloats(start)
-        if closed:
-            self._pull = values - before
-            values[:] = before
-        return closed

@@ -27,20 +27,19 @@ class InteriorPoint:
 
     Parameters
     ----------
-    newton : ContactSolver
+    system : System
         Its solution is where to start, and moves along.
     state : State
         Of the start.
     """
 
-    def __init__(self, newton, state):
-        self.newton, self.vec = newton, newton.gf.vec
-        self.values = self.vec.FV().NumPy()
-        self.rows, self.returns = newton.residual.rows, 0
-        wanted = newton.linear.wanted
-        self.linear = PrimalSolver(newton.linear, wanted if wanted in CHOLESKY else None)
+    def __init__(self, system, state):
+        self.system, self.vec, self.values = system, system.gf.vec, system.values
+        self.rows, self.returns = system.residual.rows, 0
+        wanted = system.linear.wanted
+        self.linear = PrimalSolver(system.linear, wanted if wanted in CHOLESKY else None)
         self.linear.Leave(self.rows)
-        self.springs = [Springs(contact, newton.gf) for contact in newton.contacts]
+        self.springs = [Springs(contact, system.gf) for contact in system.contacts]
         pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
             raise ContactConvergenceError("nothing presses where the surfaces face each other")
@@ -55,9 +54,9 @@ class InteriorPoint:
         self.state = state
         motion = self._Motion(state, [spring.Weaken(self.vec) for spring in self.springs])
         pressure = max(spring.Pressure(motion) for spring in self.springs)
-        if self.newton._Settles():
+        if self.system.Settles():
             self.values[:] += motion
-            self.state = self.newton._Trial(state, 0)
+            self.state = self.system.Trial(state, 0)
         return pressure
 
     def Step(self, state):
@@ -99,9 +98,9 @@ class InteriorPoint:
         return min(spring.law.Longest(step) for spring, step in self._Each(steps))
 
     def _Solve(self, residual):
-        newton = self.newton
+        system = self.system
         # What nothing pushes in the end stays where it is.
-        return self.linear.SolveShifted(newton.bulk.mat, [], newton.scale, residual, ~self.rows)
+        return self.linear.SolveShifted(system.bulk.mat, [], system.scale, residual, ~self.rows)
 
     def _Motion(self, state, mats):
         """How displacements answer to the tractions shown, with these matrices of the springs."""
@@ -111,7 +110,7 @@ class InteriorPoint:
             spring.contact.AddApply(self.vec, residual)
         residual.FV().NumPy()[self.rows] = 0
         self.linear.contacts = mats
-        return -self.newton._Displace(residual, self._Solve, mats)
+        return -self.system.Displace(residual, self._Solve, mats)
 
     def _Direction(self, state, mats, mu, corrections=None):
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
@@ -132,7 +131,7 @@ class InteriorPoint:
             self.values[:] = start + part * motion
             for spring, step in self._Each(steps):
                 spring.Show(self.values, spring.law.Shown(step, part))
-            trial = self.newton._Trial(state, part)
+            trial = self.system.Trial(state, part)
             if trial.finite:
                 break
             part /= 2
@@ -140,7 +139,7 @@ class InteriorPoint:
             raise ContactConvergenceError(trial.reason + " however short the step")
         for spring, step in self._Each(steps):
             spring.law.Take(step, part)
-        self.newton._Moved(state, trial, motion, part)
+        self.system.Moved(state, trial, motion, part)
         return trial, part
 
 

@@ -1,82 +1,182 @@
-"""One step of the Newton method: assembly, linear solution, line search."""
+"""One solve by a generalised Newton method with active set."""
 
 import numpy as np
 
-from ngslac._ngslac import EquilibrationScale, VertexDofs
-from ngslac.arguments import CheckChoice, CheckFunction
-from ngslac.arrays import Multiply, ScalarDofs
-from ngslac.errors import ContactConvergenceError
-from ngslac.linear.solver import LinearSolver
-from ngslac.solve.problem import CheckMatrix, MultiplierRows
-from ngslac.solve.residual import State
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.solve.failure import CarriedOff, Failure
+from ngslac.solve.globalization import Globalization
+from ngslac.solve.holding import Holding
+from ngslac.solve.inverted import InvertedError
+from ngslac.solve.iteration import MostlySlips
+from ngslac.solve.search import FAILURES, StatusSearch
 
-__all__ = ["ChooseSolver", "NewtonStep"]
+__all__ = ["Newton"]
 
-# Shorter parts of a step may lead macro-elements off the master.
-LEAST_SIGHT = 1 / 8
+# Linear solves that have to be left for another method to be tried.
+LEAST = 10
+# Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
+STRAYED = 0.5
+# Iterations of another method where Newton's has found that loads carry a body off, or where it
+# found nearly all slipping for some time.
+SEARCH, RUBBED = 30, 10
+# Iterations without a change of status in which a residual that falls no more is at a minimum.
+STILL = 4
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
-# Of the diagonal of the scaled matrix: it keeps bodies where they are that nothing pushes.
-IDLE_SHIFT = 1e-6
 # What turns round sticks a little behind that point; how many of those that turn are looked at.
 TURN, MOST_TURNS = 1e-6, 3
-# From this many free displacements on an iterative solution is the faster one: 2D and 3D.
-LARGE = {2: 25_000, 3: 5_000}
 
 
-class NewtonStep:
-    """The steps of a ContactSolver, which derives from it.
+class Newton:
+    """The way of a System to its solution, once.
 
-    Uses its ``bulk``, ``gf``, ``contacts``, ``linear``, ``residual`` and ``globalization``.
+    Parameters
+    ----------
+    system : System
+    log : Log
+        Takes each iterate; tells the tolerance.
+    initial : {"gap", "none"}
+    path : bool
+        As in `ContactSolver.Solve`.
+
+    Attributes
+    ----------
+    onpath : bool
+        Does another method look for the status? Then none is guessed.
+    stuck : (n,) array or None
+        The solution where the residual has a minimum that is not zero, if it came to that.
+    failure : Failure
+        What has been found out about the reasons if it fails.
     """
 
-    def _Assemble(self):
-        bulk = self.bulk
-        if bulk.Assemble():
-            self.linear.NewBulk()
-        for contact in self.contacts:
-            contact.Prepare(bulk.mat)
-        if not self._apart:
-            CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
-            self._apart = True
-        forms = [contact.form for contact in self.contacts]
-        self.scale = EquilibrationScale(bulk.mat, forms)
-        if self.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
-            self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
+    def __init__(self, system, log, *, initial, path):
+        self.system, self.log, self.tol, self.path = system, log, log.tol, path
+        self.globalization, self.holding = Globalization(), Holding(system, initial)
+        self.failure = Failure(system, self.holding)
+        self.onpath, self.stuck = False, None
 
-    def _Linearize(self, state):
-        """The residual of the next linear system, whose matrices are assembled."""
-        residual = self.gf.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
-        for contact in self.contacts:
-            contact.form.AssembleStep(self.gf.vec, residual)
-        return residual
+    @property
+    def history(self):
+        """The lines of the table so far."""
+        return self.log.history
 
-    def _Measure(self):
-        return self.residual.Measure(self.scale, honest=self._motion is not None)
+    def Run(self, maxit):
+        """The last line, after at most so many linear solves; raises what keeps it from that."""
+        system = self.system
+        system.Assemble()
+        system.residual.Follow()
+        state = system.residual.Begin(system.scale, self.tol)
+        if not state.finite:
+            raise ContactConvergenceError(f"{state.reason} at the start")
+        start, found = system.Place(), None
+        try:
+            if self._CloseWhatFloats(start=True):
+                state = system.residual.Measure(system.scale, honest=True)
+            self.Record(state)
+            last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
+            if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
+                return last
+            found = system.Place()
+            raise ContactConvergenceError("bodies move until their forces are rounding errors")
+        except InvertedError as error:
+            self.failure.LookAt(start, error, lost=False)
+            raise
+        except FAILURES as error:
+            return self._Otherwise(error, maxit, start, found)
+
+    # --- the loop ------------------------------------------------------------------------------
+
+    def Iterate(self, state, maxit, most=0):
+        """Newton's method from the State noted last: the last line.
+
+        At most `maxit` steps, or up to `most` as long as the residual falls.
+        """
+        for contact in self.system.contacts:
+            contact.form.BeginSolve()
+        self.globalization.Begin()
+        for number in range(max(maxit, most) + 1):
+            if self.Converged(state):
+                return self.Accept()
+            slow = number >= maxit and not (number < most and self.globalization.falls)
+            if slow or self.globalization.stagnates:
+                break
+            self.globalization.Watch(state, self.history[-1].changed)
+            if len(self.history) > 1:
+                self.system.Assemble()
+            state, damping = self._Step(state)
+            state = self.Confirmed(state)
+            self.Record(state, damping)
+        still = not any(entry.changed for entry in self.history[-STILL:])
+        if self.globalization.stagnates and still and not self.onpath:
+            self.stuck = self.system.values.copy()
+        raise self.NotConverged(state)
+
+    def Record(self, state, damping=1.0):
+        """Note an iterate, which a part of a step led to."""
+        self.system.Evaluate()
+        self.log.Add(state, damping)
+
+    def Converged(self, state):
+        """Is it the solution?"""
+        done = state.equilibrium < self.tol and state.constraint < self.tol
+        return done and self.system.motion is None
+
+    def Confirmed(self, state):
+        """The state, by the bulk's own residual where it looks converged or hopeless."""
+        system = self.system
+        if self.Converged(state) or self.globalization.stagnates:
+            linear = system.bulk.islinear
+            state = system.residual.Confirm(state, system.scale)
+            if not state.finite:
+                raise ContactConvergenceError(state.reason)
+            if linear and not system.bulk.islinear:  # assemble anew, and iterate on
+                self.globalization.Begin()
+        return state
+
+    def Accept(self):
+        """The last line, if the state that it tells of is possible."""
+        if message := self.system.Inverted():
+            raise InvertedError(message + "; take smaller steps, or a finer mesh there")
+        self.system.residual.Accept()
+        return self.history[-1]
+
+    def NotConverged(self, state):
+        """The error that ends the table at a State."""
+        return ContactConvergenceError(
+            f"no convergence in {len(self.history) - 1} iterations: equilibrium "
+            f"{state.equilibrium:.2e}, constraint {state.constraint:.2e}"
+            + (", the contact status cycles" if self.globalization.cycles else "")
+            + "; take smaller steps"
+            + self.system.scheme.advice
+        )
+
+    # --- one step ------------------------------------------------------------------------------
 
     def _Step(self, state):
-        correction = self._Correction(self._Linearize(state), self._Accuracy(state))
-        start = self.gf.vec.CreateVector()
-        start.data = self.gf.vec
+        system, vec = self.system, self.system.gf.vec
+        system.scheme.Prepare(self, state)
+        correction = system.Correction(system.Linearize(state), self._Accuracy(state))
+        start = vec.CreateVector()
+        start.data = vec
 
         def move(damping):
-            self.gf.vec.data = start
-            self.gf.vec.FV().NumPy()[:] -= damping * correction
-            return self._Trial(state, damping)
+            vec.data = start
+            vec.FV().NumPy()[:] -= damping * correction
+            return system.Trial(state, damping)
 
         found = None
-        if self._closings and len(self.history) == 1:
+        if self.holding.closings and len(self.history) == 1:
             found = self.globalization.SearchStart(move)
-        elif self._loose and self._motion is None:
+        elif system.loose and system.motion is None:
             found = self._Stick(state, move)
-        trial, damping = found or self.globalization.Search(move, self._motion is not None)
+        moving = system.motion is not None
+        trial, damping = found or self.globalization.Search(move, moving)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
-        self._Moved(state, trial, -correction, damping)
+        system.Moved(state, trial, -correction, damping)
         if self._CloseWhatFloats():
-            return self._Measure(), damping
+            return system.Measure(), damping
         return trial, damping
 
     def _Stick(self, state, move):
@@ -102,22 +202,7 @@ class NewtonStep:
 
     def _Slips(self):
         """Of the macro-elements of all contacts (n, d)."""
-        return np.concatenate([contact.Table()["slip"] for contact in self.contacts])
-
-    def _Trial(self, state, damping):
-        """The State after a part of a step from another State."""
-        trial = self._Measure()
-        if trial.finite and damping > LEAST_SIGHT and trial.LostSight(state):
-            return State.Nothing("surfaces pass through each other")
-        return trial
-
-    def _Moved(self, before, after, motion, damping):
-        """Learn from a part of a motion between two States, which was taken."""
-        self.bulk.Learn(before, after, -damping * motion, self.scale, self.residual)
-        if self._motion is not None:
-            self._motion = (1 - damping) * self._motion
-            if np.max(np.abs(self._motion)) <= self._rest:
-                self._motion = None
+        return np.concatenate([contact.Table()["slip"] for contact in self.system.contacts])
 
     def _Accuracy(self, state):
         """Relative residual that an iterative solution needs for the next step to be a Newton step.
@@ -125,82 +210,64 @@ class NewtonStep:
         Loose while the contact status changes, then such that convergence stays quadratic, or
         enough where nothing but the status was nonlinear.
         """
-        rubs = any(contact.holds_tangentially for contact in self.contacts)
-        most = FIRM if rubs else LOOSE
-        if self.history[-1].changed or not self.history[-1].number:
+        last = self.history[-1]
+        most = FIRM if self.system.rubs else LOOSE
+        if last.changed or not last.number:
             return most
         size = max(state.equilibrium, state.constraint)
         enough = 0.03 * self.tol / size
-        last = self.bulk.islinear and not self.history[-1].slip
-        return min(most, enough if last else max(enough, 0.1 * size))
+        final = self.system.bulk.islinear and not last.slip
+        return min(most, enough if final else max(enough, 0.1 * size))
 
-    def _Correction(self, residual, accuracy=0.0):
-        forms = [contact.form for contact in self.contacts]
-        given = self.bulk.mat, forms, self.scale
+    def _CloseWhatFloats(self, start=False):
+        before = self.system.values.copy()
+        closed = self.holding.Close(start, guess=not self.onpath)
+        if closed:
+            self.system.scheme.Closed(self.system, before)
+        return closed
 
-        def solve(residual):
-            rows = ~self.residual.rows
-            self._loose = False
-            if not self._idle:
-                found = self.linear.SolveShifted(*given, residual, rows, accuracy)
-                singular = self.linear.nearly_singular or self.linear.shifts
-                if not (singular and self._AreIdle("now")):
-                    self._loose = bool(singular)
-                    return found
-            return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
+    # --- where it does not get there -----------------------------------------------------------
 
-        return self._Displace(residual, solve, self._ContactMatrices())
+    def _Strays(self):
+        """Did a body that contact holds slip as far as macro-elements are large?"""
+        tables = [(c.Table(), c.mesh.dim - 1) for c in self.system.contacts]
+        slips = [np.linalg.norm(t["slip"], axis=1) / t["fullarea"] ** (1 / d) for t, d in tables]
+        return bool(self.system.bodies.floating) and np.max(np.concatenate(slips)) > STRAYED
 
-    def _Displace(self, residual, solve, mats):
-        """The correction (n,) that belongs to a residual, which is changed.
+    def _IsPushedFrom(self, start):
+        """Do loads carry a body off from that solution? Contacts are as they are afterwards."""
+        now = self.system.Place()
+        self.system.values[:] = start[0]
+        carried = CarriedOff(self.system)
+        self.system.GoTo(now)
+        self.system.Measure()
+        return bool(carried)
 
-        Parameters
-        ----------
-        residual : BaseVector
-        solve : callable
-            Gives the solution (n,) for a right hand side (n,), without what is condensed.
-        mats : list[BaseMatrix]
-            What the contacts add to the bulk's matrix.
-        """
-        bulk = self.bulk
-        bulk.Condense(residual)
-        if self._motion is not None:
-            residual.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -self._motion)
-        correction = self.gf.vec.CreateVector()
-        correction.FV().NumPy()[:] = solve(residual.FV().NumPy())
-        if self._motion is not None:
-            correction.FV().NumPy()[:] -= self._motion
-        bulk.Extend(correction, residual)
-        return correction.FV().NumPy().copy()
-
-    def _ContactMatrices(self):
-        return [contact.form.mat for contact in self.contacts]
-
-
-def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
-    """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest."""
-    if preconditioner is not None:
-        CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")
-        if wanted not in (None, "iterative"):
-            raise ValueError(f"preconditioner= goes with solver='iterative', not {wanted!r}")
-        wanted = "iterative"
-    if wanted is not None:
-        CheckChoice("solver", wanted, ("direct", "iterative", "saddle"))
-    space = a.space
-    coarse = ScalarDofs(VertexDofs(space), space) & freedofs
-    free, vertices = freedofs.NumSet(), coarse.NumSet()
-    suits = 0 < vertices < free / 3  # else the coarse problem is nearly the whole one
-    if wanted == "iterative" and not suits and not preconditioner:
-        raise ValueError(
-            f"solver='iterative' corrects on the {vertices} dofs of the vertices, which must be "
-            f"less than a third of the {free} free ones: take a displacement of order 2 or higher"
-        )
-    reason = "as asked for"
-    if wanted is None:
-        large = free >= LARGE[space.mesh.dim]
-        small_sliding = not any(contact.finite for contact in contacts)
-        reason = f"{free} free dofs in {space.mesh.dim}D"
-        iterates = suits and large and not inverse
-        wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
-    given = freedofs, inverse, wanted, space.mesh.dim, coarse, reason, preconditioner
-    return LinearSolver(*given)
+    def _Otherwise(self, error, maxit, start, found):
+        """The last line of another method, from the start again; else what Newton's found."""
+        system, failure = self.system, self.failure
+        if not system.scheme.searches:
+            if found is not None and not system.bodies.Lost(found[0]):
+                return self.Accept()
+            failure.LookAt(start, error, lost=True)
+            raise error
+        failure.slides = "" if found is not None else self.holding.WhatSlides(self.history)
+        held = bool(system.bodies.floating)  # by contact alone
+        failure.rubs = held and len(self.history) > RUBBED and MostlySlips(self.history)
+        if failure.slides or failure.rubs:
+            maxit = min(maxit, len(self.history) + SEARCH)
+        failure.LookAt(start, error, lost=found is None)
+        try:
+            loose = found is not None or isinstance(error, FloatingBodyError)
+            suits = loose or self.path or system.islinear
+            if failure.known or maxit - len(self.history) < LEAST or not suits:
+                raise error
+            system.GoTo(start)
+            failure.exhausted = True
+            return StatusSearch(self, maxit).Run(error)
+        except FAILURES:
+            if found is None or system.bodies.Lost(found[0]):
+                raise
+            system.GoTo(found)
+            self.Record(system.Measure())
+            return self.Accept()

@@ -156,15 +156,15 @@ class Residual:
                 contact.form.Evaluate(vec)
         except NgException as error:
             return State.Nothing(str(error))
-        bulk, contact_forces = residual.FV().NumPy(), contact_residual.FV().NumPy()
+        bulk, pushed = residual.FV().NumPy(), contact_residual.FV().NumPy()
         load = self.bulk.load
         # Forces at work: reactions, contact forces and loads all count.
-        forces = max(Norm((scale * f)[~self.rows]) for f in (bulk, contact_forces, load))
+        forces = max(Norm((scale * f)[~self.rows]) for f in (bulk, pushed, load))
         self._gapshifts = {"rhs": load[self.rows], "a, the bulk form,": bulk[self.rows]}
         bulk = bulk - load
-        scaled = scale * (bulk + contact_forces) * self.free
+        scaled = scale * (bulk + pushed) * self.free
         if not np.all(np.isfinite(scaled)):
-            parts = {"rhs": load, "a, the bulk form,": bulk, "contact": contact_forces}
+            parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}
             wrong = (name for name, part in parts.items() if not np.all(np.isfinite(part)))
             return State.Nothing(
                 f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
@@ -172,15 +172,20 @@ class Residual:
         self.forces, self.scaled = forces, scaled
         # No residual gets below the rounding errors of the stiffness times the displacement.
         self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
+        state = self._StateOf(bulk, honest)
+        if honest:
+            self.bulk.Remember(residual, state.merit)
+        return state
+
+    def _StateOf(self, bulk, honest):
+        """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
         pressing = max(self.forces, self.reference, 0.1 * self.rounding / self.tol)
-        equilibrium, constraint = Norm(scaled[~self.rows]), Norm(scaled[self.rows])
+        equilibrium, constraint = Norm(self.scaled[~self.rows]), Norm(self.scaled[self.rows])
         merit = float(np.hypot(equilibrium, constraint))
         reference = reference or max(equilibrium, constraint) or 1.0
         pressing = pressing or reference
-        if honest:
-            self.bulk.Remember(residual, merit)
         tables = [contact.Table() for contact in self.contacts]
         return State(
             bulk,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ngslac.bodies.bodies import LostMessage
+from ngslac.bodies.messages import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.linear.solver import LinearSolveError
 from ngslac.solve.interior import InteriorPoint
@@ -24,24 +24,23 @@ class StatusSearch:
 
     Parameters
     ----------
-    newton : ContactSolver
+    newton : Newton
     maxit : int
         Number of linear solves up to which its table may grow.
     """
 
     def __init__(self, newton, maxit):
-        self.newton, self.maxit = newton, maxit
+        self.newton, self.system, self.maxit = newton, newton.system, maxit
 
     def Run(self, error):
         """The last line of the table; `error` is what Newton's method ended with."""
-        newton = self.newton
-        if newton._printing:
-            print(f"  {error}: interior point method")
-        newton._onpath = True  # which guesses no status
-        newton._Assemble()
-        newton.residual.Follow()
+        system = self.system
+        self.newton.log.Say(f"  {error}: interior point method")
+        self.newton.onpath = True
+        system.Assemble()
+        system.residual.Follow()
         try:
-            last = self._Follow(InteriorPoint(newton, newton._Measure()))
+            last = self._Follow(InteriorPoint(system, system.Measure()))
             self._CheckLost(error)
             return last
         except FAILURES as another:
@@ -55,22 +54,22 @@ class StatusSearch:
         while len(newton.history) <= self.maxit and tiny < MOST_TINY and not self._Stalls():
             state, damping = path.Step(state)
             tiny = tiny + 1 if damping < TINY else 0
-            state = newton._Confirmed(state)
-            newton._Record(state, damping)
-            if newton._Converged(state):
-                return newton._Accepted()
-            if newton._motion is None and max(state.equilibrium, state.constraint) < near:
+            state = newton.Confirmed(state)
+            newton.Record(state, damping)
+            if newton.Converged(state):
+                return newton.Accept()
+            if self.system.motion is None and max(state.equilibrium, state.constraint) < near:
                 near *= NEARER
                 if last := self._Polish(state):
                     return last
-                state = newton._Measure()
-            newton._Assemble()
-        raise newton._NotConverged(state)
+                state = self.system.Measure()
+            self.system.Assemble()
+        raise newton.NotConverged(state)
 
     def _Stalls(self):
         """Have the residuals for some time been those of one, or a few, steps before?"""
         last = self.newton.history[-STALLED - PERIOD :]
-        if len(last) < STALLED + PERIOD or self.newton._motion is not None:
+        if len(last) < STALLED + PERIOD or self.system.motion is not None:
             return False
         sizes = np.array([(entry.equilibrium, entry.constraint) for entry in last])
         now = sizes[PERIOD:]
@@ -79,20 +78,17 @@ class StatusSearch:
 
     def _Polish(self, state):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
-        newton = self.newton
-        values = newton.gf.vec.FV().NumPy()
-        before = values.copy()
+        before = self.system.Place()
         try:
-            return newton._Newton(state, POLISH)
+            return self.newton.Iterate(state, POLISH)
         except FAILURES:
-            values[:] = before
-            newton.residual.Follow()
+            self.system.GoTo(before)
+            self.system.residual.Follow()
             return None
 
     def _CheckLost(self, error):
         """Raise an error if a body is carried off: that before, if it knows of it."""
-        newton = self.newton
-        if not (lost := newton._Bodies().Lost(newton.gf.vec.FV().NumPy())):
+        if not (lost := self.system.bodies.Lost(self.system.values)):
             return
         if isinstance(error, FloatingBodyError):
             raise error

@@ -20,7 +20,7 @@ from scipy.sparse import vstack
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
-from ngslac.bodies.bodies import ActiveRates, ActiveRows
+from ngslac.bodies.constraints import ActiveRates, ActiveRows
 from ngslac.linear.factor import Cholesky, Factor
 
 __all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]

@@ -46,7 +46,7 @@ class LimitLoad:
     """
 
     def __init__(self, solver, load, full):
-        self.solver, self.load, self.full = solver, load, full
+        self.solver, self.system, self.load, self.full = solver, solver.system, load, full
         self.expected, self.folds, self._place = None, 0, ""
 
     @property
@@ -61,9 +61,9 @@ class LimitLoad:
         """
         self._begin, self._goal, self._fold = self.load.Get(), goal, False
         self.expected = None
-        if self.solver._IsLinear() or not self.solver.history:
+        if self.system.islinear or not self.solver.history:
             return  # nothing bends, or no solve has come to a residual
-        values = self.solver.gf.vec.FV().NumPy()
+        values = self.system.values
         before = values.copy()
         try:
             if failed and self.solver.stuck is not None:
@@ -107,7 +107,7 @@ class LimitLoad:
 
     def _Share(self):
         """Part of the step of the load up to the first maximum of the resistance; or infinite."""
-        before = self.solver.gf.vec.FV().NumPy().copy()
+        before = self.system.values.copy()
         start, motion = self._Tangent()
         if motion is None:
             return np.inf
@@ -118,20 +118,24 @@ class LimitLoad:
 
     def _Tangent(self):
         """Forces that are not balanced, and the motion that follows from the tangent."""
-        solver = self.solver
-        solver._motion = None
-        solver._Assemble()
-        solver.residual.Follow()
-        state = solver.residual.Measure(solver.scale, honest=True)
+        system = self.system
+        system.motion = None
+        system.Assemble()
+        system.residual.Follow()
+        state = self._Measure()
         if not state.finite or state.equilibrium < IDLE:
             return None, None
         start = self._Forces()
-        return start, -solver._Correction(solver._Linearize(state))
+        return start, -system.Correction(system.Linearize(state))
+
+    def _Measure(self):
+        system = self.system
+        return system.residual.Measure(system.scale, honest=True)
 
     def _Forces(self):
         """Of bulk, loads and contact on the displacements, as measured last."""
-        residual = self.solver.residual
-        return np.where(residual.rows, 0.0, residual.scaled / self.solver.scale)
+        residual = self.system.residual
+        return np.where(residual.rows, 0.0, residual.scaled / self.system.scale)
 
     def _Peak(self, before, start, motion):
         """From the parabola that the work against the resistance is for a short way."""
@@ -152,9 +156,8 @@ class LimitLoad:
 
     def _Work(self, before, start, motion, part):
         """Of the forces that a part of the motion adds, along all of it."""
-        solver = self.solver
-        solver.gf.vec.FV().NumPy()[:] = before + part * motion
-        if not solver.residual.Measure(solver.scale, honest=True).finite:
+        self.system.values[:] = before + part * motion
+        if not self._Measure().finite:
             return np.nan
         return float(motion @ (self._Forces() - start))
 
@@ -162,14 +165,14 @@ class LimitLoad:
 
     def _LookAtFold(self):
         """Is what is left of the residual there a part of the load? Then that has a limit."""
-        solver = self.solver
-        solver.gf.vec.FV().NumPy()[:] = solver.stuck
+        residual = self.system.residual
+        self.system.values[:] = self.solver.stuck
         at = []
         for load in (self._begin, self._goal):
             self.load.Set(load)
-            if not solver.residual.Measure(solver.scale, honest=True).finite:
+            if not self._Measure().finite:
                 return
-            at.append(np.where(solver.residual.rows, 0.0, solver.residual.scaled))
+            at.append(np.where(residual.rows, 0.0, residual.scaled))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))
         self._fold = 0.1 * push < left < 2 * push
         if self._fold:
@@ -179,7 +182,7 @@ class LimitLoad:
 
     def _Place(self, motion):
         """The body and the element that a motion strains most, in words."""
-        form = self.solver.contacts[0].form
+        form = self.system.contacts[0].form
         u, mesh = GridFunction(form.component), form.fes.mesh
         first, values = form.offset * form.fes.dim, u.vec.FV().NumPy()
         values[:] = motion[first : first + len(values)]
@@ -189,7 +192,7 @@ class LimitLoad:
         weakest = ElementId(VOL, int(np.argmax(np.asarray(strains) / np.asarray(volumes))))
         corners = [mesh[v].point for v in mesh[weakest].vertices]
         place = ", ".join(f"{value:.3g}" for value in np.mean(corners, axis=0))
-        bodies = self.solver._Bodies()
+        bodies = self.system.bodies
         dofs = [dof for dof in form.component.GetDofNrs(weakest) if dof >= 0]
         name = bodies.name(bodies.part[dofs[0] * form.fes.dim])
         return f"body {name} snaps or collapses, most of all around ({place})"

@@ -13,10 +13,10 @@ from ngslac.arguments import (
     CheckNumber,
     CheckState,
 )
-from ngslac.bodies.bodies import OverloadMessage
-from ngslac.bodies.rigidbalance import CarriedOff
+from ngslac.bodies.messages import OverloadMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.progress import Progress
+from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.solver import ContactSolver
 from ngslac.steps.control import Journal, StepControl
@@ -149,7 +149,7 @@ class LoadStepper:
         CheckFunction("callback", callback)
         self.printing = CheckFlag("printing", printing)
         begin, done = self._CheckBegin(end), []
-        self.solver.PairOnce()
+        self.solver.system.PairOnce()
         self._journal.Begin()
         try:
             with Progress("contact: load steps", begin, end) as self._journal.progress:
@@ -251,7 +251,7 @@ class LoadStepper:
         `tried`: a load that is known to have no equilibrium, of which no part was tried, or None.
         """
         begin = self.load.Get()
-        useless = error.exhausted and self.solver._IsLinear()
+        useless = error.exhausted and self.solver.system.islinear
         if not (useless or error.rubs or isinstance(error, FloatingBodyError)):
             near = [] if limit.known else [begin + 0.25 * (target - begin)]
             for goal in (*near, target):
@@ -316,7 +316,7 @@ class LoadStepper:
         try:
             for _ in range(BISECTIONS):
                 self.load.Set(middle := (most + least) / 2)
-                carried = CarriedOff(self.solver)
+                carried = CarriedOff(self.solver.system)
                 most, least = (most, middle) if carried else (middle, least)
         finally:
             self._journal.saved.Restore()
@@ -338,8 +338,8 @@ class LoadStepper:
         status = np.concatenate([c.Table()["status"] for c in contacts])
         closed = int(np.sum(status > 0))
         if MostlySlips(error.history) or (closed and np.all(status[status > 0] == 2)):
-            if any(contact.holds_tangentially for contact in contacts):
-                message += "; " + OverloadMessage(self.solver._Bodies())
+            if self.solver.system.rubs:
+                message += "; " + OverloadMessage(self.solver.system.bodies)
         elif closed == 0 and not error.exhausted:
             message += "; all macro-elements are open"
         return message

@@ -64,7 +64,7 @@ def SaveState(file, tool, *, also=None):
     """
     path, solver, also = PathOf("file", file), _Solver(tool), _Also(also)
     # Matrices and factorisations are not saved: both runs go on with new ones.
-    solver.StartAfresh()
+    solver.system.StartAfresh()
     tree = {
         "tool": type(tool).__name__,
         "space": _Fingerprint(solver.gf.space),
@@ -149,7 +149,7 @@ def LoadState(file, tool, *, also=None):
     _Compare("names in also", sorted(found["also"]), sorted(also))
     for name, thing in also.items():
         _Compare(f"kind or size of {name}", _Shape(found["also"][name]), _Shape(thing.State()))
-    solver.StartAfresh()
+    solver.system.StartAfresh()
     with Snapshot(tool, *also.values()):
         for name, thing in also.items():
             thing.SetState(found["also"][name])

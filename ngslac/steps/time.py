@@ -109,13 +109,13 @@ class TimeStepper:
                 "solver is the one that a TimeStepper works with: give the ContactSolver that this "
                 "was made of"
             )
-        solver.CheckSpace()
+        solver.system.CheckSpace()
         self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.time = Parameter(0.0) if time is None else time
         CheckInstance("time", self.time, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
         self.energy = CheckEnergy(energy)
-        free = solver.residual.free
+        free = solver.system.residual.free
         self.mass = Mass(solver.contacts[0], density, free, solver.linear.wanted)
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
@@ -240,11 +240,11 @@ class TimeStepper:
         self._obstacles.state = state["obstacles"]
         if state["dt"]:
             self.form.SetStep(state["dt"])
-        self.solver.bulk.StartAfresh()
+        self.solver.system.bulk.StartAfresh()
 
     def _Begin(self):
         """Forces and energies of the present state, which the user may have changed."""
-        self.solver.CheckSpace()
+        self.solver.system.CheckSpace()
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
             if not np.all(np.isfinite(field.vec.FV().NumPy())):
                 raise ValueError(f"{name} holds NaN or infinite values")
@@ -294,7 +294,7 @@ class TimeStepper:
         vec, now = self.gf.vec, self.time.Get()
         start = vec.FV().NumPy().copy()
         if self.form.SetStep(goal - now):
-            self.solver.bulk.StartAfresh()
+            self.solver.system.bulk.StartAfresh()
         dt = self.form.dt
         inertial = start + dt * self._Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
@@ -371,7 +371,7 @@ class TimeStepper:
         static = self.static
         zero, result = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         zero[:] = 0
-        load = static.bulk.load
+        load = static.system.bulk.load
         static.a.Apply(zero, result)
         loads = (load - result.FV().NumPy()) * self.mass.rows
         static.a.Apply(self.gf.vec, result)
@@ -382,7 +382,7 @@ class TimeStepper:
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
         memory -= scheme.weight * scheme.force * self._balanced[0]
-        load = self.static.bulk.load
+        load = self.static.system.bulk.load
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec
 

@@ -64,8 +64,7 @@ def Public():
         for method in dir(thing) if inspect.isclass(thing) else ():
             found = getattr(thing, method)
             module = getattr(found, "__module__", None) or ""
-            inner = module == "ngslac.solve.newton"
-            if method[0].isupper() and module.startswith("ngslac.") and not inner:
+            if method[0].isupper() and module.startswith("ngslac."):
                 yield f"{name}.{method}", found
 
 

@@ -16,7 +16,7 @@ from ngslac import (
     LoadStepper,
 )
 from ngslac._ngslac import MergeMatrices
-from ngslac.bodies.bodies import ToCSR
+from ngslac.bodies.constraints import ToCSR
 
 SMOOTH = {"friction": None}
 CASES = {
@@ -123,7 +123,7 @@ def test_augmentation_finds_its_size(case, first, monkeypatch):
     if case == "frictionless" and first < 1:
         history = [(e.slip, e.constraint) for e in solver.history]
         problem.gf.vec[:] = 0
-        solver.residual.converged = 0.0
+        solver.system.residual.converged = 0.0
         solver.Solve(printing=False)
         again = [(e.slip, e.constraint) for e in solver.history]
         assert np.array(again) == pytest.approx(np.array(history), rel=1e-6, abs=1e-12)
@@ -188,8 +188,8 @@ def test_inverse(inverse):
 
 def test_rows_that_are_condensed_have_a_size_of_their_own():
     """Each as large as those of the matrix, also after inner iterations have been counted."""
-    scale = augmented(made("condensed")).scale
-    assert scale == pytest.approx(solved(made("condensed")).scale)
+    scale = augmented(made("condensed")).system.scale
+    assert scale == pytest.approx(solved(made("condensed")).system.scale)
 
 
 # --- the matrix ----------------------------------------------------------------------------------
@@ -213,12 +213,12 @@ def zero(vec):
 def assembled(solver):
     """The scaled matrix at gf, on the free displacements."""
     vec = solver.gf.vec
-    merged = ToCSR(MergeMatrices(solver.a.mat, [], np.ones_like(solver.scale))).toarray()
+    merged = ToCSR(MergeMatrices(solver.a.mat, [], np.ones_like(solver.system.scale))).toarray()
     for contact in solver.contacts:
         with scaled(contact.form, solver.factor) as form:
             merged += ToCSR(form.AssembleAugmented(vec, zero(vec))).toarray()
-    free = solver.linear.free & ~solver.residual.rows
-    return (solver.scale[:, None] * merged * solver.scale)[np.ix_(free, free)]
+    free = solver.linear.free & ~solver.system.residual.rows
+    return (solver.system.scale[:, None] * merged * solver.system.scale)[np.ix_(free, free)]
 
 
 @pytest.mark.parametrize(
@@ -235,7 +235,7 @@ def test_matrix_is_symmetric_positive_definite(problem):
     solver = on(problem)
 
     def check(_):
-        if solver.scale is None or solver.outer == 0:
+        if solver.outer == 0:
             return
         mat = assembled(solver)
         assert np.abs(mat - mat.T).max() <= 1e-14 * np.abs(mat).max()
@@ -248,7 +248,7 @@ def test_matrix_is_symmetric_positive_definite(problem):
     # that of ContactSolver is not
     form = problem.contact.form
     form.AssembleLinearization(problem.gf.vec)
-    saddle = ToCSR(MergeMatrices(problem.a.mat, [form], solver.scale)).toarray()
+    saddle = ToCSR(MergeMatrices(problem.a.mat, [form], solver.system.scale)).toarray()
     saddle = saddle[np.ix_(solver.linear.free, solver.linear.free)]
     with pytest.raises(np.linalg.LinAlgError):
         np.linalg.cholesky(saddle)
@@ -265,7 +265,7 @@ def test_friction_that_slips_is_not_symmetric():
 @pytest.mark.parametrize("friction", [None, 0.3])
 def test_matrix_is_the_derivative(finite, friction):
     problem = mixed_press(finite=finite, friction=friction, nonlinear=True)
-    rows = augmented(problem, augmentation=10.0).residual.rows
+    rows = augmented(problem, augmentation=10.0).system.residual.rows
     form, vec = problem.contact.form, problem.gf.vec
     values = vec.FV().NumPy()
     values[rows] *= 0.9  # the projection differs from the multipliers

@@ -17,7 +17,7 @@ from refused import calls, check_refused
 from ngslac import BubbleVectorH1, _ngslac
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.arrays import AsBits, AsNumPy, Multiply
-from ngslac.bodies.bodies import ToCSR
+from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.factor import IsSymmetric, OnVertices
 from ngslac.linear.iterative import IterativeCondensed
 from ngslac.linear.solver import LinearSolver
@@ -154,7 +154,7 @@ def test_without_inner_displacement_the_whole_system_is_solved():
     held &= ~inner
     with pytest.raises(NgException, match="no displacement of its own"):
         Condensation(mat, multipliers, dim, AsBits(held))
-    scale = solved(problem, solver="direct").scale
+    scale = solved(problem, solver="direct").system.scale
     linear = LinearSolver(AsBits(held), method="direct", dim=2)
     rhs = np.random.default_rng(0).standard_normal(len(held))
     forms = [problem.contact.form]

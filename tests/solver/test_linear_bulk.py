@@ -30,7 +30,7 @@ class Watched:
 
 def watched(problem, kind=ContactSolver):
     solver = kind(problem.a, problem.gf, problem.contact)
-    solver.bulk.a = Watched(problem.a)
+    solver.system.bulk.a = Watched(problem.a)
     return solver
 
 
@@ -64,12 +64,12 @@ def trusting(problem, step=1e-3):
     """A solver that takes the bulk for linear, and gf a random step away from its solution."""
     solver = solved(problem)
     problem.a.AssembleLinearization(problem.gf.vec)
-    solver.residual.Begin(solver.scale, 1e-10)
+    solver.system.residual.Begin(solver.system.scale, 1e-10)
     for mat, product in ((None, None), (problem.a.mat, None), (problem.a.mat, problem.a.mat)):
-        solver.bulk.Propose(mat)
-        assert solver.bulk.product is product  # one step is not enough
+        solver.system.bulk.Propose(mat)
+        assert solver.system.bulk.product is product  # one step is not enough
     random = np.random.default_rng(1).standard_normal(len(problem.gf.vec))
-    problem.gf.vec.FV().NumPy()[:] += step * random * solver.residual.free
+    problem.gf.vec.FV().NumPy()[:] += step * random * solver.system.residual.free
     return solver
 
 
@@ -78,11 +78,13 @@ def test_confirmation_finds_that_a_bulk_is_not_linear(step):
     """Where the step led to nothing better, or where there is no residual, it is taken back."""
     problem = mixed_press(nonlinear=True)
     solver = trusting(problem, step)
-    start = numpy(solver.bulk.last)
-    confirmed = solver.residual.Confirm(solver.residual.Measure(solver.scale), solver.scale)
+    start = numpy(solver.system.bulk.last)
+    confirmed = solver.system.residual.Confirm(
+        solver.system.residual.Measure(solver.system.scale), solver.system.scale
+    )
     assert confirmed.honest
     assert confirmed.finite
-    assert solver.bulk.product is None
+    assert solver.system.bulk.product is None
     assert np.array_equal(numpy(problem.gf), start)  # a random step from a solution is worse
 
 
@@ -110,7 +112,7 @@ def test_a_condensed_bulk_is_always_applied():
     problem = mixed_press(condense=True, order=4, h=0.3)
     solver = watched(problem)
     last = solver.Solve(printing=False)
-    assert solver.bulk.product is None
+    assert solver.system.bulk.product is None
     assert solver.a.applied >= last.number + 1
 
 
@@ -162,7 +164,8 @@ def test_a_law_that_begins_to_act(make, loads):
         trusted.clear()
         problem.load.Set(load)
         solver.Solve(
-            printing=False, callback=lambda _: trusted.append(solver.bulk.product is not None)
+            printing=False,
+            callback=lambda _: trusted.append(solver.system.bulk.product is not None),
         )
         assert make is softening or (solver.a.assembled > 1) == (load == 1)
         assert load < 0 or equilibrium(problem) < 1e-9
@@ -198,8 +201,8 @@ def test_the_merit_of_a_changed_load():
     solver, other = (solved(problem) for problem in problems)
     for problem in problems:
         problem.load.Set(1.7)
-    assert solver.bulk.product is not None
-    other.bulk.product = None
+    assert solver.system.bulk.product is not None
+    other.system.bulk.product = None
     assert solver.Merit() == pytest.approx(other.Merit(), rel=1e-10)
     assert solver.Merit() > 1e-3
 
@@ -210,7 +213,7 @@ def test_no_trust_is_left_after_a_failure():
     problem.load.Set(np.nan)
     with pytest.raises(Exception, match="NaN"):
         solver.Solve(printing=False)
-    assert solver.bulk.product is None
+    assert solver.system.bulk.product is None
     problem.load.Set(1.0)
     solver.Solve(printing=False)
     assert equilibrium(problem) < 1e-10

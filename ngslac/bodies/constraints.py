@@ -1,0 +1,79 @@
+"""What contact prevents, as rows of a sparse matrix on the displacements."""
+
+import numpy as np
+from scipy.sparse import bsr_matrix, csr_matrix, vstack
+
+from ngslac._ngslac import Side
+
+__all__ = ["ActiveRates", "ActiveRows", "JumpRows", "ToCSR"]
+
+
+def ToCSR(mat):
+    """A sparse NGSolve matrix with scalar or square block entries as scipy matrix."""
+    block = mat.entrysizes[0]
+    # CSR() shows memory of the matrix: copy, the matrix may be a temporary.
+    values, columns, starts = (np.array(a) for a in mat.CSR())
+    if block == 1:
+        return csr_matrix((values, columns, starts), shape=mat.shape)
+    return bsr_matrix((values.reshape(-1, block, block), columns, starts)).tocsr()
+
+
+def ActiveRows(contact, holds="now"):
+    """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas.
+
+    Parameters
+    ----------
+    contact : LACContact
+    holds : {"now", "rubbing", "closed"}
+        What contact prevents: nothing but approach where it slips; all motion where it rubs; or as
+        if all of it were closed.
+    """
+    table, form = contact.Table(), contact.form
+    d = contact.mesh.dim
+    stick, slip = _AtWork(contact, table, holds)
+    if not len(slip) and not np.any(stick):
+        return csr_matrix((0, contact.nscalars))
+    jump = JumpRows(contact)
+    normals = csr_matrix(
+        (
+            table["normal"][slip].ravel(),
+            (np.arange(len(slip)).repeat(d), (d * slip[:, None] + np.arange(d)).ravel()),
+        ),
+        shape=(len(slip), jump.shape[0]),
+    )
+    rows = vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
+    columns = rows.indices + form.offset * form.fes.dim
+    shape = rows.shape[0], contact.nscalars
+    return csr_matrix((rows.data / table["fullarea"].mean(), columns, rows.indptr), shape=shape)
+
+
+def _AtWork(contact, table, holds):
+    """Macro-elements held in all directions (as mask), and along the normal only (numbers)."""
+    closed = table["area"] > 0 if holds == "closed" else table["status"] > 0
+    stick = closed & ((table["status"] == 1) | ((holds != "now") & contact.holds_tangentially))
+    return stick, np.flatnonzero(closed & ~stick)
+
+
+def ActiveRates(contact, rates):
+    """What `ActiveRows` times the velocity is, if each mean gap changes with its obstacle alone.
+
+    Parameters
+    ----------
+    contact : LACContact
+    rates : (m,) array
+        By which the obstacle opens the mean gaps (length per time).
+
+    Returns
+    -------
+    (n,) array
+        One for each row.
+    """
+    table = contact.Table()
+    stick, slip = _AtWork(contact, table, "now")
+    rates = rates * table["area"] / table["fullarea"].mean()
+    return np.concatenate([(rates[:, None] * table["normal"])[stick].ravel(), rates[slip]])
+
+
+def JumpRows(contact):
+    """What each macro-element sees of a displacement, times its area: d rows of each, sparse."""
+    return ToCSR(contact.form.JumpMatrix(Side.both))

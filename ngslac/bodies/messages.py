@@ -1,0 +1,50 @@
+"""What is said of bodies that nothing holds."""
+
+import numpy as np
+
+__all__ = ["FewMessage", "FloatingMessage", "LostMessage", "OverloadMessage", "SlidingMessage"]
+
+
+def FloatingMessage(floating):
+    return (
+        "; ".join(floating)
+        + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
+        "contact, or prescribe a displacement in place of a force"
+    )
+
+
+def FewMessage(contacts):
+    """Where there are so few macro-elements that bodies may turn on them; empty if nowhere."""
+    few = [c for c in contacts if np.count_nonzero(c.Table()["area"]) < c.mesh.dim]
+    return "".join(
+        f". Contact number {contacts.index(c)} holds on average over "
+        f"{np.count_nonzero(c.Table()['area'])} macro-elements only: refine its slave surface, or "
+        "take BubbleVectorH1 for displacements of order 1"
+        for c in few
+    )
+
+
+def SlidingMessage(floating):
+    return (
+        "no equilibrium is found: "
+        + "; ".join(floating).replace(" floats (", " slides away (")
+        + ": friction is at its limit wherever contact holds it. Constrain it, or prescribe a "
+        "displacement in place of a force"
+    )
+
+
+def OverloadMessage(bodies):
+    names = [bodies.name(part) for part, _ in bodies.floating[:3]]
+    return (
+        "nearly all closed macro-elements slip: the load seems to exceed what friction can carry"
+        + (f" on body {' or '.join(names)}" if names else "")
+        + ". Prescribe a displacement in place of a force to follow the sliding"
+    )
+
+
+def LostMessage(lost):
+    return (
+        "; ".join(lost)
+        + ": the loads exceed what contact and friction can carry. Constrain it, or prescribe a "
+        "displacement in place of a force"
+    )

@@ -1,0 +1,65 @@
+"""Which rows of a sparse matrix are connected."""
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+__all__ = ["AreApart", "ConnectedParts", "Forces", "LikelyParts"]
+
+
+def Forces(mat, first, count):
+    """A function that multiplies with the rows and columns of the displacement, in threads."""
+    factor, product = mat.CreateRowVector(), mat.CreateColVector()
+    factor[:] = 0
+    own = slice(first, first + count)
+
+    def Times(values):
+        factor.FV().NumPy()[own] = values
+        product.data = mat * factor
+        return product.FV().NumPy()[own].copy()
+
+    return Times
+
+
+def ConnectedParts(mat, first, count):
+    """A number (count,) for each of some rows of a sparse matrix: the same where they connect.
+
+    Parameters
+    ----------
+    mat : BaseMatrix
+        With a symmetric pattern. Its graph is not copied.
+    first, count : int
+        The rows, and the columns that connect them.
+    """
+    columns, starts = Graph(mat, first, count)
+    # Other rows are left empty, which makes each a strongly connected part of its own.
+    starts = np.pad(starts, (first, mat.height - first - count), mode="edge")
+    graph = csr_matrix((np.ones(len(columns)), columns, starts), shape=mat.shape)
+    return connected_components(graph, connection="strong")[1][first : first + count]
+
+
+def LikelyParts(mat, first, count):
+    """The same or too many parts, from two entries of each row."""
+    columns, starts = Graph(mat, first, count)
+    ends = np.arange(count)[:, None].repeat(2, axis=1)
+    filled = np.flatnonzero(np.diff(starts))
+    found = columns[np.stack([starts[:-1], starts[1:] - 1], axis=1)[filled]] - first
+    ends[filled] = np.where((found >= 0) & (found < count), found, ends[filled])
+    starts = np.arange(0, 2 * count + 1, 2)
+    graph = csr_matrix((np.ones(2 * count), ends.ravel(), starts), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def Graph(mat, first, count):
+    """Columns of some rows of a sparse matrix, which are not copied, and where each row starts."""
+    _, columns, starts = (np.asarray(a) for a in mat.CSR())
+    starts = starts[first : first + count + 1].astype(np.int64)
+    return columns[starts[0] : starts[-1]], starts - starts[0]
+
+
+def AreApart(part, forces, values, pushed):
+    """Do the parts not act on each other? Tells it from forces(values) = pushed."""
+    weights = np.random.default_rng(1).standard_normal(1 + part.max(initial=0))[part]
+    sizes = np.zeros(1 + part.max(initial=0))
+    np.maximum.at(sizes, part, np.abs(pushed))
+    return bool(np.all(np.abs(forces(weights * values) - weights * pushed) <= 1e-12 * sizes[part]))

@@ -1,0 +1,134 @@
+"""What is known of a solve that fails: whether the loads have a balance at all."""
+
+import numpy as np
+
+from ngslac.bodies.messages import FloatingMessage
+from ngslac.bodies.rigidbalance import RigidBalance
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.linear.solver import LinearSolveError
+
+__all__ = ["CarriedOff", "Failure"]
+
+# Deviation of forces from a straight line that is rounding.
+STRAIGHT = 1e-11
+
+
+class Failure:
+    """Reasons why a System has no solution, as they are found.
+
+    Parameters
+    ----------
+    system : System
+    holding : Holding
+
+    Attributes
+    ----------
+    unbalanced : str
+        Which bodies the loads carry off, whatever contact does.
+    certain : bool
+        Is that so for this load, for certain?
+    slides : str
+        Which bodies slide with friction at its limit.
+    rubs : bool
+        Did nearly all of a body's contact slip all along?
+    exhausted : bool
+        Was every method tried, or is none of use?
+    """
+
+    def __init__(self, system, holding):
+        self.system, self.holding = system, holding
+        self.unbalanced = self.slides = ""
+        self.certain = self.rubs = self.exhausted = False
+
+    @property
+    def known(self):
+        """Is another method of no use?"""
+        return bool(self.exhausted or self.unbalanced)
+
+    def LookAt(self, start, error, *, lost):
+        """From the start again: raise the error if the loads have no equilibrium for certain.
+
+        Parameters
+        ----------
+        start : Place
+        error : Exception
+        lost : bool
+            Has nothing been found? Then bodies may be held by nothing.
+        """
+        system = self.system
+        now = system.Place()
+        system.GoTo(start)
+        system.residual.Follow()
+        system.Evaluate()
+        self.exhausted = lost and not self.holding.MayHold()
+        self.unbalanced = "" if self.exhausted else CarriedOff(system)
+        self.slides = "" if self.exhausted else self.slides
+        self.certain = bool(self.unbalanced) and IsStraight(system)
+        if self.certain:
+            raise error
+        system.GoTo(now)
+
+    def Error(self, error, floating, history):
+        """An error with all that is known: which body is carried off, first of all.
+
+        Parameters
+        ----------
+        error : ContactConvergenceError or LinearSolveError
+        floating : list[str]
+            What held no body where a linear system could not be solved.
+        history : list[Iteration]
+
+        Returns
+        -------
+        ContactConvergenceError
+        """
+        if isinstance(error, LinearSolveError):
+            kind = FloatingBodyError if floating else ContactConvergenceError
+            error = kind(FloatingMessage(floating) if floating else str(error))
+        if self.unbalanced or self.slides:
+            error = FloatingBodyError(self.unbalanced or self.slides)
+        error.history, error.certain, error.rubs = history, self.certain, self.rubs
+        error.slides = bool(self.slides) or (self.rubs and self.system.islinear)
+        error.exhausted = self.known
+        return error
+
+
+def CarriedOff(system):
+    """Which bodies the loads carry off from the solution of a System, whatever contact does.
+
+    Returns
+    -------
+    str
+        Empty where there is a balance, or no body that contact alone holds.
+    """
+    bodies = system.bodies
+    if not bodies.floating:
+        return ""
+    if system.bulk.a.condense:
+        system.Assemble()
+    state = system.residual.Measure(system.scale, honest=True)
+    if not state.finite:
+        return ""
+    forces = system.gf.vec.CreateVector()
+    forces.FV().NumPy()[:] = state.bulk
+    system.bulk.Condense(forces)  # bodies do not know what is condensed
+    own = slice(bodies.first, bodies.first + bodies.count)
+    displacement = system.values[own] if system.finite else None
+    return RigidBalance(bodies, system.contacts, displacement).Find(forces.FV().NumPy()[own])
+
+
+def IsStraight(system):
+    """Are forces of the bulk and loads linear in all of the displacement, and all slip small?"""
+    if system.finite:
+        return False
+    vec, forces = system.gf.vec, []
+    at, moved = vec.CreateVector(), vec.CreateVector()
+    way = np.random.default_rng(3).standard_normal(len(system.values))
+    way *= 0.1 * system.bodies.size * (system.linear.free | system.bulk.inner)
+    for part in range(3):
+        at.data = vec
+        at.FV().NumPy()[:] += part * way
+        system.bulk.a.Apply(at, moved)
+        forces.append(moved.FV().NumPy() - system.bulk.load)
+    bend = np.linalg.norm(forces[2] - 2 * forces[1] + forces[0])
+    return bool(bend <= STRAIGHT * np.linalg.norm(forces[2] - forces[0]))

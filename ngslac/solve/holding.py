@@ -1,0 +1,117 @@
+"""Contact that has to hold bodies: what floats, and which macro-elements close for it."""
+
+import numpy as np
+
+from ngslac.arrays import AsBits
+from ngslac.bodies.messages import FewMessage, FloatingMessage, SlidingMessage
+from ngslac.errors import FloatingBodyError
+
+__all__ = ["Holding"]
+
+# Forces without balance, relative to those at work, that are more than the search for a balance.
+PUSHED = 1e-4
+# Iterations without a change of status after which that is settled.
+STILL = 4
+# How often bodies may be held by closing what the iteration opens again.
+MOST_CLOSINGS = 5
+
+
+class Holding:
+    """Closes the nearest macro-elements where a body is held by open contact.
+
+    Parameters
+    ----------
+    system : System
+    initial : {"gap", "none"}
+        See ContactSolver.
+
+    Attributes
+    ----------
+    closings : int
+        How often that was done.
+    """
+
+    def __init__(self, system, initial):
+        self.system, self.initial, self.closings = system, initial, 0
+
+    def Close(self, start=False, *, guess=True):
+        """Close what has to hold bodies; True if something was closed.
+
+        At the start the status is no guide: rounding closes some of the macro-elements that touch.
+
+        Parameters
+        ----------
+        start : bool
+        guess : bool
+            May a status be guessed? Else contacts look at the solution, and that is all.
+        """
+        system = self.system
+        system.Evaluate()
+        touching = all(np.any(contact.Table()["status"]) for contact in system.contacts)
+        system.idle = False
+        if not guess or (touching and not start):
+            return False
+        floating = system.WhatFloats("rubbing")
+        wanted = self.initial == "gap" and bool(floating)
+        system.idle = wanted and system.AreIdle("rubbing")
+        if system.idle or not floating:
+            return False
+        self.closings += 1
+        if self.closings > MOST_CLOSINGS:
+            raise FloatingBodyError(
+                FloatingMessage(floating)
+                + ". The loads pull it away from the contact, or too little touches at first"
+            )
+        if self.initial == "gap" and CloseNearest(system):
+            return True
+        few = FewMessage(system.contacts)
+        raise FloatingBodyError(FloatingMessage(system.WhatFloats()) + few)
+
+    def MayHold(self):
+        """Would contact hold all bodies, if all of it were closed?"""
+        return self.initial == "gap" and not self.system.WhatFloats("closed")
+
+    def WhatSlides(self, history):
+        """What loads carry off where the status has settled, with friction at its limit."""
+        system = self.system
+        settled = len(history) > STILL and not any(e.changed for e in history[-STILL:])
+        # Where both ends of a body slip apart next to nothing is left: there one of them sticks.
+        pushed = history and history[-1].equilibrium > PUSHED
+        if not (settled and pushed and system.islinear and system.rubs):
+            return ""
+        floats = system.WhatFloats()
+        return SlidingMessage(floats) if floats and not system.AreIdle("now") else ""
+
+
+def CloseNearest(system):
+    """Close macro-elements, the nearest first, until no body floats; False if that does not help.
+
+    Farther contacts are left alone where the nearest ones hold all bodies.
+    """
+    for count in range(len(system.contacts)):
+        for distance in (0.05, 0.1, 0.2, 0.4, 0.8):
+            for contact in sorted(system.contacts, key=SmallestGap)[: count + 1]:
+                # Without friction the tilted normals of distant macro-elements would only hide a
+                # motion that is free.
+                reach = distance if contact.holds_tangentially else 0.05
+                contact.form.Close(NearestMacros(contact, reach), system.gf.vec)
+                contact.Evaluate(system.gf)
+            if not system.WhatFloats():
+                return True
+    return False
+
+
+def SmallestGap(contact):
+    """Relative to the mean size of the macro-elements."""
+    table = contact.Table()
+    size = (table["fullarea"] ** (1 / (contact.mesh.dim - 1))).mean()
+    return abs(table["gap"][table["area"] > 0]).min(initial=np.inf) / size
+
+
+def NearestMacros(contact, distance):
+    """Macro-elements whose gap exceeds the smallest one by at most `distance` times their size."""
+    table = contact.Table()
+    paired = table["area"] > 0
+    size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+    nearest = table["gap"][paired].min(initial=np.inf)
+    return AsBits(paired & (table["gap"] <= nearest + distance * size))

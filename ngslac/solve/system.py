@@ -1,0 +1,316 @@
+"""Bulk and contacts as one system of equations: residual, matrices and corrections."""
+
+import numpy as np
+
+from ngslac._ngslac import EquilibrationScale
+from ngslac.arguments import FillVector
+from ngslac.arrays import Multiply
+from ngslac.bodies.bodies import Bodies
+from ngslac.solve.inverted import InvertedMessage, TurningMaterials
+from ngslac.solve.problem import CheckMatrix, MultiplierRows
+from ngslac.solve.residual import Residual, State
+
+__all__ = ["Saddle", "System"]
+
+# Shorter parts of a step may lead macro-elements off the master.
+LEAST_SIGHT = 1 / 8
+# Of the diagonal of the scaled matrix: it keeps bodies where they are that nothing pushes.
+IDLE_SHIFT = 1e-6
+# Forces that push nothing, relative to those at work.
+IDLE = 1e-9
+# Newton steps before another method is tried.
+NEWTON = 30
+
+
+class Saddle:
+    """The multipliers are unknowns of each linear system, as the displacements are.
+
+    Attributes
+    ----------
+    most : int
+        Newton steps before another method looks for the contact status.
+    searches : bool
+        Is there such a method?
+    advice : str
+        What else to try where there is no convergence.
+    """
+
+    most, searches, advice = NEWTON, True, ""
+
+    def Prepare(self, newton, state):
+        """Before each linear system of a Newton's method."""
+
+    def Closed(self, system, before):
+        """Macro-elements were closed at the solution, whose values were those `before`."""
+
+    def Linearize(self, system, state):
+        """The residual of the next linear system, whose matrices are assembled."""
+        residual = system.gf.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        for contact in system.contacts:
+            contact.form.AssembleStep(system.gf.vec, residual)
+        return residual
+
+    def Matrices(self, system):
+        """What the contacts add to the bulk's matrix."""
+        return [contact.form.mat for contact in system.contacts]
+
+    def Measure(self, system, honest):
+        """The State of the solution, see `Residual.Measure`."""
+        return system.residual.Measure(system.scale, honest)
+
+
+class System:
+    """What is solved: bulk plus contacts at a solution, with what is known of it.
+
+    Parameters
+    ----------
+    bulk : Bulk
+    contacts : list[LACContact]
+    linear : LinearSolver
+    free : (n,) bool
+        All free scalar dofs, also those that are condensed.
+    bodies : optional
+        What stands for the Bodies; None: they are found in the matrix of the bulk.
+
+    Attributes
+    ----------
+    residual : Residual
+    scale : (n,) array or None
+        Factors of the rows, once there is a matrix.
+    scheme : Saddle or Augmented
+        Who finds the multipliers.
+    motion : (n,) array or None
+        How far constrained dofs still have to move: the next correction carries it.
+    idle : bool
+        Do bodies float that nothing pushes? They stay where they are.
+    loose : bool
+        Did the last linear system need help where nothing holds a body?
+    """
+
+    def __init__(self, bulk, contacts, linear, free, bodies=None):
+        self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
+        self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
+        self.scale = self.motion = None
+        self.idle = self.loose = False
+        self._bodies = bodies
+        self._apart = False  # is the bulk known to leave the multipliers alone?
+        self._turning = None  # materials of which it knows finite rotations, once that matters
+
+    @property
+    def values(self):
+        """All coefficients of the solution, to be written to."""
+        return self.gf.vec.FV().NumPy()
+
+    @property
+    def finite(self):
+        """Does a contact follow large sliding?"""
+        return any(contact.finite for contact in self.contacts)
+
+    @property
+    def rubs(self):
+        """Does a contact hold surfaces in tangential direction?"""
+        return any(contact.holds_tangentially for contact in self.contacts)
+
+    @property
+    def islinear(self):
+        """Is nothing but the contact law nonlinear, as far as seen?"""
+        return bool(self.bulk.islinear) and not self.finite
+
+    # --- state ---------------------------------------------------------------------------------
+
+    def State(self):
+        """What the next solve depends on, as a dict."""
+        return {
+            "gf": self.values.copy(),
+            "contacts": [contact.State() for contact in self.contacts],
+            "scale": self.scale,
+            "residual": self.residual.State(),
+        }
+
+    def SetState(self, state):
+        """Go on from a `State`, or stay as before if it is that of another problem."""
+        if len(state["contacts"]) != len(self.contacts):
+            raise ValueError(
+                f"state is that of {len(state['contacts'])} contacts, the solver has "
+                f"{len(self.contacts)}"
+            )
+        before = self.values.copy(), [contact.State() for contact in self.contacts]
+        try:
+            self._Put(state["gf"], state["contacts"])
+        except BaseException:
+            self._Put(*before)
+            raise
+        self.residual.SetState(state["residual"])
+        self.scale = state["scale"]
+
+    def _Put(self, values, parts):
+        FillVector("gf", self.gf.vec, values)
+        for contact, part in zip(self.contacts, parts, strict=True):
+            contact.SetState(part, self.gf)
+
+    def Place(self):
+        """Solution and what is left of the motion, for `GoTo`."""
+        return self.values.copy(), self.motion
+
+    def GoTo(self, place):
+        """Take the solution of another `Place`."""
+        self.values[:], self.motion = place
+
+    def CheckSpace(self):
+        """What was made for a space goes on with this one: it was not refined since."""
+        if len(self.linear.free) != self.values.size:
+            raise ValueError(
+                "the space was refined: make a new ContactSolver, and then new steppers"
+            )
+
+    def PairOnce(self):
+        """Pair what is not paired yet, in the reference configuration."""
+        for contact in self.contacts:
+            if not contact.form.paired:
+                contact.Update()
+
+    def StartAfresh(self):
+        """Keep no matrix and no factorisation: the next solve makes its own."""
+        self.bulk.StartAfresh()
+        self.linear.Forget()
+
+    def Begin(self, motion, constrained):
+        """Start a solve.
+
+        Parameters
+        ----------
+        motion : (n,) array or None
+            How far dofs have to move.
+        constrained : (n,) bool
+            Those of which that counts.
+        """
+        self.motion, self.linear.shifts = None, 0
+        if motion is not None and np.any(motion[constrained]):
+            self.motion = np.where(constrained, motion, 0.0)
+            self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))  # which is none
+
+    # --- residual and matrices -----------------------------------------------------------------
+
+    def Assemble(self):
+        """Make the bulk's matrix at the solution, and the scale."""
+        bulk = self.bulk
+        if bulk.Assemble():
+            self.linear.NewBulk()
+        for contact in self.contacts:
+            contact.Prepare(bulk.mat)
+        if not self._apart:
+            CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
+            self._apart = True
+        self.scale = EquilibrationScale(bulk.mat, self._Forms())
+        if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
+            self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
+
+    def _Forms(self):
+        return [contact.form for contact in self.contacts]
+
+    def Evaluate(self):
+        """Contacts look at the solution."""
+        for contact in self.contacts:
+            contact.Evaluate(self.gf)
+
+    def Measure(self, *, honest=False):
+        """The State of the solution; `honest`: by the bulk form itself."""
+        return self.scheme.Measure(self, honest or self.motion is not None)
+
+    def Trial(self, state, part):
+        """The State after a part of a step from another State."""
+        trial = self.Measure()
+        if trial.finite and part > LEAST_SIGHT and trial.LostSight(state):
+            return State.Nothing("surfaces pass through each other")
+        return trial
+
+    def Moved(self, before, after, motion, part):
+        """Learn from a part of a motion between two States, which was taken."""
+        self.bulk.Learn(before, after, -part * motion, self.scale, self.residual)
+        if self.motion is not None:
+            self.motion = (1 - part) * self.motion
+            if np.max(np.abs(self.motion)) <= self._rest:
+                self.motion = None
+
+    def Settles(self):
+        """Does a whole step lead to equilibrium? Then all of the motion is in it."""
+        if self.islinear:
+            self.motion = None
+        return self.islinear
+
+    # --- linear systems ------------------------------------------------------------------------
+
+    def Linearize(self, state):
+        """The residual (BaseVector) of the next linear system, whose matrices are assembled."""
+        return self.scheme.Linearize(self, state)
+
+    def Correction(self, residual, accuracy=0.0):
+        """The correction (n,) of the linear system with this residual."""
+        given = self.bulk.mat, self._Forms(), self.scale
+
+        def Solve(residual):
+            rows = ~self.residual.rows
+            self.loose = False
+            if not self.idle:
+                found = self.linear.SolveShifted(*given, residual, rows, accuracy)
+                singular = self.linear.nearly_singular or self.linear.shifts
+                if not (singular and self.AreIdle("now")):
+                    self.loose = bool(singular)
+                    return found
+            return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
+
+        return self.Displace(residual, Solve, self.scheme.Matrices(self))
+
+    def Displace(self, residual, solve, mats):
+        """The correction (n,) that belongs to a residual, which is changed.
+
+        Parameters
+        ----------
+        residual : BaseVector
+        solve : callable
+            Gives the solution (n,) for a right hand side (n,), without what is condensed.
+        mats : list[BaseMatrix]
+            What the contacts add to the bulk's matrix.
+        """
+        bulk = self.bulk
+        bulk.Condense(residual)
+        if self.motion is not None:
+            residual.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -self.motion)
+        correction = self.gf.vec.CreateVector()
+        correction.FV().NumPy()[:] = solve(residual.FV().NumPy())
+        if self.motion is not None:
+            correction.FV().NumPy()[:] -= self.motion
+        bulk.Extend(correction, residual)
+        return correction.FV().NumPy().copy()
+
+    # --- bodies --------------------------------------------------------------------------------
+
+    @property
+    def bodies(self):
+        """The Bodies, found when first asked for."""
+        if self._bodies is None:
+            self._bodies = Bodies(self.bulk.mat, self.contacts[0], self.linear.free)
+        return self._bodies
+
+    def WhatFloats(self, holds="now"):
+        """Descriptions of the motions that nothing prevents, see `Bodies.Floating`."""
+        return self.bodies.Floating(self.contacts, holds)
+
+    def AreIdle(self, holds):
+        """Does nothing push the bodies that float? Then nothing has to hold them."""
+        residual = self.residual
+        least = max(IDLE * residual.reference, 10 * residual.rounding)
+        forces = residual.scaled, 1 / self.scale
+        return self.bodies.AreIdle(self.contacts, holds, forces, least)
+
+    def Inverted(self):
+        """Which elements are inside out, where the determinant of the deformation has a meaning."""
+        form, a = self.contacts[0].form, self.bulk.a
+        if self.finite:
+            return InvertedMessage(form, self.gf)
+        if self.islinear:
+            return ""
+        if self._turning is None:
+            self._turning = TurningMaterials(getattr(a, "bulk", a), form, self.gf)
+        return InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
