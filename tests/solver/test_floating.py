@@ -32,7 +32,7 @@ HELD = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("flags", HELD, ids=str)
+@pytest.mark.parametrize("flags", HELD)
 def test_friction_holds_a_body(flags):
     problem = loaded(0, -1, side=0.1, **flags)
     if "h" in flags:
