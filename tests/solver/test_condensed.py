@@ -242,7 +242,7 @@ def test_matrix_is_merged_in_place_where_only_contact_changes():
     """As merged anew, after each change of status; another bulk makes another matrix."""
     problem = press3d(friction=0.05)
     solver, vec = solved(problem, solver="saddle"), problem.gf.vec
-    given, linear = (problem.a.mat, [problem.contact.form], solver.scale), solver.linear
+    given, linear = (problem.a.mat, [problem.contact.form], solver.system.scale), solver.linear
     first = linear._Merge(*given, None)
     vec.FV().NumPy()[:] = 1e-3 * np.random.default_rng(0).standard_normal(len(vec))
     problem.contact.form.AssembleStep(vec, vec.CreateVector())
