@@ -1,9 +1,9 @@
-"""Curved surfaces: circles, cubes blown up to spheres, and cylinders."""
+"""Curved surfaces: circles, and cubes blown up to spheres."""
 
 import numpy as np
 from netgen.occ import Circle, Compound, OCCGeometry
 from ngsolve import CF, GridFunction, Mesh, VectorH1, sqrt, x, y, z
-from sheets import Sheet, grid, sheet_mesh
+from sheets import Sheet, sheet_mesh
 
 CUTS = {"trig": lambda k: True, "quad": lambda k: False, "mixed": lambda k: k % 3 != 1}
 
@@ -65,23 +65,4 @@ def spheres(kind, n, m, order, opening, motion=lambda points: points):
     radius = mesh.BoundaryCF({"ball": 1, "shell": 1 + opening}, default=1)
     field = (radius / sqrt(x * x + y * y + z * z) - 1) * CF((x, y, z))
     bend(mesh, order, field, "ball|shell")
-    return mesh
-
-
-def cylinders(order, kinds, arc, n=3):
-    """A cylinder of radius 1 about the y axis ("slave", from -0.6 to 0.6 radians, length 1) in a
-    longer shell of radius 1.05 ("master") over an arc.
-    """
-    sheets, radii = [], {"slave": 1, "master": 1.05}
-    for k, (name, angles, ends) in enumerate(
-        (("slave", (-0.6, 0.6), (0.0, 1.0)), ("master", arc, (-0.2, 1.1)))
-    ):
-        points, faces = grid(kinds[k], n + k, ((angles[0], ends[0]), (angles[1], ends[1])))
-        t, along = points[:, 0], np.outer(points[:, 1], [0, 1, 0])
-        radial = np.stack([np.sin(t), 0 * t, np.cos(t)], axis=1)
-        into = -0.2 * radial if name == "slave" else 0.2 * radial
-        sheets.append(Sheet(name, radii[name] * radial + along, faces, into, name))
-    mesh = sheet_mesh(*sheets)
-    stretch = mesh.BoundaryCF(radii, default=1) / sqrt(x * x + z * z) - 1
-    bend(mesh, order, CF((stretch * x, 0, stretch * z)), "slave|master")
     return mesh
