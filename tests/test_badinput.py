@@ -6,7 +6,6 @@ from contextlib import nullcontext
 import pytest
 from bricks import glued
 from ngsolve import (
-    CF,
     H1,
     BilinearForm,
     Grad,
@@ -41,9 +40,9 @@ class Parts:
     def contact(self, **flags):
         return LACContact(self.u, self.lam, **({"master": "master"} | flags))
 
-    def paired(self, at=None, **flags):
+    def paired(self, **flags):
         contact = self.contact(**flags)
-        contact.Update(at)
+        contact.Update()
         return contact
 
     def solver(self, contacts=None):
@@ -51,13 +50,6 @@ class Parts:
 
     def stepper(self, density=1, **flags):
         return TimeStepper(self.solver(), density, dt=0.1, **flags)
-
-    def at(self, value=0.2, body="upper"):
-        """A state with the upper body lifted."""
-        gf, dim = GridFunction(self.X), self.dim
-        up, rest = CF((0,) * (dim - 1) + (value,)), CF((0,) * dim)
-        gf.components[0].Set(self.mesh.MaterialCF({body: up}, default=rest))
-        return gf
 
     def names(self):
         parts = {name: getattr(self, name) for name in dir(self) if not name.startswith("_")}
@@ -75,7 +67,6 @@ NOREGION = "must be a boundary region"
 EITHER = "either master= or obstacle=, not both and not none"
 NOTRIAL, PRODUCTS = "must be a trial function", "u and lam belong to different product spaces"
 SLIDE, VALUES = "tied surfaces do not slide: drop friction and tresca", "holds a trial or test func"
-UNPAIRED = r"no pairing yet; call Update\(\) first"
 REFUSED = [
     # regions
     *((f"LACSpace(V, slave='{s}')", f"slave='{s}' {NOWHERE}") for s in ("nowhere", "", "Slave")),
@@ -94,7 +85,6 @@ REFUSED = [
     ("paired(master='bottom', maxdist=0.1)", "slave and master never meet.*maxdist"),
     ("paired(master='left_lower', maxdist=0.1)", "never meet"),  # at right angles
     ("paired(master='left_upper', maxdist=0.1)", "never meet"),
-    ("paired(at(), maxdist=0.19)", "never meet: .*within maxdist = 0.19"),
     # coefficients
     *(
         (f"contact({name}={v})", f"{name} = {re.escape(v.lower())} must be a {what}", ValueError)
@@ -121,17 +111,8 @@ REFUSED = [
     ("LACContact(u, Parts(mesh).lam, master='master')", PRODUCTS),
     ("LACContact(V.TrialFunction(), lam, master='master')", PRODUCTS),
     # states
-    ("paired(at(NAN, '.*'))", "the configuration to pair in holds NaN or infinite coordinates"),
-    ("paired(at(INF, '.*'))", "the configuration to pair in holds NaN or infinite coordinates"),
-    ("paired(wrong)", "gf lives on another space than u and lam"),
     ("paired().Evaluate(wrong)", "gf lives on another space than u and lam.* in place of"),
     ("paired().Apply(vec, vec)", "the scale c is not set; call SetStiffness"),
-    *(
-        (f"contact().{use}", UNPAIRED)
-        for use in ("Evaluate(gf)", "Commit(gf)", "Table()", "Force()", "Moment((0,) * dim)")
-    ),
-    ("contact().Apply(vec, vec.CreateVector())", UNPAIRED),
-    ("contact().AssembleLinearization(vec)", UNPAIRED),
     # functions without values, iterables without an end
     ("contact(friction=0.1 + u[1] * x)", f"^friction.* {VALUES}", ValueError),
     ("contact(tresca=lam[0])", f"^tresca.* {VALUES}", ValueError),
@@ -153,10 +134,6 @@ def test_refused(parts, row):
     check_refused(row, **parts.names())
 
 
-def test_a_gap_within_maxdist_is_paired(parts):
-    parts.paired(parts.at(), maxdist=0.21)
-
-
 @pytest.mark.parametrize("threads", [nullcontext, TaskManager])
 @pytest.mark.parametrize(
     ("value", "text"), [(0.5 - x, "-0"), (sqrt(x - 0.5), "nan"), (Parameter(-0.1), "-0.1")]
@@ -167,17 +144,6 @@ def test_wrong_functions(parts, value, text, threads):
     expected = rf"friction is -?{text}.* at \({point}\) on boundary 'slave'; it must be a number >="
     with pytest.raises(Exception, match=expected), threads():
         parts.paired(friction=value)
-
-
-def test_a_parameter_that_becomes_negative(parts):
-    parameter = Parameter(0.3)
-    c = parts.paired(friction=parameter)
-    c.form.SetConstant(1.0)
-    residual = parts.vec.CreateVector()
-    c.Apply(parts.vec, residual)
-    parameter.Set(-0.3)
-    with pytest.raises(Exception, match=r"friction is -0\.3"):
-        c.Apply(parts.vec, residual)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -205,17 +205,6 @@ def test_friction_parameter(dim):
     check_law(problem.contact)
 
 
-def test_friction_depends_on_the_position(dim):
-    """The mean over each macro-element counts."""
-    slope, push = {2: ((0.1, 0), (0.05, -0.02)), 3: ((0.05, 0.03, 0), (0.05, 0.03, -0.02))}[dim]
-    problem = press(dim=dim, friction=0.02 + slope[0] * x + slope[1] * y, push=push)
-    solved(problem)
-    table = problem.contact.Table()
-    assert table["friction"] == pytest.approx(0.02 + table["x"] @ slope, rel=1e-12)
-    assert set(table["status"]) == {2}
-    check_law(problem.contact)
-
-
 def test_right_hand_sides(dim):
     """A traction as rhs does what the same traction does inside of the form."""
     reference, *others = (press(dim=dim, friction=0.2, n=(2, 1)) for _ in range(5))
