@@ -1,7 +1,7 @@
 """Closed-form solutions and benchmark data, used by tests and tutorials.
 
 Pressure is positive in compression; tractions act on the slave, which is body 1. Any consistent
-system of units. Needs NumPy and SciPy only.
+system of units: with N and mm, pressures are in MPa. Needs NumPy and SciPy only.
 """
 
 from .dundurs import ContactModulus, DundursBeta

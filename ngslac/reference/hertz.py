@@ -84,10 +84,6 @@ class HertzLine(HertzPair):
     ValueError
         If a number is out of range, or both bodies are flat or both rigid.
 
-    Notes
-    -----
-    Any consistent system of units: with N and mm, `force` is in N/mm and pressures are in MPa.
-
     Examples
     --------
     >>> hertz = HertzLine(force=35e3, radius1=50, young1=210e3, nu1=0.3, young2=70e3, nu2=0.3)
@@ -220,10 +216,9 @@ class HertzPoint(HertzPair):
         return self.peak * semi_ellipse(points("r", r), self.contact_radius)
 
     def MeanPressure(self, vertices):
-        """Exact average of the pressure over polygons in the plane of contact.
+        """Exact average over polygons in the plane of contact, as in `HertzLine.MeanPressure`.
 
-        This is what a piecewise constant multiplier on a face with these corners is compared with;
-        faces may reach over the edge of the contact, or hold its middle.
+        Faces may reach over the edge of the contact, or hold its middle.
 
         Parameters
         ----------

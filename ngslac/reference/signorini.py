@@ -34,7 +34,8 @@ class ScalarSignorini:
     there is contact for x < X0, with pressure 1.5 sqrt(X0 - x), and a gap beyond. Take u as
     Dirichlet data on the rest of the boundary of, say, (-1, 1) x (0, 1) and its mirror image.
     The regularity (below H^(5/2)) is that of Signorini problems in general, and limits the
-    rates. Checked by hand: u1 is the real part of z^(3/2), with derivative 1.5 z^(1/2).
+    rates. With ``sqrt=ngsolve.sqrt`` `Value` and `Gradient` take and give coefficient functions.
+    Checked by hand: u1 is the real part of z^(3/2), with derivative 1.5 z^(1/2).
 
     Parameters
     ----------
@@ -45,11 +46,6 @@ class ScalarSignorini:
     ------
     ValueError
         If a number is not finite.
-
-    Notes
-    -----
-    `Value`, `Gradient` use arithmetic and a square root only. With ``sqrt=ngsolve.sqrt`` they take
-    and give coefficient functions.
 
     Examples
     --------
@@ -90,22 +86,11 @@ class ScalarSignorini:
         return sign_of(body) * 1.5 * real, -1.5 * imag
 
     def Gap(self, x):
-        """Gap u1 - u2 on the line, zero in contact.
-
-        Parameters
-        ----------
-        x : float or array
-            Position.
-
-        Returns
-        -------
-        float or array
-            Of the shape of `x`.
-        """
+        """Gap u1 - u2 at `x` on the line, zero in contact, as in `HertzLine.Pressure`."""
         return 2.0 * np.maximum(points("x", x) - self.tip, 0.0) ** 1.5
 
     def Pressure(self, x):
-        """Pressure du1/dn >= 0 on the line (n out of body 1), as in `ScalarSignorini.Gap`."""
+        """Pressure du1/dn >= 0 on the line (n out of body 1), as in `HertzLine.Pressure`."""
         return 1.5 * np.sqrt(np.maximum(self.tip - points("x", x), 0.0))
 
     def MeanPressure(self, x0, x1):
@@ -156,8 +141,9 @@ class ElasticSignorini(ElasticPair):
     mirrored for body 2. On the line there is no shear stress; v vanishes and the pressure is
     k sqrt(X0 - x) in contact, and the pressure vanishes and the gap grows like (x - X0)^(3/2)
     beyond. As v = 0 in contact for either body, they may be of different materials. Use the
-    displacement as Dirichlet data, or the stress as load, on the rest of the boundary. There is no
-    body force. Source of the representation: Westergaard, J. Appl. Mech. 6 (1939) A49.
+    displacement as Dirichlet data, or the stress as load, on the rest of the boundary; with
+    ``sqrt=ngsolve.sqrt`` both are coefficient functions. There is no body force. Source of the
+    representation: Westergaard, J. Appl. Mech. 6 (1939) A49.
 
     Parameters
     ----------
@@ -172,10 +158,6 @@ class ElasticSignorini(ElasticPair):
     ------
     ValueError
         If a number is out of range.
-
-    Notes
-    -----
-    With ``sqrt=ngsolve.sqrt`` `Displacement` and `Stress` take and give coefficient functions.
 
     Examples
     --------
@@ -223,11 +205,11 @@ class ElasticSignorini(ElasticPair):
         return ScalarSignorini(tip=self.tip)
 
     def Gap(self, x):
-        """Distance of the surfaces along the line, zero in contact, as in `ScalarSignorini.Gap`."""
+        """Distance of the surfaces along the line, zero in contact, as in `HertzLine.Pressure`."""
         return 2.0 / 3.0 * self.strength / self._modulus * self._scalar.Gap(x)
 
     def Pressure(self, x):
-        """Contact pressure (stress), positive in compression, as in `ScalarSignorini.Gap`."""
+        """Contact pressure (stress), positive in compression, as in `HertzLine.Pressure`."""
         return self.strength / 1.5 * self._scalar.Pressure(x)
 
     def MeanPressure(self, x0, x1):

@@ -33,7 +33,8 @@ class ElasticSignoriniDisc(ElasticPair):
     mirrored for body 2. On z = 0 there is no shear stress; in contact f_z vanishes and the
     pressure is k sqrt(a^2 - r^2), beyond it the pressure vanishes and the gap grows like
     (r - a)^(3/2). As u_z = 0 in contact for either body, they may be of different materials. Use
-    the displacement as Dirichlet data on the rest of the boundary; there is no body force.
+    the displacement as Dirichlet data on the rest of the boundary (with ``functions=ngsolve`` it is
+    a coefficient function); there is no body force.
 
     *Derivation.* Im(1/R) for all radii t < a, integrated against -t dt, is harmonic, and on z = 0
     it is sqrt(a^2 - r^2) in the disc and zero outside; further integrals over z are elementary.
@@ -53,10 +54,6 @@ class ElasticSignoriniDisc(ElasticPair):
     ------
     ValueError
         If a number is out of range.
-
-    Notes
-    -----
-    With ``functions=ngsolve`` the method `Displacement` takes and gives coefficient functions.
 
     Examples
     --------
