@@ -17,49 +17,45 @@ SOLID = dict(young1=210e3, nu1=0.3, young2=70e3, nu2=0.3)
 def Grid(line):
     """Macro-elements of the slave side of a mesh, each a single face, with exact pressures."""
     mesh = CylinderOnBlock(0.5, zone=3.3)
-    names = mesh.GetBoundaries()
-    slave = [names[el.index] == "slave" for el in mesh.Elements(BND)]
+    slave = [el.mat == "slave" for el in mesh.Elements(BND)]
     numbers = np.where(slave, np.cumsum(slave) - 1, -1)
     force = {"force": 5.7e3 if line else 24e3}
     hertz = (HertzLine if line else HertzPoint)(radius1=50, **force, **SOLID)
-    return SlaveFaces(mesh, numbers, line), hertz
+    faces = SlaveFaces(mesh, numbers, line)
+    return faces, hertz, Means(faces, hertz)
 
 
 @pytest.mark.parametrize("line", [True, False])
 def test_exact_pressures_have_no_error(line):
-    faces, hertz = Grid(line)
-    pressure = Means(faces, hertz)
-    figures = Comparison(faces, hertz, pressure, pressure > 0)
+    faces, hertz, exact = Grid(line)
+    figures = Comparison(faces, hertz, exact, exact > 0)
     for name in ("p0_ratio", "p0_ratio_fit", "contact_radius_ratio"):
         assert figures[name] == pytest.approx(1, abs=1e-5)
-    assert figures["profile_error"] < 1e-12
-    assert figures["oscillation"] < 1e-12
+    assert max(figures["profile_error"], figures["oscillation"]) < 1e-12
     assert figures["second_difference"] == figures["second_difference_exact"] > 0
     assert 0.8 < figures["contact_edge_interval"][0] <= figures["contact_edge_interval"][1]
 
 
 def test_errors_are_seen():
-    faces, hertz = Grid(True)
-    exact = Means(faces, hertz)
-    closed = exact > 0
+    faces, hertz, exact = Grid(True)
+    closed, middle = exact > 0, faces.corners.mean(axis=1)
     scaled = Comparison(faces, hertz, 1.03 * exact, closed)
     assert scaled["p0_ratio"] == pytest.approx(1.03, abs=1e-9)
     assert scaled["profile_error"] == pytest.approx(0.03, abs=1e-9)
     wide = Comparison(faces, hertz, hertz.peak * Shape(faces, hertz, 1.1 * hertz.halfwidth), closed)
     assert wide["contact_radius_ratio"] == pytest.approx(1.1, abs=1e-4)
-    column = np.rint(faces.corners[:, :, 0].mean(axis=1) / 0.55).astype(int)
-    row = (faces.corners[:, :, 1].mean(axis=1) > THICKNESS / 2).astype(int)
-    checkered = exact + 0.1 * hertz.peak * (-1.0) ** (column + row) * closed
+    odd = np.rint(middle[:, 0] / 0.55).astype(int) + (middle[:, 1] > THICKNESS / 2)
+    checkered = exact + 0.1 * hertz.peak * (-1.0) ** odd * closed
     assert Comparison(faces, hertz, checkered, closed)["oscillation"] > 0.15
 
 
 def test_neighbours_and_outlines():
-    faces, _ = Grid(True)
+    faces, _, _ = Grid(True)
     number = len(faces.area)  # two rows
     assert len(Neighbours(faces)) == 2 * (number // 2 + 2 * (number // 2 - 1))
     assert len(Outlines(faces)) == len(Neighbours(faces)) // 2
     assert faces.area.sum() == pytest.approx(3.3 * THICKNESS, rel=1e-6)
-    values = faces.corners[..., 0].mean(axis=1)
     inner = (faces.extent[:, 0] > 0.1) & (faces.extent[:, 1] < 3.2)
+    linear = Bends(faces, faces.corners[..., 0].mean(axis=1))[0]
     assert np.abs(Bends(faces, np.ones(number))).max() < 1e-12
-    assert np.abs(Bends(faces, values)[0][inner]).max() < 0.02
+    assert np.abs(linear[inner]).max() < 0.02
