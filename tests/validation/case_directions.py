@@ -7,8 +7,7 @@ constant where the whole contact sticks, or slips with one friction coefficient.
 from __future__ import annotations
 
 import numpy as np
-from elasticity import Displacements
-from elasticity3d import Field, Pair3D, Solid
+from elasticity import Displacements, Field, Material, Pair
 from ngsolve import CF, x, y, z
 from report_bounds import Tolerance
 from report_case import Case, Outcome, Row
@@ -31,7 +30,7 @@ class ShearedBlocks:
 
     def __init__(self, kinds=("hex", "tet"), space="P2", **law):
         self.mesh = TwoBlocks3D(*kinds, **MESH)
-        self.pair = Pair3D(Displacements(self.mesh, space, dirichlet=HELD), Solid(), **law)
+        self.pair = Pair(Displacements(self.mesh, space, dirichlet=HELD), Material(), **law)
         self.contact = self.pair.contact
 
     def Shear(self, direction, *, stress=0.0, slip=0.0):
@@ -43,7 +42,7 @@ class ShearedBlocks:
         t = np.array([*direction, 0.0])
         tensor = np.diag([0.0, 0.0, -PRESSURE]) - stress * (np.outer(t, [0, 0, 1]))
         tensor -= stress * np.outer([0, 0, 1], t)
-        linear = Field(Solid().Strain(tensor)) * (CF((x, y, z)) - CF((0.5, 0.5, 0.0)))
+        linear = Field(Material().Strain(tensor)) * (CF((x, y, z)) - CF((0.5, 0.5, 0.0)))
         moved = linear - slip * CF(tuple(t))
         upper = self.mesh.BoundaryCF({"top|.*_upper": moved}, default=linear)
         self.pair.Hold(upper, HELD)

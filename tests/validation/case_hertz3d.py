@@ -10,7 +10,7 @@ from functools import cache
 
 import hertz3d
 import numpy as np
-from elasticity3d import Pair3D, Solid
+from elasticity import Material, Pair
 from hertzmeans import Means as HertzMeans
 from macros3d import Comparison, Outlines
 from ngsolve import Integrate, VectorH1, dx
@@ -157,7 +157,7 @@ def Slice(size):
     mesh = SliceMesh(HertzMesh(size, order=1, zone=8.0, grading=0.5), DEPTH)
     flags = {"dirichletx": "sym|bottom", "dirichlety": "front|back", "dirichletz": "bottom"}
     young = mesh.MaterialCF({"cylinder": 210e3, "block": 70e3})
-    pair = Pair3D(VectorH1(mesh, order=2, **flags), Solid(young, 0.3))
+    pair = Pair(VectorH1(mesh, order=2, **flags), Material(young, 0.3))
     weight = FORCE * DEPTH / Integrate(1, mesh.Materials("cylinder"))
     pair.load += -weight * pair.v[2] * dx("cylinder")
     pair.Solve(tol=1e-10)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from elasticity3d import Pair3D, Solid
+from elasticity import Material, Pair
 from netgen.occ import Compound, OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, Parameter, VectorH1, ds
 from report_bounds import Spread, Tolerance
@@ -60,7 +60,7 @@ class Punched:
     def __init__(self, h, friction):
         mesh = SectorMesh(HalfSection(h), ANGLE)
         V = VectorH1(mesh, order=2, dirichlety="front", dirichlet="bottom")
-        pair = Pair3D(V, Solid(mesh.MaterialCF(YOUNG), 0.3), friction=Parameter(friction))
+        pair = Pair(V, Material(mesh.MaterialCF(YOUNG), 0.3), friction=Parameter(friction))
         pair.Load(CF((0, 0, -LOAD)), "top")
         # The oblique plane of symmetry by stiff springs; their effect is below 1e-6.
         across, (u, _) = CF((-np.sin(ANGLE), np.cos(ANGLE), 0)), pair.X.TrialFunction()

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from elasticity import Displacements
-from elasticity3d import Pair3D, Solid
+from elasticity import Displacements, Material, Pair
 from macros3d import Comparison
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, TaskManager
@@ -35,7 +34,7 @@ class Solution:
     Pressures are forces per area of the undeformed slave side.
     """
 
-    pair: Pair3D
+    pair: Pair
     hertz: HertzPoint
     faces: SlaveFaces
     pressure: np.ndarray
@@ -85,7 +84,7 @@ def PressSpheres(approach, elements, *, updates=0):
     radius = HertzPoint.FromApproach(approach=approach, **SPHERES).contact_radius
     mesh = TwoSpheres(radius / elements, radius=RADIUS, zone=1.3 * radius)
     V = Displacements(mesh, "P2", dirichletz="top|bottom", **SYMMETRY)
-    pair = Pair3D(V, Solid(young=2e4, nu=0.3))
+    pair = Pair(V, Material(young=2e4, nu=0.3))
     down = {"top": -0.5 * approach, "bottom": 0.5 * approach}
     pair.Hold(CF((0, 0, mesh.BoundaryCF(down, default=0.0))), "top|bottom")
     with TaskManager():
@@ -118,7 +117,7 @@ def PressBlock(elements, space="P2"):
     bodies = dict(radius1=RADIUS, young1=np.inf, nu1=0.0, young2=YOUNG, nu2=0.3)
     size = 1.3 * HertzPoint(force=FORCE, **bodies).contact_radius
     mesh = BlockUnderSphere(elements, size)
-    pair = Pair3D(Displacements(mesh, space, **FIXED), Solid(young=YOUNG, nu=0.3))
+    pair = Pair(Displacements(mesh, space, **FIXED), Material(young=YOUNG, nu=0.3))
     bottom = (size * GROWTH**SHELLS) ** 2
     pair.Load(CF((0, 0, 0.25 * FORCE / bottom)), "bottom")
     with TaskManager():

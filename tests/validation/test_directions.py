@@ -12,7 +12,7 @@ from case_directions import (
     Direction,
     ShearedBlocks,
 )
-from elasticity3d import Solid
+from elasticity import Material
 from ngsolve import CF, IfPos, Integrate, Parameter, x, y
 
 
@@ -23,7 +23,7 @@ def AssertCoulomb(blocks, tol=1e-10):
     sticks, slips = (table["status"] == k for k in (STICK, SLIP))
     assert np.all(size <= bound + tol * bound.max())
     assert np.abs(size - bound)[slips].max(initial=0.0) <= tol * bound.max()
-    displacement = PRESSURE / Solid().young  # of a block of height one
+    displacement = PRESSURE / Material().young  # of a block of height one
     assert np.abs(slip[sticks]).max(initial=0.0) <= tol * displacement
     work = (blocks.tangential * slip).sum(axis=1)[slips]
     opposite = -size[slips] * np.linalg.norm(slip[slips], axis=1)
