@@ -1,6 +1,7 @@
 """Scenes of the webgui, profiles and files for ParaView show what the table of a contact says."""
 
 import base64
+from functools import cache
 
 import matplotlib
 import meshio
@@ -16,27 +17,26 @@ from ngslac.output.facepoints import FacePoints
 matplotlib.use("Agg")
 
 
-@pytest.fixture(scope="module")
-def problems():
-    made = {dim: press(dim=dim, friction=0.2) for dim in (2, 3)}
-    for problem in made.values():
-        solved(problem)
-    return made
-
-
-@pytest.fixture
-def flat(problems):
-    return problems[2].contact
-
-
-@pytest.fixture
-def solid(problems):
-    return problems[3].contact
+@cache
+def pressed(dim):
+    problem = press(dim=dim, friction=0.2)
+    solved(problem)
+    return problem
 
 
 @pytest.fixture(params=[2, 3])
-def problem(request, problems):
-    return problems[request.param]
+def problem(request):
+    return pressed(request.param)
+
+
+@pytest.fixture
+def flat():
+    return pressed(2).contact
+
+
+@pytest.fixture
+def solid():
+    return pressed(3).contact
 
 
 def macros_of_faces(contact):
@@ -167,8 +167,8 @@ def test_profile_of_points(solid):
     np.testing.assert_allclose(q, np.linalg.norm(shear(solid.Table()), axis=1), atol=1e-12)
 
 
-def test_profile_over_current_points(flat, problems):
-    u = problems[2].gf.components[0]
+def test_profile_over_current_points(flat):
+    u = pressed(2).gf.components[0]
     still, now, far = (profile(flat, deformation=f)[0] for f in (None, u, CF((1000, 0))))
     assert 0 < abs(now - still).max() < 0.1
     np.testing.assert_allclose(far - still, 1000)
