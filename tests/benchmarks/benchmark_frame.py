@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["Growth", "InProcess", "Markdown", "Parser", "Picture", "WriteJSON"]
+__all__ = ["Columns", "Growth", "InProcess", "Markdown", "Parser", "Picture", "WriteJSON"]
 
 
 def Parser(doc):
@@ -28,6 +28,11 @@ def WriteJSON(file, figures):
     """Rows are dataclasses or dictionaries; without a file nothing is written."""
     if file:
         Path(file).write_text(json.dumps(figures, indent=2, default=asdict) + "\n")
+
+
+def Columns(cells):
+    """A line of a table that is printed as it grows."""
+    return " ".join(f"{cell:>9}" for cell in cells)
 
 
 def Markdown(head, rows):

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from benchmark_frame import Growth, InProcess, Parser, WriteJSON
+from benchmark_frame import Columns, Growth, InProcess, Parser, WriteJSON
 from layers import LayerMesh
 from ngsolve import CF, GridFunction, SetNumThreads, TaskManager, Timers, VectorH1, sin, x
 
@@ -34,7 +34,7 @@ PARTS = {
     "rows": "ngslac::MacroJump - rows",
 }
 AMPLITUDE, WAVE = 0.1, 3.0
-COLUMNS = ("n", "segments", "Update s", "cpu s", *PARTS, "rest", "us/face", "space s", "bytes/seg")
+HEAD = ("n", "segments", "Update s", "cpu s", *PARTS, "rest", "us/face", "space s", "bytes/seg")
 
 
 @dataclass(frozen=True)
@@ -122,16 +122,16 @@ def ResidentBytes():
 def Line(row):
     """One row; parts as microseconds per slave face."""
     rest = row.update - sum(row.parts[name] for name in ("surfaces", "pair", "jump", "rows"))
-    cells = [f"{row.n:9d} {row.segments:9d} {row.update:9.4f} {row.cpu:9.4f}"]
-    cells += [f"{1e6 * t / row.n:9.2f}" for t in (*row.parts.values(), rest, row.update)]
-    return " ".join([*cells, f"{row.space:9.3f} {row.memory:9.0f}"])
+    parts = [f"{1e6 * t / row.n:.2f}" for t in (*row.parts.values(), rest, row.update)]
+    figures = [row.n, row.segments, f"{row.update:.4f}", f"{row.cpu:.4f}", *parts]
+    return Columns([*figures, f"{row.space:.3f}", f"{row.memory:.0f}"])
 
 
 def Series(sizes, curved, threads, repeat, dim):
     """Measure and print one shape; each size in a fresh process."""
     shape = "curved" if curved else "straight"
     print(f"\n{dim}D, {shape}, {threads} thread(s); parts in microseconds per slave face")
-    print(" ".join(f"{name:>9}" for name in COLUMNS))
+    print(Columns(HEAD))
     rows = []
     for n in sizes:
         rows.append(InProcess(Measure, n, curved, threads, repeat, dim))

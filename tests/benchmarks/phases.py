@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from benchmark_frame import Parser, Picture, WriteJSON
+from benchmark_frame import Columns, Parser, Picture, WriteJSON
 from benchmark_problems import Problem
 from benchmark_runs import PHASES, SolveContact, SolveElastic
 
@@ -26,6 +26,7 @@ from ngslac.meshes import HertzMesh
 MESHES = ((1.0, None), (0.5, None), (0.25, None), (0.125, None), (0.0625, 0.06), (0.03125, 0.05))
 STEP = 0.1  # part of the load
 SOLVERS = ("umfpack", "sparsecholesky")
+HEAD = ("h", "ndof", "macros", "it", "total s", *PHASES, "umfpack", "ratio", "cholesky", "ratio")
 
 
 @dataclass(frozen=True)
@@ -68,18 +69,13 @@ def Measure(h, friction=0.2, *, grading=None, repeat=3, **options):
     )
 
 
-def Head():
-    left = f"{'h':>7} {'ndof':>7} {'macros':>6} {'it':>3} {'total s':>8}"
-    middle = " ".join(f"{phase:>8}" for phase in PHASES)
-    return f"{left} | {middle} | {'umfpack':>8} {'ratio':>6} | {'cholesky':>8} {'ratio':>6}"
-
-
 def Line(row):
     """One row; phases in per cent of the total, elastic problem in seconds."""
-    left = f"{row.h:7g} {row.ndof:7d} {row.macros:6d} {row.iterations:3d} {row.total:8.3f}"
-    middle = " ".join(f"{100 * row.phases[phase] / row.total:7.1f}%" for phase in PHASES)
-    right = " | ".join(f"{row.elastic[s]:8.3f} {row.Ratio(s):6.1f}" for s in SOLVERS)
-    return f"{left} | {middle} | {right}"
+    cells = [f"{row.h:g}", row.ndof, row.macros, row.iterations, f"{row.total:.3f}"]
+    cells += [f"{100 * row.phases[phase] / row.total:.1f}%" for phase in PHASES]
+    for solver in SOLVERS:
+        cells += [f"{row.elastic[solver]:.3f}", f"{row.Ratio(solver):.1f}"]
+    return Columns(cells)
 
 
 def Draw(rows, file):
@@ -118,7 +114,7 @@ def main(argv=None):
     given = {"inverse": options.inverse, "repeat": options.repeat}
     for friction in (0.0, 0.2):
         title = "one load step | shares | elastic: seconds, contact/elastic"
-        print(f"\nfriction {friction:g}: {title}\n{Head()}")
+        print(f"\nfriction {friction:g}: {title}\n{Columns(HEAD)}")
         for h, grading in MESHES[: options.levels]:
             rows.append(Measure(h, friction, grading=grading, **given))
             print(Line(rows[-1]), flush=True)
