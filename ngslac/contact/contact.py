@@ -3,24 +3,18 @@
 from contextlib import contextmanager
 
 from ngsolve import BaseMatrix, GridFunction
-from ngsolve.comp import ProxyFunction
 
 from ngslac.arguments import (
     BoundaryNames,
-    BoundaryRegion,
     CheckDistinct,
-    CheckFlag,
     CheckInstance,
     CheckMoves,
     CheckNumber,
-    CheckOnMesh,
     CheckOnSpace,
-    CheckPositive,
     CheckVector,
-    Coefficient,
-    Wrong,
 )
 from ngslac.contact import results
+from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures
@@ -123,25 +117,12 @@ class LACContact:
         penetration=None,
         stiffness=1.0,
     ):
-        CheckProxies(u=u, lam=lam)
-        if (master is None) == (obstacle is None):
-            raise ValueError("give either master= or obstacle=, not both and not none")
-        CheckFlag("tied", tied)
-        CheckFlag("finite", finite)
-        if tied and (friction is not None or tresca is not None):
-            raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-        CheckLengths(maxdist=maxdist, penetration=penetration)
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
-        mesh = u.space.mesh
-        for name, value in {"obstacle": obstacle, "friction": friction, "tresca": tresca}.items():
-            CheckOnMesh(name, value, mesh)
-        region = None if master is None else BoundaryRegion(mesh, master, "master")
-        setup = {"u": u, "lam": lam, "master": region, "tied": tied, "finite": finite}
-        setup["obstacle"] = Coefficient("obstacle", obstacle)
-        setup["friction"] = Coefficient("friction", friction, least=0)
-        setup["tresca"] = Coefficient("tresca", tresca, least=0)
-        setup |= {"maxdist": maxdist or 0.0, "penetration": penetration or 0.0}
+        law = {"friction": friction, "tresca": tresca, "tied": tied, "finite": finite}
+        search = {"maxdist": maxdist, "penetration": penetration}
+        setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
+        mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite, self.tied = mesh, region, finite, tied
         self.stiffness = stiffness
         self.holds_tangentially = tied or friction is not None or tresca is not None
@@ -395,17 +376,3 @@ class LACContact:
     Draw = pictures.Draw
     Plot = pictures.Plot
     WriteVTU = pictures.WriteVTU
-
-
-def CheckProxies(**proxies):
-    """Trial functions."""
-    for name, proxy in proxies.items():
-        if not isinstance(proxy, ProxyFunction):
-            raise Wrong(TypeError, name, proxy, "a trial function of a product space")
-
-
-def CheckLengths(**lengths):
-    """Positive, or None."""
-    for name, value in lengths.items():
-        if value is not None:
-            CheckPositive(name, value, "a positive length")

@@ -3,6 +3,7 @@
 import math
 
 from ngslac.callback import TellStep
+from ngslac.progress import Progress
 from ngslac.solve.snapshot import Snapshot
 
 __all__ = ["Journal", "StepControl"]
@@ -88,6 +89,36 @@ class Journal:
         """Take the present state as the one to go back to; returns it."""
         self.saved = Snapshot(self.tool)
         return self.saved
+
+    def Run(self, targets, reach, prepare=lambda: None):
+        """Reach one target after the other; after any error the state is that of the last step.
+
+        Parameters
+        ----------
+        targets : list[float]
+            Of the parameter.
+        reach : callable
+            ``reach(target)`` returns the steps that led there.
+        prepare : callable
+            What comes before; without a step it does not count, either.
+
+        Returns
+        -------
+        list
+            Of steps.
+        """
+        before = begun = self.Begin()
+        done, name = [], f"contact: {self.name} steps"
+        try:
+            prepare()
+            begun = self.Begin()
+            with Progress(name, self.parameter.Get(), targets[-1]) as self.progress:
+                for target in targets:
+                    done += reach(target)
+        except BaseException:
+            (before if self.saved is begun else self.saved).Restore()
+            raise
+        return done
 
     def Add(self, step, callback, **fields):
         """Note a step, and tell of it.

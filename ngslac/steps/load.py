@@ -15,7 +15,6 @@ from ngslac.arguments import (
 )
 from ngslac.bodies.messages import OverloadMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
-from ngslac.progress import Progress
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.solver import ContactSolver
@@ -148,18 +147,10 @@ class LoadStepper:
         end, steps = CheckNumber("end", end), CheckCount("steps", steps)
         CheckFunction("callback", callback)
         self.printing = CheckFlag("printing", printing)
-        begin, done = self._CheckBegin(end), []
+        begin = self._CheckBegin(end)
         self.solver.system.PairOnce()
-        self._journal.Begin()
-        try:
-            with Progress("contact: load steps", begin, end) as self._journal.progress:
-                for k in range(1, steps + 1):
-                    target = begin + (end - begin) * k / steps
-                    done += self._Reach(target, callback, maxit, tol)
-        except BaseException:
-            self._journal.saved.Restore()
-            raise
-        return done
+        targets = [begin + (end - begin) * k / steps for k in range(1, steps + 1)]
+        return self._journal.Run(targets, lambda to: self._Reach(to, callback, maxit, tol))
 
     def _CheckBegin(self, end):
         begin = CheckNumber("load.Get()", self.load.Get())

@@ -17,7 +17,6 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, OnBulk
 from ngslac.steps.balance import ContactWorks, EnergyBalance, TimeStep
@@ -187,20 +186,9 @@ class TimeStepper:
         count = max(1, np.ceil((end - begin) / self.dt - 1e-9))
         if count > LARGEST_COUNT:
             raise ValueError(f"end = {end} is {count:g} steps of dt = {self.dt} away: take fewer")
-        count = int(count)
-        done, journal = [], self._journal
-        before = begun = journal.Begin()
-        try:
-            self._Begin()
-            begun = journal.Begin()
-            with Progress("contact: time steps", begin, end) as journal.progress:
-                for k in range(1, count + 1):
-                    target = end if k == count else begin + (end - begin) * k / count
-                    done += self._Reach(target, callback, printing, maxit, tol)
-        except BaseException:  # without a step not even the beginning counts
-            (before if journal.saved is begun else journal.saved).Restore()
-            raise
-        return done
+        targets = [begin + (end - begin) * k / count for k in range(1, int(count))] + [end]
+        reach = lambda to: self._Reach(to, callback, printing, maxit, tol)  # noqa: E731
+        return self._journal.Run(targets, reach, self._Begin)
 
     def State(self):
         """What the next step depends on: that of the solver, velocity, time, energies and steps.

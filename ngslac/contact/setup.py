@@ -1,0 +1,40 @@
+"""What a contact is made of, checked."""
+
+from ngsolve.comp import ProxyFunction
+
+from ngslac.arguments import (
+    BoundaryRegion,
+    CheckFlag,
+    CheckOnMesh,
+    CheckPositive,
+    Coefficient,
+    Wrong,
+)
+
+__all__ = ["CheckedSetup"]
+
+
+def CheckedSetup(u, lam, master, obstacle, *, friction, tresca, tied, finite, maxdist, penetration):
+    """The arguments of a ContactForm, as a dict; those here are as in LACContact."""
+    for name, proxy in {"u": u, "lam": lam}.items():
+        if not isinstance(proxy, ProxyFunction):
+            raise Wrong(TypeError, name, proxy, "a trial function of a product space")
+    if (master is None) == (obstacle is None):
+        raise ValueError("give either master= or obstacle=, not both and not none")
+    flags = {"tied": CheckFlag("tied", tied), "finite": CheckFlag("finite", finite)}
+    if tied and (friction is not None or tresca is not None):
+        raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
+    lengths = {"maxdist": maxdist, "penetration": penetration}
+    for name, value in lengths.items():
+        if value is not None:
+            CheckPositive(name, value, "a positive length")
+    mesh = u.space.mesh
+    functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca}
+    for name, value in functions.items():
+        CheckOnMesh(name, value, mesh)
+    region = None if master is None else BoundaryRegion(mesh, master, "master")
+    functions = {"obstacle": Coefficient("obstacle", obstacle)} | {
+        name: Coefficient(name, functions[name], least=0) for name in ("friction", "tresca")
+    }
+    lengths = {name: value or 0.0 for name, value in lengths.items()}
+    return {"u": u, "lam": lam, "master": region} | functions | flags | lengths
