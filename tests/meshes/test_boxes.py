@@ -97,38 +97,3 @@ def test_distance_is_relative_to_the_master_size():
     plane = TwoBlocks(1 / 2, 1 / 3, structured=True)  # nodes 1/2 and 1/3, 2/3
     assert CheckNonMatching(plane) == pytest.approx(0.5)
     assert CheckNonMatching3D(TwoBlocks3D("hex", None, 2, 3)) == pytest.approx(math.sqrt(0.5))
-
-
-REFUSED = [
-    (StructuredBox, ([0, 1], [0, 1], [0, 1], "brick"), {}, "kind must be one of tet, hex"),
-    (StructuredBox, ([0, 1], [0, 0], [0, 1]), {}, "y must be at least two increasing"),
-    (StructuredBox, ([0], [0, 1], [0, 1]), {}, "x must be at least two increasing"),
-    (StructuredBox, ([0, 1], [0, 1], [[0, 1]]), {}, "z must be at least two increasing"),
-    *(
-        (StructuredBox, UNIT, {"perturb": value}, "perturb must be at least 0")
-        for value in (-0.1, 0.3, math.nan)
-    ),
-    (RotationMatrix, (np.diag([1, 1, -1]),), {}, "reflection"),
-    (RotationMatrix, (2 * np.eye(3),), {}, "orthogonal"),
-    (RotationMatrix, (np.eye(4),), {}, "orthogonal"),
-    (RotationMatrix, (([0, 0, 0], 30),), {}, "axis of three numbers"),
-    (RotationMatrix, (("z", math.inf),), {}, "axis of three numbers"),
-    (RotationMatrix, (("w", 30),), {}, "axis of three numbers"),
-    *(
-        (check, (mesh,), options, message)
-        for check, mesh, other in (
-            (CheckNonMatching, TwoBlocks(0.25, 0.2, structured=True), "slave|left_upper"),
-            (CheckNonMatching3D, TwoBlocks3D("hex", None, 2, 3), "slave"),
-        )
-        for options, message in (
-            ({"master": other}, "the contact meshes match"),
-            ({"master": "nothing"}, "no boundary 'nothing'"),
-        )
-    ),
-]
-
-
-@pytest.mark.parametrize(("call", "args", "options", "message"), REFUSED)
-def test_refused(call, args, options, message):
-    with pytest.raises(ValueError, match=message):
-        call(*args, **options)
