@@ -39,7 +39,7 @@ def test_friction_holds_a_body(flags):
         assert 3 <= problem.contact.space.nmacros <= 4
     steps = stepper(problem).Integrate(steps=1, printing=False)
     assert sum(step.cuts for step in steps) == 0
-    assert problem.contact.Force() == pytest.approx([-0.1, 1], abs=1e-9)
+    assert problem.contact.Force() == pytest.approx([-0.1, 1], abs=1e-10)
     assert np.all(problem.contact.Table()["gap"] > -1e-9)
 
 
@@ -54,7 +54,7 @@ def test_friction_holds_a_body(flags):
 def test_contact_holds_what_is_guided_and_what_lies_below(problem, force):
     problem = problem()
     problem.solver().Solve(printing=False)
-    assert problem.contact.Force() == pytest.approx([0, force], abs=1e-9)
+    assert problem.contact.Force() == pytest.approx([0, force], abs=1e-10)
 
 
 # --- what no contact traction balances -----------------------------------------------------------

@@ -49,7 +49,7 @@ def test_dict_and_callable_give_the_same(clears):
 
     called.prescribe = prescribe
     ways = [tool.Integrate(steps=3, printing=False) for tool in (stepper, called)]
-    assert numpy(problem.gf) == pytest.approx(numpy(other.gf), abs=1e-12)
+    assert numpy(problem.gf) == pytest.approx(numpy(other.gf), abs=1e-13)
     assert [s.iterations for s in ways[0]] == [s.iterations for s in ways[1]]
 
 
