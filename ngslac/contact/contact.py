@@ -182,8 +182,10 @@ class LACContact:
         try:
             with kept:
                 yield
-        finally:
+                self._Fill()
+        except BaseException:
             self._Fill()
+            raise
 
     # --- the form ------------------------------------------------------------------------------
 
