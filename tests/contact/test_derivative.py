@@ -9,6 +9,7 @@ import pytest
 from blocks import block_mesh, contact_form, matrix, mixed_state, moved, random_state, residual
 from form import Form
 from ngsolve import CF, H1, x, y, z
+from sheets import grid, lower, sheet_mesh, upper
 
 LAWS = {  # and the bound of the tangential traction over the normal one
     "frictionless": ({}, 0.5),
@@ -156,6 +157,17 @@ def test_newton_matrix_with_moving_points(dim, cells, overhang):
     assert np.any((share > 0.05) & (share < 0.95))
     assert statuses == {0, 1, 2}
     assert form.derivative_error(40 if dim == 2 else 10, repaired=True) <= 1e-7
+
+
+def test_newton_matrix_of_a_master_with_a_hole():
+    """Which begins and ends in the middle of one slave face."""
+    left, right = ((0, 0), (0.52, 1)), ((0.58, 0), (1.1, 1))
+    parts = [lower(grid("edge", 4, left)), lower(grid("edge", 3, right))]
+    mesh = sheet_mesh(upper(grid("edge", 5)), *parts)
+    form = Form(contact_form(mesh, "order 1", finite=True, friction=0.7))
+    _, statuses = deformed(form, shift=-0.01, noise=0.0)
+    assert len(statuses) > 1
+    assert form.derivative_error(40, repaired=True) <= 1e-7
 
 
 @pytest.mark.parametrize("kinds", [("hex", "tet"), ("tet", "hex")], ids="-".join)
