@@ -56,11 +56,11 @@ Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G,
   return pivots;
 }
 
-/// Eigenvectors as rows, the eigenvalues ascending.
-void Eigensystem(const Matrix<> & symmetric, Vector<> & values, Matrix<> & vectors) {
+/// Eigenvalues, ascending, and eigenvectors as rows.
+std::pair<Vector<>, Matrix<>> Eigensystem(const Matrix<> & symmetric) {
   size_t n = symmetric.Height();
-  Vector<> unsorted(n);
-  Matrix<> rows(n, n);
+  Vector<> unsorted(n), values(n);
+  Matrix<> rows(n, n), vectors(n, n);
   CalcEigenSystem(symmetric, unsorted, rows);
   Array<int> order(n);
   for (int i : Range(n))
@@ -70,6 +70,7 @@ void Eigensystem(const Matrix<> & symmetric, Vector<> & values, Matrix<> & vecto
     values(i) = unsorted(order[i]);
     vectors.Row(i) = rows.Row(order[i]);
   }
+  return {std::move(values), std::move(vectors)};
 }
 
 Matrix<> Transposed(const Matrix<> & a) {
@@ -90,13 +91,11 @@ Matrix<> RightInverse(const Matrix<> & columns, FlatArray<int> pivots) {
   for (int i : Range(pivots))
     at.Row(i) = columns.Row(pivots[i]);
   Matrix<> gram = Trans(at) * at;
-  Vector<> values(gram.Height());
-  Matrix<> vectors(gram.Height(), gram.Height());
-  Eigensystem(gram, values, vectors);
+  double smallest = Eigensystem(gram).first(0);
   double largest = 0;
   for (double value : columns.AsVector())
     largest = max(largest, fabs(value));
-  if (pivots.Size() < columns.Width() || !(values(0) > sqr(least_pivot * largest)))
+  if (pivots.Size() < columns.Width() || !(smallest > sqr(least_pivot * largest)))
     throw Exception("ngslac: a macro-element has no displacement of its own to be eliminated");
   CalcInverse(gram);
   return Matrix<>(at * gram);
@@ -119,9 +118,7 @@ void Symmetrize(LocalBlock & block) {
       rows.Row(i) = block.E1.Col(block.pivots[i]);
       forces.Row(i) = block.GL.Row(block.pivots[i]);
     }
-    Vector<> values(told);
-    Matrix<> vectors(told, told);
-    Eigensystem(Transposed(rows) * rows, values, vectors);
+    auto [values, vectors] = Eigensystem(Transposed(rows) * rows);
     for (int i : Range(told)) {
       Vector<> direction = vectors.Row(i);
       if (sqrt(max(values(i), 0.0)) * L2Norm(Vector<>(forces * direction)) <= 1)
@@ -147,10 +144,7 @@ void FillBlock(LocalBlock & block, const SparseMatrix<double> & mat, bool symmet
     size += L2Norm2(G.Row(i));
   size = sqrt(size);
 
-  Vector<> values(d);
-  Matrix<> V(d, d), U(d, d);
-  Eigensystem(Transposed(F) * F, values, V);
-  Eigensystem(F * Transposed(F), values, U);
+  Matrix<> V = Eigensystem(Transposed(F) * F).second, U = Eigensystem(F * Transposed(F)).second;
   size_t count = CountConstraints(F, V, size);
   block.U2 = U.Rows(0, count);
   block.U1 = U.Rows(count, d);
