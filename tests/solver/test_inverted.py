@@ -30,7 +30,7 @@ def test_a_converged_step_with_such_elements_is_refused(monkeypatch):
     load = problem.load
     load.Set(0)
     monkeypatch.setattr(
-        "ngslac.solve.solver.InvertedMessage", lambda *_: "folded" if load.Get() > 0.6 else ""
+        "ngslac.solve.system.InvertedMessage", lambda *_: "folded" if load.Get() > 0.6 else ""
     )
     push = {"top": CF((0, -0.01)) * load}
     stepper = LoadStepper(problem.solver(), load, prescribe=push, maxcuts=1)
