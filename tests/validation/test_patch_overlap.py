@@ -8,8 +8,7 @@ from case_patch import HELD, LAWS, OBLIQUE_3D, Blocks, Errors, Linear, Stress, T
 from elasticity import NAMES, Displacements, Material, Pair
 from ngsolve import CF, GridFunction, InnerProduct, Integrate, ds, x, y, z
 
-from ngslac import ContactSolver, FloatingBodyError
-from ngslac.meshes import RotationMatrix, TwoBlocks, TwoBlocks3D
+from ngslac.meshes import RotationMatrix, TwoBlocks
 
 TOL = {2: 1e-12, 3: 1e-11}
 SHAPES = ["tet", "hex", "prism", "prism_side", "pyramid"]
@@ -61,10 +60,10 @@ def test_slave_region_reaches_beyond_the_master(problem, law):
 
 
 def Uneven(cells, space, overhang, **flags):
-    """The wider side is divided evenly: its faces cross the ends of the other side."""
+    """The wider side is divided evenly: its faces cross the ends of the other side; flat in 2D."""
     sizes = {"h_slave": 0.23, "h_master": 0.11}
     sizes = {"n_slave": (4, 3), "n_master": (3, 4)} if cells else sizes
-    options = OBLIQUE[3 if cells else 2] | {"overhang": overhang, "aligned": False} | sizes
+    options = {"overhang": overhang, "aligned": False} | sizes | (OBLIQUE_3D if cells else {})
     return Pair(Blocks(space, cells, **options), Material(), **flags), options
 
 
@@ -106,7 +105,7 @@ def test_constant_stress_where_faces_overlap_in_part(overhang, cells, space, law
     share = table["area"] / table["fullarea"]
     if overhang < 0:
         assert np.any((share > 0.01) & (share < 0.99))
-    assert table["area"].sum() == pytest.approx(AREA, rel=1e-12)
+    assert table["area"].sum() == pytest.approx(AREA if cells else 1, rel=1e-12)
     assert np.all(table["traction"][share == 0] == 0)
     assert pair.StressError(stress) <= TOL[dim]
     # A thousandth of a macro-element may be paired: its force is as exact as all the others, and
@@ -123,11 +122,12 @@ def test_operators_integrate_over_the_overlap_only(overhang, cells, space):
     pair, options = Uneven(cells, space, overhang)
     dim, field = pair.mesh.dim, GridFunction(pair.displacement.space)
     middle = RotationMatrix(options["rotation"])[:, :2].mean(axis=1) if cells else [0.5, 0.0]
+    area = AREA if cells else 1
     for value, exact in [((1.0, -2.0, 3.0), (1.0, -2.0, 3.0)), ((x, y, z), middle)]:
         field.Set(CF(value[:dim]))
         for operator in pair.contact.Mortar():
             means = (operator * field.vec).Evaluate().FV().NumPy().reshape(-1, dim)
-            assert means.sum(axis=0) == pytest.approx(AREA * np.array(exact[:dim]), abs=1e-12)
+            assert means.sum(axis=0) == pytest.approx(area * np.array(exact[:dim]), abs=1e-12)
 
 
 # ---------------------------------------------------------------- sliding off an edge
@@ -139,58 +139,45 @@ def Moved(pair, shift):
     pair.displacement.Set(pair.mesh.MaterialCF({"upper": shift, "lower": lower}))
 
 
-def Slid(cells, space, offset, slave="slave"):
-    """The upper block pressed down at an offset, solved."""
-    mesh = TwoBlocks3D(*cells, None, (3, 2), (4, 3)) if cells else TwoBlocks(0.25)
-    V = Displacements(mesh, space, slave=slave, dirichlet="bottom|top")
+def Slid(space, offset, slave="slave"):
+    """The upper block pressed down at an offset, solved; in 3D: tests/solver/test_sliding3d.py."""
+    V = Displacements(TwoBlocks(0.25), space, slave=slave, dirichlet="bottom|top")
     master = "master" if slave == "slave" else "slave"
     pair = Pair(V, Material(), slave=slave, master=master)
-    Moved(pair, (offset, offset / 3, -1e-3) if cells else (offset, -1e-3))
+    Moved(pair, (offset, -1e-3))
     pair.contact.Update(pair.gf)
     pair.Solve(tol=1e-10)
     return pair.contact
 
 
-@pytest.mark.parametrize(
-    ("cells", "space", "slave"),
-    [
-        *((None, kind, slave) for kind in NAMES for slave in ("slave", "master")),
-        *(((c,), s, "slave") for c in SHAPES[:3] for s in ("P1", "P1bubble", "P1split", "P2")),
-    ],
-)
-def test_sliding_off_the_edge(cells, space, slave):
+@pytest.mark.parametrize("space", NAMES)
+@pytest.mark.parametrize("slave", ["slave", "master"])
+def test_sliding_off_the_edge_2d(space, slave):
     """The force decreases with the overlap to that on a sliver; nothing pulls."""
     forces = []
-    for offset in (0.0, 0.13, 0.25, 0.5, 0.77, 0.96, 0.99 if cells else 0.9999):
-        contact = Slid(cells, space, offset, slave)
+    for offset in (0.0, 0.13, 0.25, 0.5, 0.77, 0.96, 0.9999):
+        contact = Slid(space, offset, slave)
         table = contact.Table()
-        left = (1 - offset) * (1 - offset / 3 if cells else 1)
-        assert table["area"].sum() == pytest.approx(left, abs=1e-12)
-        assert table["pressure"].min() >= -1e-12 * table["pressure"].max()
+        assert table["area"].sum() == pytest.approx(1 - offset, abs=1e-13)
+        assert np.all(table["pressure"] >= 0)
         assert np.all(table["pressure"][table["area"] == 0] == 0)
-        *along, force = np.abs(contact.Force())
-        assert np.max(along) < 1e-12
-        forces.append(force)
+        assert abs(contact.Force()[0]) < 1e-13
+        forces.append(abs(contact.Force()[1]))
     assert np.all(np.diff(forces) < 0)
-    assert 0 <= forces[-1] < (0.5 if cells else 0.25 / 1.1) * forces[0]
-    assert cells or forces[0] > 1.1
+    assert forces[-1] < 0.25 < 1.1 < forces[0]
 
 
-@pytest.mark.parametrize("kind", ["P1", "P2"])
-@pytest.mark.parametrize("left", [1e-7, 1e-12])
-def test_nothing_left_to_touch(kind, left):
+@pytest.mark.parametrize("space", ["P1", "P2"])
+def test_nothing_left_to_touch_2d(space):
     """A sliver below the resolution counts as nothing; the block hangs freely, without stress."""
-    contact = Slid(None, kind, 1 - left)
-    table = contact.Table()
-    assert np.all(table["area"] == 0)
-    assert np.all(table["status"] == 0)
-    assert np.all(contact.Force() == 0)
-    assert "without partner" in str(contact.Check())
-
-
-def test_surfaces_that_never_meet_are_an_error():
+    for left in (1e-7, 1e-12):
+        contact = Slid(space, 1 - left)
+        table = contact.Table()
+        assert np.count_nonzero(table["area"]) == np.count_nonzero(table["status"]) == 0
+        assert np.all(contact.Force() == 0)
+        assert "without partner" in str(contact.Check())
     with pytest.raises(Exception, match="slave and master never meet"):
-        Slid(None, "P2", 1.1)
+        Slid(space, 1.1)
 
 
 # ---------------------------------------------------------------- held by contact alone
@@ -249,17 +236,3 @@ def test_block_that_has_to_fall_first(kind, above):
     pair.Load(CF((0.0, -25.0)), "top")
     pair.Solve(tol=1e-13)
     assert pair.StressError(np.diag([0.0, -25.0])) <= TOL[2]
-
-
-def test_frictionless_contact_does_not_stop_sliding():
-    with pytest.raises(FloatingBodyError, match=r"'upper' floats \(translation in x\)"):
-        Unsupported("P2").Solve()
-
-
-def test_nothing_closed_at_the_start_is_an_error_if_asked_for():
-    pair = Unsupported("P2", friction=0.3)
-    Moved(pair, (0.0, 0.01))
-    load = pair.load.Assemble().vec
-    solver = ContactSolver(pair.a, pair.gf, pair.contact, rhs=load, initial="none")
-    with pytest.raises(FloatingBodyError, match="'upper' floats"):
-        solver.Solve(printing=False)
