@@ -12,7 +12,7 @@ from ngslac.arguments import CheckChoice, CheckNumber, CheckPositive, Coefficien
 __all__ = ["NeoHooke", "Stress"]
 
 
-def Stress(strain, young, nu, *, plane="strain"):
+def Stress(strain, young, nu, *, plane="strain") -> CoefficientFunction:
     """Stress of linear elasticity, in 3D, in plane strain or in plane stress.
 
     ``E/(1+nu) (strain + c tr(strain) I)`` with ``c = nu/(1-2 nu)`` in 3D and in plane strain, where
@@ -67,7 +67,7 @@ def Stress(strain, young, nu, *, plane="strain"):
     return young / (1 + nu) * (strain + share * Trace(strain) * Id(dim))
 
 
-def NeoHooke(F, young, nu):
+def NeoHooke(F, young, nu) -> CoefficientFunction:
     """Strain energy of a neo-Hookean body, in 3D or in plane strain.
 
     ``mu/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F (all of its three

@@ -1,6 +1,7 @@
 """Modification of meshes for Local Average Contact."""
 
 import ngsolve
+from ngsolve import Mesh
 
 from ngslac import _ngslac
 from ngslac.arguments import BoundaryRegion, CheckChoice, CheckInstance
@@ -8,7 +9,7 @@ from ngslac.arguments import BoundaryRegion, CheckChoice, CheckInstance
 __all__ = ["SplitSlaveFaces"]
 
 
-def SplitSlaveFaces(mesh, slave, *, hexes="pyramids"):
+def SplitSlaveFaces(mesh, slave, *, hexes="pyramids") -> Mesh:
     """Split the slave faces of a mesh, and only the volume elements on them.
 
     Local Average Contact is stable if every macro-element of the slave boundary contains the

@@ -2,8 +2,10 @@
 
 from contextlib import contextmanager
 
+import numpy as np
 from ngsolve import BaseMatrix, GridFunction
 
+from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
     BoundaryNames,
     CheckDistinct,
@@ -149,7 +151,7 @@ class LACContact:
         )
 
     @property
-    def form(self):
+    def form(self) -> ContactForm:
         """The compiled form."""
         return self._state.form
 
@@ -190,16 +192,16 @@ class LACContact:
     # --- the form ------------------------------------------------------------------------------
 
     @property
-    def mat(self):
+    def mat(self) -> BaseMatrix:
         """Matrix of the last `AssembleLinearization`, on the scalar dofs of the product space."""
         return self.form.mat
 
     @property
-    def nscalars(self):
+    def nscalars(self) -> int:
         """Number of scalar entries of a vector on the product space."""
         return self.form.fes.ndof * self.form.fes.dim
 
-    def Update(self, gf=None):
+    def Update(self, gf=None) -> None:
         """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
 
         Weights, normals and partners stay fixed until the next call; slip counts from here.
@@ -219,7 +221,7 @@ class LACContact:
         else:
             self.Update()
 
-    def Prepare(self, bulk):
+    def Prepare(self, bulk) -> None:
         """Pair if that was not done, and take the scale of the form from the bulk's matrix.
 
         Parameters
@@ -231,7 +233,7 @@ class LACContact:
         self._PairOnce()
         self._state.Scale(bulk)
 
-    def Follow(self, gf):
+    def Follow(self, gf) -> None:
         """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.
 
         The solver calls it for each iterate; slip keeps counting from the last `Commit`. Until the
@@ -246,7 +248,7 @@ class LACContact:
         if self.form.paired:
             self.form.Follow(gf.vec)
 
-    def AddApply(self, x, y):
+    def AddApply(self, x, y) -> None:
         """y += residual at x.
 
         Parameters
@@ -258,12 +260,12 @@ class LACContact:
             CheckVector(name, vec, self.nscalars)
         self.form.AddApply(x, y)
 
-    def Apply(self, x, y):
+    def Apply(self, x, y) -> None:
         """y = residual at x, see `LACContact.AddApply`."""
         CheckVector("y", y, self.nscalars)[:] = 0
         self.AddApply(x, y)
 
-    def AssembleLinearization(self, x):
+    def AssembleLinearization(self, x) -> None:
         """Assemble the generalised derivative of the residual into `mat`.
 
         Parameters
@@ -273,7 +275,7 @@ class LACContact:
         """
         self.form.AssembleLinearization(CheckVector("x", x, self.nscalars))
 
-    def Commit(self, gf):
+    def Commit(self, gf) -> None:
         """Accept `gf` as the end of a step: the next slip increment counts from there.
 
         A macro-element that is open now counts its slip from the first touch, which is where its
@@ -288,7 +290,7 @@ class LACContact:
         with self._Changing(self._state.WholeOrNot(gf)):
             self._state.Commit(gf)
 
-    def Evaluate(self, gf):
+    def Evaluate(self, gf) -> None:
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
 
         After a `Commit` of the same `gf` the slip is 0: it counts from there.
@@ -301,12 +303,12 @@ class LACContact:
         self.form.Evaluate(CheckOnSpace("gf", gf, self.form.fes).vec)
         self._Fill()
 
-    def Restore(self):
+    def Restore(self) -> None:
         """Fields, table, pairing and resultants as at the last `Commit`."""
         self.form.Restore()
         self._Fill()
 
-    def State(self):
+    def State(self) -> dict:
         """What later steps depend on, as a dict of numpy arrays: save it to go on in a new process.
 
         Restore it with `SetState` on a contact that was built in the same way.
@@ -317,7 +319,7 @@ class LACContact:
         """
         return self._state.State()
 
-    def SetState(self, state, gf=None):
+    def SetState(self, state, gf=None) -> None:
         """Pair in the saved configuration and take over the saved history.
 
         Parameters
@@ -342,7 +344,7 @@ class LACContact:
 
     # --- results -------------------------------------------------------------------------------
 
-    def Table(self):
+    def Table(self) -> dict[str, np.ndarray]:
         """The last evaluation as numpy arrays over the macro-elements.
 
         Returns

@@ -1,6 +1,7 @@
 """Methods of `LACContact` that tell of it: resultants, operators, segments, a report."""
 
 import numpy as np
+from ngsolve import BaseMatrix
 
 from ngslac._ngslac import Side
 from ngslac.arguments import CheckPoint
@@ -10,12 +11,12 @@ from ngslac.output.segments import Segments
 __all__ = ["Check", "Force", "Moment", "Mortar", "SegmentsOf"]
 
 
-def Force(self):
+def Force(self) -> np.ndarray:
     """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
     return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
 
 
-def Moment(self, point=None):
+def Moment(self, point=None) -> float | np.ndarray:
     """Moment of the contact tractions on the slave.
 
     Parameters
@@ -42,7 +43,7 @@ def Moment(self, point=None):
     return float(moment[2]) if d == 2 else moment
 
 
-def Mortar(self):
+def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.
 
     ``D u - M u`` is the integral of (slave minus paired master displacement) over each
@@ -53,13 +54,13 @@ def Mortar(self):
     return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
 
 
-def SegmentsOf(self):
+def SegmentsOf(self) -> Segments:
     """The segments of the pairing, see `Segments`."""
     self._PairOnce()
     return Segments(self.form, self.mesh.dim)
 
 
-def Check(self):
+def Check(self) -> ContactReport:
     """A readable report of the pairing, see `ContactReport`."""
     self._PairOnce()
     return ContactReport(self)

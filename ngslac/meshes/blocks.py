@@ -68,7 +68,7 @@ def TwoBlocks(
     order=None,
     scale=1.0,
     angle=0.0,
-):
+) -> Mesh:
     """Mesh of a block "upper" on a block "lower" with non-matching straight contact edges.
 
     The narrower block covers 0 <= x <= width; the interface passes through

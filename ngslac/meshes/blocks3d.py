@@ -52,7 +52,7 @@ def TwoBlocks3D(
     scale=1.0,
     rotation=None,
     seed=1,
-):
+) -> Mesh:
     """Mesh of a block "upper" on a block "lower" whose contact faces do not match.
 
     The narrower block covers ``[0, width] x [0, width]``; the interface passes through

@@ -53,7 +53,7 @@ class Cells:
     faces: list
 
 
-def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), seed=0):
+def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), seed=0) -> Cells:
     """Cut a grid of cubes into cells of one shape.
 
     Parameters
@@ -108,7 +108,7 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     return Cells(points, cells, faces)
 
 
-def AddBody(ngmesh, name, box):
+def AddBody(ngmesh, name, box) -> None:
     """Add cells as the body `name` to a netgen mesh of dimension 2 or 3.
 
     Equal names of faces become one boundary of this body.

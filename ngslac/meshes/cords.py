@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from ngsolve import Mesh
+
 from ngslac.meshes.geometry import (
     Arc,
     Body,
@@ -26,7 +28,7 @@ def _Circle(radius):
     return lambda t: (radius * math.sin(t), radius * math.cos(t))
 
 
-def CordMesh(h, *, zone=1.25):
+def CordMesh(h, *, zone=1.25) -> Mesh:
     """A quarter of a round cord of radius 50 below a flat, rigid plate that it touches.
 
     Bodies (materials): "rubber", "plate". Boundaries: "slave" (the arc from the top), "free" (the
@@ -62,7 +64,7 @@ def CordMesh(h, *, zone=1.25):
     return mesh
 
 
-def DiscInRing(h, *, clearance, outer=100.0):
+def DiscInRing(h, *, clearance, outer=100.0) -> Mesh:
     """A quarter of a disc of radius 50 inside of a ring, with a clearance.
 
     Bodies (materials): "disc", "ring". Boundaries: "slave" (the disc's rim), "master" (the ring's

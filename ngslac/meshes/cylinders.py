@@ -29,7 +29,7 @@ LAYERS = {"cylinder": 2, "block": 3}
 
 def CylinderOnBlock(
     h, *, radius=50.0, zone=None, width=None, ratio=1.2, model="quarter", grading=0.3, scale=1.0
-):
+) -> Mesh:
     """Mesh of a slice of the lower half of a cylinder on a block, of prisms.
 
     The cylinder's axis points along y, the slice lies between y = 0 and y = `THICKNESS` (times

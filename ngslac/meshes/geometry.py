@@ -152,7 +152,7 @@ def MovePoints(ngmesh, scale, angle):
         point[0], point[1] = c * x - s * y, s * x + c * y
 
 
-def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4):
+def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4) -> float:
     """Raise if a slave vertex faces a master vertex; return the smallest relative distance.
 
     Distances are measured along the line (in 3D: the plane) that fits the master vertices best, in

@@ -14,7 +14,7 @@ from ngslac.meshes.geometry import CheckNonMatching as CheckNonMatching3D
 __all__ = ["CheckNonMatching3D", "GenerateMesh3D", "RotationMatrix"]
 
 
-def RotationMatrix(rotation):
+def RotationMatrix(rotation) -> np.ndarray:
     """Return the matrix (3, 3) of a rotation.
 
     Parameters

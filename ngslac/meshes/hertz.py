@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from ngsolve import BBND, CF, InnerProduct, LinearForm, SymbolicLFI
+from ngsolve import BBND, CF, BaseVector, InnerProduct, LinearForm, Mesh, SymbolicLFI
 
 from ngslac.meshes.geometry import (
     Arc,
@@ -24,7 +24,7 @@ from ngslac.meshes.geometry import (
 __all__ = ["HertzMesh", "IndentationMesh", "PointForce"]
 
 
-def PointForce(space, force, *, vertex="load", component=None):
+def PointForce(space, force, *, vertex="load", component=None) -> BaseVector:
     """Return the load vector of a force at a named vertex.
 
     Parameters
@@ -76,7 +76,7 @@ def HertzMesh(
     grading=None,
     scale=1.0,
     angle=0.0,
-):
+) -> Mesh:
     """Mesh of a cylinder on a block, fine and non-matching in the contact zone.
 
     The lowest point of the cylinder touches the block at the origin. Bodies (materials) are
@@ -169,7 +169,7 @@ def _Block(width, height, end, nm, half):
 # ---------------------------------------------------------------- indentation
 
 
-def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3):
+def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3) -> Mesh:
     """Mesh of half a block and of the lowest part of a cylinder that touches it at the origin.
 
     Bodies (materials): "block" and "cylinder", of which only a slice above the arc is meshed: it is

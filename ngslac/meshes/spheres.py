@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
+from ngsolve import Mesh
 
 from ngslac.meshes.geometry import CheckNonMatching, CheckPositive
 from ngslac.meshes.geometry3d import GenerateMesh3D
@@ -29,7 +30,7 @@ def SphereOnBlock(
     maxh=None,
     scale=1.0,
     rotation=None,
-):
+) -> Mesh:
     """Mesh of the lower half of a sphere on a block, fine and non-matching where they touch.
 
     The lowest point of the sphere touches the block at the origin; z points up. Bodies
@@ -101,7 +102,7 @@ def TwoSpheres(
     maxh=None,
     scale=1.0,
     rotation=None,
-):
+) -> Mesh:
     """Mesh of the lower half of a sphere on the upper half of another one.
 
     They touch at the origin; z points up. Bodies (materials) are "upper" and "lower". Boundaries:

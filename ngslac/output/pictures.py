@@ -1,5 +1,7 @@
 """Methods of `LACContact` that show it: webgui scenes, profiles by matplotlib, ParaView files."""
 
+from pathlib import Path
+
 import numpy as np
 from ngsolve import BND, CF, CoefficientFunction, GridFunction
 
@@ -193,7 +195,7 @@ def _Tangential(contact, field):
     return np.linalg.norm(vectors - along * normals, axis=1)
 
 
-def WriteVTU(self, filename, *, displacement=None):
+def WriteVTU(self, filename, *, displacement=None) -> Path:
     """Write the fields on the slave faces for ParaView.
 
     Parameters

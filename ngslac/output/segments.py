@@ -1,5 +1,7 @@
 """The segments of a pairing as numpy arrays, for pictures and for ParaView."""
 
+from pathlib import Path
+
 import numpy as np
 
 from ngslac.files import Replacing
@@ -43,7 +45,7 @@ class Segments:
     def __len__(self):
         return len(self.slave)
 
-    def WriteVTU(self, filename):
+    def WriteVTU(self, filename) -> Path:
         """Write the segments for ParaView.
 
         2D: quadrilaterals from slave to master. 3D: the polygons on the slave and then those on the

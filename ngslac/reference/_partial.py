@@ -44,12 +44,12 @@ class PartialSlip:
         return np.sign(self._load) * self.friction * self.hertz.peak
 
     @property
-    def limit(self):
+    def limit(self) -> float:
         """Load F P at which all slips."""
         return self.friction * self.hertz.force
 
     @property
-    def stick(self):
+    def stick(self) -> float:
         """Half width or radius c of the stick zone (length)."""
         return self.ratio * self.hertz._size
 
@@ -80,12 +80,12 @@ class Reversal:
         return replace(self.start, **{self._LOAD: 0.5 * (before - now)})
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Part b/a of the contact that has not slipped since the reversal."""
         return self._change.ratio
 
     @property
-    def stick(self):
+    def stick(self) -> float:
         """Half width or radius b of that part (length)."""
         return self._change.stick
 

@@ -23,7 +23,7 @@ def shear_sum(factor1, factor2, *, young1, nu1, young2, nu2):
     return factor1 * 2.0 * (1.0 + nu1) / young1 + factor2 * 2.0 * (1.0 + nu2) / young2
 
 
-def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0):
+def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0) -> float:
     """Modulus E* of two bodies in contact, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
     Source: Johnson, Contact Mechanics (Cambridge, 1985), section 4.2.
@@ -49,7 +49,7 @@ def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0):
     return 1.0 / ((1.0 - nu1**2) / young1 + (1.0 - nu2**2) / young2)
 
 
-def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0):
+def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0) -> float:
     """Second Dundurs constant in plane strain: how far pressure alone makes the surfaces slip.
 
     With the shear moduli G1 and G2, and arguments as in `ContactModulus`::

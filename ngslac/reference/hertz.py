@@ -41,17 +41,17 @@ class HertzPair:
         return dict(young1=self.young1, nu1=self.nu1, young2=self.young2, nu2=self.nu2)
 
     @property
-    def modulus(self):
+    def modulus(self) -> float:
         """Contact modulus E* (see `ContactModulus`)."""
         return ContactModulus(**self._elastic)
 
     @property
-    def beta(self):
+    def beta(self) -> float:
         """Second Dundurs constant, with body 1 as the slave (see `DundursBeta`)."""
         return DundursBeta(**self._elastic)
 
     @property
-    def radius(self):
+    def radius(self) -> float:
         """Relative radius R, 1/R = 1/R1 + 1/R2."""
         return 1.0 / (1.0 / self.radius1 + 1.0 / self.radius2)
 
@@ -92,18 +92,18 @@ class HertzLine(HertzPair):
     """
 
     @property
-    def halfwidth(self):
+    def halfwidth(self) -> float:
         """Half width a of the contact (length), a^2 = 4 P R / (pi E*)."""
         return sqrt(4.0 * self.force * self.radius / (pi * self.modulus))
 
     _size = halfwidth
 
     @property
-    def peak(self):
+    def peak(self) -> float:
         """Largest pressure p0 = 2 P / (pi a) (stress)."""
         return 2.0 * self.force / (pi * self.halfwidth)
 
-    def Pressure(self, x):
+    def Pressure(self, x) -> float | np.ndarray:
         """Pressure along the contact.
 
         Parameters
@@ -118,7 +118,7 @@ class HertzLine(HertzPair):
         """
         return self.peak * semi_ellipse(x, self.halfwidth)
 
-    def MeanPressure(self, x0, x1):
+    def MeanPressure(self, x0, x1) -> float | np.ndarray:
         """Exact average of the pressure over each interval from `x0` to `x1`.
 
         This is what a piecewise constant multiplier on a face with these ends is compared with;
@@ -167,7 +167,9 @@ class HertzPoint(HertzPair):
     """
 
     @classmethod
-    def FromApproach(cls, *, approach, radius1, radius2=inf, young1, nu1, young2, nu2):
+    def FromApproach(
+        cls, *, approach, radius1, radius2=inf, young1, nu1, young2, nu2
+    ) -> "HertzPoint":
         """Contact of two bodies whose distant points have come closer.
 
         P = (4/3) E* sqrt(R) approach^(3/2) (Johnson, section 4.2); the rest as in `HertzPoint`.
@@ -189,23 +191,23 @@ class HertzPoint(HertzPair):
         return cls(force=stiffness * approach * sqrt(approach), **bodies)
 
     @property
-    def contact_radius(self):
+    def contact_radius(self) -> float:
         """Radius a of the contact (length), a^3 = 3 P R / (4 E*)."""
         return (0.75 * self.force * self.radius / self.modulus) ** (1.0 / 3.0)
 
     _size = contact_radius
 
     @property
-    def peak(self):
+    def peak(self) -> float:
         """Largest pressure p0 = 3 P / (2 pi a^2) (stress)."""
         return 1.5 * self.force / (pi * self.contact_radius**2)
 
     @property
-    def approach(self):
+    def approach(self) -> float:
         """Approach a^2 / R (length) of points of the two bodies far from the contact."""
         return self.contact_radius**2 / self.radius
 
-    def Pressure(self, r):
+    def Pressure(self, r) -> float | np.ndarray:
         """Pressure over the distance from the middle, as in `HertzLine.Pressure`.
 
         Parameters
@@ -215,7 +217,7 @@ class HertzPoint(HertzPair):
         """
         return self.peak * semi_ellipse(points("r", r), self.contact_radius)
 
-    def MeanPressure(self, vertices):
+    def MeanPressure(self, vertices) -> float | np.ndarray:
         """Exact average over polygons in the plane of contact, as in `HertzLine.MeanPressure`.
 
         Faces may reach over the edge of the contact, or hold its middle.
@@ -232,7 +234,7 @@ class HertzPoint(HertzPair):
         """
         return self.peak * semi_ellipsoid_mean(vertices, self.contact_radius)
 
-    def Gap(self, r):
+    def Gap(self, r) -> float | np.ndarray:
         """Distance of the loaded surfaces at `r` (lengths): zero in contact, positive around it.
 
         The parabola r^2/(2R), less the approach, plus the displacements of both surfaces outside
@@ -240,7 +242,7 @@ class HertzPoint(HertzPair):
         """
         return semi_ellipsoid_gap(r, self.contact_radius) / (pi * self.radius)
 
-    def AxisStress(self, depth, *, body=1):
+    def AxisStress(self, depth, *, body=1) -> tuple:
         """Stresses on the axis below the surface.
 
         Tension positive; the hoop stress equals the radial one, and all shear stresses vanish.

@@ -26,7 +26,7 @@ class _Sheared(PartialSlip):
             )
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Stick ratio c/a, from 1 (no tangential load) to 0 (sliding)."""
         if self.shear == 0:
             return 1.0
@@ -79,15 +79,15 @@ class CattaneoMindlin(_Sheared):
     friction: float
     _POWER = 1.0 / 2.0
 
-    def Traction(self, x):
+    def Traction(self, x) -> float | np.ndarray:
         """Tangential traction (stress, of the sign of Q) on the slave, see `HertzLine.Pressure`."""
         return self._Rest(semi_ellipse, x)
 
-    def MeanTraction(self, x0, x1):
+    def MeanTraction(self, x0, x1) -> float | np.ndarray:
         """Exact average of the traction over intervals, see `HertzLine.MeanPressure`."""
         return self._Rest(semi_ellipse_mean, x0, x1)
 
-    def Slip(self, x):
+    def Slip(self, x) -> float | np.ndarray:
         """Tangential slip of the slave against the master.
 
         The integral of the slip gradient sqrt(x^2 - c^2) 2 F p0 / (E* a) over the slip zone
@@ -111,7 +111,7 @@ class CattaneoMindlin(_Sheared):
         slip = -self._scale / (self.hertz.modulus * a) * area
         return np.where(np.abs(x) <= a, slip, np.nan)[()]
 
-    def Reverse(self, shear):
+    def Reverse(self, shear) -> "MindlinReversal":
         """State after the load has gone back to `shear`, see `MindlinReversal`.
 
         Returns
@@ -159,7 +159,7 @@ class CattaneoMindlinPoint(_Sheared):
     _POWER = 1.0 / 3.0
 
     @classmethod
-    def FromShift(cls, *, hertz, shift, friction):
+    def FromShift(cls, *, hertz, shift, friction) -> "CattaneoMindlinPoint":
         """State after the far parts of the bodies have moved; else as in `CattaneoMindlinPoint`.
 
         Parameters
@@ -191,7 +191,7 @@ class CattaneoMindlinPoint(_Sheared):
         return self.hertz._ShearSum(2.0 - nu1, 2.0 - nu2), self.hertz._ShearSum(nu1, nu2)
 
     @property
-    def shift(self):
+    def shift(self) -> float:
         """How far the master has moved against the slave (length), far from the contact.
 
         Of the sign of Q: 3 F P ((2 - nu1)/G1 + (2 - nu2)/G2)/(16 a) (1 - (c/a)^2), for small loads
@@ -200,15 +200,15 @@ class CattaneoMindlinPoint(_Sheared):
         a, c = self.hertz.contact_radius, self.stick
         return float(pi * self._scale * self._compliances[0] * (a * a - c * c) / (8.0 * a))
 
-    def Traction(self, r):
+    def Traction(self, r) -> float | np.ndarray:
         """Tangential traction (stress) on the slave, along Q, see `HertzPoint.Pressure`."""
         return self._Rest(semi_ellipse, points("r", r))
 
-    def MeanTraction(self, vertices):
+    def MeanTraction(self, vertices) -> float | np.ndarray:
         """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
         return self._Rest(semi_ellipsoid_mean, vertices)
 
-    def Slip(self, x, y):
+    def Slip(self, x, y) -> tuple:
         """Slip of the slave against the master: displacements by the tractions, less `shift`.
 
         Zero in stick, nearly against the traction in slip; for |Q| = F P the rigid sliding is left
@@ -254,7 +254,7 @@ class CattaneoMindlinPoint(_Sheared):
         along = factor * (mean * radial + 0.5 * twin * double * (x * x - y * y))
         return along, factor * twin * double * x * y
 
-    def Reverse(self, shear):
+    def Reverse(self, shear) -> "MindlinPointReversal":
         """State after the load has gone back to `shear`, see `MindlinPointReversal`.
 
         Returns

@@ -59,7 +59,7 @@ class ScalarSignorini:
     def __post_init__(self):
         finite("tip", self.tip)
 
-    def Value(self, x, y, *, body=1, sqrt=np.sqrt):
+    def Value(self, x, y, *, body=1, sqrt=np.sqrt) -> float | np.ndarray:
         """Solution of one of the bodies.
 
         Parameters
@@ -79,21 +79,21 @@ class ScalarSignorini:
         real, imag, _ = _Root(x - self.tip, y, sqrt)
         return sign_of(body) * real * (real * real - 3.0 * imag * imag)
 
-    def Gradient(self, x, y, *, body=1, sqrt=np.sqrt):
+    def Gradient(self, x, y, *, body=1, sqrt=np.sqrt) -> tuple:
         """Both derivatives of the solution, as a tuple; arguments as in `ScalarSignorini.Value`."""
         x, y = coordinates(sqrt, np.sqrt, x=x, y=y)
         real, imag, _ = _Root(x - self.tip, y, sqrt)
         return sign_of(body) * 1.5 * real, -1.5 * imag
 
-    def Gap(self, x):
+    def Gap(self, x) -> float | np.ndarray:
         """Gap u1 - u2 at `x` on the line, zero in contact, as in `HertzLine.Pressure`."""
         return 2.0 * np.maximum(points("x", x) - self.tip, 0.0) ** 1.5
 
-    def Pressure(self, x):
+    def Pressure(self, x) -> float | np.ndarray:
         """Pressure du1/dn >= 0 on the line (n out of body 1), as in `HertzLine.Pressure`."""
         return 1.5 * np.sqrt(np.maximum(self.tip - points("x", x), 0.0))
 
-    def MeanPressure(self, x0, x1):
+    def MeanPressure(self, x0, x1) -> float | np.ndarray:
         """Exact average of the pressure over intervals, as in `HertzLine.MeanPressure`."""
         x0, x1 = interval(x0, x1)
         left, right = np.maximum(self.tip - x0, 0.0), np.maximum(self.tip - x1, 0.0)
@@ -172,7 +172,7 @@ class ElasticSignorini(ElasticPair):
         super().__post_init__()
         finite("tip", self.tip)
 
-    def Displacement(self, x, y, *, body=1, sqrt=np.sqrt):
+    def Displacement(self, x, y, *, body=1, sqrt=np.sqrt) -> tuple:
         """Displacements along x and y of one of the bodies, as a tuple (lengths).
 
         The arguments are as in `ScalarSignorini.Value`.
@@ -188,7 +188,7 @@ class ElasticSignorini(ElasticPair):
         v = (2.0 * (1.0 - nu) * integral_imag + height * k * real) / shear2
         return u, sign * v
 
-    def Stress(self, x, y, *, body=1, sqrt=np.sqrt):
+    def Stress(self, x, y, *, body=1, sqrt=np.sqrt) -> tuple:
         """Stresses (xx, yy, xy) as a tuple, tension positive; the zz stress is nu (xx + yy).
 
         The arguments are as in `ElasticSignorini.Displacement`.
@@ -204,14 +204,14 @@ class ElasticSignorini(ElasticPair):
     def _scalar(self):
         return ScalarSignorini(tip=self.tip)
 
-    def Gap(self, x):
+    def Gap(self, x) -> float | np.ndarray:
         """Distance of the surfaces along the line, zero in contact, as in `HertzLine.Pressure`."""
         return 2.0 / 3.0 * self.strength / self._modulus * self._scalar.Gap(x)
 
-    def Pressure(self, x):
+    def Pressure(self, x) -> float | np.ndarray:
         """Contact pressure (stress), positive in compression, as in `HertzLine.Pressure`."""
         return self.strength / 1.5 * self._scalar.Pressure(x)
 
-    def MeanPressure(self, x0, x1):
+    def MeanPressure(self, x0, x1) -> float | np.ndarray:
         """Exact average of the pressure over intervals, as in `HertzLine.MeanPressure`."""
         return self.strength / 1.5 * self._scalar.MeanPressure(x0, x1)

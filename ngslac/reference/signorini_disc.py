@@ -89,7 +89,7 @@ class ElasticSignoriniDisc(ElasticPair):
         bent = 0.125 * pi * (2.0 * a * a - square + 2.0 * z * z)
         return f_x - 0.25 * pi * z, f_z + bent, f_xz - 0.25 * pi, f_zz + 0.5 * pi * z
 
-    def Displacement(self, x, y, z, *, body=1, functions=np):
+    def Displacement(self, x, y, z, *, body=1, functions=np) -> tuple:
         """Displacements along x, y and z of one of the bodies, as a tuple (lengths).
 
         Position and body are as in `ScalarSignorini.Value`.
@@ -110,14 +110,14 @@ class ElasticSignoriniDisc(ElasticPair):
         up = k / shear2 * (height * f_zz - 2.0 * (1.0 - nu) * f_z)
         return along * x, along * y, sign * up
 
-    def Gap(self, r):
+    def Gap(self, r) -> float | np.ndarray:
         """Distance of the surfaces (length), zero in contact, as in `HertzPoint.Pressure`."""
         return 0.5 * self.strength / self._modulus * semi_ellipsoid_gap(r, self.radius)
 
-    def Pressure(self, r):
+    def Pressure(self, r) -> float | np.ndarray:
         """Contact pressure, positive in compression, as in `HertzPoint.Pressure`."""
         return self.strength * self.radius * semi_ellipse(points("r", r), self.radius)
 
-    def MeanPressure(self, vertices):
+    def MeanPressure(self, vertices) -> float | np.ndarray:
         """Exact average of the pressure over polygons, see `HertzPoint.MeanPressure`."""
         return self.strength * self.radius * semi_ellipsoid_mean(vertices, self.radius)

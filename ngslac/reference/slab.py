@@ -79,7 +79,7 @@ class FrictionSlab:
             )
         return found
 
-    def FrictionlessDisplacement(self, x):
+    def FrictionlessDisplacement(self, x) -> float | np.ndarray:
         """Displacement along x if the plane had no friction: the exact, uniform stress state.
 
         Position `x` (length) and result as in `HertzLine.Pressure`, but a length.
@@ -88,7 +88,7 @@ class FrictionSlab:
         strain = (across - self.nu * (1.0 + self.nu) * self.top_pressure) / self.young
         return strain * (self.width - points("x", x))
 
-    def Errors(self, displacement, *, reference="converged"):
+    def Errors(self, displacement, *, reference="converged") -> float | np.ndarray:
         """Relative errors of displacements at the abscissae.
 
         Parameters

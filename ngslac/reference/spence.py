@@ -85,14 +85,14 @@ class StickZone:
         return sqrt(1.0 - small**2), beta / integral  # small = sqrt(1 - k^2)
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Stick ratio k = c/a; 1 for beta = 0 (nothing slips), 0 without friction.
 
         Found from the nome exp(-pi |beta|/F) by Jacobi's theta functions, k = (theta2/theta3)^2.
         """
         return self._solution[0]
 
-    def PunchFriction(self, t):
+    def PunchFriction(self, t) -> float | np.ndarray:
         """Tangential traction on the slave over pressure, for a flat punch.
 
         Parameters
@@ -107,7 +107,7 @@ class StickZone:
         """
         return self._Friction(t, lambda sine, angle, k: ellipkinc(angle, k**2))
 
-    def HertzFriction(self, t):
+    def HertzFriction(self, t) -> float | np.ndarray:
         """Tangential traction on the slave over pressure, for two cylinders.
 
         Like the traction, it points away from the middle for beta > 0, and vanishes with the
@@ -170,21 +170,21 @@ class SpenceLine:
         nonnegative("friction", self.friction)
 
     @property
-    def zone(self):
+    def zone(self) -> float:
         """The self-similar solution behind, a `StickZone`."""
         return StickZone(beta=self.hertz.beta, friction=self.friction)
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Stick ratio k = c/a."""
         return self.zone.ratio
 
     @property
-    def stick(self):
+    def stick(self) -> float:
         """Half width c of the stick zone (length)."""
         return self.ratio * self.hertz.halfwidth
 
-    def Traction(self, x):
+    def Traction(self, x) -> float | np.ndarray:
         """Tangential traction (stress) on the slave, see `HertzLine.Pressure`.
 
         Odd in `x`, and away from the middle where `hertz.beta` > 0, towards it otherwise.
@@ -192,7 +192,7 @@ class SpenceLine:
         x = points("x", x)
         return self.hertz.Pressure(x) * self.zone.HertzFriction(x / self.hertz.halfwidth)
 
-    def MeanTraction(self, x0, x1):
+    def MeanTraction(self, x0, x1) -> float | np.ndarray:
         """Average of the traction over intervals, to about 1e-12, see `HertzLine.MeanPressure`."""
         a, c = self.hertz.halfwidth, self.stick
         return integral_mean(self.Traction, x0, x1, [-a, -c, 0.0, c, a])

@@ -104,7 +104,7 @@ class TwistPoint(PartialSlip):
     _LIMIT = "3 pi/16 friction * hertz.force * a"
 
     @classmethod
-    def FromAngle(cls, *, hertz, angle, friction):
+    def FromAngle(cls, *, hertz, angle, friction) -> "TwistPoint":
         """State after the far parts of the bodies have been turned; else as in `TwistPoint`.
 
         Every finite angle has its state, in partial slip, but beyond about 5 F p0/G* the moment is
@@ -138,12 +138,12 @@ class TwistPoint(PartialSlip):
         return cls(hertz=hertz, moment=float(np.copysign(part * limit, angle)), friction=friction)
 
     @property
-    def limit(self):
+    def limit(self) -> float:
         """Moment (3 pi/16) F P a of complete slip (force times length)."""
         return 3.0 * pi / 16.0 * super().limit * self.hertz.contact_radius
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """Moment over angle for small moments, (16/3) G* a^3 (force times length)."""
         return 16.0 / 3.0 * self.hertz.contact_radius**3 / self.hertz._ShearSum()
 
@@ -158,12 +158,12 @@ class TwistPoint(PartialSlip):
         return _depth_of(_scaled_moment, 32.0 / (3.0 * pi), part, _DEEPEST)  # a concave function
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Stick ratio k = c/a, from 1 (no moment) to 0 (complete slip)."""
         return exp(-self._depth)
 
     @property
-    def angle(self):
+    def angle(self) -> float:
         """How far the master has turned against the slave, far from the contact, in radians.
 
         Of the sign of the moment; infinite for the limit moment.
@@ -173,7 +173,7 @@ class TwistPoint(PartialSlip):
         value = _scaled_angle(self._depth) if self._depth < inf else inf
         return float(0.5 * self._scale * self.hertz._ShearSum() * value)
 
-    def Traction(self, r):
+    def Traction(self, r) -> float | np.ndarray:
         """Traction on the slave around the normal, from x to y, see `HertzPoint.Pressure`."""
         r, a, k = np.abs(points("r", r)), self.hertz.contact_radius, self.ratio
         limit = self._scale * semi_ellipse(r, a)
@@ -185,7 +185,7 @@ class TwistPoint(PartialSlip):
         lag = ellipkm1(k * k) * ellipeinc(psi, k * k) - difference * ellipkinc(psi, k * k)
         return limit * np.where(r < k * a, np.maximum(1.0 - 2.0 / pi * lag, 0.0), 1.0)[()]
 
-    def MeanTraction(self, vertices):
+    def MeanTraction(self, vertices) -> float | np.ndarray:
         """Average of the traction over polygons, to about 1e-12, see `HertzPoint.MeanPressure`.
 
         By Stokes' theorem the sum over discs becomes one integral for each edge.
@@ -211,7 +211,7 @@ class TwistPoint(PartialSlip):
         flow = (edges.tangent * mean[..., None]).sum(axis=-2) / edges.area[..., None]
         return -2.0 / pi * self._scale * (a - c) * flow
 
-    def Slip(self, r):
+    def Slip(self, r) -> float | np.ndarray:
         """Slip (length) of the slave against the master, with `r` as in `TwistPoint.Traction`.
 
         Around the normal from x to y: zero in stick, against the traction in slip, NaN for r > a,
@@ -230,7 +230,7 @@ class TwistPoint(PartialSlip):
         slip = -self._scale * self.hertz._ShearSum() / pi * r * lag
         return np.where(r <= a, slip, np.nan)[()]
 
-    def Reverse(self, moment):
+    def Reverse(self, moment) -> "TwistReversal":
         """State after the moment has gone back to `moment`, see `TwistReversal`.
 
         Returns

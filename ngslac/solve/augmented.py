@@ -7,6 +7,7 @@ from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
 from ngslac.linear.primal import PrimalSolver
+from ngslac.solve.iteration import Iteration
 from ngslac.solve.problem import CheckInverse
 from ngslac.solve.solver import ContactSolver
 
@@ -96,16 +97,18 @@ class AugmentedLagrangianSolver(ContactSolver):
         self._scheme = Augmented(augmentation)
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """The augmentation at the end of the last `Solve`, a float."""
         return self._scheme.factor
 
     @property
-    def outer(self):
+    def outer(self) -> int:
         """How often the last `Solve` moved the multipliers on, an int."""
         return self._scheme.outer
 
-    def Solve(self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True):
+    def Solve(
+        self, *, maxit=50, tol=1e-10, printing=True, callback=None, motion=None, path=True
+    ) -> Iteration:
         """As `ContactSolver.Solve`; `maxit` bounds the linear solves of all outer iterations.
 
         There is no other method for the contact status: `path` has no effect.

@@ -1,6 +1,7 @@
 """Bulk plus contact as one form."""
 
 import numpy as np
+from ngsolve import BaseMatrix
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arguments import CheckVector
@@ -52,26 +53,26 @@ class FormSum:
         return f"<FormSum: {self.a!r} and {', '.join(map(repr, self.contacts))}>"
 
     @property
-    def condense(self):
+    def condense(self) -> bool:
         """Does the bulk condense (a bool)?"""
         return self.a.condense
 
     @property
-    def harmonic_extension(self):
+    def harmonic_extension(self) -> BaseMatrix:
         """Matrix of the bulk, for what it condenses."""
         return self.a.harmonic_extension
 
     @property
-    def harmonic_extension_trans(self):
+    def harmonic_extension_trans(self) -> BaseMatrix:
         """Matrix of the bulk, for what it condenses."""
         return self.a.harmonic_extension_trans
 
     @property
-    def inner_solve(self):
+    def inner_solve(self) -> BaseMatrix:
         """Matrix of the bulk, for what it condenses."""
         return self.a.inner_solve
 
-    def AssembleLinearization(self, x):
+    def AssembleLinearization(self, x) -> None:
         """Assemble `mat` at a state; pairs the surfaces if that was not done.
 
         Parameters
@@ -88,7 +89,7 @@ class FormSum:
             self.a.mat, [c.form for c in self.contacts], np.ones(self.contacts[0].nscalars)
         )
 
-    def Apply(self, x, y):
+    def Apply(self, x, y) -> None:
         """y = residual of bulk and contact at x.
 
         Parameters

@@ -37,7 +37,7 @@ class Iteration:
     damping: float
 
     @classmethod
-    def Of(cls, number, state, before, damping):
+    def Of(cls, number, state, before, damping) -> "Iteration":
         """The line for a State.
 
         Parameters

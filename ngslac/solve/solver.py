@@ -1,6 +1,7 @@
 """Bulk plus contact in equilibrium: the solver that users call."""
 
 import numpy as np
+from ngsolve import GridFunction
 
 from ngslac.arguments import (
     CheckChoice,
@@ -11,11 +12,13 @@ from ngslac.arguments import (
     CheckState,
 )
 from ngslac.arrays import AsNumPy, ScalarDofs
+from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
-from ngslac.linear.solver import LinearSolveError
+from ngslac.linear.solver import LinearSolveError, LinearSolver
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
+from ngslac.solve.iteration import Iteration
 from ngslac.solve.log import Log
 from ngslac.solve.newton import Newton
 from ngslac.solve.problem import (
@@ -133,21 +136,23 @@ class ContactSolver:
         return self.system.bulk.a
 
     @property
-    def gf(self):
+    def gf(self) -> GridFunction:
         """The solution, a GridFunction."""
         return self.system.gf
 
     @property
-    def contacts(self):
+    def contacts(self) -> list[LACContact]:
         """A list of LACContact."""
         return self.system.contacts
 
     @property
-    def linear(self):
+    def linear(self) -> LinearSolver:
         """How linear systems are solved, see above."""
         return self.system.linear
 
-    def Solve(self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True):
+    def Solve(
+        self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True
+    ) -> Iteration:
         """Iterate until both relative residuals are below `tol`.
 
         Parameters
@@ -225,7 +230,7 @@ class ContactSolver:
         finally:
             self._running, self.stuck = False, newton.stuck
 
-    def Merit(self, *, same_load=False):
+    def Merit(self, *, same_load=False) -> float | None:
         """Size of the residual at `gf`, infinite without one; None before the first solve.
 
         Parameters
@@ -244,7 +249,7 @@ class ContactSolver:
         system = self.system
         return system.residual.Measure(system.scale, honest=not same_load).merit
 
-    def State(self):
+    def State(self) -> dict:
         """What the next solve depends on: solution, contacts, forces at work.
 
         Returns
@@ -253,7 +258,7 @@ class ContactSolver:
         """
         return self.system.State() | {"history": self.history}
 
-    def SetState(self, state):
+    def SetState(self, state) -> None:
         """Go back to a state.
 
         Parameters

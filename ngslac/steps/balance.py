@@ -39,11 +39,11 @@ class EnergyBalance:
     algorithmic: float = 0.0
 
     @property
-    def total(self):
+    def total(self) -> float:
         """Kinetic and internal energy together."""
         return self.kinetic + self.internal
 
-    def Won(self, before):
+    def Won(self, before) -> float:
         """Energy that contact and time integration have brought in since another balance.
 
         Parameters
@@ -60,7 +60,7 @@ class EnergyBalance:
         work = abs(self.external - before.external)
         return won / (max(self.total, before.total, work) or 1.0)
 
-    def After(self, time, kinetic, *, internal, external, friction, impact):
+    def After(self, time, kinetic, *, internal, external, friction, impact) -> "EnergyBalance":
         """The balance after a step.
 
         Parameters
@@ -86,7 +86,7 @@ class EnergyBalance:
         )
 
     @classmethod
-    def Table(cls, balances):
+    def Table(cls, balances) -> dict[str, np.ndarray]:
         """Balances as arrays.
 
         Parameters

@@ -116,7 +116,9 @@ class LoadStepper:
     def prescribe(self, values):
         self._prescribed = Prescribed(self.solver, values)
 
-    def Integrate(self, end=1.0, *, steps=10, callback=None, printing=True, maxit=100, tol=1e-10):
+    def Integrate(
+        self, end=1.0, *, steps=10, callback=None, printing=True, maxit=100, tol=1e-10
+    ) -> list[Step]:
         """Go from the current load to `end` in `steps` equal steps.
 
         Parameters
@@ -162,7 +164,7 @@ class LoadStepper:
             )
         return begin
 
-    def State(self):
+    def State(self) -> dict:
         """What the next step depends on: that of the solver, load, steps and their size.
 
         Returns
@@ -177,7 +179,7 @@ class LoadStepper:
             "size": self._size,
         }
 
-    def SetState(self, state):
+    def SetState(self, state) -> None:
         """Go back to a state.
 
         Parameters

@@ -3,7 +3,7 @@
 import hashlib
 
 import numpy as np
-from ngsolve import BaseVector, GridFunction, Parameter
+from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
@@ -22,7 +22,7 @@ __all__ = ["LoadMesh", "LoadState", "SaveState"]
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
-def SaveState(file, tool, *, also=None):
+def SaveState(file, tool, *, also=None) -> None:
     """Write all that the next step depends on to a file: solution, histories, mesh.
 
     NGSolve cannot store forms: the script that continues makes the same problem again, on the mesh
@@ -77,7 +77,7 @@ def SaveState(file, tool, *, also=None):
     WriteTree(path, tree, RECORDS)
 
 
-def LoadMesh(file):
+def LoadMesh(file) -> Mesh:
     """The mesh of a file of `SaveState`, with the numbering that its values refer to.
 
     It comes back exactly; where it is curved and was refined, up to rounding. What `SetDeformation`
@@ -108,7 +108,7 @@ def LoadMesh(file):
     return MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"])
 
 
-def LoadState(file, tool, *, also=None):
+def LoadState(file, tool, *, also=None) -> None:
     """Put a computation into the state that `SaveState` wrote.
 
     Parameters

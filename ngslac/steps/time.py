@@ -133,7 +133,7 @@ class TimeStepper:
         return f"<TimeStepper: time {self.time.Get():g} after {steps}>"
 
     @property
-    def gf(self):
+    def gf(self) -> GridFunction:
         """The solution."""
         return self.solver.gf
 
@@ -148,7 +148,9 @@ class TimeStepper:
 
     # --- steps ---------------------------------------------------------------------------------
 
-    def Integrate(self, end, *, callback=None, printing=True, maxit=100, tol=1e-10):
+    def Integrate(
+        self, end, *, callback=None, printing=True, maxit=100, tol=1e-10
+    ) -> list[TimeStep]:
         """Go on to the time `end`, in equal steps of at most `dt`.
 
         Parameters
@@ -190,7 +192,7 @@ class TimeStepper:
         reach = lambda to: self._Reach(to, callback, printing, maxit, tol)  # noqa: E731
         return self._journal.Run(targets, reach, self._Begin)
 
-    def State(self):
+    def State(self) -> dict:
         """What the next step depends on: that of the solver, velocity, time, energies and steps.
 
         Returns
@@ -210,7 +212,7 @@ class TimeStepper:
             "dt": self.form.dt,
         }
 
-    def SetState(self, state):
+    def SetState(self, state) -> None:
         """Go back to a state.
 
         Parameters
@@ -386,6 +388,6 @@ class TimeStepper:
         impact = pushed - work - friction
         return {"external": external + pushed, "friction": friction, "impact": impact}
 
-    def Table(self):
+    def Table(self) -> dict[str, np.ndarray]:
         """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""
         return EnergyBalance.Table(step.balance for step in self.steps)
