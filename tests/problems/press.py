@@ -56,9 +56,10 @@ def linear(u, v, dx=dx):
     return InnerProduct(stress(u), Sym(Grad(v))) * dx
 
 
-def neo_hooke(u, dx=dx):
+def neo_hooke(u, dx=dx, *, mu=MU, lame=LAME):
     F = Id(u.dim) + Grad(u)
-    energy = MU / 2 * (InnerProduct(F, F) - u.dim) - MU * log(Det(F)) + LAME / 2 * log(Det(F)) ** 2
+    volume = log(Det(F))
+    energy = mu / 2 * (InnerProduct(F, F) - u.dim) - mu * volume + lame / 2 * volume**2
     return Variation(energy.Compile() * dx)
 
 

@@ -3,20 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    Parameter,
-    Trace,
-    Variation,
-    VectorH1,
-    dx,
-    log,
-)
+from ngsolve import CF, BilinearForm, GridFunction, Parameter, VectorH1
+from press import neo_hooke
 from report_bounds import Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import Bodies, Figure
@@ -51,11 +39,8 @@ def Squeezed(finite):
     (u, lam), _ = X.TnT()
     both = zip(STIFF, SOFT, strict=True)
     shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
-    F = Grad(u) + Id(2)
-    J = Det(F)
-    energy = shear / 2 * (Trace(F.trans * F) - 2 - 2 * log(J)) + lame / 2 * log(J) ** 2
     a, gf, load = BilinearForm(X), GridFunction(X), Parameter(0.0)
-    a += Variation(energy * dx)
+    a += neo_hooke(u, mu=shear, lame=lame)
     contact = LACContact(u, lam, master="master", finite=finite)
     prescribe = {"top": CF((0, -0.6 * load))}
     stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
