@@ -7,8 +7,8 @@ they have at run time. Without these, mypy would accept any attribute of a `LACS
 read, too.
 
 Of what mypy says, messages are kept that name a class, method, function or module of ngslac, and
-names or arguments that there are not; the rest is about other people's types. Of ngslac's functions it knows
-what they return, and no types of arguments.
+names or arguments that there are not; the rest is about other people's types. Of ngslac's functions
+it knows what they return, and no types of arguments.
 """
 
 import ast
