@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from ngsolve import Grad, Id, InnerProduct, Variation, ds, dx
+from ngsolve import Grad, Id, InnerProduct, Parameter, Variation, ds, dx
 from press import linear, numpy, press
 
 from ngslac import ContactConvergenceError, LoadStepper
@@ -67,3 +67,11 @@ def test_the_estimate_gets_better_near_the_limit(share, accuracy):
     assert limit.expected is None
     assert np.all(numpy(stepper.solver.gf) == before)
     assert stepper.load.Get() == pytest.approx(share * LIMIT, rel=1e-12)
+
+
+def test_a_load_that_moves_nothing_has_no_limit():
+    stepper = bar()
+    stepper.Integrate(0.5 * LIMIT, steps=1, printing=False)
+    limit = LimitLoad(stepper.solver, Parameter(0.0), 1.0)
+    limit.Estimate(1.0, failed=False)
+    assert limit.expected is None

@@ -54,6 +54,17 @@ def test_a_limit_load_ends_the_stepping():
     assert len(attempts) < 20
 
 
+def test_a_step_that_is_too_large_is_cut():
+    """In one step six iterations do not do; in two they do."""
+    problem = press(dim=3, friction=2.0, nonlinear=True, push=(0.5, 0.2, -0.1))
+    problem.load.Set(0.0)
+    stepper = LoadStepper(problem.solver(), problem.load)
+    steps = stepper.Integrate(steps=1, maxit=6, printing=False)
+    assert sum(s.cuts for s in steps) >= 1
+    assert len(steps) >= 2
+    assert steps[-1].time == problem.load.Get() == 1.0
+
+
 def test_after_a_refinement_the_old_solver_is_refused():
     problem = press(h=0.5, mesh_flags={"structured": False}, flags={"autoupdate": True})
     gf = GridFunction(problem.X, autoupdate=True)
