@@ -104,7 +104,7 @@ def CarriedOff(system):
     bodies = system.bodies
     if not bodies.floating:
         return ""
-    if system.bulk.a.condense:
+    if system.bulk.a.condense or system.scale is None:  # as before the first solve
         system.Assemble()
     state = system.residual.Measure(system.scale, honest=True)
     if not state.finite:
