@@ -24,11 +24,12 @@ def Order1(stabilize, ratio):
     return "hertz", options, {"force_ratio": approx(1, abs=1e-10), "p0_ratio": ratio}, "", ""
 
 
-def Hertz3D(shape):
+def Hertz3D(options, steps=1):
     near = approx(1, abs=0.1)
     figures = {"force_ratio": approx(1, abs=1e-9), "p0_ratio": near, "contact_radius_ratio": near}
+    figures |= {"newton_iterations": lambda found: len(found) == steps}
     files = "hertz3d_pressure.png hertz3d.vtu hertz3d_contact.vtu hertz3d_segments.vtu"
-    return "hertz3d", f"--shape {shape} --h 0.9", figures, "p0_ratio ", files
+    return "hertz3d", options, figures, "p0_ratio ", files
 
 
 def Friction3D(name, options, curve, printed):
@@ -59,8 +60,8 @@ RUNS = [
     Order1("none", approx(1.0493, abs=1e-3)),
     Order1("split", approx(1.0294, abs=1e-3)),
     Order1("bubble", approx(1.0295, abs=1e-3)),
-    Hertz3D("sphere"),
-    Hertz3D("cylinder"),
+    Hertz3D("--shape sphere --h 0.9"),
+    Hertz3D("--shape cylinder --h 0.9 --stabilize bubble --friction 0.1 --steps 2", 2),
     Friction3D("cattaneo3d", "--reverse 1", "shear", "stick_ratio_exact"),
     Friction3D("twist", "--smooth --quiet", "moment_ratio", ""),
     ("patch3d", "", {"max_error cases": Patches}, "in 3 cases",
@@ -115,68 +116,36 @@ def test_numbers_and_files(name, options, figures, printed, files, tmp_path, cap
     assert all(size > 1000 for size in sizes.values())
 
 
-HELP = {
-    "hertz": 0.5, "hertz3d": 0.3125, "cattaneo3d": 0.3, "twist": 0.3, "patch3d": 0.0,
-    "ironing": 80, "hertz_large": 0.3, "twistblocks": 180.0, "flatring": 0.12, "indentation": 0.08,
-    "materials": 0.25, "bouncing": 0.17,
-}  # fmt: skip
+# Script, an option with its default, arguments that are refused: with what, if not with their name.
+HELP = [
+    ("hertz", 0.5, "--h 0; --friction -1; --steps 0; --stabilize some"),
+    ("hertz3d", 0.3125, "--h 0; --shape cube; --friction -1"),
+    ("cattaneo3d", 0.3, "--model quarter: 'half', 'full'; --shear 1: would slide; "
+     "--reverse -1: reverse = -1; --elements 0"),
+    ("twist", 0.3, "--model half: 'quarter', 'full'; --stabilize split: 'none', 'bubble'; "
+     "--angle -1; --friction 0"),
+    ("patch3d", 0.0, "--friction -1"),
+    ("ironing", 80, "--steps 1: steps = 1; --order 1; --h -1.0; --stroke 11.0: stroke = 11"),
+    ("hertz_large", 0.3, "--steps 0; --order 1; --nu 0.5: nu; --depth 0.8: depth = 0.8; --h 0"),
+    ("twistblocks", 180.0, "--steps 0; --order 1; --friction -0.1; --n 1: n = 1"),
+    ("flatring", 0.12, "--h 0; --steps few; --thickness 2: thickness = 2"),
+    ("indentation", 0.08, "--steps 0; --depth -1; --yield-stress 0"),
+    ("materials", 0.25, "--cases steel: invalid choice: 'steel'; --squeeze -1"),
+    ("bouncing", 0.17, "--h 0; --thickness 1.5: must be less than the radius; "
+     "--velocity 1 0.5: downwards; --end 0.02 --h 0.5 --quiet: in the air until the time 0.02"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", HELP)
-def test_help(name, capsys):
+@pytest.mark.parametrize(("name", "default", "refused"), HELP)
+def test_help_and_what_is_refused(name, default, refused, capsys):
+    main = import_module(name).main
     with pytest.raises(SystemExit) as end:
-        import_module(name).main(["--help"])
+        main(["--help"])
     assert end.value.code == 0
     text = capsys.readouterr().out
     assert f"python tutorials/examples/{name}.py" in text
-    assert f"(default: {HELP[name]})" in text
-
-
-REFUSED = [
-    ("hertz", "--h 0", "--h: 0 is no finite number > 0"),
-    ("hertz", "--friction -1", "--friction: -1 is no"),
-    ("hertz", "--steps 0", "--steps"),
-    ("hertz", "--stabilize some", "--stabilize"),
-    ("hertz3d", "--h 0", "--h: 0 is no finite number > 0"),
-    ("hertz3d", "--shape cube", "'cube'"),
-    ("hertz3d", "--friction -1", "--friction"),
-    ("cattaneo3d", "--model quarter", "'half', 'full'"),
-    ("cattaneo3d", "--shear 1", "would slide"),
-    ("cattaneo3d", "--reverse -1", "reverse = -1"),
-    ("cattaneo3d", "--elements 0", "--elements"),
-    ("twist", "--model half", "'quarter', 'full'"),
-    ("twist", "--stabilize split", "'none', 'bubble'"),
-    ("twist", "--angle -1", "--angle"),
-    ("twist", "--friction 0", "--friction"),
-    ("patch3d", "--friction -1", "--friction"),
-    ("ironing", "--steps 1", "steps = 1"),
-    ("ironing", "--order 1", "--order"),
-    ("ironing", "--h -1.0", "--h"),
-    ("ironing", "--stroke 11.0", "stroke = 11"),
-    ("hertz_large", "--steps 0", "--steps"),
-    ("hertz_large", "--order 1", "--order"),
-    ("hertz_large", "--nu 0.5", "nu"),
-    ("hertz_large", "--depth 0.8", "depth = 0.8"),
-    ("hertz_large", "--h 0", "--h"),
-    ("twistblocks", "--steps 0", "--steps"),
-    ("twistblocks", "--order 1", "--order"),
-    ("twistblocks", "--friction -0.1", "--friction"),
-    ("twistblocks", "--n 1", "n = 1"),
-    ("flatring", "--h 0", "--h: 0 is no finite number > 0"),
-    ("flatring", "--steps few", "--steps"),
-    ("flatring", "--thickness 2", "thickness = 2"),
-    ("indentation", "--steps 0", "--steps: 0 is less than 1"),
-    ("indentation", "--depth -1", "--depth: -1 is no finite"),
-    ("indentation", "--yield-stress 0", "--yield-stress: 0 is no"),
-    ("materials", "--cases steel", "invalid choice: 'steel'"),
-    ("materials", "--squeeze -1", "--squeeze: -1 is no finite"),
-    ("bouncing", "--h 0", "--h: 0 is no finite number > 0"),
-    ("bouncing", "--thickness 1.5", "thickness = 1.5 must be less than the radius"),
-    ("bouncing", "--velocity 1 0.5", "downwards"),
-    ("bouncing", "--end 0.02 --h 0.5 --quiet", "in the air until the time 0.02"),
-]
-
-
-@pytest.mark.parametrize(("name", "options", "message"), REFUSED)
-def test_refused(name, options, message, capsys):
-    assert message in Refused(capsys, import_module(name).main, *options.split())
+    assert f"(default: {default})" in text
+    for case in refused.split("; "):
+        options, _, message = case.partition(": ")
+        error = Refused(capsys, main, *options.split())
+        assert (message or f"argument {options.split()[0]}: ") in error, case

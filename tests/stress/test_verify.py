@@ -1,73 +1,11 @@
-"""The checks that know nothing of the solver: their geometry, and that they find wrong answers."""
+"""The checks that know nothing of the solver find wrong answers."""
 
 import numpy as np
 import pytest
-from ngsolve import CF, GridFunction, Integrate, VectorH1
+from ngsolve import CF, GridFunction
 from run import PROBLEMS  # all of them are registered there
 from stress_check import WrongAnswerError
-from stress_meshes import Grids
 from verify import Verifier
-from verify_faces import Faces, Rule
-from verify_rays import MeetFaces
-
-
-def Boxes(kind):
-    """Two boxes with a gap of 0.1, in the plane if kind is "2d"."""
-    if kind == "2d":
-        return Grids(upper=((0, 0.1, 1, 0.5), (3, 2)), lower=((-1, -1, 1, 0), (5, 2)))
-    return Grids(
-        upper=((0, 0, 0.1, 1, 1, 0.5), (2, 3, 1), kind),
-        lower=((-1, -1, -1, 1, 1, 0), (4, 3, 1), kind),
-    )
-
-
-KINDS = pytest.mark.parametrize("kind", ["2d", "hex", "tet", "prism"])
-
-
-@KINDS
-def test_faces_know_their_area_and_outside(kind):
-    mesh = Boxes(kind)
-    sides = "upper_bottom|upper_top" if kind == "prism" else "upper_.*"  # of one kind
-    faces = Faces(mesh, sides, 2)
-    points, weights = Rule(faces.kind, 4)
-    tangents = np.einsum("qrn,fnd->fqrd", faces.Slopes(points), faces.position)
-    normals = faces.Normals(tangents)
-    x = np.einsum("qn,fnd->fqd", faces.Shapes(points), faces.position)
-    # The flux of x through a closed surface is the dimension times the volume.
-    outside = np.sum(weights * np.sum(normals * (x - [*[0] * (mesh.dim - 1), 0.3]), axis=-1))
-    volume = mesh.dim * Integrate(CF(1), mesh.Materials("upper"))
-    assert outside == pytest.approx(0.4 if kind == "prism" else volume)
-
-
-@KINDS
-def test_rays_meet_what_is_opposite(kind):
-    mesh = Boxes(kind)
-    slave, master = Faces(mesh, "upper_bottom", 2), Faces(mesh, "lower_top", 2)
-    points, _ = Rule(slave.kind, 3)
-    x = np.einsum("qn,fnd->fqd", slave.Shapes(points), slave.position).reshape(-1, mesh.dim)
-    x = np.concatenate([x, x + 1.5])  # half of them beside the other box
-    down = np.zeros_like(x)
-    down[:, -1] = -1
-    for cells in (1, 2):
-        hits = MeetFaces(x, down, master, master.position, ahead=5, behind=1, cells=cells)
-        met = hits.face >= 0
-        assert np.array_equal(met, np.repeat([True, False], len(x) // 2))
-        assert np.abs(hits.gap[met] - 0.1).max() < 1e-14
-        shapes = master.Shapes(hits.place[met])
-        y = np.einsum("pn,pnd->pd", shapes, master.position[hits.face[met]])
-        assert np.abs(y - x[met] - 0.1 * down[met]).max() < 1e-14
-
-
-def test_fields_are_interpolated_exactly():
-    mesh = Boxes("tet")
-    field = GridFunction(VectorH1(mesh, order=2))
-    field.vec.FV().NumPy()[:] = np.random.default_rng(1).normal(size=len(field.vec))
-    faces, finer = (Faces(mesh, "upper_bottom", degree) for degree in (2, 5))
-    values = np.einsum("qn,fnd->fqd", faces.Shapes(finer.powers / 5), faces.Values(field))
-    assert np.abs(values - finer.Values(field)).max() < 1e-13
-
-
-# --- wrong answers -------------------------------------------------------------------------------
 
 
 def Scale(factor):

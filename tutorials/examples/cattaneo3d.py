@@ -17,29 +17,22 @@ about a twentieth of friction times the peak pressure (figure "lateral", best se
 from dataclasses import dataclass
 
 import numpy as np
-from command import Main, Positive
-from movedsphere import BulkCompliance, Model, Sphere
-from stickzone import Choices, Faces, Results, Row, Summary, Table, Write
+from command import Positive
+from movedsphere import BulkCompliance, Sphere
+from stickzone import FIRST, Example, Results, Row, Summary
 
 from ngslac.reference import CattaneoMindlinPoint
 
 COLUMNS = ["shift_half_spaces", "shift_exact", "shear", "shear_exact", "stick_ratio"]
 COLUMNS += ["stick_ratio_fit", "stick_ratio_exact", "lateral"]
-FIRST = 0.01  # tangential force of the first step over friction times normal force
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem(Sphere):
-    """What to compute: the fields of `Sphere`, and the path of the load.
-
-    A step to a hundredth of friction times normal force, which tells the stiffness before slip,
-    comes before the `steps` of equal displacement.
-    """
+    """What to compute: the fields of `Sphere`, and the path of the load."""
 
     model: str = "half"
     elements: float = 4.0
-    stabilize: str = "bubble"
-    steps: int = 5
     shear: float = 0.95  # largest tangential force over friction times normal force
     reverse: int = 2  # steps back from there, to half the opposite force
 
@@ -71,9 +64,8 @@ class Problem(Sphere):
 
 def Solve(callback=None, **options):
     """Press and push; the results."""
-    problem = Problem(**options)
-    model = Model(problem)
-    results = Results(problem, model, Faces(model))
+    results = Results(Problem(**options))
+    problem, model = results.problem, results.model
     force = model.Press(callback).force[2]
     compliance = BulkCompliance(model)
     ends = [-exact.shift - compliance * exact.shear for exact in problem.Path(force)]
@@ -138,28 +130,15 @@ def _Figures(results, compliance):
     }
 
 
-def Run(*, out, quiet, smooth, **options):
-    """Compute, print, write; the figures."""
-
-    def Tell(state):
-        print(f"  P = {state.force[2]:9.3f} N   {state.iterations} Newton iterations", flush=True)
-
-    results = Solve(None if quiet else Tell, rough=not smooth, **options)
-    figures = results.figures
-    if not quiet:
-        print(Table(COLUMNS, figures["steps"]))
-        print(f"stiffness without slip over 4 G a / (2 - nu)  {figures['stiffness_ratio']:.4f}")
-        for name in ("force", "shift", "stick", "stick_fit"):
-            print(f"largest error: {name:<10}{figures[name + '_error']:.4f}")
-    if out:
-        Write(results, out, "cattaneo3d", ("shift_half_spaces", "shear"), ("shift_exact", "shear"))
-    return figures
-
-
-main = Main(
-    Run,
+main = Example(
+    "cattaneo3d",
+    Solve,
     __doc__,
-    **Choices(Problem, "half", "full"),
+    Problem,
+    ("half", "full"),
+    columns=COLUMNS,
+    told=("force_error", "shift_error"),
+    curves=(("shift_half_spaces", "shear"), ("shift_exact", "shear")),
     shear=(Positive, Problem.shear, "largest Q/(F P)"),
     reverse=(int, Problem.reverse, "steps back"),
 )

@@ -38,20 +38,20 @@ def Hertz(shape, force=1.0):
     return kind(force=force * FORCE[shape], radius1=RADIUS, **bodies)
 
 
-def Mesh(shape, h, *, model="quarter", order=2, stabilize="none", force=1.0, **options):
+def Mesh(shape, h, *, model="quarter", order=2, stabilize="none"):
     """The bodies, fine where they touch: slave faces of size h."""
     # A coarse, soft master of linear elements deforms with kinks. A stiff slave has to follow
     # them, which single faces answer by oscillating pressures: these need a finer master.
     ratio = 0.6 if order == 1 and stabilize != "none" else 1.2
-    options |= dict(radius=RADIUS, model=model, ratio=ratio, zone=1.3 * Radius(Hertz(shape, force)))
+    options = dict(radius=RADIUS, model=model, ratio=ratio, zone=1.3 * Radius(Hertz(shape)))
     if shape == "cylinder":
         return CylinderOnBlock(h, **options)
     return SphereOnBlock(h, order=max(2, order), **options)
 
 
-def Elastic(mesh, u, unit=1.0):
-    """Stress of a displacement; a MPa is `unit`."""
-    young = mesh.MaterialCF({"block": unit * YOUNG["block"]}, default=unit * YOUNG["body"])
+def Elastic(mesh, u):
+    """Stress of a displacement."""
+    young = mesh.MaterialCF({"block": YOUNG["block"]}, default=YOUNG["body"])
     return Stress(Sym(Grad(u)), young, POISSON)
 
 
@@ -67,7 +67,7 @@ def Displacements(mesh, *, order=2, stabilize="none"):
 
 @dataclass
 class Pressed:
-    """The solution of `Press`, in the units of the mesh; a tuple per converged step."""
+    """The solution of `Press`; a tuple per converged step."""
 
     solution: GridFunction
     contact: LACContact
@@ -79,23 +79,21 @@ class Pressed:
         self.steps.append((step.time, step.iterations, np.array(self.contact.Force()), table))
 
 
-def Press(mesh, load, *, up=(0, 0, 1), length=1.0, stress=1.0, inverse=None, steps=1, **options):
-    """Press the bodies together by a force; one mm and one MPa are `length` and `stress`."""
-    friction = options.pop("friction", 0.0) or None
+def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
+    """Press the bodies together by a force; the options are those of `Displacements`."""
     V = Displacements(mesh, **options)
     mesh, X = V.mesh, V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
-    factor, up, size = Parameter(0.0), CF(tuple(up)), RADIUS * length
-    a, gf = BilinearForm(X), GridFunction(X)
-    a += InnerProduct(Elastic(mesh, u, stress), Sym(Grad(v))) * dx
+    factor, a, gf = Parameter(0.0), BilinearForm(X), GridFunction(X)
+    a += InnerProduct(Elastic(mesh, u), Sym(Grad(v))) * dx
     # The load acts on a plate, which resists to being stretched and tilted, and to horizontal
     # motion, but not to one up or down. A sphere without friction needs that in order not to roll.
-    across = InnerProduct((Id(3) - OuterProduct(up, up)) * u, v)
-    plate = size * InnerProduct(Grad(u).Trace(), Grad(v).Trace()) + across / size
+    plate = RADIUS * InnerProduct(Grad(u).Trace(), Grad(v).Trace())
+    plate += (u[0] * v[0] + u[1] * v[1]) / RADIUS
     area = Integrate(CF(1) * ds(definedon=mesh.Boundaries("top")), mesh)
-    a += (YOUNG["body"] * stress * plate + factor * load / area * InnerProduct(up, v)) * ds("top")
-    contact = LACContact(u, lam, master="master", friction=friction)
-    pressed = Pressed(gf, contact, Elastic(mesh, gf.components[0], stress))
+    a += (YOUNG["body"] * plate + factor * load / area * v[2]) * ds("top")
+    contact = LACContact(u, lam, master="master", friction=friction or None)
+    pressed = Pressed(gf, contact, Elastic(mesh, gf.components[0]))
     stepper = LoadStepper(ContactSolver(a, gf, contact, inverse=inverse), factor)
     with TaskManager():
         stepper.Integrate(steps=steps, callback=pressed.Record, printing=False)

@@ -22,7 +22,6 @@ class SlaveFaces:
     mesh: object
     macros: object  # macro-element of each boundary element, -1 off the slave side
     line: bool = False  # distances are along x, as in a line contact along y
-    axes: object = ((1, 0, 0), (0, 1, 0))  # (2, 3): what is seen from above is axes @ point
 
     @cached_property
     def owner(self):
@@ -38,8 +37,7 @@ class SlaveFaces:
     @cached_property
     def corners(self):
         """Corners (n, corners, 2) of the faces."""
-        points = np.array([v.point for v in self.mesh.vertices])[self.vertices]
-        return points @ np.asarray(self.axes).T
+        return np.array([v.point[:2] for v in self.mesh.vertices])[self.vertices]
 
     @cached_property
     def areas(self):
@@ -74,9 +72,8 @@ class SlaveFaces:
 
     def _Near(self):
         """Distance of each face from the middle, zero if it holds it."""
-        start, side = self.corners, np.roll(self.corners, -1, axis=1) - self.corners
-        if self.line:
-            start, side = start[..., :1], side[..., :1]
+        start = self.corners[..., : 1 if self.line else 2]
+        side = np.roll(start, -1, axis=1) - start
         square = (side**2).sum(axis=-1)
         foot = -(start * side).sum(axis=-1) / np.where(square > 0, square, 1.0)
         nearest = start + np.clip(foot, 0, 1)[..., None] * side

@@ -20,8 +20,8 @@ class Sphere:
     model: str  # "quarter" for twists, "half" (y >= 0) for shifts along x, "full"
     elements: float  # edges along the contact radius
     order: int = 2  # of the displacement
-    # Macro-elements are several triangles (two for order 2) or, with "bubble", single ones.
-    stabilize: str = "none"
+    # Macro-elements are single triangles or, with "none", several (two for order 2).
+    stabilize: str = "bubble"
     friction: float = 0.3  # Coulomb's coefficient
     young: float = 70e3  # of both bodies
     nu: float = 0.3
@@ -30,7 +30,7 @@ class Sphere:
     zone: float = 1.25  # radius of the slave face over `contact`
     grading: float = 0.5  # of the elements away from there
     press: int = 2  # steps of the normal motion
-    steps: int  # of the tangential motion
+    steps: int = 5  # of the tangential motion, after a first small one
     # Friction acts while the normal load grows, too. It should not matter much, since bodies of the
     # same material have no reason to slip then; what it leaves are small radial tractions, from the
     # curvature and from the discretization.

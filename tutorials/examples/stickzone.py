@@ -1,13 +1,15 @@
-"""The stick zone of a sphere and its tractions: figures against the exact solutions."""
+"""A sphere that is moved tangentially, against the exact solutions: frame of two examples."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
-from command import Count, NotNegative, Picture, Positive
+from command import Count, Main, NotNegative, Picture, Positive
 from movedsphere import OPEN, SLIP, STICK, Model
 from ngsolve import VTKOutput
 from scipy.optimize import minimize_scalar
 from slavefaces import SlaveFaces
+
+FIRST = 0.01  # of the load that makes all slip: a first step, which tells the stiffness before slip
 
 
 @dataclass
@@ -15,20 +17,17 @@ class Results:
     """The figures, the model with its states, the exact solutions of the loads of the steps."""
 
     problem: object
-    model: Model
-    faces: SlaveFaces
     exact: list = field(default_factory=list)
     figures: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        self.model = Model(self.problem)
+        self.faces = SlaveFaces(self.model.mesh, self.model.contact.space.macros)
 
     @property
     def states(self):
         """The states of the tangential load, without the first small step."""
         return self.model.states[self.problem.press + 1 :]
-
-
-def Faces(model):
-    """The slave faces of a model."""
-    return SlaveFaces(model.mesh, model.contact.space.macros)
 
 
 def TractionMeans(faces, exact):
@@ -102,6 +101,31 @@ def Summary(model, rows):
     }
 
 
+def Example(name, Solve, text, problem, models, *, columns, told, curves, **options):
+    """The ``main`` of an example whose results are ``Solve(callback, **options)``.
+
+    `columns` and `told` are the figures to print, of the steps and of all; `curves` the pairs of
+    names to draw, computed and exact; `problem` is the class that has the defaults.
+    """
+
+    def Tell(state):
+        loads = f"P = {state.force[2]:9.3f} N   M = {-state.moment:9.3f} Nmm"
+        print(f"  {loads}   {state.iterations} Newton iterations", flush=True)
+
+    def Run(*, out, quiet, smooth, **chosen):
+        results = Solve(None if quiet else Tell, rough=not smooth, **chosen)
+        figures = results.figures
+        if not quiet:
+            print(Table(columns, figures["steps"]))
+            for key in ("stiffness_ratio", *told, "stick_error", "stick_fit_error"):
+                print(f"{key.replace('_', ' '):<20}{figures[key]:.4f}")
+        if out:
+            Write(results, out, name, *curves)
+        return figures
+
+    return Main(Run, text, **Choices(problem, *models), **options)
+
+
 def Table(names, rows):
     """Figures of the steps as text."""
     lines = ["  ".join(f"{name:>9}" for name in names)]
@@ -112,7 +136,7 @@ def Table(names, rows):
 
 
 def Choices(problem, *models):
-    """Options of the command line; `problem` is the class that has the defaults."""
+    """Options of the command line that both have."""
     options = {
         "model": (models, "part that is computed"),
         "elements": (Positive, "element edges along the contact radius"),

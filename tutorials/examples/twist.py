@@ -14,29 +14,22 @@ needs no such argument, and four times as many unknowns.
 from dataclasses import dataclass
 
 import numpy as np
-from command import Main, Positive
-from movedsphere import Model, Sphere
-from stickzone import Choices, Faces, Results, Row, Summary, Table, Write
+from command import Positive
+from movedsphere import Sphere
+from stickzone import FIRST, Example, Results, Row, Summary
 
 from ngslac.reference import TwistPoint
 
 COLUMNS = ["angle", "moment_ratio", "moment_exact", "stick_ratio", "stick_ratio_fit"]
 COLUMNS += ["stick_ratio_exact", "traction_misfit"]
-FIRST = 0.01  # the angle of the first step, in units of F p0 / (2 G*)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem(Sphere):
-    """What to compute: the fields of `Sphere`, and the path of the load.
-
-    A step of a hundredth of the unit of the angle, which tells the stiffness before slip, comes
-    before the `steps`.
-    """
+    """What to compute: the fields of `Sphere`, and the path of the load."""
 
     model: str = "quarter"
     elements: float = 6.0
-    stabilize: str = "bubble"
-    steps: int = 5
     angle: float = 1.5  # the largest, in units of F p0 / (2 G*), where G* = G/2
 
     def Twisted(self, force, moment):
@@ -52,11 +45,9 @@ class Problem(Sphere):
 
 def Solve(callback=None, **options):
     """Press and turn; the results."""
-    problem = Problem(**options)
-    model = Model(problem)
-    results = Results(problem, model, Faces(model))
-    force = model.Press(callback).force[2]
-    model.Turn(*problem.Angles(force), callback=callback)
+    results = Results(Problem(**options))
+    force = results.model.Press(callback).force[2]
+    results.model.Turn(*results.problem.Angles(force), callback=callback)
     results.figures = _Figures(results)
     return results
 
@@ -97,30 +88,15 @@ def _Figures(results):
     }
 
 
-def Run(*, out, quiet, smooth, **options):
-    """Compute, print, write; the figures."""
-
-    def Tell(state):
-        print(f"  M = {-state.moment:9.3f} Nmm   {state.iterations} Newton iterations", flush=True)
-
-    results = Solve(None if quiet else Tell, rough=not smooth, **options)
-    figures = results.figures
-    if not quiet:
-        print(Table(COLUMNS, figures["steps"]))
-        print(
-            f"stiffness without slip over 16/3 G* a^3  {figures['stiffness_ratio']:.4f}\n"
-            f"largest error of the moment {figures['moment_error']:.4f}, of the stick radius "
-            f"{figures['stick_error']:.4f} (fit {figures['stick_fit_error']:.4f}) contact radii"
-        )
-    if out:
-        Write(results, out, "twist", ("angle", "moment_ratio"), ("angle", "moment_exact"))
-    return figures
-
-
-main = Main(
-    Run,
+main = Example(
+    "twist",
+    Solve,
     __doc__,
-    **Choices(Problem, "quarter", "full"),
+    Problem,
+    ("quarter", "full"),
+    columns=COLUMNS,
+    told=("moment_error",),
+    curves=(("angle", "moment_ratio"), ("angle", "moment_exact")),
     angle=(Positive, Problem.angle, "largest angle"),
 )
 
