@@ -1,7 +1,7 @@
 #include "facetmap.hpp"
+#include "layers.hpp"
 #include "orientedbox.hpp"
 #include "pieces.hpp"
-#include "polygon.hpp"
 
 namespace ngslac {
 namespace {
@@ -20,15 +20,6 @@ constexpr double rim_distance = 1e-4, rim_distance_divided = 0.02;
 // How far a normal ray may miss its master face: facets have straight sides, faces do not.
 constexpr double outside_tolerance = 0.2;
 
-/// A part of a slave facet that faces one master facet.
-struct Piece {
-  Polygon polygon;
-  const Facet * master;
-  double gap;  // to the plane of the master facet, at the origin of the slave facet
-  Vec<2> tilt; // its slope
-  double Gap(Vec<2> p) const { return gap + InnerProduct(tilt, p); }
-};
-
 /// Pairs one slave face after the other; owns the buffers.
 class FacePairer {
   const Surface<3> & slave;
@@ -40,8 +31,7 @@ class FacePairer {
   const Quadratures & rules;
 
   Array<int> candidates;
-  Array<Piece> pieces;
-  optional<BoxTree<2>> pieces_tree;
+  Layers pieces;
   double penetration; // deepest of this face
   double rounding;    // of its positions
   double stretch;     // of the weights
@@ -103,12 +93,12 @@ private:
         candidates.Append(j);
     });
     QuickSort(candidates);
-    pieces.SetSize0();
+    pieces.Clear();
     for (int j : candidates)
       for (auto & facet : master_facets.Of(j))
         if (options.MayFace(InnerProduct(facet.normal, map.Normal())))
           AddPieces(map, facet);
-    RemoveHidden(map);
+    pieces.RemoveHidden(Length(map, layer_tolerance));
   }
 
   /// The common part of the slave facet with a master facet, projected along the slave normal.
@@ -165,94 +155,6 @@ private:
         return;
     }
     polygon = Polygon();
-  }
-
-  static netgen::Box<2> BoxOf(const Polygon & polygon) {
-    netgen::Box<2> box(netgen::Box<2>::EMPTY_BOX);
-    for (int i : Range(polygon.Size()))
-      box.Add(netgen::Point<2>(polygon[i](0), polygon[i](1)));
-    return box;
-  }
-
-  void PlantPieces() {
-    Array<netgen::Box<2>> boxes;
-    for (auto & piece : pieces)
-      boxes.Append(BoxOf(piece.polygon));
-    pieces_tree.emplace(std::move(boxes));
-  }
-
-  /// Pieces before this one in the list that share more than an edge with it.
-  void FindOverlaps(int i, double tolerance, Array<int> & found) const {
-    found.SetSize0();
-    auto & polygon = pieces[i].polygon;
-    pieces_tree->Visit(BoxOf(polygon), [&](int j) {
-      if (j < i && Overlap(polygon, pieces[j].polygon, tolerance))
-        found.Append(j);
-    });
-    QuickSort(found);
-  }
-
-  /// Where master facets lie behind each other only the nearest counts.
-  void RemoveHidden(const FacetMap & map) {
-    double tolerance = Length(map, layer_tolerance);
-    PlantPieces();
-    Array<pair<int, int>> overlaps;
-    Array<int> others;
-    for (int i : Range(pieces)) {
-      FindOverlaps(i, tolerance, others);
-      for (int j : others)
-        overlaps.Append(pair(j, i));
-    }
-    if (overlaps.Size() == 0)
-      return;
-    Array<Array<Piece>> visible(pieces.Size()); // parts of each
-    for (int i : Range(pieces))
-      visible[i].Append(pieces[i]);
-    for (auto [j, i] : overlaps)
-      Separate(visible[j], visible[i], tolerance);
-    pieces.SetSize0();
-    for (auto & parts : visible)
-      pieces += parts;
-    PlantPieces();
-  }
-
-  /// What the parts of two pieces have in common the nearer one keeps: whatever one loses another
-  /// keeps.
-  static void Separate(Array<Piece> & old, Array<Piece> & parts, double tolerance) {
-    Array<Piece> all;
-    for (auto & other : old) {
-      Array<Piece> rest, shortened{other};
-      for (auto & part : parts)
-        if (!Overlap(part.polygon, other.polygon, tolerance))
-          rest.Append(part);
-        else if (IsNearer(other, part))
-          Without(part, other.polygon, tolerance, rest);
-        else { // all parts belong to one master facet: what is left of the other one is behind
-          rest.Append(part);
-          Array<Piece> remaining;
-          for (auto & piece : shortened)
-            Without(piece, part.polygon, tolerance, remaining);
-          Swap(shortened, remaining);
-        }
-      Swap(parts, rest);
-      all += shortened;
-    }
-    Swap(old, all);
-  }
-
-  /// Is piece a nearer than piece b, in the middle of where they overlap?
-  static bool IsNearer(const Piece & a, const Piece & b) {
-    Vec<2> p = Intersection(a.polygon, b.polygon, 0).Centroid();
-    return fabs(a.Gap(p)) <= fabs(b.Gap(p));
-  }
-
-  /// Appends what is left of a piece.
-  static void Without(const Piece & piece, const Polygon & hole, double tolerance,
-                      Array<Piece> & rest) {
-    Array<Polygon> polygons;
-    Subtract(piece.polygon, hole, tolerance, polygons);
-    for (auto & polygon : polygons)
-      rest.Append(Piece{polygon, piece.master, piece.gap, piece.tilt});
   }
 
   /// Neighbouring master faces that are divided differently leave slits between their facets.
@@ -346,16 +248,6 @@ private:
     return least >= -outside_tolerance && most <= 1 + outside_tolerance;
   }
 
-  /// The piece that covers a point, if there is one.
-  const Piece * Covering(Vec<2> point) const {
-    const Piece * found = nullptr;
-    pieces_tree->Visit(BoxOf(Polygon{point}), [&](int i) {
-      if (pieces[i].polygon.Contains(point) && (!found || &pieces[i] < found))
-        found = &pieces[i];
-    });
-    return found;
-  }
-
   /// Does the search end there, and not the master?
   bool IsAtLimit(const FacetMap & map, const Piece & piece, Vec<2> point) const {
     double gap = piece.Gap(point), tolerance = Length(map, 1e-9);
@@ -377,7 +269,7 @@ private:
       Vec<2> beyond = 0.5 * (a + b) + across;
       if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)))
         continue;
-      auto next = Covering(beyond);
+      auto next = pieces.Covering(beyond);
       if (next && next->master->face <= piece.master->face) // each edge counts once
         continue;
       if (!next && stretch != 1) // slits are all that is free
