@@ -74,6 +74,7 @@ void Form<D>::AssembleLinearization(const BaseVector & bx) {
 template <int D>
 void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
   Prepare(bx);
+  CheckSize(residual.FV<double>().Size());
   auto x = bx.FV<double>(), y = residual.FV<double>();
   Array<Projection<D>> projections(states.Size());
   ParallelFor(states.Size(), [&](size_t m) {
@@ -89,6 +90,7 @@ template <int D>
 shared_ptr<SparseMatrix<double>> Form<D>::AssembleAugmented(const BaseVector & bx,
                                                             BaseVector & residual, double factor) {
   Prepare(bx);
+  CheckSize(residual.FV<double>().Size());
   Augmentation augmentation(*law, factor);
   auto x = bx.FV<double>(), y = residual.FV<double>();
   Array<Projection<D>> projections(states.Size());

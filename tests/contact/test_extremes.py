@@ -68,3 +68,13 @@ def test_scales_of_merged_matrices_have_any_stride():
     assert np.array_equal(y, z)
     with pytest.raises(Exception, match="scale has 3 entries, but the matrix has"):
         MergeMatrices(mat, [], np.ones(3))
+
+
+@sliding
+@pytest.mark.parametrize("name", ["AddApply", "AssembleStep", "AssembleAugmented"])
+def test_vectors_of_another_size_are_refused(name, finite):
+    form = contact_form(block_mesh(2), friction=0.2, finite=finite).form
+    x, short = (GridFunction(space).vec for space in (form.fes, form.component))
+    for given in ((x, short), (short, x)):
+        with pytest.raises(Exception, match="entries, but the pairing was made"):
+            getattr(form, name)(*given)
