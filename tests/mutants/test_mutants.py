@@ -48,7 +48,8 @@ def test_kills_survivors_and_errors_are_told_apart(tmp_path):
     verdicts = [row["verdict"] for row in json.loads(result.read_text())]
     assert alive == 3
     assert verdicts[:2] == ["killed", "survived"]
-    assert "there 0 times" in verdicts[2] and "fail without" in verdicts[3]
+    assert "there 0 times" in verdicts[2]
+    assert "fail without" in verdicts[3]
     assert (tmp_path / "ngslac" / "law.py").read_text() == files["ngslac/law.py"]
 
 
@@ -58,7 +59,8 @@ def test_each_mutant_of_the_table_fits_the_sources():
         text = (mutants.ROOT / mutant.file).read_text()
         assert text.count(mutant.old) == 1, f"{mutant}: {mutant.old!r}"
         assert mutant.new != mutant.old
-        assert mutant.tests and all((mutants.ROOT / test).is_file() for test in mutant.tests)
+        assert mutant.tests
+        assert all((mutants.ROOT / test).is_file() for test in mutant.tests)
     assert len(table) == len({(m.file, m.old, m.new) for m in table})
 
 
