@@ -4,9 +4,9 @@ None of these programs is needed.
 """
 
 import json
+import re
 import sys
 from itertools import product
-from pathlib import Path
 from types import SimpleNamespace
 
 import calculix
@@ -34,126 +34,192 @@ MIDS = {
 CLOSE = {"hertz": 1e-9, "patch": 1e-9, "sphere": 2e-2}  # the boundary of the sphere is a polygon
 # Forces on the models: half of the cylinder, a quarter of the sphere, all of the cube.
 LOAD = {"hertz": -LINE_FORCE / 2, "sphere": -SPHERE_FORCE / 4, "patch": -1.0}
-OPTIONS = {"friction": 0.2, "steps": 10, "variant": "penalty", "linear_solver": "some"}
+OPTIONS = {"friction": 0.2, "steps": 10, "linear_solver": "some"}
 
 
-def supported(points, mesh):
-    """Numbers of the nodes on each supported plane, which is where a coordinate is smallest."""
-    return {
-        name: set(np.flatnonzero(np.isclose(points[:, k], points[:, k].min())).tolist())
-        for name, k in HELD[mesh.problem].items()
-    }
+def calculix_deck(mesh, order, folder):
+    """An input file of CalculiX, read again; numbers from 0."""
+    given = SimpleNamespace(**OPTIONS, variant="penalty")
+    file, blocks = folder / "job.inp", {}
+    calculix_files.WriteInput(file, calculix_files.Solid(mesh, order), given, 700e3)
+    for line in re.sub(r",\n(?!\*)", ",", file.read_text()).splitlines():  # lines that go on
+        if line.startswith("*"):
+            block = blocks.setdefault(line, [])
+        else:
+            block.append([word for word in line.split(",") if word])
+
+    def Rows(head):
+        return [row for line, rows in blocks.items() if line.startswith(head) for row in rows]
+
+    def Numbers(head):
+        return np.array(Rows(head), int) - 1
+
+    def Corners(element, face):
+        return elements[int(element) - 1][np.array(FACES[kind][int(face[1])]) - 1]
+
+    def Loads():
+        yield from ((float(force), points[int(node) - 1]) for node, _, force in Rows("*CLOAD"))
+        for element, face, pressure in Rows("*DLOAD"):
+            a, b, c = points[Corners(element, face)]
+            yield -float(pressure) * abs(np.cross(b - a, c - a)[2]) / 2, a
+
+    kind, points = calculix_files.KINDS[mesh.dim, order], np.array(Rows("*NODE,"), float)[:, 1:]
+    names = BODIES[mesh.problem]
+    bodies = {name: Numbers(f"*ELEMENT,TYPE={kind},ELSET={name.upper()}") for name in names}
+    elements = {row[0]: row[1:] for row in np.concatenate([*bodies.values()])}
+    supports = {name: int(first) - 1 for name, first, _ in Rows("*BOUNDARY") if name != "NALL"}
+    return SimpleNamespace(
+        points=points,
+        bodies=bodies,
+        young=[float(row[0]) for row in Rows("*ELASTIC")],
+        faces=[
+            [Corners(*r) for r in Rows(f"*SURFACE,NAME={name}")] for name in ("SLAVE", "MASTER")
+        ],
+        held={(k, *Numbers(f"*NSET,NSET={name}").ravel()) for name, k in supports.items()},
+        loads=Loads(),
+        Rows=Rows,
+    )
 
 
-def placed(mesh, name):
-    """Coordinates of the corners of the faces of a boundary, the upper body lowered."""
-    shift = SHIFT[mesh.problem] * np.eye(mesh.dim)[-1] * (name != "master")
-    return [
-        sorted(map(tuple, (mesh.points[face] - shift).round(9))) for face in mesh.Faces(1, name)
+def mdpa_blocks(file):
+    """Rows of numbers of each block of Kratos' mesh file."""
+    blocks, path = {}, []
+    for line in file.read_text().splitlines():
+        kind, *rest = line.split()
+        if kind == "Begin":
+            path.append(rest[0] if rest[0] != "SubModelPart" else rest[1])
+            blocks.setdefault("/".join(path), [])
+        elif kind == "End":
+            path.pop()
+        else:
+            blocks["/".join(path)].append([float(word) for word in line.split()])
+    assert not path
+    return blocks
+
+
+def kratos_deck(mesh, order, folder):
+    """Mesh, materials and supports of Kratos, read again; numbers from 0."""
+    kratos_files.WriteMesh(folder / "job.mdpa", mesh)
+    blocks = mdpa_blocks(folder / "job.mdpa")
+
+    def Entities(name):
+        return {int(number) - 1: np.array(row, int) for number, *row in blocks[name]}
+
+    def Part(name, kind):
+        return np.array(blocks[f"{name}/SubModelPart{kind}"], int).ravel() - 1
+
+    def Faces(name):
+        return [conditions[k][1:] - 1 for k in Part(name, "Conditions")]
+
+    def Body(number, entry):
+        name = entry["model_part_name"].removeprefix("Structure.")
+        own = Part(name, "Elements")
+        assert {elements[k][0] for k in own} == {entry["properties_id"]} == {number}
+        nodes = np.array([elements[k][1:] for k in own]) - 1
+        assert Part(name, "Nodes").tolist() == np.unique(nodes).tolist()
+        return name.removeprefix("Body_"), np.column_stack([own, nodes])
+
+    def Held(model_part_name, constrained, value, **_):
+        assert value == [0.0 if fixed else None for fixed in constrained]
+        return constrained.index(True), *Part(model_part_name.removeprefix("Structure."), "Nodes")
+
+    elements, conditions = Entities("Elements"), Entities("Conditions")
+    points, forces = np.array(blocks["Nodes"])[:, 1:], kratos_files.NodalForces(mesh)
+    materials = kratos_files.Materials(mesh, 0.2)["properties"]
+    supports = kratos_files.Parameters(mesh, folder / "job")["processes"][
+        "constraints_process_list"
     ]
+    assert np.concatenate(Faces("Load")).tolist() == np.flatnonzero(forces).tolist()
+    return SimpleNamespace(
+        points=points,
+        bodies=dict(Body(number, entry) for number, entry in enumerate(materials, 1)),
+        young=[entry["Material"]["Variables"]["YOUNG_MODULUS"] for entry in materials],
+        faces=[Faces(f"Contact_{name}") for name in ("slave", "master")],
+        held={Held(**process["Parameters"]) for process in supports},
+        loads=((forces[k], points[k]) for k in np.flatnonzero(forces)),
+    )
 
 
-# ---------------------------------------------------------------- CalculiX
-
-
-class Deck:
-    """An input file of CalculiX, read again."""
-
-    def __init__(self, file):
-        self.blocks = {}
-        for line in file.read_text().splitlines():
-            if line.startswith("*"):
-                rows = self.blocks.setdefault(line, [])
-            elif rows and rows[-1][-1] == "":  # goes on
-                rows[-1][-1:] = line.split(",")
-            else:
-                rows.append(line.split(","))
-        self.points = np.array(self.Rows("*NODE,"), float)[:, 1:]
-        self.elements = {}
-        for line, data in self.blocks.items():
-            if line.startswith("*ELEMENT"):
-                self.kind = line.split("TYPE=")[1].split(",")[0]
-                self.elements |= {int(row[0]): np.array(row[1:], int) - 1 for row in data}
-
-    def Rows(self, head):
-        """Words of each data line of the block that begins so."""
-        (data,) = (data for line, data in self.blocks.items() if line.startswith(head))
-        return data
-
-    def FacePoints(self, element, face):
-        """Coordinates of the corners of a face, as the manual numbers them."""
-        nodes = self.elements[int(element)]
-        return self.points[[nodes[k - 1] for k in FACES[self.kind][int(face[1])]]]
-
-
-@pytest.fixture(params=[1, 2])
+@pytest.fixture(
+    params=[(calculix_deck, 1), (calculix_deck, 2), (kratos_deck, 1)],
+    ids=["ccx-1", "ccx-2", "kratos"],
+)
 def deck(request, mesh, tmp_path):
-    """Mesh and input file of a problem."""
-    solid = calculix_files.Solid(mesh, request.param)
-    calculix_files.WriteInput(tmp_path / "job.inp", solid, SimpleNamespace(**OPTIONS), 700e3)
-    return mesh, Deck(tmp_path / "job.inp")
+    """What a program gets of a problem."""
+    read, order = request.param
+    return read(mesh, order, tmp_path)
 
 
-def test_calculix_elements(deck):
-    mesh, read = deck
-    assert sorted(read.elements) == list(range(1, len(mesh.elements) + 1))
-    assert set(np.concatenate([*read.elements.values()])) == set(range(len(read.points)))
-    for nodes in read.elements.values():
-        points = read.points[nodes]
-        assert len(points) == int(read.kind[3:])
-        assert np.linalg.det(points[[1, 2, 3]] - points[0]) > 0
-        if read.kind in MIDS:
-            ends = points[np.array(MIDS[read.kind]) - 1]
-            bow = np.linalg.norm(points[-len(ends) :] - ends.mean(axis=1), axis=1)
-            most = 1e-9 if mesh.problem == "patch" else 0.2  # others are curved
-            assert np.all(bow < most * np.ptp(ends, axis=1).max(axis=1))
-    for body in BODIES[mesh.problem]:
-        own = read.Rows(f"*ELEMENT,TYPE={read.kind},ELSET={body.upper()}")
-        assert [int(row[0]) - 1 for row in own] == np.flatnonzero(mesh.materials == body).tolist()
-    young = [row[0] for row in read.Rows("*ELASTIC")]
-    assert young == [str(YOUNG[body]) for body in BODIES[mesh.problem]]
+def test_deck_poses_the_problem(deck, mesh):
+    dim, points, names = mesh.dim, deck.points, BODIES[mesh.problem]
+    lowered = SHIFT[mesh.problem] * np.eye(dim)[-1]
+    assert deck.young == [YOUNG[name] for name in names]
+    assert set(np.concatenate([rows[:, 1:].ravel() for rows in deck.bodies.values()])) == set(
+        range(len(points))
+    )
+    for name, down in zip(names, (lowered, 0 * lowered), strict=True):
+        own = deck.bodies[name]
+        assert own[:, 0].tolist() == np.flatnonzero(mesh.materials == name).tolist()
+        wanted = mesh.points[mesh.Elements(1, name)] - down
+        assert points[own[:, 1 : dim + 2], :dim] == pytest.approx(wanted, abs=1e-10)
+    for name, down, faces in zip(
+        ("slave", "master"), (lowered, 0 * lowered), deck.faces, strict=True
+    ):
+        found = [np.unique(points[face, :dim].round(9), axis=0) for face in faces]
+        wanted = [sorted((mesh.points[f] - down).round(9).tolist()) for f in mesh.Faces(1, name)]
+        assert np.array(found) == pytest.approx(np.array(wanted), abs=1e-8)
+    planes = {k: np.isclose(points[:, k], points[:, k].min()) for k in HELD[mesh.problem].values()}
+    held = {(row[0], *sorted(row[1:])) for row in deck.held}
+    assert held == {(k, *np.flatnonzero(plane)) for k, plane in planes.items()}
+    forces, places = map(np.array, zip(*deck.loads, strict=True))
+    assert forces.sum() == pytest.approx(LOAD[mesh.problem], rel=CLOSE[mesh.problem])
+    assert places[:, dim - 1] == pytest.approx(points[:, dim - 1].max())
+    assert dim == 3 or np.allclose(places[:, :2], [0, 99.95], atol=1e-12)
 
 
-def test_calculix_surfaces(deck):
-    mesh, read = deck
-    for name in ("slave", "master"):
-        rows = read.Rows(f"*SURFACE,NAME={name.upper()}")
-        found = [np.unique(read.FacePoints(*row)[:, : mesh.dim].round(9), axis=0) for row in rows]
-        assert np.array(found) == pytest.approx(np.array(placed(mesh, name)), abs=1e-8)
+@pytest.mark.parametrize("order", [1, 2])
+def test_calculix_numbers_nodes_as_its_manual(order, mesh, tmp_path):
+    deck, kind = calculix_deck(mesh, order, tmp_path), calculix_files.KINDS[mesh.dim, order]
+    assert mesh.dim == 3 or ["NALL", "3", "3"] in deck.Rows("*BOUNDARY")
+    assert all(first == last for _, first, last in deck.Rows("*BOUNDARY"))
+    points = deck.points[np.concatenate([*deck.bodies.values()])[:, 1:]]
+    assert points.shape[1] == int(kind[3:])
+    assert np.linalg.det(points[:, 1:4] - points[:, :1]).min() > 0
+    if order == 2:
+        ends = points[:, np.array(MIDS[kind]) - 1]
+        bow = np.linalg.norm(points[:, -len(MIDS[kind]) :] - ends.mean(axis=2), axis=-1)
+        most = 1e-9 if mesh.problem == "patch" else 0.2  # others are curved
+        assert (bow < most * np.ptp(ends, axis=2).max(axis=-1)).all()
 
 
-def test_calculix_supports_and_load(deck):
-    mesh, read = deck
-    for name, nodes in supported(read.points, mesh).items():
-        rows = read.Rows(f"*NSET,NSET=N{name.upper()}")
-        assert {int(word) - 1 for row in rows for word in row if word} == nodes
-        component = str(HELD[mesh.problem][name] + 1)
-        assert [f"N{name.upper()}", component, component] in read.Rows("*BOUNDARY")
-    if mesh.dim == 2:
-        assert ["NALL", "3", "3"] in read.Rows("*BOUNDARY")
-        rows = read.Rows("*CLOAD")
-        for row in rows:
-            assert read.points[int(row[0]) - 1][:2] == pytest.approx([0, 99.95], abs=1e-12)
-        assert sum(float(row[2]) for row in rows) == pytest.approx(LOAD["hertz"])
-        return
-    force = 0
-    for element, face, pressure in read.Rows("*DLOAD"):
-        a, b, c = read.FacePoints(element, face)
-        force -= float(pressure) * abs(np.cross(b - a, c - a)[2]) / 2
-    assert force == pytest.approx(LOAD[mesh.problem], rel=CLOSE[mesh.problem])
-
-
-def test_calculix_contact_law(deck, tmp_path):
-    mesh, read = deck
-    assert read.Rows("*SURFACE BEHAVIOR") == [["700000.0"]]
-    assert read.Rows("*FRICTION") == [["0.2", "70000.0"]]
-    assert read.Rows("*STATIC,SOLVER=some")[0][0] == "0.1"
+def test_decks_have_the_contact_law(files, tmp_path):
+    mesh, file = Load(files["hertz"]), tmp_path / "hard.inp"
+    deck = calculix_deck(mesh, 2, tmp_path)
+    assert deck.Rows("*SURFACE BEHAVIOR") == [["700000.0"]]
+    assert deck.Rows("*FRICTION") == [["0.2", "70000.0"]]
+    assert deck.Rows("*STATIC,SOLVER=some")[0][0] == "0.1"
     mortar = SimpleNamespace(**OPTIONS | {"variant": "mortar", "friction": 0.0})
-    calculix_files.WriteInput(tmp_path / "hard.inp", calculix_files.Solid(mesh, 1), mortar)
-    assert "TYPE=MORTAR" in (text := (tmp_path / "hard.inp").read_text())
-    assert "*SURFACE BEHAVIOR" not in text
-    assert "*FRICTION" not in text
+    calculix_files.WriteInput(file, calculix_files.Solid(mesh, 1), mortar)
+    assert re.findall("TYPE=MORTAR|SURFACE BEHAVIOR|FRICTION", file.read_text()) == ["TYPE=MORTAR"]
+    read = json.loads(json.dumps(kratos_files.Parameters(mesh, tmp_path, **OPTIONS)))
+    solver = read["solver_settings"]
+    assert solver["time_stepping"]["time_step"] == 0.1
+    assert solver["linear_solver_settings"]["solver_type"] == "some"
+    assert solver["contact_settings"]["mortar_type"] == "ALMContactFrictional"
+    for entry in kratos_files.Materials(mesh, 0.2)["properties"]:
+        assert entry["Material"]["Variables"]["FRICTION_COEFFICIENT"] == 0.2
 
+
+def test_kratos_and_ngsolve_have_the_same_load(mesh, files):
+    forces, line = kratos_files.NodalForces(mesh), LOAD[mesh.problem]
+    arguments = SimpleNamespace(mesh=files[mesh.problem], order=1)
+    space = VectorH1(elastic.Read(arguments), order=1)
+    vector = elastic.Loads(mesh, space).FV().NumPy().reshape(mesh.dim, -1)
+    assert vector[-1] == pytest.approx(forces, abs=1e-9 * abs(line))
+    assert not vector[:-1].any()
+
+
+# ---------------------------------------------------------------- results of CalculiX
 
 FRD = """\
     2C                             3                                     1
@@ -232,101 +298,7 @@ def test_calculix_run(finished, time, said, drive, files, tmp_path, monkeypatch,
     assert row["peak"] == pytest.approx((4074.92 if 0 in slave else 5) / SPHERE_PEAK - 1)
 
 
-def test_calculix_last_words():
-    assert calculix.LastWords("a\n *ERROR in x\n  no material \nb\n") == "*ERROR in x no material"
-    assert calculix.LastWords("a\n\n matrix found to be singular\n ______\n").endswith("singular")
-    assert calculix.LastWords("") == ""
-
-
-# ---------------------------------------------------------------- Kratos
-
-
-def read_mdpa(file):
-    """Rows of words of each block, blocks of sub model parts by their names."""
-    found, path = {}, []
-    for line in file.read_text().splitlines():
-        kind, *rest = line.split()
-        if kind == "Begin":
-            path.append(rest[0] if rest[0] != "SubModelPart" else rest[1])
-            found.setdefault("/".join(path), [])
-        elif kind == "End":
-            path.pop()
-        else:
-            found["/".join(path)].append(line.split())
-    assert not path
-    return found
-
-
-def test_kratos_mesh(mesh, tmp_path):
-    kratos_files.WriteMesh(tmp_path / "job.mdpa", mesh)
-    blocks = read_mdpa(tmp_path / "job.mdpa")
-
-    def Numbers(name):
-        return [int(row[0]) - 1 for row in blocks[name]]
-
-    points = np.array(blocks["Nodes"], float)[:, 1:]
-    assert Numbers("Nodes") == list(range(mesh.nvertices))
-    elements = {int(row[0]) - 1: np.array(row[1:], int) for row in blocks["Elements"]}
-    for i, name in enumerate(BODIES[mesh.problem]):
-        own = np.flatnonzero(mesh.materials == name)
-        assert Numbers(f"Body_{name}/SubModelPartElements") == own.tolist()
-        assert (
-            np.array([elements[k] for k in own]).tolist()
-            == np.insert(mesh.elements[own, : mesh.dim + 1] + 1, 0, i + 1, axis=1).tolist()
-        )
-        inside = mesh.MaterialNodes(1, name).tolist()
-        assert Numbers(f"Body_{name}/SubModelPartNodes") == inside
-        shift = (1 - i) * SHIFT[mesh.problem] * np.eye(mesh.dim)[-1]
-        assert points[inside, : mesh.dim] == pytest.approx(mesh.points[inside] - shift, abs=1e-14)
-    conditions = {int(row[0]) - 1: [int(w) - 1 for w in row[2:]] for row in blocks["Conditions"]}
-    assert len(conditions) == len(blocks["Conditions"])
-    forces = kratos_files.NodalForces(mesh)
-    wanted = {f"Contact_{name}": mesh.Faces(1, name).tolist() for name in ("slave", "master")}
-    for name, faces in (wanted | {"Load": [[k] for k in np.flatnonzero(forces)]}).items():
-        assert [conditions[k] for k in Numbers(f"{name}/SubModelPartConditions")] == faces
-    for name, nodes in supported(points, mesh).items():
-        assert set(Numbers(f"Held_{name}/SubModelPartNodes")) == nodes
-
-
-def test_kratos_parameters(mesh):
-    options = {"friction": 0.2, "steps": 10, "linear_solver": "some"}
-    read = json.loads(json.dumps(kratos_files.Parameters(mesh, Path("a/job"), **options)))
-    solver = read["solver_settings"]
-    assert solver["time_stepping"]["time_step"] == 0.1
-    assert solver["linear_solver_settings"]["solver_type"] == "some"
-    assert solver["contact_settings"]["mortar_type"] == "ALMContactFrictional"
-    held = {}
-    for process in read["processes"]["constraints_process_list"]:
-        given = process["Parameters"]
-        assert given["value"] == [0.0 if fixed else None for fixed in given["constrained"]]
-        name = given["model_part_name"].removeprefix("Structure.Held_")
-        held[name] = given["constrained"].index(True)
-    assert held == HELD[mesh.problem]
-    for entry, name in zip(
-        kratos_files.Materials(mesh, 0.2)["properties"], BODIES[mesh.problem], strict=True
-    ):
-        assert entry["model_part_name"] == f"Structure.Body_{name}"
-        variables = entry["Material"]["Variables"]
-        assert (variables["FRICTION_COEFFICIENT"], variables["YOUNG_MODULUS"]) == (0.2, YOUNG[name])
-
-
-def test_kratos_and_ngsolve_have_the_same_load(mesh, files):
-    forces, line = kratos_files.NodalForces(mesh), LOAD[mesh.problem]
-    assert forces.sum() == pytest.approx(line, rel=CLOSE[mesh.problem])
-    arguments = SimpleNamespace(mesh=files[mesh.problem], order=1)
-    space = VectorH1(elastic.Read(arguments), order=1)
-    vector = elastic.Loads(mesh, space).FV().NumPy().reshape(mesh.dim, -1)
-    assert vector[-1] == pytest.approx(forces, abs=1e-9 * abs(line))
-    assert not vector[:-1].any()
-
-
-def test_kratos_knows_linear_faces_only(drive, monkeypatch, capsys):
-    monkeypatch.setattr(kratos, "MISSING", None)
-    assert drive(kratos, "sphere", "--order", "2") == (1, None)
-    assert "use --order 1" in capsys.readouterr().err.splitlines()[-1]
-
-
-# ---------------------------------------------------------------- GetFEM
+# ---------------------------------------------------------------- GetFEM, what is not there
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -341,13 +313,15 @@ def test_getfem_dofs_of_nodes(mesh):
     """Of a vector-valued Lagrange space with its nodes in another order."""
     points = mesh.points[mesh.Nodes(2, "slave")]
     nodes = np.repeat(np.vstack([points + 1, points])[::-1], mesh.dim, axis=0)
-    space = SimpleNamespace(basic_dof_nodes=lambda: nodes.T)
-    dofs = getfem_peer.NodeDofs(space, points)
+    dofs = getfem_peer.NodeDofs(SimpleNamespace(basic_dof_nodes=lambda: nodes.T), points)
     assert np.array_equal(nodes[dofs[:, -1]], points)
     assert np.array_equal(dofs - dofs[:, :1], np.tile(np.arange(mesh.dim), (len(points), 1)))
 
 
-# ---------------------------------------------------------------- what is not installed
+def test_kratos_knows_linear_faces_only(drive, monkeypatch, capsys):
+    monkeypatch.setattr(kratos, "MISSING", None)
+    assert drive(kratos, "sphere", "--order", "2") == (1, None)
+    assert "use --order 1" in capsys.readouterr().err.splitlines()[-1]
 
 
 @pytest.mark.parametrize(
@@ -366,8 +340,3 @@ def test_not_installed(driver, remedy, drive, tmp_path, monkeypatch, capsys):
     (said,) = capsys.readouterr().out.splitlines()
     assert "install" in said
     assert remedy in said
-
-
-def test_getfem_of_the_system_is_asked(monkeypatch):
-    monkeypatch.setattr(getfem_peer, "SYSTEM_PYTHON", "/nowhere/python3")
-    assert not getfem_peer.SystemPythonHasIt()
