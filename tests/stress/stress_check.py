@@ -1,9 +1,9 @@
 """Is a state that the solver calls converged an answer? Nothing of the solver is used here."""
 
 import numpy as np
+import shapely
 from ngsolve import CF, GridFunction, IntegrationRule, x, y
 from ngsolve.fem import SEGM
-from shapely import Point, Polygon
 
 __all__ = ["Check", "CheckEnd", "WrongAnswerError"]
 
@@ -118,8 +118,7 @@ def Outline(problem, region, places, moved=1):
 def CheckOutlines(problem):
     """No body is folded, and no slave edge on average in another body, and nowhere deep in it.
 
-    This is for bodies the boundary of which is one chain of edges in their order, as `Grids` makes
-    it.
+    For bodies whose boundary is one chain of edges in their order, as `Grids` makes it.
     """
     middles = [(k + 0.5) / 8 for k in range(8)]
     for slave, master in problem.pairs:
@@ -129,16 +128,16 @@ def CheckOutlines(problem):
         ends = Outline(problem, f"{name}_.*", [0.0, 1.0], moved=0)
         if np.abs(ends[:, 1] - np.roll(ends[:, 0], -1, axis=0)).max() > 1e-9 * problem.extent:
             continue
-        body = Polygon(Outline(problem, f"{name}_.*", [0.0, 0.25, 0.5, 0.75]).reshape(-1, 2))
+        body = shapely.Polygon(
+            Outline(problem, f"{name}_.*", [0.0, 0.25, 0.5, 0.75]).reshape(-1, 2)
+        )
         if not body.is_valid:
             raise WrongAnswerError(f"body {name} is folded")
         edges = Outline(problem, slave, middles)
         size = 8 / 7 * np.linalg.norm(edges[:, -1] - edges[:, 0], axis=1)
-        points = [[Point(p) for p in edge] for edge in edges]
-        depth = np.array(
-            [[body.exterior.distance(p) if body.contains(p) else 0 for p in e] for e in points]
-        )
-        gap = np.array([[body.distance(p) for p in e] for e in points])
+        points = shapely.points(edges)
+        depth = shapely.contains(body, points) * shapely.distance(body.exterior, points)
+        gap = shapely.distance(body, points)
         Require(((depth - gap).mean(axis=1) / size).max(), 0.05, f"{slave} lies inside of {name}")
         Require((depth / size[:, None]).max(), 0.35, f"{slave} cuts into {name}")
 

@@ -17,6 +17,11 @@ NUMBERS = [f"{k:03d}" for k in range(160)]
 KINDS = ["hex", "prism", "tet"]
 
 
+def Turned(angle, a, b):
+    c, s = np.cos(angle), np.sin(angle)
+    return c * a - s * b, s * a + c * b
+
+
 @dataclass(frozen=True)
 class Frame:
     """Unit of length, direction and place of the whole problem."""
@@ -27,26 +32,20 @@ class Frame:
 
     def Shape(self, shape):
         """The map of a block, in the frame."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
 
         def placed(a, b):
-            px, py = shape(a, b)
-            return (
-                self.origin[0] + self.size * (c * px - s * py),
-                self.origin[1] + self.size * (s * px + c * py),
-            )
+            turned = Turned(self.angle, *shape(a, b))
+            return tuple(o + self.size * p for o, p in zip(self.origin, turned, strict=True))
 
         return placed
 
     def Vector(self, vx, vy):
         """A vector, in the frame, of the same length."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        return CF((c * vx - s * vy, s * vx + c * vy))
+        return CF(Turned(self.angle, vx, vy))
 
     def Along(self):
         """The first coordinate, as it is in the block."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        return (c * (x - self.origin[0]) + s * (y - self.origin[1])) / self.size
+        return Turned(-self.angle, x - self.origin[0], y - self.origin[1])[0] / self.size
 
 
 class Draw:
@@ -79,11 +78,9 @@ class Draw:
         return other if self.rng.random() < 0.25 else usual
 
     def Gap(self):
-        """Nothing, or a little play."""
         return self.rng.choice([0.0, self.rng.uniform(0.001, 0.02)])
 
     def Cells(self):
-        """Their numbers in both directions, and their kind."""
         n = int(self.rng.integers(3, 10)), int(self.rng.integers(2, 4))
         return n, "quad" if self.rng.random() < 0.5 else "trig"
 
@@ -94,7 +91,6 @@ class Draw:
         return lambda s: amplitude * (1 + np.sin(number * s + phase))
 
     def Aside(self):
-        """A direction in the plane."""
         angle = self.rng.uniform(0, 2 * np.pi)
         return np.array((np.cos(angle), np.sin(angle)))
 

@@ -25,8 +25,7 @@ def Powers(kind, degree):
     """Exponents of the monomials that span the polynomials of a face."""
     if kind == SEGM:
         return np.arange(degree + 1)[:, None]
-    pairs = np.stack(np.meshgrid(*[np.arange(degree + 1)] * 2, indexing="ij"), axis=-1)
-    pairs = pairs.reshape(-1, 2)
+    pairs = np.array([*np.ndindex(degree + 1, degree + 1)])
     return pairs[pairs.sum(axis=1) <= degree] if kind == TRIG else pairs
 
 
@@ -35,7 +34,7 @@ def Cells(kind, n):
     k = np.arange(n) / n
     if kind == SEGM:
         return np.stack([k, k + 1 / n], axis=1)[..., None]
-    a = np.stack(np.meshgrid(k, k, indexing="ij"), axis=-1).reshape(-1, 1, 2)
+    a = np.array([*np.ndindex(n, n)])[:, None] / n
     if kind == QUAD:
         return a + np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) / n
     lower = a[a.sum(axis=(1, 2)) < 1 - 0.5 / n] + np.array([(0, 0), (1, 0), (0, 1)]) / n
@@ -48,34 +47,27 @@ def Rule(kind, n):
     cells = Cells(kind, n)
     if kind == TRIG:
         return cells.mean(axis=1), np.full(len(cells), 0.5 / len(cells))
-    low, size = cells.min(axis=1), 1 / n
-    gauss = np.array([0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3)])
-    dim = low.shape[1]
+    low, dim = cells.min(axis=1), cells.shape[-1]
+    gauss = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3)
     inner = np.stack(np.meshgrid(*[gauss] * dim), axis=-1).reshape(-1, dim)
-    points = (low[:, None] + size * inner).reshape(-1, dim)
+    points = (low[:, None] + inner / n).reshape(-1, dim)
     return points, np.full(len(points), 1 / len(points))
 
 
 class Faces:
     """The faces of a boundary region, all of one kind; fields are arrays of values at nodes.
 
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-    region : str
-    degree : int
-        Polynomial degree that geometry and displacement have on a face.
+    Geometry and displacement have the polynomial `degree` on a face.
     """
 
     def __init__(self, mesh, region, degree):
-        boundary = mesh.Boundaries(region)
+        self.dim, boundary = mesh.dim, mesh.Boundaries(region)
         (self.kind,) = {element.type for element in boundary.Elements()}
-        self.dim, self.degree = mesh.dim, degree
         self.powers = Powers(self.kind, degree)
         nodes = self.powers / degree
         rule = IntegrationRule([tuple(node) for node in nodes], [1.0] * len(nodes))
         self.points = mesh.MapToAllElements({self.kind: rule}, boundary)
-        self.inverse = np.linalg.inv(self._Monomials(nodes))
+        self.inverse = np.linalg.inv(Monomials(nodes, self.powers))
         self.position = self.Values(CF(POSITION[self.dim]))
         self.sign = self._Outwards(mesh)
 
@@ -90,7 +82,7 @@ class Faces:
 
     def Shapes(self, points):
         """Matrix (points, nodes) that interpolates."""
-        return self._Monomials(points) @ self.inverse
+        return Monomials(points, self.powers) @ self.inverse
 
     def Slopes(self, points):
         """The same for the derivatives: (points, reference directions, nodes)."""
@@ -108,9 +100,6 @@ class Faces:
             along = tangents[..., 0, :]
             return sign * np.stack([along[..., 1], -along[..., 0]], axis=-1)
         return sign * np.cross(tangents[..., 0, :], tangents[..., 1, :])
-
-    def _Monomials(self, points):
-        return Monomials(points, self.powers)
 
     def _Outwards(self, mesh):
         """Which sign turns the normals of the faces out of their body.

@@ -23,27 +23,18 @@ class Hits:
 
 
 def MeetFaces(origin, normal, faces, position, *, ahead, behind, cells=1):
-    """The nearest point of the faces, at nodal positions, on each ray.
+    """The nearest point of the faces, at nodal positions, on each ray along a unit normal (n, d).
 
-    Parameters
-    ----------
-    origin, normal : (n, d) arrays
-        The normals are unit vectors.
-    faces : Faces
-    position : (faces, nodes, d) array
-    ahead, behind : float
-        How far to look.
-    cells : int
-        Divisions of a face that bends.
+    A face that bends is divided into `cells` in each direction.
     """
     places = Simplices(faces.kind, cells)
     shapes = faces.Shapes(places.reshape(-1, places.shape[-1]))
     corners = np.einsum("qn,fnd->fqd", shapes, position)
     simplices = Flat(corners.reshape(-1, faces.dim, faces.dim), faces.sign.repeat(len(places)))
-    hits = Hits(np.full(len(origin), -1), np.zeros((len(origin), faces.dim - 1)),
-                np.zeros(len(origin)))  # fmt: skip
+    n = len(origin)
+    hits = Hits(np.full(n, -1), np.zeros((n, faces.dim - 1)), np.zeros(n))
     step = max(1, CHUNK // len(places) // len(position))
-    for first in range(0, len(origin), step):
+    for first in range(0, n, step):
         part = slice(first, first + step)
         best, gap, weights = simplices.Meet(origin[part], normal[part], ahead, behind)
         hits.face[part] = np.where(np.isfinite(gap), best // len(places), -1)

@@ -24,7 +24,6 @@ class State:
     covered: np.ndarray  # part of the area that has a partner
     whole: np.ndarray  # do the corners of all faces have one, too?
     jump: np.ndarray
-    normals: np.ndarray  # of the slave at the points
     directions: np.ndarray  # in which the pressure acts there
     hits: object
 
@@ -38,14 +37,7 @@ class State:
 
 
 class Side:
-    """Slave faces, cut into points, and what they meet.
-
-    Parameters
-    ----------
-    problem : Problem
-    number : int
-        Of the contact.
-    """
+    """Slave faces of a contact of a problem, cut into points, and what they meet."""
 
     def __init__(self, problem, number):
         slave, other = problem.pairs[number]
@@ -68,9 +60,8 @@ class Side:
         self.obstacle = None if self.master else CF(other)
         friction = self.faces.Values(CF(self.law.get("friction") or 0))[..., 0]
         self.friction = self._Sum(self.shapes @ friction[..., None], scalar=True) / self.area
-        self.contact = problem.contacts[number]
+        self.contact, self.last = problem.contacts[number], None
         self.small = None if self.finite else self._Look(0 * self.faces.position)
-        self.last = None
 
     # --- sums over the points ------------------------------------------------------------------
 
@@ -141,12 +132,10 @@ class Side:
         u1 = self.faces.Values(self.u)
         u2 = self.master.Values(self.u) if self.master else None
         normals, hits, whole = self._Look(u1) if self.finite else self.small
-        start = self.faces.position
         if self.master is None:
             distance = -self._At(self.faces.Values(self.obstacle)) * normals
         else:
-            other = self.master.position
-            distance, _ = self._Jump(start, other, hits)
+            distance, _ = self._Jump(self.faces.position, self.master.position, hits)
         moved, met = self._Jump(u1, u2, hits)
         directions = normals
         if self.finite:  # turned by the same tilt all over a macro-element
@@ -165,9 +154,8 @@ class Side:
         slip = self._Slip(jump, u1, u2, normals)
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
         covered = area / self.area
-        return State(
-            self._Traction(), normal, gap, slip, covered, whole, jump, normals, directions, hits
-        )
+        traction = self.faces.Values(self.lam)[np.unique(self.macro, return_index=True)[1], 0]
+        return State(traction, normal, gap, slip, covered, whole, jump, directions, hits)
 
     @property
     def share(self):
@@ -197,11 +185,6 @@ class Side:
         moved -= np.sum(moved * across, axis=-1)[..., None] * across
         area = np.maximum(self._Sum(met.astype(float)), 1e-300)
         return self._Sum(moved * met[..., None]) / area[:, None]
-
-    def _Traction(self):
-        traction = np.zeros((len(self.area), self.dim))
-        traction[self.macro] = self.faces.Values(self.lam)[:, 0]
-        return traction
 
     def Work(self, state, test):
         """Work of the tractions for a displacement."""
