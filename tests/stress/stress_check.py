@@ -5,8 +5,6 @@ import shapely
 from ngsolve import CF, GridFunction, IntegrationRule, x, y
 from ngsolve.fem import SEGM
 
-__all__ = ["Check", "CheckEnd", "WrongAnswerError"]
-
 TOLERANCE = 1e-6  # of forces, relative to the largest; of gaps and slips, relative to the size
 
 

@@ -11,8 +11,6 @@ from ngsolve import Det, Grad, GridFunction, Id, IntegrationRule
 from stress_check import Require
 from verify_side import CELLS, Side
 
-__all__ = ["Verifier"]
-
 GAP = {d: 1 / n**2 for d, n in CELLS.items()}  # relative to the size of the macro-element
 WORK = {d: 0.25 / n for d, n in CELLS.items()}  # relative to the forces
 ALGEBRA = 1e-4  # of the largest traction: the sums give nothing but the normals

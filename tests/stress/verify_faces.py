@@ -16,8 +16,6 @@ from ngsolve import (
 )
 from ngsolve.fem import QUAD, SEGM, TRIG
 
-__all__ = ["Faces", "Rule"]
-
 POSITION = {2: (x, y), 3: (x, y, z)}
 
 

@@ -6,8 +6,6 @@ import numpy as np
 from ngsolve.fem import QUAD
 from verify_faces import Cells
 
-__all__ = ["Hits", "MeetFaces"]
-
 LOOKS_BACK = -0.17  # largest cosine between the normals of partners
 CHUNK = 2_000_000  # pairs of ray and simplex at a time
 ROUNDING = 1e-9

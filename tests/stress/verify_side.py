@@ -7,8 +7,6 @@ from ngsolve import CF, GridFunction
 from verify_faces import Faces, Rule
 from verify_rays import MeetFaces
 
-__all__ = ["Side", "State"]
-
 CELLS = {2: 24, 3: 6}  # of the sums, along a slave face
 BENT = {2: 6, 3: 3}  # along a master face that is curved or deformed
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from ngslac import ContactConvergenceError
 
-__all__ = ["Columns", "Count", "Main", "NotNegative", "Options", "Picture", "Positive", "Start"]
-
 
 class Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
     """Text as it is written, and the default of each option."""

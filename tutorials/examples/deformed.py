@@ -3,8 +3,6 @@
 import numpy as np
 from ngsolve import VOL, IntegrationRule
 
-__all__ = ["Deformed", "DrawField"]
-
 
 def Deformed(displacement, bodies, factor=1.0, values=None):
     """Points (n, 2) of all vertices and triangles (m, 3) of some bodies of a mesh.

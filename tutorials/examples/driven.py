@@ -2,8 +2,6 @@
 
 import numpy as np
 
-__all__ = ["RigidMotion"]
-
 
 def RigidMotion(V, *, body, driven, target):
     """For `LoadStepper`: moves all of a body until its boundary `driven` is displaced by target().

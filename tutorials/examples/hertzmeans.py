@@ -7,8 +7,6 @@ from scipy.optimize import minimize_scalar
 
 from ngslac.reference import HertzLine
 
-__all__ = ["Compare", "Fit", "Means", "Radius", "Shape"]
-
 NEAR = 0.25  # times the contact radius: macro-elements that tell the peak pressure
 
 

@@ -7,8 +7,6 @@ from plasticity import J2Plasticity, PlaneStrain
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.meshes import IndentationMesh
 
-__all__ = ["Indenter"]
-
 
 class Indenter:
     """Block, cylinder and solver, in mm and MPa; `curve` has an entry for each converged step.

@@ -8,8 +8,6 @@ from ngsolve import CF, GridFunction, Id, IfPos, InnerProduct, Trace, dx, exp, s
 from ngsolve import Integrate as NGSolveIntegrate
 from ngsolve.comp import IntegrationRuleSpace
 
-__all__ = ["J2Plasticity", "PlaneStrain"]
-
 _ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 

@@ -12,8 +12,6 @@ from functools import cached_property
 import numpy as np
 from ngsolve import BND
 
-__all__ = ["SlaveFaces"]
-
 
 @dataclass(frozen=True)
 class SlaveFaces:
