@@ -8,7 +8,6 @@ import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +24,9 @@ def Parser(doc):
 
 
 def WriteJSON(file, figures):
-    """Rows are dataclasses or dictionaries; without a file nothing is written."""
+    """Rows are objects with attributes or dictionaries; without a file nothing is written."""
     if file:
-        Path(file).write_text(json.dumps(figures, indent=2, default=asdict) + "\n")
+        Path(file).write_text(json.dumps(figures, indent=2, default=vars) + "\n")
 
 
 def Columns(cells):

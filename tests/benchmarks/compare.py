@@ -17,7 +17,7 @@ import platform
 import signal
 import subprocess
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -61,18 +61,15 @@ class Missing:
     reason: str
 
 
-def Variant(name):
-    return ("--variant", name)
-
-
-BOUNDARY, ALL = "contactboundary.py", ("hertz", "friction", "patch", "sphere")
+BOUNDARY, NITSCHE = "contactboundary.py", ("--variant", "nitsche")
+ALL = ("hertz", "friction", "patch", "sphere")
 PEERS = {
     "ngslac": Peer("ngslac", "lac.py"),
-    "bubble": Peer("ngslac, bubbles", "lac.py", Variant("bubble"), only=("sphere",)),
+    "bubble": Peer("ngslac, bubbles", "lac.py", ("--variant", "bubble"), only=("sphere",)),
     "penalty": Peer("ContactBoundary, penalty", BOUNDARY),
-    "nitsche": Peer("ContactBoundary, Nitsche", BOUNDARY, Variant("nitsche"), cannot=("friction",)),
+    "nitsche": Peer("ContactBoundary, Nitsche", BOUNDARY, NITSCHE, cannot=("friction",)),
     "calculix": Peer("CalculiX, surface to surface", "calculix.py"),
-    "mortar": Peer("CalculiX, mortar", "calculix.py", Variant("mortar")),
+    "mortar": Peer("CalculiX, mortar", "calculix.py", ("--variant", "mortar")),
     "kratos": Peer("Kratos, ALM mortar", "kratos.py", linear=ALL),
     "getfem": Peer("GetFEM, ALM", "getfem_peer.py"),
 }
@@ -231,7 +228,7 @@ def Everything(options):
             tables.append(Table(CASES[name], found, not_found))
             print(tables[-1], flush=True)
             rows += found
-            missing += [{"case": name, **asdict(m)} for m in not_found]
+            missing += [{"case": name, **vars(m)} for m in not_found]
     if options.markdown:
         Path(options.markdown).write_text("\n".join(tables))
     machine = {"machine": platform.machine(), "cores": os.cpu_count(), "threads": options.threads}

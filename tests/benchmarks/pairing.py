@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from benchmark_frame import Columns, Growth, InProcess, Parser, WriteJSON
@@ -35,23 +35,6 @@ PARTS = {
 }
 AMPLITUDE, WAVE = 0.1, 3.0
 HEAD = ("n", "segments", "Update s", "cpu s", *PARTS, "rest", "us/face", "space s", "bytes/seg")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One measurement; times in seconds."""
-
-    n: int
-    curved: bool
-    threads: int | None
-    segments: int
-    area: float  # paired, of a slave surface of length `length`
-    length: float
-    space: float  # making the LACSpace: traces, macro-elements
-    update: float  # contact.Update: all of the pairing, wall time
-    cpu: float  # the same, processor time of all threads
-    parts: dict
-    memory: float  # bytes per segment that the first Update added to the process
 
 
 def Contact(n, curved, dim):
@@ -73,7 +56,10 @@ def Contact(n, curved, dim):
 
 
 def Measure(n, curved=False, threads=None, repeat=5, dim=2):
-    """Pair n slave faces `repeat` times; `threads` changes the number for the whole process."""
+    """One row: n slave faces paired `repeat` times, times in seconds.
+
+    `threads` changes their number for the whole process.
+    """
     if threads:
         SetNumThreads(threads)
     with TaskManager():
@@ -83,18 +69,18 @@ def Measure(n, curved=False, threads=None, repeat=5, dim=2):
         memory = ResidentBytes() - before
         runs += [TimedUpdate(contact, gf) for _ in range(repeat - 1)]
         table = contact.Table()
-    return Row(
+    return SimpleNamespace(
         n=len(list(contact.space.slave.Elements())),
         curved=curved,
         threads=threads,
         segments=contact.form.nsegments,
-        area=float(table["area"].sum()),
+        area=float(table["area"].sum()),  # paired, of the whole length
         length=float(table["fullarea"].sum()),
-        space=space,
+        space=space,  # making the LACSpace: traces, macro-elements
         update=min(wall for wall, _, _ in runs),
-        cpu=min(cpu for _, cpu, _ in runs),
+        cpu=min(cpu for _, cpu, _ in runs),  # of all threads
         parts={name: min(parts[name] for *_, parts in runs) for name in PARTS},
-        memory=memory / contact.form.nsegments,
+        memory=memory / contact.form.nsegments,  # bytes that the first Update added
     )
 
 

@@ -13,7 +13,7 @@ what is left: vectors, stopping test, scaling. The fastest of the repetitions co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 from benchmark_frame import Columns, Parser, Picture, WriteJSON
@@ -29,33 +29,13 @@ SOLVERS = ("umfpack", "sparsecholesky")
 HEAD = ("h", "ndof", "macros", "it", "total s", *PHASES, "umfpack", "ratio", "cholesky", "ratio")
 
 
-@dataclass(frozen=True)
-class Row:
-    """One mesh; times in seconds."""
-
-    h: float
-    friction: float
-    ndof: int
-    macros: int
-    iterations: int
-    total: float
-    phases: dict
-    elastic: dict  # solver -> seconds for assembly, factorisation and solution
-    force: float  # contact force over load
-    residual: dict  # solver -> relative residual of the elastic problem
-
-    def Ratio(self, inverse):
-        """Time of the contact step over that of the elastic problem."""
-        return self.total / self.elastic[inverse]
-
-
 def Measure(h, friction=0.2, *, grading=None, repeat=3, **options):
-    """Time both problems on one mesh; options of `ContactSolver`."""
+    """One row: both problems on one mesh, times in seconds; options of `ContactSolver`."""
     problem, mesh = Problem("hertz", friction=friction), HertzMesh(h, grading=grading)
     runs = [SolveContact(problem, mesh, end=STEP, **options) for _ in range(repeat)]
     elastic = {s: [SolveElastic(problem, mesh, s)[1] for _ in range(repeat)] for s in SOLVERS}
     run = min(runs, key=lambda run: sum(run.phases.values()))
-    return Row(
+    return SimpleNamespace(
         h=h,
         friction=friction,
         ndof=run.ndof,
@@ -63,8 +43,9 @@ def Measure(h, friction=0.2, *, grading=None, repeat=3, **options):
         iterations=sum(run.iterations),
         total=sum(run.phases.values()),
         phases=run.phases,
+        # Assembly, factorisation and solution.
         elastic={s: min(e["wall"] for e in each) for s, each in elastic.items()},
-        force=float(-run.contact.Force()[1] / (STEP * problem.Load()[1])),
+        force=float(-run.contact.Force()[1] / (STEP * problem.Load()[1])),  # over the load
         residual={s: max(e["error"] for e in each) for s, each in elastic.items()},
     )
 
@@ -74,7 +55,8 @@ def Line(row):
     cells = [f"{row.h:g}", row.ndof, row.macros, row.iterations, f"{row.total:.3f}"]
     cells += [f"{100 * row.phases[phase] / row.total:.1f}%" for phase in PHASES]
     for solver in SOLVERS:
-        cells += [f"{row.elastic[solver]:.3f}", f"{row.Ratio(solver):.1f}"]
+        seconds = row.elastic[solver]
+        cells += [f"{seconds:.3f}", f"{row.total / seconds:.1f}"]
     return Columns(cells)
 
 

@@ -2,12 +2,9 @@
 
     python tests/benchmarks/peers/contactboundary.py sphere s.npz --variant penalty --json row.json
 
-The gap is penalised with gamma E / h, E of the softer body, and measured along the normals of the
-undeformed slave; friction by a tangential penalty of a tenth of that and a return mapping, whose
-traction is kept from step to step as an L2 projection on the slave side. Newton steps without
-damping until the residual is below 1e-10 of the load, each with a new factorisation, as
-`ContactBoundary` is meant to be used. Its pressure is evaluated pointwise and projected in L2 to
-continuous functions, linear on the faces (2D: to linear functions on each edge).
+The README beside it has the method. The gap is measured along the normals of the undeformed slave.
+The pressure is evaluated pointwise and projected in L2 to continuous functions, linear on the faces
+(2D: to linear functions on each edge).
 """
 
 from __future__ import annotations

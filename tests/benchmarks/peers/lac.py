@@ -2,10 +2,8 @@
 
     python tests/benchmarks/peers/lac.py sphere sphere.npz --order 2 --json row.json
 
-LAC's pressure is constant on each macro-element (2D, second order: one edge; second-order
-tetrahedra: two triangles). In 2D the samples are these constants at the middles of the
-macro-elements; in 3D they are projected in L2 to the continuous piecewise linear functions in which
-the other peers' pressures are measured, the projection that NGSolve's own contact needs, too.
+In 2D the samples of the pressure are those of the macro-elements at their middles, in 3D an L2
+projection to continuous piecewise linear functions (README).
 
 --variant plain (default)
     As a user would write it: `VectorH1` and a `LACSpace`, all options left alone.

@@ -3,21 +3,15 @@
     python tests/benchmarks/peers/meshes.py sphere 0.6 sphere.npz
 
 writes `sphere.npz`, which `Load` reads with nothing but NumPy, and beside it `sphere.vol` for
-NGSolve. Second-order meshes have one more node per edge, on the curved surface where there is one:
-the nodes of NGSolve's own isoparametric elements. Problems, in mm and MPa:
-
-hertz
-    Half a cylinder of radius 50 on a block, 2D, plane strain. A force at node `load`.
-sphere
-    A quarter of half a sphere of radius 50 on a block, a pressure on `top`.
-patch
-    Two unit cubes on each other, the upper one meshed finer, a pressure on `top`.
+NGSolve. Second-order meshes have one more node per edge, on the curved surface where there is one.
+The README beside it has the problems; "hertz" has its force at the node `load`, the others have a
+pressure on the boundary "top".
 """
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -97,9 +91,6 @@ class PeerMesh:
             raise ValueError(f"faces of {name!r} do not belong to their elements")
         return elements, np.argmin(on_face, axis=1)
 
-    def Save(self, file):
-        np.savez_compressed(file, **asdict(self))
-
 
 def Load(file):
     with np.load(file) as data:
@@ -124,14 +115,13 @@ def NetgenMesh(problem, h):
     return mesh
 
 
-def Make(problem, h, file=None):
+def Make(problem, h, file):
     """A `PeerMesh` with slave faces of size h; the NGSolve mesh comes beside the .npz file."""
     mesh = NetgenMesh(problem, h)
     mesh.Curve(2)
     made = PeerMesh(problem, h, mesh.nv, **Topology(mesh))
-    if file is not None:
-        made.Save(file)
-        mesh.ngmesh.Save(str(Path(file).with_suffix(".vol")))
+    np.savez_compressed(file, **vars(made))
+    mesh.ngmesh.Save(str(Path(file).with_suffix(".vol")))
     return made
 
 

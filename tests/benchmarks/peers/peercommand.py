@@ -61,9 +61,15 @@ def PeakMemory():
     return max(own, children) * 1024 / 1e9
 
 
-def Parser(options=None):
-    """The command line of a peer; `options` is called with it to add more."""
-    parser = argparse.ArgumentParser()
+def Main(solve, *, peer, options=None, argv=None):
+    """Run a peer, by its name for the table, from the command line; returns the exit code.
+
+    ``solve(mesh, arguments, watch)`` gets a `PeerMesh`, the parsed command line and a `StopWatch`
+    for building, assembling and solving. It returns a dict with ``version``, ``dofs``,
+    ``iterations`` (linear solves of all steps), ``settings`` (a short phrase) and the figures of
+    `metrics`, or raises `NotInstalledError`. `options` adds options of its own to the parser.
+    """
+    parser, watch = argparse.ArgumentParser(), StopWatch()
     add = parser.add_argument
     add("problem", choices=HELD)
     add("mesh", help=".npz file of meshes.py")
@@ -73,19 +79,7 @@ def Parser(options=None):
     add("--json", metavar="FILE", required=True)
     if options:
         options(parser)
-    return parser
-
-
-def Main(solve, *, peer, options=None, argv=None):
-    """Run a peer, by its name for the table, from the command line; returns the exit code.
-
-    ``solve(mesh, arguments, watch)`` gets a `PeerMesh`, the parsed command line and a `StopWatch`
-    for building, assembling and solving. It returns a dict with ``version``, ``dofs``,
-    ``iterations`` (linear solves of all steps), ``settings`` (a short phrase) and the figures of
-    `metrics`, or raises `NotInstalledError`. `options` adds options of its own to the parser.
-    """
-    arguments = Parser(options).parse_args(argv)
-    watch = StopWatch()
+    arguments = parser.parse_args(argv)
     try:
         mesh = Load(arguments.mesh)
         if mesh.problem != arguments.problem:
