@@ -3,23 +3,12 @@
 import math
 
 import indentation
+import ngsolve as ngs
 import numpy as np
 import pytest
 from indentation import PRANDTL, Cycle, Depths, OnsetPressure
 from indenter import Indenter
 from netgen.occ import OCCGeometry
-from ngsolve import (
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
-    Mesh,
-    Parameter,
-    Sym,
-    VectorH1,
-    dx,
-)
 from ngsolve.meshes import MakeStructured2DMesh
 from plasticity import J2Plasticity
 
@@ -68,15 +57,15 @@ def PunchStiffness(problem, halfwidth):
     size = problem.size
     corners = [(0, -size), (size, -size), (size, 0), (halfwidth, 0), (0, 0)]
     block = Polygon(corners, ("bottom", "side", "top", "punch", "sym"), "block", punch=20)
-    mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=8, grading=0.2))
-    V = VectorH1(mesh, order=3, dirichletx="sym|bottom", dirichlety="bottom|punch")
+    mesh = ngs.Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=8, grading=0.2))
+    V = ngs.VectorH1(mesh, order=3, dirichletx="sym|bottom", dirichlety="bottom|punch")
     u, v = V.TnT()
-    stress = Stress(Sym(Grad(u)), problem.young, problem.poisson)
-    a = BilinearForm(InnerProduct(stress, Sym(Grad(v))) * dx).Assemble()
-    gf = GridFunction(V)
+    stress = Stress(ngs.Sym(ngs.Grad(u)), problem.young, problem.poisson)
+    a = ngs.BilinearForm(ngs.InnerProduct(stress, ngs.Sym(ngs.Grad(v))) * ngs.dx).Assemble()
+    gf = ngs.GridFunction(V)
     gf.Set((0, 1), definedon=mesh.Boundaries("punch"))
     gf.vec.data -= a.mat.Inverse(V.FreeDofs(), inverse="sparsecholesky") * (a.mat * gf.vec)
-    return 2 * InnerProduct((a.mat * gf.vec).Evaluate(), gf.vec)
+    return 2 * ngs.InnerProduct((a.mat * gf.vec).Evaluate(), gf.vec)
 
 
 def test_rigid_plastic_limit():
@@ -178,10 +167,10 @@ def test_stress_state_and_energy_of_the_law(law):
     law = {"yield_stress": 35.0} | law
     mesh = MakeStructured2DMesh(quads=False, nx=1, ny=1)
     material, exact = J2Plasticity(mesh, **ELASTIC, **law), ReturnMap(**ELASTIC, **law)
-    values = [Parameter(0.0) for _ in range(9)]
-    strain = CF(tuple(values), dims=(3, 3))
+    values = [ngs.Parameter(0.0) for _ in range(9)]
+    strain = ngs.CF(tuple(values), dims=(3, 3))
     stress, energy = material.Stress(strain), material.Energy(strain)
-    area = material.Integral(CF(1))
+    area = material.Integral(ngs.CF(1))
     direction, size = np.array([[1.0, 0.3, 0], [0.3, -0.4, 0], [0, 0, 0.5]]), 1e-6
 
     def Means(matrix, *functions):

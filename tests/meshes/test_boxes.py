@@ -8,15 +8,7 @@ from measures import area
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, ET, VOL, Mesh
 
-from ngslac.meshes import (
-    AddBody,
-    CheckNonMatching,
-    CheckNonMatching3D,
-    RotationMatrix,
-    StructuredBox,
-    TwoBlocks,
-    TwoBlocks3D,
-)
+from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
 
 TYPES = {  # cells, cells per cube, faces below and above, faces per square
@@ -31,7 +23,7 @@ UNIT = [np.linspace(0, 1, 4)] * 3
 
 def Box(*args, **options):
     ngmesh = NetgenMesh(dim=3)
-    AddBody(ngmesh, "box", StructuredBox(*args, **options))
+    meshes.AddBody(ngmesh, "box", meshes.StructuredBox(*args, **options))
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -51,7 +43,7 @@ class TestStructuredBox:
 
     def test_is_conforming(self, kind):
         mesh = Box(*UNIT, kind, perturb=0.2)
-        assert mesh.nv == len(StructuredBox(*UNIT, kind).points)
+        assert mesh.nv == len(meshes.StructuredBox(*UNIT, kind).points)
         faces = np.zeros(mesh.nface, dtype=int)
         for el in mesh.Elements(VOL):
             faces[[f.nr for f in el.faces]] += 1
@@ -62,7 +54,7 @@ class TestStructuredBox:
     def test_perturbed_points_stay_in_sides_and_planes(self, kind):
         grid = [np.linspace(0, 1, 5)] * 3
         flat, moved = (
-            StructuredBox(*grid, kind, perturb=p, fixed=(0.25,)).points for p in (0, 0.2)
+            meshes.StructuredBox(*grid, kind, perturb=p, fixed=(0.25,)).points for p in (0, 0.2)
         )
         shift = moved - flat
         for a in range(3):
@@ -85,15 +77,17 @@ def test_names_by_position():
 
 @pytest.mark.parametrize("rotation", [None, ("x", 30.0), ((1.0, 2.0, -0.5), 67), ([0, 0, 2], -90)])
 def test_rotations(rotation):
-    matrix = RotationMatrix(rotation)
+    matrix = meshes.RotationMatrix(rotation)
     assert matrix @ matrix.T == pytest.approx(np.eye(3), abs=1e-15)
     assert np.linalg.det(matrix) == pytest.approx(1)
-    assert RotationMatrix(matrix) == pytest.approx(matrix, abs=0)
-    assert RotationMatrix(("z", 90)) @ [1, 0, 0] == pytest.approx([0, 1, 0])
-    assert RotationMatrix(([1, 1, 1], 120)) @ [1, 2, 3] == pytest.approx([3, 1, 2])
+    assert meshes.RotationMatrix(matrix) == pytest.approx(matrix, abs=0)
+    assert meshes.RotationMatrix(("z", 90)) @ [1, 0, 0] == pytest.approx([0, 1, 0])
+    assert meshes.RotationMatrix(([1, 1, 1], 120)) @ [1, 2, 3] == pytest.approx([3, 1, 2])
 
 
 def test_distance_is_relative_to_the_master_size():
-    plane = TwoBlocks(1 / 2, 1 / 3, structured=True)  # nodes 1/2 and 1/3, 2/3
-    assert CheckNonMatching(plane) == pytest.approx(0.5)
-    assert CheckNonMatching3D(TwoBlocks3D("hex", None, 2, 3)) == pytest.approx(math.sqrt(0.5))
+    plane = meshes.TwoBlocks(1 / 2, 1 / 3, structured=True)  # nodes 1/2 and 1/3, 2/3
+    assert meshes.CheckNonMatching(plane) == pytest.approx(0.5)
+    assert meshes.CheckNonMatching3D(meshes.TwoBlocks3D("hex", None, 2, 3)) == pytest.approx(
+        math.sqrt(0.5)
+    )

@@ -8,25 +8,14 @@ import pytest
 from builders import CASES, KINDS2D, MeshOf
 from measures import area, connectivity, determinants, flux, samples, vertices_of, volume
 
-from ngslac.meshes import (
-    CheckNonMatching,
-    CheckNonMatching3D,
-    CylinderOnBlock,
-    HertzMesh,
-    PointForce,
-    RotationMatrix,
-    SphereOnBlock,
-    TwoBlocks,
-    TwoBlocks3D,
-    TwoSpheres,
-)
+from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
 
 TURN = ((1.0, 2.0, -0.5), 67.0)
 
 
 def Distance(mesh):
-    return (CheckNonMatching if mesh.dim == 2 else CheckNonMatching3D)(mesh)
+    return (meshes.CheckNonMatching if mesh.dim == 2 else meshes.CheckNonMatching3D)(mesh)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -54,13 +43,13 @@ FRAMES = {
 }
 UNSTRUCTURED = {"unstructured": True, "shape": "oblique"}
 MOVED = [
-    *((HertzMesh, {"h": 1.0, "half": half}) for half in (True, False)),
-    *((TwoBlocks, {"shape": "oblique"} | kind) for kind in KINDS2D),
-    (TwoBlocks3D, {"kind_upper": "prism", "kind_lower": "tet", "perturb": 0.2}),
-    (TwoBlocks3D, UNSTRUCTURED),
-    (SphereOnBlock, {"h": 2.0}),
-    (TwoSpheres, {"h": 2.0}),
-    (CylinderOnBlock, {"h": 1.0}),
+    *((meshes.HertzMesh, {"h": 1.0, "half": half}) for half in (True, False)),
+    *((meshes.TwoBlocks, {"shape": "oblique"} | kind) for kind in KINDS2D),
+    (meshes.TwoBlocks3D, {"kind_upper": "prism", "kind_lower": "tet", "perturb": 0.2}),
+    (meshes.TwoBlocks3D, UNSTRUCTURED),
+    (meshes.SphereOnBlock, {"h": 2.0}),
+    (meshes.TwoSpheres, {"h": 2.0}),
+    (meshes.CylinderOnBlock, {"h": 1.0}),
 ]
 
 
@@ -70,25 +59,25 @@ MOVED = [
 def test_frame_and_units(make, options, which):
     """Coordinates follow, the topology does not change."""
     mesh = make(**options)
-    frame = FRAMES[mesh.dim][which if make is not CylinderOnBlock else 0]
+    frame = FRAMES[mesh.dim][which if make is not meshes.CylinderOnBlock else 0]
     moved = make(**options, **frame)
     assert connectivity(moved) == connectivity(mesh)
     assert moved.GetBoundaries() == mesh.GetBoundaries()
     assert moved.GetCurveOrder() == mesh.GetCurveOrder()
-    matrix = RotationMatrix(frame.get("rotation", ("z", frame.get("angle", 0.0))))
+    matrix = meshes.RotationMatrix(frame.get("rotation", ("z", frame.get("angle", 0.0))))
     matrix = frame.get("scale", 1.0) * matrix[: mesh.dim, : mesh.dim]
     size = np.abs(samples(mesh)).max() * frame.get("scale", 1.0)
     # OCC projects points to spheres with a precision of its own.
-    tol = 1e-10 if make in (SphereOnBlock, TwoSpheres) else 1e-12
+    tol = 1e-10 if make in (meshes.SphereOnBlock, meshes.TwoSpheres) else 1e-12
     assert np.abs(samples(moved) - samples(mesh) @ matrix.T).max() < tol * size
 
 
 @pytest.mark.parametrize(
     ("make", "options", "h"),
     [
-        (HertzMesh, {"width": 2.0, "height": 4.0}, 1.0),
-        (SphereOnBlock, {}, 2.0),
-        (TwoSpheres, {}, 2.0),
+        (meshes.HertzMesh, {"width": 2.0, "height": 4.0}, 1.0),
+        (meshes.SphereOnBlock, {}, 2.0),
+        (meshes.TwoSpheres, {}, 2.0),
     ],
 )
 def test_size_of_the_bodies(make, options, h):
@@ -104,10 +93,10 @@ def test_size_of_the_bodies(make, options, h):
 def test_overhang(kind, overhang, aligned):
     """The wider block's faces outside have names of their own, if they are aligned."""
     if kind in KINDS2D:
-        mesh = TwoBlocks(0.2, overhang=overhang, aligned=aligned, **kind)
+        mesh = meshes.TwoBlocks(0.2, overhang=overhang, aligned=aligned, **kind)
         least, rims = 5e-4, {"{}_left": abs(overhang), "{}_right": abs(overhang)}
     else:
-        mesh = TwoBlocks3D(kind, overhang=overhang, aligned=aligned, perturb=0.2)
+        mesh = meshes.TwoBlocks3D(kind, overhang=overhang, aligned=aligned, perturb=0.2)
         least, rims = 1e-4, {"{}_rim": (1 + 2 * abs(overhang)) ** 2 - 1}
     wide, narrow = ("master", "slave") if overhang > 0 else ("slave", "master")
     body, outside = ("lower" if overhang > 0 else "upper"), sum(rims.values())
@@ -122,8 +111,8 @@ def test_overhang(kind, overhang, aligned):
 @pytest.mark.parametrize(
     ("make", "options"),
     [
-        *((TwoBlocks, {"h_slave": 0.25, "h_master": h}) for h in (0.25, 0.125, 0.5)),
-        *((HertzMesh, {"h": 1, "half": h, "ratio": r}) for h in (0, 1) for r in (0.5, 1.0, 2.0)),
+        *((meshes.TwoBlocks, {"h_slave": 0.25, "h_master": h}) for h in (0.25, 0.125, 0.5)),
+        *((meshes.HertzMesh, {"h": 1, "half": h, "ratio": r}) for r in (0.5, 1, 2) for h in (0, 1)),
     ],
 )
 def test_equal_or_nested_sizes_do_not_match(make, options):
@@ -132,14 +121,14 @@ def test_equal_or_nested_sizes_do_not_match(make, options):
 
 class TestHertz:
     def test_named_vertices(self):
-        mesh = HertzMesh(1)
+        mesh = meshes.HertzMesh(1)
         for name, height in (("load", 100), ("foot", 0)):
             (nr,) = vertices_of(mesh.BBoundaries(name))
             assert mesh.vertices[nr].point == pytest.approx((0, height), abs=1e-9)
 
     @pytest.mark.parametrize("h", [1.0, 0.5, 0.3])
     def test_contact_edges_have_equal_sizes(self, h):
-        mesh = HertzMesh(h)
+        mesh = meshes.HertzMesh(h)
         slave, master = Sizes(mesh, "slave"), Sizes(mesh, "master")
         assert np.ptp(slave) < 1e-6 * h
         assert np.ptp(master) < 1e-9 * h
@@ -148,7 +137,7 @@ class TestHertz:
 
     @pytest.mark.parametrize("order", [1, 2, 3])
     def test_curve_order(self, order):
-        mesh = HertzMesh(1, order=order, scale=1e-3)
+        mesh = meshes.HertzMesh(1, order=order, scale=1e-3)
         assert mesh.GetCurveOrder() == order
         error = abs(volume(mesh, "cylinder") * 1e6 / (math.pi * 50**2 / 2) - 1)
         assert error < {1: 7e-3, 2: 2e-5, 3: 5e-6}[order]
@@ -161,22 +150,23 @@ def Sizes(mesh, name):
 
 class TestBlocks:
     def test_structured_elements(self):
-        quads = TwoBlocks(0.25, 0.2, structured=True, quads=True)
-        trigs = TwoBlocks(0.25, 0.2, structured=True)
+        quads = meshes.TwoBlocks(0.25, 0.2, structured=True, quads=True)
+        trigs = meshes.TwoBlocks(0.25, 0.2, structured=True)
         assert (quads.ne, trigs.ne) == (4 * 4 + 5 * 5, 2 * (4 * 4 + 5 * 5))
         assert quads.nv == trigs.nv == 5 * 5 + 6 * 6
 
     def test_curved_edges_lie_inside(self):
-        mesh = TwoBlocks(curved=True)
+        mesh = meshes.TwoBlocks(curved=True)
         arc = area(mesh, "arc")
         assert arc > 2.02  # two arcs over a height of 1 each
-        assert area(TwoBlocks(curved=True, order=1), "arc") < arc - 1e-4
+        assert area(meshes.TwoBlocks(curved=True, order=1), "arc") < arc - 1e-4
         assert ngs.Integrate(ngs.y * ngs.y, mesh.Boundaries("slave|master")) == pytest.approx(
             0, abs=1e-25
         )
 
     def test_unstructured(self):
-        mesh = TwoBlocks3D(n_slave=(4, 3), n_master=2, aligned=False, overhang=-0.2, **UNSTRUCTURED)
+        sizes = {"n_slave": (4, 3), "n_master": 2, "overhang": -0.2}
+        mesh = meshes.TwoBlocks3D(aligned=False, **sizes, **UNSTRUCTURED)
         assert {el.type for el in mesh.Elements(ngs.VOL)} == {ngs.ET.TET}
         assert determinants(mesh).min() > 0
         assert flux(mesh) == pytest.approx(3 * volume(mesh), rel=1e-12)
@@ -204,7 +194,7 @@ def test_spheres_are_round(model):
 
 def test_sizes_in_the_contact_zone():
     """Twelve elements along a contact radius of a tenth: few displacements, equal sizes."""
-    mesh = SphereOnBlock(5 / 12, zone=6.5)
+    mesh = meshes.SphereOnBlock(5 / 12, zone=6.5)
     assert 20000 < ngs.VectorH1(mesh, order=2).ndof < 30000
     for name, h in (("slave", 5 / 12), ("master", 0.5)):
         edges = np.sqrt(4 / math.sqrt(3) * Sizes(mesh, name))  # of equilateral triangles
@@ -220,14 +210,14 @@ def test_slices_are_prisms():
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_point_force_is_the_value_at_the_vertex(order):
-    mesh = HertzMesh(2, order=order)  # isoparametric: linear fields are in the space
+    mesh = meshes.HertzMesh(2, order=order)  # isoparametric: linear fields are in the space
     scalar = ngs.H1(mesh, order=order)
     for V in (ngs.VectorH1(mesh, order=order), ngs.VectorValued(scalar, 2), scalar**2):
-        u, load = ngs.GridFunction(V), PointForce(V, (5, -7))
+        u, load = ngs.GridFunction(V), meshes.PointForce(V, (5, -7))
         u.Set(ngs.CF((ngs.x + 2 * ngs.y, ngs.y - 3 * ngs.x)))
         assert load.InnerProduct(u.vec) == pytest.approx(5 * 200 - 7 * 100, rel=1e-12)
         assert np.count_nonzero(load.FV().NumPy()) == 2
     X = ngs.L2(mesh, order=0) * V
-    both = PointForce(X, (5, -7), component=1).FV().NumPy()
+    both = meshes.PointForce(X, (5, -7), component=1).FV().NumPy()
     assert np.all(both[: mesh.ne] == 0)
     assert both[mesh.ne :] == pytest.approx(load.FV().NumPy(), abs=0)

@@ -1,22 +1,10 @@
 """Boundary faces as polynomials through nodes: what independent checks know of the geometry."""
 
+import ngsolve as ngs
 import numpy as np
-from ngsolve import (
-    CF,
-    Grad,
-    GridFunction,
-    IntegrationRule,
-    LinearForm,
-    Trace,
-    VectorH1,
-    dx,
-    x,
-    y,
-    z,
-)
 from ngsolve.fem import QUAD, SEGM, TRIG
 
-POSITION = {2: (x, y), 3: (x, y, z)}
+POSITION = {2: (ngs.x, ngs.y), 3: (ngs.x, ngs.y, ngs.z)}
 
 
 def Powers(kind, degree):
@@ -63,10 +51,10 @@ class Faces:
         (self.kind,) = {element.type for element in boundary.Elements()}
         self.powers = Powers(self.kind, degree)
         nodes = self.powers / degree
-        rule = IntegrationRule([tuple(node) for node in nodes], [1.0] * len(nodes))
+        rule = ngs.IntegrationRule([tuple(node) for node in nodes], [1.0] * len(nodes))
         self.points = mesh.MapToAllElements({self.kind: rule}, boundary)
         self.inverse = np.linalg.inv(Monomials(nodes, self.powers))
-        self.position = self.Values(CF(POSITION[self.dim]))
+        self.position = self.Values(ngs.CF(POSITION[self.dim]))
         self.sign = self._Outwards(mesh)
 
     def Values(self, function):
@@ -104,9 +92,10 @@ class Faces:
 
         Integrals of the gradients of hat functions are means of the outward normals.
         """
-        space = VectorH1(mesh, order=1)
-        outwards = GridFunction(space)
-        outwards.vec.data = LinearForm(Trace(Grad(space.TestFunction())) * dx).Assemble().vec
+        space = ngs.VectorH1(mesh, order=1)
+        outwards = ngs.GridFunction(space)
+        divergence = ngs.Trace(ngs.Grad(space.TestFunction()))
+        outwards.vec.data = ngs.LinearForm(divergence * ngs.dx).Assemble().vec
         self.sign = np.ones(len(self.position))
         middle = np.full((1, self.powers.shape[1]), 1 / 3)
         normal = self.Normals(np.einsum("qrn,fnd->fqrd", self.Slopes(middle), self.position))
