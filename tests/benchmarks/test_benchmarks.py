@@ -123,11 +123,13 @@ def test_elastic_reference_is_the_best_solve(monkeypatch):
     monkeypatch.setenv("NGS_NUM_THREADS", "1")
     row = scaling.Measure("patch", SMALLEST["patch"], "elastic", repeat=1)
     assert set(row.variants) == set(scaling.Variants()) >= {"sparsecholesky"}
-    assert row.wall == min(run["wall"] for run in row.variants.values())
-    assert max(run["error"] for run in row.variants.values()) < 1e-9
     assert row.ndof == 1110
     assert scaling.Variants("umfpack") == ["umfpack"]
     assert all(name.startswith("pardiso") for name in scaling.Variants("pardiso"))
+    monkeypatch.setattr(scaling, "Variants", lambda inverse: ["umfpack", "sparsecholesky"])
+    row = scaling.ElasticRun("patch", SMALLEST["patch"])
+    assert row.wall == min(run["wall"] for run in row.variants.values())
+    assert max(run["error"] for run in row.variants.values()) < 1e-9
 
 
 def test_killed_process_is_told(monkeypatch, capsys):
