@@ -1,10 +1,12 @@
 """The comparison with other codes: meshes and measures, the two peers in NGSolve, the tables."""
 
 import json
-from types import SimpleNamespace
+import shutil
 
+import calculix
 import compare
 import contactboundary
+import kratos
 import lac
 import meshes
 import metrics
@@ -147,15 +149,23 @@ def test_peers_in_ngsolve(driver, problem, options, limits, drive, files):
         assert row["penetration"] == pytest.approx(1 / 60, rel=1e-3)
 
 
-def test_failures_of_a_peer(drive, files, tmp_path, capsys):
-    def Absent(mesh, arguments, watch):
-        raise peercommand.NotInstalledError("no module abc: pip install abc")
+@pytest.mark.parametrize(
+    ("driver", "options", "said"),
+    [
+        (contactboundary, FRICTION, "friction only in 2D"),
+        (contactboundary, (*NITSCHE, *FRICTION), "with the penalty"),
+        (kratos, (), "use --order 1"),
+        (calculix, ("--stiffness", "0"), "a positive --stiffness"),
+    ],
+)
+def test_what_a_peer_cannot_do(driver, options, said, drive, monkeypatch, capsys):
+    monkeypatch.setattr(kratos, "MISSING", None)
+    monkeypatch.setattr(shutil, "which", lambda name: name)
+    assert drive(driver, "sphere", *options) == (1, None)
+    assert said in capsys.readouterr().err.splitlines()[-1]
 
-    absent = SimpleNamespace(Solve=Absent, Options=None)
-    assert drive(absent, "patch") == (3, None)
-    assert capsys.readouterr().out == "no module abc: pip install abc\n"
-    assert drive(contactboundary, "sphere", *FRICTION) == (1, None)
-    assert "friction only in 2D" in capsys.readouterr().err
+
+def test_mesh_of_another_problem_is_refused(files, tmp_path, capsys):
     line = ["sphere", str(files["patch"]), "--json", str(tmp_path / "row.json")]
     assert peercommand.Main(lac.Solve, peer="peer", argv=line) == 1
     assert "a mesh of the problem patch" in capsys.readouterr().err

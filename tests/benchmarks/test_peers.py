@@ -318,12 +318,6 @@ def test_getfem_dofs_of_nodes(mesh):
     assert np.array_equal(dofs - dofs[:, :1], np.tile(np.arange(mesh.dim), (len(points), 1)))
 
 
-def test_kratos_knows_linear_faces_only(drive, monkeypatch, capsys):
-    monkeypatch.setattr(kratos, "MISSING", None)
-    assert drive(kratos, "sphere", "--order", "2") == (1, None)
-    assert "use --order 1" in capsys.readouterr().err.splitlines()[-1]
-
-
 @pytest.mark.parametrize(
     ("driver", "remedy"),
     [

@@ -20,6 +20,7 @@ from metrics import NU, RADIUS, STRAIN, YOUNG
 from ngsolve import CF, H1, BilinearForm, GridFunction, IfPos, InnerProduct, SurfaceL2, x, y, z
 from peercommand import Main
 
+from ngslac.linear.factor import LU, Cholesky
 from ngslac.materials import Stress
 
 __all__ = ["Options", "Solve"]
@@ -125,14 +126,8 @@ def Solve(peermesh, arguments, watch):
 
 def Inverse(arguments):
     """The fastest direct solver: of MKL if that is there, as ngslac takes it."""
-    if arguments.inverse:
-        return arguments.inverse
     symmetric = arguments.variant == "penalty" and arguments.friction == 0
-    try:
-        importlib.metadata.version("mkl")
-    except importlib.metadata.PackageNotFoundError:
-        return "sparsecholesky" if symmetric else "umfpack"
-    return "pardisospd" if symmetric else "pardiso"
+    return arguments.inverse or (Cholesky() if symmetric else LU())
 
 
 def Start(contact, gf):

@@ -52,13 +52,12 @@ def Solve(mesh, arguments, watch):
     Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
     default = "amgcl" if mesh.dim == 3 else "LinearSolversApplication.sparse_lu"
     linear_solver = arguments.linear_solver or default
-    options = {"friction": arguments.friction, "steps": arguments.steps}
+    options = {"steps": arguments.steps, "linear_solver": linear_solver}
     with TemporaryDirectory() as folder:
         job = Path(folder) / "job"
         WriteMesh(job.with_suffix(".mdpa"), mesh)
-        materials = Materials(mesh, arguments.friction)
-        job.with_suffix(".json").write_text(json.dumps(materials))
-        parameters = Parameters(mesh, job, linear_solver=linear_solver, **options)
+        job.with_suffix(".json").write_text(json.dumps(Materials(mesh, arguments.friction)))
+        parameters = Parameters(mesh, job, friction=arguments.friction, **options)
         with watch.Running():
             analysis = Analysis(Kratos.Model(), Kratos.Parameters(json.dumps(parameters)))
             iterations = analysis.Solve(NodalForces(mesh))
