@@ -34,15 +34,15 @@ def Box(x0, y0, x1, y1):
     return lambda s, t: (x0 + (x1 - x0) * s, y0 + (y1 - y0) * t)
 
 
+def Turned(angle, a, b):
+    """A vector, or place, turned about the origin."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * a - s * b, s * a + c * b
+
+
 def Rotated(shape, degrees):
     """A map followed by a rotation about the origin."""
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-
-    def turned(a, b):
-        x, y = shape(a, b)
-        return c * x - s * y, s * x + c * y
-
-    return turned
+    return lambda a, b: Turned(np.radians(degrees), *shape(a, b))
 
 
 def Polar(angle, radius):

@@ -10,16 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import CF, sin, x, y
-from stress_meshes import Block, Grids
+from stress_meshes import Block, Grids, Turned
 from stress_problem import Problem, problem
 
 NUMBERS = [f"{k:03d}" for k in range(160)]
 KINDS = ["hex", "prism", "tet"]
-
-
-def Turned(angle, a, b):
-    c, s = np.cos(angle), np.sin(angle)
-    return c * a - s * b, s * a + c * b
 
 
 @dataclass(frozen=True)

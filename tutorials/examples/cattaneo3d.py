@@ -81,30 +81,24 @@ def _Exact(problem, states):
     return exact + [exact[-1].Reverse(s.force[0]) for s in states[problem.steps :]]
 
 
-def _Rows(results, compliance):
-    """Figures of all steps."""
-    problem, rows = results.problem, []
-    for k, (state, exact) in enumerate(zip(results.states, results.exact, strict=True)):
-        hertz, friction = problem.Hertz(state.force[2]), problem.friction
-        limit = friction * hertz.force
-        shift = state.motion["shift"] + compliance * state.force[0]
-        row = {
-            "shift": state.motion["shift"],
-            "shift_half_spaces": shift,
-            "shift_exact": -exact.shift,
-            "shear": -state.force[0] / limit,
-            "shear_exact": None,
-            "lateral": np.abs(state.traction[:, 1]).max() / (friction * hertz.peak),
-        }
-        Partial = None
-        if k < problem.steps:
-            row["shear_exact"] = -problem.Shifted(hertz.force, -shift).shear / limit
+def _Row(results, step, compliance):
+    """Figures of a step."""
+    problem, state, loading = results.problem, results.states[step], step < results.problem.steps
+    hertz, shift = problem.Hertz(state.force[2]), state.motion["shift"]
+    limit, half_spaces = problem.friction * hertz.force, shift + compliance * state.force[0]
+    exact = problem.Shifted(hertz.force, -half_spaces).shear if loading else None
 
-            def Partial(part, force=hertz.force, limit=limit):
-                return problem.Partial(force, -part * limit)
+    def Partial(part):
+        return problem.Partial(hertz.force, -part * limit)
 
-        rows.append(row | Row(results.faces, state, hertz, exact, Partial))
-    return rows
+    return {
+        "shift": shift,
+        "shift_half_spaces": half_spaces,
+        "shift_exact": -results.exact[step].shift,
+        "shear": -state.force[0] / limit,
+        "shear_exact": -exact / limit if loading else None,
+        "lateral": np.abs(state.traction[:, 1]).max() / (problem.friction * hertz.peak),
+    } | Row(results, step, Partial if loading else None)
 
 
 def _Stiffness(results, compliance):
@@ -118,7 +112,8 @@ def _Stiffness(results, compliance):
 
 
 def _Figures(results, compliance):
-    problem, rows = results.problem, _Rows(results, compliance)
+    problem = results.problem
+    rows = [_Row(results, step, compliance) for step in range(len(results.states))]
     force = results.states[0].force[2]
     slides = abs(problem.Partial(force, problem.friction * force).shift)
     return {

@@ -61,15 +61,15 @@ def FittedRatio(faces, state, Exact):
     return Exact(best.x).ratio
 
 
-def Row(faces, state, hertz, exact, Exact=None):
-    """Figures of a state: its stick zone and tractions against the exact solution.
+def Row(results, step, Exact=None):
+    """Figures of a step: its stick zone and tractions against the exact solution.
 
     With `Exact`, as in `FittedRatio`, also the stick radius that fits the tractions.
     """
-    a = hertz.contact_radius
-    stick = state.Radius(STICK)
+    faces, state, exact = results.faces, results.states[step], results.exact[step]
+    a = results.problem.Hertz(state.force[2]).contact_radius
     return {
-        "stick_ratio": stick / a,
+        "stick_ratio": state.Radius(STICK) / a,
         "stick_ratio_fit": FittedRatio(faces, state, Exact) if Exact else None,
         "stick_ratio_exact": exact.ratio,
         "contact_ratio": state.Radius(STICK, SLIP) / a,

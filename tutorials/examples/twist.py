@@ -52,24 +52,17 @@ def Solve(callback=None, **options):
     return results
 
 
-def _Rows(results):
-    """Figures of all steps."""
-    problem, rows = results.problem, []
-    for state, exact in zip(results.states, results.exact, strict=True):
-        force, angle = state.force[2], state.motion["angle"]
-        at = TwistPoint.FromAngle(hertz=exact.hertz, angle=angle, friction=problem.friction)
-
-        def Twisted(part, force=force, limit=exact.limit):
-            return problem.Twisted(force, -part * limit)
-
-        row = {
-            "angle": angle,
-            "moment": -state.moment,
-            "moment_ratio": -state.moment / at.limit,
-            "moment_exact": at.moment / at.limit,
-        }
-        rows.append(row | Row(results.faces, state, exact.hertz, exact, Twisted))
-    return rows
+def _Row(results, step):
+    """Figures of a step."""
+    problem, state, exact = results.problem, results.states[step], results.exact[step]
+    angle = state.motion["angle"]
+    at = TwistPoint.FromAngle(hertz=exact.hertz, angle=angle, friction=problem.friction)
+    return {
+        "angle": angle,
+        "moment": -state.moment,
+        "moment_ratio": -state.moment / at.limit,
+        "moment_exact": at.moment / at.limit,
+    } | Row(results, step, lambda part: problem.Twisted(state.force[2], -part * at.limit))
 
 
 def _Figures(results):
@@ -78,7 +71,7 @@ def _Figures(results):
         limit = problem.Twisted(state.force[2], 0.0).limit
         moment = np.clip(state.moment, -limit, limit)
         results.exact.append(problem.Twisted(state.force[2], float(moment)))
-    rows = _Rows(results)
+    rows = [_Row(results, step) for step in range(len(results.states))]
     pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
     slope = (pressed.moment - first.moment) / first.motion["angle"]
     return {
