@@ -84,12 +84,7 @@ def test_inner_phase_stops_the_outer_clock(monkeypatch):
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [
-        ("patch", "ten_steps"),
-        ("patch_hex", "friction"),
-        ("sphere", "frictionless"),
-        ("hertz", "ten_steps"),
-    ],
+    [*zip(SMALLEST, ("ten_steps", "friction", "frictionless", "ten_steps"), strict=True)],
 )
 def test_contact_carries_the_load(name, kind):
     row = scaling.ContactRun(name, SMALLEST[name], kind)

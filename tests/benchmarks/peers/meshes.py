@@ -43,7 +43,9 @@ class PeerMesh:
     # Triangles or tetrahedra of positive orientation: corners, mid nodes in the order of `EDGES`.
     elements: np.ndarray
     materials: np.ndarray  # of each element: a name of `BODIES`
-    faces: np.ndarray  # edges or triangles that are oriented outwards (2D: the body on the left)
+    faces: (
+        np.ndarray
+    )  # edges or triangles, oriented outwards as netgen's (2D: the body on the left)
     # Of each face: "slave" and "master"; "bottom"; "top" where the load is; the symmetry planes
     # "sym" (hertz) or "sym_x" and "sym_y"; others are free.
     names: np.ndarray
@@ -133,14 +135,13 @@ def Topology(mesh):
     elements, faces = Vertices(mesh, VOL), Vertices(mesh, BND)
     wrong = np.linalg.det(points[elements[:, 1:]] - points[elements[:, :1]]) < 0
     elements[wrong, 1:3] = elements[wrong, 2:0:-1]
-    owners = OrientFaces(points, elements, faces)
     return {
         "points": points,
         "elements": np.hstack([elements, MidNodes(elements, numbers, EDGES[mesh.dim])]),
         "materials": np.array([el.mat for el in mesh.Elements(VOL)]),
         "faces": np.hstack([faces, MidNodes(faces, numbers, FACE_EDGES[mesh.dim])]),
         "names": np.array([el.mat for el in mesh.Elements(BND)]),
-        "owners": owners,
+        "owners": Owners(elements, faces),
     }
 
 
@@ -180,19 +181,13 @@ def NodalValues(mesh, components):
     return values
 
 
-def OrientFaces(points, elements, faces):
-    """Turn the faces outwards; returns the element of each."""
-    dim, owner = points.shape[1], {}
-    for opposite in range(dim + 1):
-        for i, side in enumerate(np.sort(np.delete(elements, opposite, axis=1)).tolist()):
-            owner[tuple(side)] = i, opposite
-    found = np.array([owner[tuple(face)] for face in np.sort(faces).tolist()])
-    inside = elements[found[:, 0], found[:, 1]]
-    corners = np.column_stack([faces[:, 1:], inside])
-    volume = np.linalg.det(points[corners] - points[faces[:, :1]])
-    inwards = volume < 0 if dim == 2 else volume > 0
-    faces[inwards] = faces[inwards][:, ::-1]
-    return found[:, 0]
+def Owners(elements, faces):
+    """The element of each face."""
+    owner = {}
+    for opposite in range(elements.shape[1]):
+        sides = np.sort(np.delete(elements, opposite, axis=1)).tolist()
+        owner |= {tuple(side): i for i, side in enumerate(sides)}
+    return np.array([owner[tuple(face)] for face in np.sort(faces).tolist()])
 
 
 def main(argv=None):
