@@ -151,7 +151,6 @@ def main(argv=None):
         for threads in options.threads:
             rows += Series(sizes, curved, threads, options.repeat, options.dim)
     WriteJSON(options.json, rows)
-    return rows
 
 
 if __name__ == "__main__":

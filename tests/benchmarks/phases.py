@@ -103,7 +103,6 @@ def main(argv=None):
     WriteJSON(options.json, rows)
     if options.picture:
         Draw(rows, options.picture)
-    return rows
 
 
 if __name__ == "__main__":

@@ -256,7 +256,6 @@ def main(argv=None):
         Path(options.markdown).write_text(Table(rows))
     if options.picture:
         Draw(rows, options.picture)
-    return rows
 
 
 if __name__ == "__main__":

@@ -130,6 +130,8 @@ def kratos_deck(mesh, order, folder):
         "constraints_process_list"
     ]
     assert np.concatenate(Faces("Load")).tolist() == np.flatnonzero(forces).tolist()
+    for name in ("slave", "master"):  # the normals point outwards
+        assert np.array(Faces(f"Contact_{name}")).tolist() == mesh.Faces(1, name).tolist()
     return SimpleNamespace(
         points=points,
         bodies=dict(Body(number, entry) for number, entry in enumerate(materials, 1)),
@@ -265,7 +267,7 @@ print(" number of equations\\n 12\\n iteration            1\\n iteration        
 if {finished}:
     Path("job.frd").write_text({frd!r})
     Path("job.sta").write_text("head\\n 1 1 1 2 {time} {time} {time}\\n")
-    print(" Job finished")
+    print(" Job finished\\n ______")
 else:
     print(" *ERROR: too many cutbacks\\n best solution is written")
     raise SystemExit(201)
@@ -329,6 +331,8 @@ def test_getfem_dofs_of_nodes(mesh):
 def test_not_installed(driver, remedy, drive, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(getfem_peer, "getfem", None)
+    monkeypatch.setattr(getfem_peer, "SYSTEM_PYTHON", "/nowhere/python3")
+    assert not getfem_peer.SystemPythonHasIt()
     monkeypatch.setattr(kratos, "MISSING", ModuleNotFoundError("No module named 'Kratos'"))
     assert drive(driver, "patch", "--order", "1") == (3, None)
     (said,) = capsys.readouterr().out.splitlines()
