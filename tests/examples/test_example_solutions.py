@@ -136,21 +136,6 @@ def test_forces_of_ironing_are_the_published_ones(model):
     assert min(published) <= aside / down <= max(published)
 
 
-def test_the_reaction_of_ironing_is_the_contact_force(model):
-    """The residual of the bulk on the dofs of top and bottom."""
-    figures, solver, V = model.Figures(), model.stepper.solver, model.displacement.space
-    bulk = solver.gf.vec.CreateVector()
-    solver.a.Apply(solver.gf.vec, bulk)
-    values = bulk.FV().NumPy()
-    for k, sign, key in ((0, 1, "horizontal_force"), (1, -1, "vertical_force")):
-        for region, side in (("top", 1), ("bottom", -1)):
-            elements = model.mesh.Boundaries(region).Elements()
-            # The vertex functions add up to 1: the others have no share in the resultant.
-            vertices = sorted({v.nr for el in elements for v in el.vertices})
-            total = values[V.Range(k).start + np.array(vertices)].sum()
-            assert side * sign * total == approx(figures[key][-1], rel=1e-7, abs=1e-6)
-
-
 def test_ironing_without_friction():
     figures = ironing.Run(**IRON, friction=0.0)
     assert figures["converged_steps"] == figures["steps"] == 36

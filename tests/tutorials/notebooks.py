@@ -79,19 +79,5 @@ def Files(folder, pattern="*"):
     return sorted(sizes)
 
 
-def CheckConditions(state, friction, *, tol=1e-9):
-    """Pressure, gap and friction (n, d) of macro-elements, relative to the largest."""
-    p, status, gap = state["pressure"], state["status"], state["gap"]
-    q = state.get("friction")
-    if q is None or q.ndim == 1:
-        q = state["traction"] + p[:, None] * state["normal"]
-    q, size = np.linalg.norm(q, axis=1), p.max()
-    assert p.min() > -tol * size
-    assert abs(p[status == 0]).max() < tol * size
-    assert abs(p * gap).max() < max(tol, 1e-8) * size * abs(gap).max()
-    np.testing.assert_allclose(q[status == 2], friction * p[status == 2], atol=tol * size)
-    assert np.all(q[status == 1] < friction * p[status == 1] + tol * size)
-
-
 def Arrays(values):
     return {k: np.array(v) if isinstance(v, list) else v for k, v in values.items()}

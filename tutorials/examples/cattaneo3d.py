@@ -131,6 +131,7 @@ main = Example(
     __doc__,
     Problem,
     ("half", "full"),
+    load=lambda state: f"P = {state.force[2]:9.3f} N",
     columns=COLUMNS,
     told=("force_error", "shift_error"),
     curves=(("shift_half_spaces", "shear"), ("shift_exact", "shear")),

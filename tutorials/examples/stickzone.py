@@ -101,16 +101,15 @@ def Summary(model, rows):
     }
 
 
-def Example(name, Solve, text, problem, models, *, columns, told, curves, **options):
+def Example(name, Solve, text, problem, models, *, load, columns, told, curves, **options):
     """The ``main`` of an example whose results are ``Solve(callback, **options)``.
 
-    `columns` and `told` are the figures to print, of the steps and of all; `curves` the pairs of
-    names to draw, computed and exact; `problem` is the class that has the defaults.
+    ``load(state)`` is printed in each step, and then the figures `columns` of the steps and `told`
+    of all; `curves` are pairs of names to draw, computed and exact; `problem` has the defaults.
     """
 
     def Tell(state):
-        loads = f"P = {state.force[2]:9.3f} N   M = {-state.moment:9.3f} Nmm"
-        print(f"  {loads}   {state.iterations} Newton iterations", flush=True)
+        print(f"  {load(state)}   {state.iterations} Newton iterations", flush=True)
 
     def Run(*, out, quiet, smooth, **chosen):
         results = Solve(None if quiet else Tell, rough=not smooth, **chosen)

@@ -87,6 +87,7 @@ main = Example(
     __doc__,
     Problem,
     ("quarter", "full"),
+    load=lambda state: f"M = {-state.moment:9.3f} Nmm",
     columns=COLUMNS,
     told=("moment_error",),
     curves=(("angle", "moment_ratio"), ("angle", "moment_exact")),
