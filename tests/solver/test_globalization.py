@@ -100,6 +100,14 @@ def test_tiny_steps_in_a_row_mean_stagnation():
     assert not tool.stagnates
 
 
+@pytest.mark.parametrize(("share", "lost"), [(1.0, False), (0.6, False), (0.4, True), (0.0, True)])
+def test_surfaces_that_pass_through_each_other_lose_their_partners(share, lost):
+    before, after = state(1.0), state(1.0)
+    before.covered[:] = 0.5, 1.0
+    after.covered[:] = 0.5, share
+    assert after.LostSight(before) == lost
+
+
 def test_a_state_without_residual_is_not_finite():
     assert not state(np.nan).finite
     assert not state(INF).finite
