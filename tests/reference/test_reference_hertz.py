@@ -20,17 +20,12 @@ def point():
 
 def test_published_values(seed):
     assert seed.modulus == pytest.approx(57692.3, abs=0.05)
-    assert (seed.halfwidth, seed.peak) == (
-        pytest.approx(6.2146, abs=5e-5),
-        pytest.approx(3585.36, abs=5e-3),
-    )
+    assert seed.halfwidth == pytest.approx(6.2146, abs=5e-5)
+    assert seed.peak == pytest.approx(3585.36, abs=5e-3)
     half = replace(seed, force=17.5e3)
     assert half.halfwidth == pytest.approx(4.394, abs=5e-4)
     assert half.peak == pytest.approx(2535.2, abs=0.05)
-
-
-def test_published_spheres():
-    """Case T04 of the reference cases: two equal spheres brought together by 2 + 2."""
+    # Case T04 of the reference cases: two equal spheres brought together by 2 + 2.
     spheres = HertzPoint.FromApproach(approach=4, **SPHERES)
     assert spheres.approach == pytest.approx(4, rel=1e-14)
     assert spheres.contact_radius == pytest.approx(10, rel=1e-14)
@@ -45,8 +40,6 @@ def test_pressure_carries_the_force(seed, point, integral):
     assert seed.MeanPressure(-2 * a, 3 * a) * 5 * a == pytest.approx(seed.force, rel=1e-13)
     total = integral(lambda r: 2 * pi * r * point.Pressure(r), 0, b)
     assert total == pytest.approx(point.force, rel=1e-10)
-    square = 3 * b * np.array([[-1, -1], [1.5, -1], [1.5, 1], [-1, 1]])
-    assert point.MeanPressure(square) * 45 * b**2 == pytest.approx(point.force, rel=1e-13)
 
 
 def test_pressure_is_even_and_ends_at_the_edge(seed, point):
@@ -136,58 +129,3 @@ def test_deepest_shear(point):
     assert -deepest.fun == pytest.approx(0.31, abs=0.001)
     # -(1 + 2 nu)/2 and -1 at the surface
     assert point.AxisStress(0.0) == pytest.approx((-0.8 * point.peak, -point.peak), rel=1e-14)
-
-
-def strip_mean(hertz, corners, integral):
-    """Average over a convex polygon from strips along x, whose integral is elementary."""
-    a = hertz.contact_radius
-    sides = list(zip(corners, np.roll(corners, -1, axis=0), strict=True))
-
-    def chord(y):
-        ends = [
-            x0 + (x1 - x0) * (y - y0) / (y1 - y0)
-            for (x0, y0), (x1, y1) in sides
-            if min(y0, y1) < y < max(y0, y1)
-        ]
-        half = sqrt(max(a * a - y * y, 0.0))
-        low, high = np.clip(sorted(ends), -half, half)
-        if low == high:
-            return 0.0
-        root = [x * sqrt(half**2 - x**2) + half**2 * np.arcsin(x / half) for x in (low, high)]
-        return 0.5 * hertz.peak / a * (root[1] - root[0])
-
-    x, y = corners.T
-    cuts = [*y, -a, a]
-    for start, end in sides:  # where a side cuts the edge of the contact
-        side = end - start
-        roots = np.roots([side @ side, 2 * start @ side, start @ start - a**2])
-        cuts += [start[1] + t * side[1] for t in roots[np.isreal(roots)].real if 0 < t < 1]
-    area = 0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
-    return integral(chord, min(y), max(y), cuts) / area
-
-
-@pytest.mark.parametrize(
-    "corners",
-    [
-        [[0.1, 0.2], [0.4, 0.3], [0.2, 0.6]],  # inside
-        [[-0.3, -0.2], [0.5, -0.1], [0.1, 0.4]],  # around the middle
-        [[0.5, 0.5], [1.2, 0.4], [0.6, 1.3]],  # over the edge, corners outside
-        [[-2.0, 0.9], [2.0, 0.95], [0.0, 3.0]],  # an edge is a chord, no corner inside
-        [[-1.5, -1.2], [1.6, -1.3], [1.4, 1.2], [-1.3, 1.7]],  # holds the contact
-        [[0.0, 0.0], [0.7, 0.0], [0.9, 0.8], [0.0, 0.7]],  # the middle is a corner
-        [[-0.4, 0.0], [0.6, 0.0], [0.1, 0.9]],  # the middle is on an edge
-        [[0.6999, 0.7], [0.7201, 0.69], [0.71, 0.73]],  # small, at the edge of the contact
-    ],
-)
-def test_mean_pressure_is_the_average(point, integral, corners):
-    corners = point.contact_radius * np.array(corners)
-    expected = strip_mean(point, corners, integral)
-    for angle in np.linspace(0, 2 * pi, 8, endpoint=False):
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        assert point.MeanPressure(corners @ turn) == pytest.approx(expected, rel=1e-9)
-        assert point.MeanPressure((corners @ turn)[::-1]) == pytest.approx(expected, rel=1e-9)
-
-
-def test_mean_pressure_outside_is_exactly_zero(point):
-    triangles = [[[1.0, 0.3], [1.4, 0.2], [1.1, 0.6]], [[1.1, 0.0], [0.0, 9.0], [9.0, 9.0]]]
-    assert (point.MeanPressure(point.contact_radius * np.array(triangles)) == 0).all()

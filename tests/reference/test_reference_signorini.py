@@ -125,16 +125,6 @@ def test_displacement_turns_with_the_point():
     assert np.isfinite(DISC.Displacement(0.6, 0.0, 0.0)).all()
 
 
-def test_mean_pressure_of_the_disc_is_the_average():
-    face = np.array([[0.1, 0.2], [0.4, 0.1], [0.2, 0.4]])
-    nodes = (face + np.roll(face, -1, axis=0)) / 2
-    coarse = DISC.Pressure(np.hypot(*nodes.T)).mean()  # exact to the second degree
-    assert DISC.MeanPressure(face) == pytest.approx(coarse, rel=1e-2)
-    whole = 2.0 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    force = 2 / 3 * np.pi * 2.0 * 0.6**3
-    assert DISC.MeanPressure(whole) * 16 == pytest.approx(force, rel=1e-13)
-
-
 @pytest.mark.parametrize(
     ("function", "extra"),
     [(SCALAR.Value, "sqrt"), (PLANE.Displacement, "sqrt"), (DISC.Displacement, "functions")],

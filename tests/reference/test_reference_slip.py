@@ -335,36 +335,3 @@ def test_angles_without_end():
     assert made("twist", -1.0).angle == -inf
     for angle, friction in ((0.0, FRICTION), (1.0, 0.0)):
         assert TwistPoint.FromAngle(hertz=hertz, angle=angle, friction=friction).moment == 0
-
-
-@pytest.mark.parametrize("r", [0.2, 0.5, 0.9])
-def test_mean_of_a_small_face_is_the_traction(r):
-    state = made("twist", 0.7)
-    x, y = r * size(state) * np.array([0.6, 0.8])
-    face = [x, y] + 1e-4 * size(state) * np.array([[-1, -1], [2, -1], [-1, 2]])
-    direction = np.array([-0.8, 0.6])
-    expected = state.Traction(r * size(state)) * direction
-    np.testing.assert_allclose(state.MeanTraction(face), expected, rtol=1e-5)
-
-
-@pytest.mark.parametrize(
-    "corners",
-    [
-        [[0.1, 0.2], [0.4, 0.3], [0.2, 0.6]],
-        [[-0.3, -0.2], [0.5, -0.1], [0.1, 0.4]],
-        [[0.5, 0.5], [1.2, 0.4], [0.6, 1.3]],
-        [[0.0, 0.0], [0.7, 0.0], [0.9, 0.8], [0.0, 0.7]],
-    ],
-)
-def test_means_of_parts_add_up(corners):
-    """With that of small faces: the mean is the average, in either sense of rotation."""
-    state = made("twist", 0.7)
-    whole = size(state) * np.array(corners)
-    fan = np.stack(
-        [whole, np.roll(whole, -1, axis=0), np.broadcast_to(whole.mean(axis=0), whole.shape)], 1
-    )
-    areas = 0.5 * np.abs(np.linalg.det(fan[:, 1:] - fan[:, :1]))
-    mean = state.MeanTraction(whole)
-    parts = areas @ state.MeanTraction(fan) / areas.sum()
-    np.testing.assert_allclose(parts, mean, rtol=1e-10, atol=1e-14 * LIMIT)
-    np.testing.assert_allclose(state.MeanTraction(whole[::-1]), mean, rtol=1e-11)

@@ -30,6 +30,7 @@ DISPLACEMENT, FRICTION = -1.2734, 0.1  # mm without friction, and the friction o
 # With large displacements: linear, quadratic elements.
 PUBLISHED = {0.0: (-1.30690, -1.30802), 0.1: (-1.30108, -1.30264)}
 FORCE = 17.5e3  # N/mm, half of it
+AXIS = (0.0, 0.0)
 
 
 @cache
@@ -69,19 +70,21 @@ def ContactEdge(state):
 
 def L2(macros):
     """Error of the pressure against the means of Hertz', relative in L2."""
-    means = Exact().MeanPressure(macros["start"], macros["end"])
-    size = macros["end"] - macros["start"]
+    means, size = _MeansAndSizes(macros)
     return float(np.sqrt(size @ (macros["pressure"] - means) ** 2 / (size @ means**2)))
 
 
 def MeansError(macros):
     """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    exact = Exact()
-    means = exact.MeanPressure(macros["start"], macros["end"])
-    size = macros["end"] - macros["start"]
+    means, size = _MeansAndSizes(macros)
     # Half of the contact: the square of a semi-ellipse with axes 1 and a has the integral 2a/3.
-    whole = 2 / 3 * exact.halfwidth * exact.peak**2
+    whole = 2 / 3 * Exact().halfwidth * Exact().peak ** 2
     return float(np.sqrt(whole / (size @ means**2) - 1))
+
+
+def _MeansAndSizes(macros):
+    start, end = macros["start"], macros["end"]
+    return Exact().MeanPressure(start, end), end - start
 
 
 def Peak(problem):
@@ -139,9 +142,9 @@ def Hertz2D(quick):
 # ---------------------------------------------------------------- benchmark 1
 
 
-def Below(problem, y=-1e-9):
+def Below(problem):
     """Displacement along y a little below the middle, where points of both bodies coincide."""
-    return problem.displacement(problem.mesh(0.0, y))[1]
+    return problem.displacement(problem.mesh(0.0, -1e-9))[1]
 
 
 @cache
@@ -169,7 +172,7 @@ def Nafems(quick):
         Row(f"{text}: largest traction", largest[0], traction, meshes[2], "MPa"),
     ]
     for friction, (linear, quadratic) in PUBLISHED.items():
-        block = Large(0.5, friction or None).At("block", (0.0, 0.0))[1]
+        block = Large(0.5, friction or None).At("block", AXIS)[1]
         bound = Spread(quadratic, [linear], f"linear elements {linear:g}")
         what = f"large displacements, friction {friction:g}: the same"
         rows.append(Row(what, block, quadratic, bound, "mm"))
@@ -245,7 +248,7 @@ CASES = [
         "The frictional Hertz problem once more, turned by 37 degrees, and in metres and pascals: "
         "nothing in the method knows directions or sizes.",
         "The same problem upright, in millimetres and megapascals.",
-        "pytest tests/validation/test_hertz.py -k frame",
+        "pytest tests/validation/test_cases.py -k frame",
         Frame,
     ),
 ]

@@ -5,18 +5,17 @@ Sphere and cylinder are those of `tutorials/examples/hertz3d.py`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import hertz3d
 import numpy as np
-from elasticity import Material, Pair
+from elasticity import Material, Pair, Sorted
 from hertzmeans import Means as HertzMeans
-from macros3d import Comparison, Outlines
+from macros3d import Outlines, Solution
 from ngsolve import Integrate, VectorH1, dx
 from report_bounds import Element, Means, Meshes, Neglected, Tolerance
 from report_case import Case, Outcome, Row
-from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
+from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Matplotlib, Profile
 from sector3d import SliceMesh
 from slavefaces import SlaveFaces
 
@@ -25,60 +24,27 @@ from ngslac.meshes.cylinders import THICKNESS
 from ngslac.reference import HertzLine
 
 
-@dataclass(frozen=True)
-class State:
-    """A converged load step; macro-elements in the order of the space."""
-
-    hertz: object  # exact, for this load
-    iterations: int
-    pressure: np.ndarray
-    status: np.ndarray
-    force: float  # contact force over the load of this step
-
-
-@dataclass(frozen=True)
-class Results:
-    shape: str
-    h: float
-    faces: SlaveFaces
-    states: list
-
-    def Figures(self, state):
-        return Comparison(self.faces, state.hertz, state.pressure, state.status)
-
-    @property
-    def figures(self):
-        """Of the whole load."""
-        return self.Figures(self.states[-1])
-
-
 @cache
 def Run(shape="sphere", *, h, order=2, stabilize="none", steps=1):
-    """Compute the example; the options are its own."""
+    """The solution of each load step of the example; the options are its own."""
     mesh = hertz3d.Mesh(shape, h, order=order, stabilize=stabilize)
     line = shape == "cylinder"
     load = hertz3d.FORCE[shape] * hertz3d.PART[shape, "quarter"] * (THICKNESS if line else 1.0)
     pressed = hertz3d.Press(mesh, load, order=order, stabilize=stabilize, steps=steps)
-    states = [
-        State(
-            hertz3d.Hertz(shape, time),
-            iterations,
-            table["pressure"],
-            table["status"],
-            float(force[2] / (load * time)),
-        )
-        for time, iterations, force, table in pressed.steps
-    ]
-    contact = pressed.contact
-    return Results(shape, h, SlaveFaces(contact.mesh, contact.space.macros, line), states)
+    faces = SlaveFaces(pressed.contact.mesh, pressed.contact.space.macros, line)
+    solutions = []
+    for time, iterations, force, table in pressed.steps:
+        found = table["pressure"], table["status"], float(force[2] / (load * time))
+        solutions.append(Solution(faces, hertz3d.Hertz(shape, time), *found, iterations))
+    return solutions
 
 
-def MeansError(results):
+def MeansError(solution):
     """Of Hertz' pressure against its means over the macro-elements, relative in L2 of these."""
-    exact, area = results.states[-1].hertz, results.faces.area
-    shape = HertzMeans(results.faces, exact) / exact.peak
+    exact, area = solution.hertz, solution.faces.area
+    shape = HertzMeans(solution.faces, exact) / exact.peak
     # Integral of the square over that of the pressure, for the peak 1.
-    ratio = 8 / (3 * np.pi) if results.shape == "cylinder" else 3 / 4
+    ratio = 8 / (3 * np.pi) if isinstance(exact, HertzLine) else 3 / 4
     return np.sqrt(ratio * (area @ shape) / (area @ shape**2) - 1)
 
 
@@ -86,50 +52,52 @@ def Sphere(quick):
     exact = hertz3d.Hertz("sphere")
     rows, coarser, radius = [], None, exact.contact_radius
     for n in (4,) if quick else (6, 8):
-        results = Run(h=radius / n)
-        figures, text = results.figures, f"{n} faces along the radius"
+        (solution,) = Run(h=radius / n)
+        figures, text = solution.figures, f"{n} faces along the radius"
         peak, wide = figures["p0_ratio"] * exact.peak, figures["contact_radius_ratio"] * radius
         meshes = Meshes(peak, coarser[1], n / coarser[0]) if coarser else None
         error, coarser = figures["profile_error"], (n, peak)
         rows += [
             Row(f"{text}: peak pressure", peak, exact.peak, meshes, "MPa"),
             Row(f"{text}: contact radius", wide, radius, Element(1 / n, kind="relative"), "mm"),
-            Row(f"{text}: error of the pressure in L2", error, 0, Means(MeansError(results))),
-            Row(f"{text}: force over load", results.states[-1].force, 1, Tolerance()),
+            Row(f"{text}: error of the pressure in L2", error, 0, Means(MeansError(solution))),
+            Row(f"{text}: force over load", solution.share, 1, Tolerance()),
         ]
     caption = "Pressures of the macro-elements over the distance from the middle, and from below."
+
+    def Draw(left, right):
+        OverRadius(left, solution)
+        left.set(ylabel="pressure [MPa]", title="multipliers, constant on each macro-element")
+        _FromBelow(right, solution)
+
     options = {"columns": 2, "size": (9.4, 4.1), "width_ratios": (1.15, 1)}
-    return Outcome(rows, Figure(lambda *axes: _Pressures(*axes, results), **options), caption)
+    return Outcome(rows, Figure(Draw, **options), caption)
 
 
-def _Pressures(left, right, results):
-    """Over the distance from the middle, and on the macro-elements from below."""
-    state, faces = results.states[-1], results.faces
+def OverRadius(ax, solution):
+    """Pressures of the macro-elements over the distance from the middle, beside Hertz'."""
+    faces, exact, closed = solution.faces, solution.hertz, solution.status > 0
     low, high = faces.extent.T
-    closed, middle = state.status > 0, 0.5 * (low + high)
+    middle, r = 0.5 * (low + high), np.linspace(0, high.max(), 1001)
     for mine, colour, label in ((closed, BLUE, "in contact"), (~closed, GREY, "open")):
-        pressure = state.pressure[mine]
-        left.hlines(pressure, low[mine], high[mine], color=colour, lw=0.8, alpha=0.5)
-        left.plot(middle[mine], pressure, "o", color=colour, ms=3, label=f"macro-element, {label}")
-    means, r = HertzMeans(faces, state.hertz), np.linspace(0, high.max(), 1001)
-    left.plot(middle, means, "x", color=ORANGE, ms=3, mew=0.7, label="mean of Hertz'")
-    left.plot(r, state.hertz.Pressure(r), color=INK, lw=0.9, label="Hertz' pressure")
-    left.set(xlabel="distance from the middle [mm]", ylabel="pressure [MPa]", xlim=(0, high.max()))
-    left.set(
-        ylim=(-0.03 * state.hertz.peak, None), title="multipliers, constant on each macro-element"
-    )
-    left.legend(loc="lower left")
-    _FromBelow(right, faces, state)
+        pressure = solution.pressure[mine]
+        ax.hlines(pressure, low[mine], high[mine], color=colour, lw=0.8, alpha=0.5)
+        ax.plot(middle[mine], pressure, "o", color=colour, ms=3, label=f"macro-element, {label}")
+    means = HertzMeans(faces, exact)
+    ax.plot(middle, means, "x", color=ORANGE, ms=3, mew=0.7, label="mean of Hertz'")
+    ax.plot(r, exact.Pressure(r), color=INK, lw=0.9, label="Hertz' pressure")
+    ax.set(xlabel="distance from the middle [mm]", xlim=(0, high.max()))
+    ax.set(ylim=(-0.03 * exact.peak, None))
+    ax.legend(loc="lower left")
 
 
-def _FromBelow(ax, faces, state):
-    from matplotlib.collections import LineCollection, PolyCollection
-
-    shown = PolyCollection(faces.corners, cmap="viridis", edgecolors="face")
-    shown.set_array(state.pressure[faces.owner])
+def _FromBelow(ax, solution):
+    collections, faces = Matplotlib().collections, solution.faces
+    shown = collections.PolyCollection(faces.corners, cmap="viridis", edgecolors="face")
+    shown.set_array(solution.pressure[faces.owner])
     ax.add_collection(shown)
-    ax.add_collection(LineCollection(Outlines(faces), colors="white", linewidths=0.5))
-    angle, radius = np.linspace(0, 2 * np.pi, 361), state.hertz.contact_radius
+    ax.add_collection(collections.LineCollection(Outlines(faces), colors="white", linewidths=0.5))
+    angle, radius = np.linspace(0, 2 * np.pi, 361), solution.radius
     ax.plot(radius * np.cos(angle), radius * np.sin(angle), color=ORANGE, lw=1.0)
     (x0, y0), (x1, y1) = (end(faces.corners.reshape(-1, 2), axis=0) for end in (np.min, np.max))
     # The y axis points down when looking up.
@@ -161,9 +129,7 @@ def Slice(size):
     weight = FORCE * DEPTH / Integrate(1, mesh.Materials("cylinder"))
     pair.load += -weight * pair.v[2] * dx("cylinder")
     pair.Solve(tol=1e-10)
-    table = pair.contact.Table()
-    along = np.argsort(table["x"][:, 0])
-    table = {name: values[along] for name, values in table.items()}
+    table = Sorted(pair.contact.Table())
     return pair.displacement(mesh(1e-9, 0.5, -1e-9))[2], pair.contact.Force(), table
 
 
@@ -175,10 +141,10 @@ def Ends(table):
 
 def Cylinder(quick):
     h = 0.8 if quick else 0.4
-    results, coarser = (Run("cylinder", h=k * h) for k in (1, 2))
-    exact, text = results.states[-1].hertz, "cylinder of prisms"
-    peaks = [each.figures["p0_ratio"] * exact.peak for each in (results, coarser)]
-    error, means = results.figures["profile_error"], Means(MeansError(results))
+    solution, coarser = (Run("cylinder", h=k * h)[0] for k in (1, 2))
+    exact, text = solution.hertz, "cylinder of prisms"
+    peaks = [each.figures["p0_ratio"] * exact.peak for each in (solution, coarser)]
+    error, means = solution.figures["profile_error"], Means(MeansError(solution))
     block, force, table = Slice(SIZE)
     half_planes = Neglected((HERTZ.halfwidth / 50) ** 2, "(a/R)^2")
     meshes, at = Meshes(block, Slice(2 * SIZE)[0], 2), "benchmark 1"

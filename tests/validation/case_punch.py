@@ -13,10 +13,11 @@ axisymmetric computation agrees with it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from elasticity import Material, Pair
+from elasticity import Material, Pair, Sorted
 from netgen.occ import Compound, OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, Parameter, VectorH1, ds
 from report_bounds import Spread, Tolerance
@@ -54,32 +55,43 @@ def HalfSection(h):
     return Mesh(geometry.GenerateMesh(maxh=25, grading=0.3))
 
 
-class Punched:
-    """Displacements along z at the axis, load, force, and macro-elements from the axis on."""
+@dataclass(frozen=True)
+class Solution:
+    """Displacements along z at the axis, and macro-elements from the axis on."""
 
-    def __init__(self, h, friction):
-        mesh = SectorMesh(HalfSection(h), ANGLE)
-        V = VectorH1(mesh, order=2, dirichlety="front", dirichlet="bottom")
-        pair = Pair(V, Material(mesh.MaterialCF(YOUNG), 0.3), friction=Parameter(friction))
-        pair.Load(CF((0, 0, -LOAD)), "top")
-        # The oblique plane of symmetry by stiff springs; their effect is below 1e-6.
-        across, (u, _) = CF((-np.sin(ANGLE), np.cos(ANGLE), 0)), pair.X.TrialFunction()
-        pair.a += 1e5 * YOUNG["punch"] * (u * across) * (pair.v * across) * ds("oblique")
-        pair.Solve(tol=1e-10)
-        table = pair.contact.Table()
-        radius = np.hypot(*table["x"][:, :2].T)
-        order = np.argsort(radius)
-        self.radius, self.force = radius[order], pair.contact.Force()
-        self.table = {name: values[order] for name, values in table.items()}
-        axis = (pair.displacement(mesh(1e-9, 0, z))[2] for z in (-1e-9, 1e-9))
-        self.foundation, self.punch = axis
-        self.load = LOAD * Integrate(CF(1), mesh.Boundaries("top"))
+    foundation: float
+    punch: float
+    load: float
+    force: np.ndarray
+    table: dict
+
+    @property
+    def radius(self):
+        return Radius(self.table["x"])
+
+
+def Radius(x):
+    return np.hypot(x[:, 0], x[:, 1])
+
+
+def Solve(h, friction):
+    mesh = SectorMesh(HalfSection(h), ANGLE)
+    V = VectorH1(mesh, order=2, dirichlety="front", dirichlet="bottom")
+    pair = Pair(V, Material(mesh.MaterialCF(YOUNG), 0.3), friction=Parameter(friction))
+    pair.Load(CF((0, 0, -LOAD)), "top")
+    # The oblique plane of symmetry by stiff springs; their effect is below 1e-6.
+    across, (u, _) = CF((-np.sin(ANGLE), np.cos(ANGLE), 0)), pair.X.TrialFunction()
+    pair.a += 1e5 * YOUNG["punch"] * (u * across) * (pair.v * across) * ds("oblique")
+    pair.Solve(tol=1e-10)
+    axis = (pair.displacement(mesh(1e-9, 0, z))[2] for z in (-1e-9, 1e-9))
+    load = LOAD * Integrate(CF(1), mesh.Boundaries("top"))
+    return Solution(*axis, load, pair.contact.Force(), Sorted(pair.contact.Table(), Radius))
 
 
 @cache
 def Solved(h):
     """By the friction."""
-    return {friction: Punched(h, friction) for friction in PUBLISHED}
+    return {friction: Solve(h, friction) for friction in PUBLISHED}
 
 
 def Punch(quick):

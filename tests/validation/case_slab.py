@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from elasticity import Displacements, Material, Pair
+from elasticity import Displacements, Material, Pair, Sorted
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, Parameter
 from ngsolve.meshes import MakeStructured2DMesh
@@ -88,10 +88,7 @@ def Solve(name, *, steps=1, length=1.0, stress=1.0):
         np.array([pair.displacement(V.mesh(x * length, *y))[0] for x in GRECO_SLAB.abscissae])
         for y in ([(0.0, 0.0), (SLICE * length, 0.0)] if kind else [(0.0,), (0.0,)])
     ]
-    table = pair.contact.Table()
-    by_x = np.argsort(table["x"][:, 0], kind="stable")
-    table = {name: values[by_x] for name, values in table.items()}
-    force = np.asarray(pair.contact.Force())
+    table, force = Sorted(pair.contact.Table()), np.asarray(pair.contact.Force())
     return Solution(along[0] / length, along[1] / length, table, force, iterations)
 
 

@@ -5,17 +5,17 @@ Both are quarter models of linear elasticity. Lengths in mm, stresses in MPa.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from case_hertz3d import OverRadius
 from elasticity import Displacements, Material, Pair
-from macros3d import Comparison
+from macros3d import Solution
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, TaskManager
 from report_bounds import Meshes, Neglected, Spread
 from report_case import Case, Outcome, Row
-from report_pictures import INK, Figure
+from report_pictures import Figure
 from slavefaces import SlaveFaces
 
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
@@ -27,32 +27,12 @@ RADIUS = 50.0
 SYMMETRY = {"dirichletx": "sym_x", "dirichlety": "sym_y"}
 
 
-@dataclass(frozen=True)
-class Solution:
-    """A solved problem, with Hertz' solution of the same force.
-
-    Pressures are forces per area of the undeformed slave side.
-    """
-
-    pair: Pair
-    hertz: HertzPoint
-    faces: SlaveFaces
-    pressure: np.ndarray
-    status: np.ndarray
-
-    @classmethod
-    def Of(cls, pair, **bodies):
-        force = 4 * abs(float(pair.contact.Force()[2]))
-        table = pair.contact.Table()
-        faces = SlaveFaces(pair.mesh, pair.Q.macros)
-        hertz = HertzPoint(force=force, **bodies)
-        vertical = -table["traction"] @ (0, 0, 1.0) * np.sign(table["normal"][:, 2])
-        pressure = vertical * table["area"] / faces.area
-        return cls(pair, hertz, faces, pressure, table["status"])
-
-    @property
-    def figures(self):
-        return Comparison(self.faces, self.hertz, self.pressure, self.status)
+def Compared(pair, **bodies):
+    """The multipliers of a solved quarter, with Hertz' solution of the same force."""
+    table, faces = pair.contact.Table(), SlaveFaces(pair.mesh, pair.Q.macros)
+    hertz = HertzPoint(force=4 * abs(float(pair.contact.Force()[2])), **bodies)
+    vertical = -table["traction"] @ (0, 0, 1.0) * np.sign(table["normal"][:, 2])
+    return Solution(faces, hertz, vertical * table["area"] / faces.area, table["status"])
 
 
 # ---------------------------------------------------------------- two spheres (T04)
@@ -80,6 +60,7 @@ def PressSpheres(approach, elements, *, updates=0):
 
     `elements` faces lie along Hertz' contact radius of this `approach`, which is the sum of both
     displacements; the surfaces are paired anew `updates` times, in the deformed configuration.
+    Returns the solution, and the stress at the first point of contact seen from below and above.
     """
     radius = HertzPoint.FromApproach(approach=approach, **SPHERES).contact_radius
     mesh = TwoSpheres(radius / elements, radius=RADIUS, zone=1.3 * radius)
@@ -92,7 +73,8 @@ def PressSpheres(approach, elements, *, updates=0):
         for _ in range(updates):
             pair.contact.Update(pair.gf)
             pair.Solve(tol=1e-10)
-    return Solution.Of(pair, **SPHERES)
+    stress = [-pair.stress(mesh(1e-6, 1e-6, z))[8] for z in (-1e-3, 1e-3)]
+    return Compared(pair, **SPHERES), stress
 
 
 # ---------------------------------------------------------------- a rigid sphere on hexahedra
@@ -122,7 +104,7 @@ def PressBlock(elements, space="P2"):
     pair.Load(CF((0, 0, 0.25 * FORCE / bottom)), "bottom")
     with TaskManager():
         pair.Solve(tol=1e-10)
-    return Solution.Of(pair, **bodies)
+    return Compared(pair, **bodies)
 
 
 def BlockUnderSphere(elements, size):
@@ -189,13 +171,8 @@ def _OuterFaces(points, cells, size):
 # ---------------------------------------------------------------- rows and picture
 
 
-def AxisStress(solution, z):
-    """Pressure at the first point of contact, seen from the body at z."""
-    return -solution.pair.stress(solution.pair.mesh(1e-6, 1e-6, z))[8]
-
-
 def Spheres(quick):
-    wide, coarser = (PressSpheres(4.0, n, updates=3) for n in (4, 3))
+    (wide, stress), (coarser, _) = (PressSpheres(4.0, n, updates=3) for n in (4, 3))
     exact = HertzPoint.FromApproach(approach=4.0, **SPHERES)
     middle, text = sum(STRESS) / 2, "two half spheres, contact radius a fifth of theirs"
     published = Spread(middle, STRESS, f"{STRESS[0]} to {STRESS[1]}")
@@ -205,7 +182,7 @@ def Spheres(quick):
     peak, radius = (wide.figures[name] for name in ("p0_ratio", "contact_radius_ratio"))
     first = f"{text}: stress at the first point of contact"
     rows = [
-        Row(first, AxisStress(wide, 1e-3), middle, published, "MPa"),
+        Row(first, stress[1], middle, published, "MPa"),
         Row(f"{text}: force over that of half-spaces", forces[0], AXISYMMETRIC, meshes),
         Row(f"{text}: peak pressure over Hertz' for this force", peak, 1, size),
         Row(f"{text}: contact radius over Hertz' for this force", radius, 1, size),
@@ -219,12 +196,8 @@ def Spheres(quick):
     def Draw(*axes):
         titles = "two half spheres", "rigid sphere on hexahedra"
         for ax, solution, title in zip(axes, (wide, last), titles, strict=True):
-            low, high = solution.faces.extent.T
-            ax.plot(0.5 * (low + high), solution.pressure, "o", ms=3, label="macro-elements")
-            r = np.linspace(0, high.max(), 300)
-            ax.plot(r, solution.hertz.Pressure(r), color=INK, lw=0.9, label="Hertz for this force")
-            ax.set(xlabel="distance from the middle [mm]", title=title)
-            ax.legend(loc="lower left")
+            OverRadius(ax, solution)
+            ax.set_title(title)
         axes[0].set_ylabel("pressure [MPa]")
 
     caption = "Pressures over the distance from the middle of the contact."

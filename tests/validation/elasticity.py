@@ -23,7 +23,7 @@ from ngsolve import Grad as Gradient
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
 from ngslac.materials import Stress
 
-__all__ = ["NAMES", "Displacements", "Field", "Material", "Pair", "StressError"]
+__all__ = ["NAMES", "Displacements", "Field", "Material", "Pair", "Sorted", "StressError"]
 
 NAMES = {
     "P1": "order 1, two faces",
@@ -74,6 +74,12 @@ def StressError(mesh, field, stress):
     rule = IntegrationRule(points=[p[: mesh.dim] for p in POINTS], weights=[0] * len(POINTS))
     points = mesh.MapToAllElements(dict.fromkeys(SHAPES[mesh.dim], rule), VOL)
     return np.abs(field(points).reshape(-1, *stress.shape) - stress).max() / np.abs(stress).max()
+
+
+def Sorted(table, at=lambda x: x[:, 0]):
+    """The table of a contact by x, or by another function of the middles (n, d)."""
+    order = np.argsort(at(table["x"]), kind="stable")
+    return {name: values[order] for name, values in table.items()}
 
 
 def Flat(nested):

@@ -1,11 +1,45 @@
 """Multipliers of a round or straight contact in 3D against Hertz' means, and their smoothness."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from hertzmeans import Compare, Means, Radius
+from slavefaces import SlaveFaces
 
-__all__ = ["Bends", "Comparison", "Neighbours", "Outlines"]
+__all__ = ["Bends", "Comparison", "Neighbours", "Outlines", "Solution"]
 
 INNER = 0.8  # times the contact radius: macro-elements whose pressures are smooth
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A converged problem, with Hertz' solution of the same force.
+
+    Macro-elements are in the order of the space; their pressures are forces per area of the
+    undeformed slave side.
+    """
+
+    faces: SlaveFaces
+    hertz: object
+    pressure: np.ndarray
+    status: np.ndarray
+    share: float = 1.0  # contact force over load
+    iterations: int = 0
+
+    @property
+    def radius(self):
+        return Radius(self.hertz)
+
+    @property
+    def figures(self):
+        return Comparison(self.faces, self.hertz, self.pressure)
+
+    @property
+    def misfit(self):
+        """How far closed macro-elements lie outside of Hertz' contact, and open ones inside."""
+        (low, high), closed = self.faces.extent.T, self.status > 0
+        outside, inside = low[closed] - self.radius, self.radius - high[~closed]
+        return max(outside.max(initial=0.0), inside.max(initial=0.0))
 
 
 def Edges(faces):
@@ -37,21 +71,16 @@ def Bends(faces, *fields):
     return [v - np.bincount(one, v[other], minlength=len(v)) / count for v in fields]
 
 
-def Comparison(faces, hertz, pressure, status):
-    """The figures of `Compare`, and more.
+def Comparison(faces, hertz, pressure):
+    """The figures of `Compare`, and three more.
 
-    ``contact_edge_interval``: where the first open macro-element begins and the last closed one
-    ends, over the radius; ``second_difference``, ``second_difference_exact``, ``oscillation``: the
-    largest differences to the mean of the neighbours of the pressures, of the exact means, and of
-    the errors, over the peak, inside of 80 % of the radius (None if there is no macro-element).
+    ``second_difference``, ``second_difference_exact``, ``oscillation``: the largest differences to
+    the mean of the neighbours of the pressures, of the exact means, and of the errors, over the
+    peak, inside of 80 % of the radius (None if there is no macro-element).
     """
-    radius, closed = Radius(hertz), status > 0
-    low, high = faces.extent.T
-    edge = [low[~closed].min(initial=np.inf), high[closed].max(initial=0.0)]
     names = ("second_difference", "second_difference_exact", "oscillation")
     figures = Compare(faces, hertz, pressure) | dict.fromkeys(names)
-    figures["contact_edge_interval"] = [float(r / radius) for r in edge]
-    inner = high < INNER * radius
+    inner = faces.extent[:, 1] < INNER * Radius(hertz)
     if inner.any():
         exact = Means(faces, hertz)
         fields = (v / hertz.peak for v in (pressure, exact, pressure - exact))

@@ -1,7 +1,5 @@
 """A cylinder on a block with friction: what the rows of both cases leave out."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from case_cylinder import (
@@ -56,13 +54,11 @@ def test_cattaneo_and_mindlin(history, number, largest, mean):
     """Loads, pressure, stick zone and tractions; reversed, these have kinks at both its ends."""
     pressed, states = history
     exact, macros, force, moment = states[number]
-    scale = SHEARED.force
-    np.testing.assert_allclose(force, [exact.shear, scale], rtol=0, atol=1e-10 * scale)
-    assert abs(moment) <= 1e-6 * scale * HERTZ.halfwidth
+    assert force[1] == pytest.approx(SHEARED.force, rel=1e-10)
+    assert abs(moment) <= 1e-6 * SHEARED.force * HERTZ.halfwidth
     assert np.abs(macros.pressure - pressed.pressure).max() <= 2e-3 * HERTZ.peak
-    zone, ends = np.array(macros.Zone(STICK)), np.array([-1, 1]) * exact.stick
-    np.testing.assert_allclose(zone, ends, rtol=0, atol=macros.size)
-    np.testing.assert_allclose(zone, ends, rtol=0.02)
+    ends = np.array([-1, 1]) * exact.stick
+    np.testing.assert_allclose(macros.Zone(STICK), ends, rtol=0.02)
     edge = np.abs(macros.Zone(STICK, SLIP))
     np.testing.assert_allclose(edge, HERTZ.halfwidth, rtol=0, atol=macros.size)
     errors = TractionErrors(macros, exact)
@@ -84,19 +80,14 @@ def test_slip_of_the_first_loading(history):
 # ---------------------------------------------------------------- Spence
 
 
-@pytest.fixture(scope="module")
-def low():
-    return Run(LOW)
-
-
-def test_low_load_agrees_with_spence(low):
+def test_low_load_agrees_with_spence():
     """The shear traction on the flat master is that on the slave plus p x/R.
 
     In the compatibility of both, each counts with the compliance of its body: 1/4 steel, 3/4 of it
     the block's.
     """
-    # The zone ends at a node; on this mesh one lies near enough for the second bound.
-    assert low.stick == pytest.approx(low.spence.ratio, abs=low.macro)
+    low = Run(LOW)
+    # The zone ends at a node; on this mesh one lies near enough for this bound.
     assert low.stick == pytest.approx(low.spence.ratio, rel=0.02)
     x, ratio = low.Ratio()
     error = ratio - np.abs(low.spence.zone.HertzFriction(x)) / LOW.friction
@@ -105,15 +96,7 @@ def test_low_load_agrees_with_spence(low):
     before = np.sqrt(np.mean(error[stick] ** 2))
     after = np.sqrt(np.mean((error + 0.75 * slope / LOW.friction)[stick] ** 2))
     assert after <= min(0.015, 0.6 * before)
-
-
-@pytest.mark.slow
-def test_low_load_agrees_with_spence_on_a_finer_mesh():
-    run = Run(replace(LOW, h=0.015))  # a macro-element is 2.4 % of the half width
-    assert run.stick == pytest.approx(run.spence.ratio, rel=0.02)
-
-
-def test_contact_is_a_stick_zone_inside_a_slip_zone_and_carries_the_load(low):
+    # A stick zone inside of a slip zone carries the load.
     macros = low.macros
     assert macros.Zone(STICK)[0] == pytest.approx(0.0, abs=1e-12)
     assert macros.Zone(STICK)[1] == pytest.approx(macros.Zone(SLIP)[0], abs=1e-12)
@@ -137,13 +120,13 @@ def test_coupled_punch_agrees_with_the_closed_form_where_that_is_exact(friction)
 @pytest.mark.parametrize("friction", GUESS)
 def test_flat_contact_agrees_with_the_coupled_solution(friction):
     flat, guess = Run(FLAT[friction]), GUESS[friction]
-    beta = abs(flat.problem.hertz.beta)
-    exact = StickRatio(beta, friction, guess)
+    punch = CoupledPunch(beta=abs(flat.problem.hertz.beta), friction=friction)
+    exact = StickRatio(punch.beta, friction, guess)
     assert flat.stick == pytest.approx(exact, abs=flat.macro)
     # What Goodman's approximation changes is less than that.
     assert exact == pytest.approx(flat.spence.ratio, rel=0.03)
     x, ratio = flat.Ratio()
-    error = ratio - CoupledPunch(beta=beta, friction=friction).HertzFriction(x, guess)
+    error = ratio - punch.HertzFriction(x, guess)
     assert np.abs(error).max() <= 0.015
     assert np.sqrt(np.mean(error**2)) <= 0.006
     # Coupled is better than Goodman's approximation: the difference is seen.

@@ -1,4 +1,4 @@
-"""The paper's Hertz problem and benchmark 1: each step, convergence, frame, units and kinematics.
+"""The paper's Hertz problem and benchmark 1: each step, convergence, kinematics.
 
 Friction raises the pressure at the origin. For half-planes of these materials it does so by 1.8 %
 (the coupled equations of `problems_punch`), here, with a contact width of an eighth of the radius,
@@ -8,6 +8,7 @@ by 1.7 %: most of the 1.9 % by which the paper's result exceeds Hertz' is no err
 import numpy as np
 import pytest
 from case_hertz import (
+    AXIS,
     DISPLACEMENT,
     FORCE,
     FRICTION,
@@ -26,10 +27,9 @@ from hertz import Exact
 from ironing import Quadratic
 from problems_large import Hencky
 
-# Steps (without friction the solution does not depend on the path), pressure at the origin over
-# Hertz' for h -> 0 (from h = 0.125 and finer), and what is allowed for L2 and inner pressures.
-BY_FRICTION = {0.0: (1, 0.999, 0.02, 1e-2), 0.2: (10, 1.016, 0.04, 2.5e-2)}
-AXIS = (0.0, 0.0)
+# Pressure at the origin over Hertz' for h -> 0 (from h = 0.125 and finer), and what is allowed for
+# it on any mesh, for L2 and for inner pressures.
+BY_FRICTION = {0.0: (0.999, 3e-3, 0.02, 1e-2), 0.2: (1.016, 1.9e-2, 0.04, 2.5e-2)}
 
 
 def equilibrium(problem):
@@ -41,17 +41,26 @@ def equilibrium(problem):
     assert max(others, default=0) <= 5
 
 
-@pytest.mark.parametrize("friction", BY_FRICTION)
-@pytest.mark.parametrize("h", [0.5, 0.25])
-def test_pressure_agrees_with_hertz(h, friction):
-    steps, limit, l2, most = BY_FRICTION[friction]
+@pytest.mark.parametrize(
+    ("h", "friction", "steps"),  # without friction the solution does not depend on the path
+    [
+        (0.5, 0.0, 1),
+        (0.5, 0.2, 10),
+        (0.25, 0.0, 1),
+        (0.25, 0.2, 10),
+        pytest.param(0.125, 0.0, 1, marks=pytest.mark.slow),
+        pytest.param(0.125, 0.2, 4, marks=pytest.mark.slow),
+    ],
+)
+def test_pressure_agrees_with_hertz(h, friction, steps):
+    limit, raw, l2, most = BY_FRICTION[friction]
     problem, hertz = Pressed(h=h, friction=friction, steps=steps), Exact()
-    equilibrium(problem)
-    assert len(problem.states) == steps
+    if h > 0.125:  # there the first steps take some iterations more
+        equilibrium(problem)
     macros = problem.states[-1]
     figures = Values(macros)
     assert abs(figures["p0_ratio"] - limit) <= 3e-3 * h
-    assert abs(figures["p0_ratio_raw"] - 1) <= (1.9e-2 if friction else 3e-3)
+    assert abs(figures["p0_ratio_raw"] - 1) <= raw
     assert L2(macros) <= l2 + 0.05 * h
     inner = macros["end"] < 0.8 * hertz.halfwidth
     exact = hertz.MeanPressure(macros["start"], macros["end"])
@@ -62,25 +71,9 @@ def test_pressure_agrees_with_hertz(h, friction):
         assert start <= hertz.halfwidth <= end
         assert 6.1 <= figures["contact_edge"] <= 6.4
         assert figures["contact_edge_estimate"] == pytest.approx(hertz.halfwidth, rel=0.01)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("friction", "steps"), [(0.0, 1), (0.2, 4)])
-def test_pressure_at_the_origin_converges_on_the_finest_mesh(friction, steps):
-    # With friction the path matters little: four steps in place of ten change 1e-4.
-    last = Values(Pressed(h=0.125, friction=friction, steps=steps).states[-1])
-    assert abs(last["p0_ratio"] - BY_FRICTION[friction][1]) <= 3e-3 * 0.125
-
-
-def test_half_load_is_half_of_it():
-    # Hertz' contact is self-similar: p0 grows like the root of the load.
-    states = Pressed(h=0.25, friction=0.2).states
-    half, whole = (Values(state)["p0_ratio"] for state in (states[4], states[-1]))
-    assert states[4]["time"] == pytest.approx(0.5)
-    assert half == pytest.approx(whole, abs=4e-3)
-
-
-# ---------------------------------------------------------------- frame and units
+        if friction:  # Hertz' contact is self-similar: p0 grows like the root of the load
+            half = Values(problem.states[4])["p0_ratio"]
+            assert half == pytest.approx(figures["p0_ratio"], abs=4e-3)
 
 
 def test_springs_against_rolling_carry_no_force():
@@ -91,20 +84,10 @@ def test_springs_against_rolling_carry_no_force():
     assert Values(upright.states[-1])["p0_ratio"] == pytest.approx(1.016, abs=2e-3)
 
 
-# ---------------------------------------------------------------- benchmark 1
-
-
-def test_benchmark_without_friction():
-    smooth = Pressed(h=0.25, friction=0.0, steps=1)
-    assert Below(smooth) == pytest.approx(DISPLACEMENT, rel=5e-4)
-    assert Below(smooth, 1e-9) == pytest.approx(Below(smooth), abs=1e-5)
-    assert Exact().peak == pytest.approx(3585.4, abs=0.1)
-    assert Peak(smooth) == pytest.approx(Exact().peak, rel=3e-3)
-    assert LargestTraction(smooth) <= 1e-10 * Exact().peak
-
-
-def test_benchmark_with_friction():
+def test_benchmark_in_small_strain():
     rough, smooth = Pressed(h=0.5, friction=FRICTION), Pressed(h=0.25, friction=0.0, steps=1)
+    assert Below(smooth) == pytest.approx(DISPLACEMENT, rel=5e-4)
+    assert LargestTraction(smooth) <= 1e-10 * Peak(smooth)
     macros, (peak, traction) = rough.states[-1], INDEPENDENT[FRICTION]
     equilibrium(rough)
     assert Peak(rough) == pytest.approx(peak, rel=2e-3)
@@ -119,10 +102,9 @@ def test_benchmark_with_friction():
 
 @pytest.mark.parametrize("friction", PUBLISHED)
 def test_large_displacements(friction):
-    model, (linear, quadratic) = Large(0.5, friction or None), PUBLISHED[friction]
+    model = Large(0.5, friction or None)
     block = model.At("block", AXIS)[1]
-    assert block == pytest.approx(quadratic, rel=2e-4)
-    assert block == pytest.approx(linear, rel=1.5e-3)
+    assert block == pytest.approx(PUBLISHED[friction][1], rel=2e-4)
     assert model.At("cylinder", AXIS)[1] == pytest.approx(block, abs=5e-5)
     assert model.contact.Force()[1] == pytest.approx(FORCE, rel=1e-8)
     history = model.solver.history

@@ -27,26 +27,24 @@ def Grid(line):
 
 @pytest.mark.parametrize("line", [True, False])
 def test_exact_pressures_have_no_error(line):
-    faces, hertz, exact = Grid(line)
-    figures = Comparison(faces, hertz, exact, exact > 0)
+    figures = Comparison(*Grid(line))
     for name in ("p0_ratio", "p0_ratio_fit", "contact_radius_ratio"):
         assert figures[name] == pytest.approx(1, abs=1e-5)
     assert max(figures["profile_error"], figures["oscillation"]) < 1e-12
     assert figures["second_difference"] == figures["second_difference_exact"] > 0
-    assert 0.8 < figures["contact_edge_interval"][0] <= figures["contact_edge_interval"][1]
 
 
 def test_errors_are_seen():
     faces, hertz, exact = Grid(True)
-    closed, middle = exact > 0, faces.corners.mean(axis=1)
-    scaled = Comparison(faces, hertz, 1.03 * exact, closed)
+    middle = faces.corners.mean(axis=1)
+    scaled = Comparison(faces, hertz, 1.03 * exact)
     assert scaled["p0_ratio"] == pytest.approx(1.03, abs=1e-9)
     assert scaled["profile_error"] == pytest.approx(0.03, abs=1e-9)
-    wide = Comparison(faces, hertz, hertz.peak * Shape(faces, hertz, 1.1 * hertz.halfwidth), closed)
+    wide = Comparison(faces, hertz, hertz.peak * Shape(faces, hertz, 1.1 * hertz.halfwidth))
     assert wide["contact_radius_ratio"] == pytest.approx(1.1, abs=1e-4)
     odd = np.rint(middle[:, 0] / 0.55).astype(int) + (middle[:, 1] > THICKNESS / 2)
-    checkered = exact + 0.1 * hertz.peak * (-1.0) ** odd * closed
-    assert Comparison(faces, hertz, checkered, closed)["oscillation"] > 0.15
+    checkered = exact + 0.1 * hertz.peak * (-1.0) ** odd * (exact > 0)
+    assert Comparison(faces, hertz, checkered)["oscillation"] > 0.15
 
 
 def test_neighbours_and_outlines():
@@ -54,7 +52,6 @@ def test_neighbours_and_outlines():
     number = len(faces.area)  # two rows
     assert len(Neighbours(faces)) == 2 * (number // 2 + 2 * (number // 2 - 1))
     assert len(Outlines(faces)) == len(Neighbours(faces)) // 2
-    assert faces.area.sum() == pytest.approx(3.3 * THICKNESS, rel=1e-6)
     inner = (faces.extent[:, 0] > 0.1) & (faces.extent[:, 1] < 3.2)
     linear = Bends(faces, faces.corners[..., 0].mean(axis=1))[0]
     assert np.abs(Bends(faces, np.ones(number))).max() < 1e-12

@@ -15,20 +15,21 @@ ZONES = OPEN, SLIP, STICK = 0, 2, 1  # in their order along x
 Solved = cache(Solve)
 
 
-@pytest.mark.parametrize("name", [*PLANE, *SLICES])
-def test_displacements_agree_with_the_converged_and_the_published_ones(name):
+@pytest.fixture(params=[*PLANE, *SLICES], scope="module")
+def name(request):
+    return request.param
+
+
+def test_displacements_agree_with_the_converged_ones(name):
     solution = Solved(name)
     errors = GRECO_SLAB.Errors(solution.displacement)
     assert np.abs(errors).max() <= (3e-3 if name in SLICES else 5e-3)
-    errors = GRECO_SLAB.Errors(solution.displacement, reference="published")
-    assert np.abs(errors).max() <= 5e-2
     # The slice is plane: exactly so on cells that do not change across it.
     size = np.abs(solution.displacement).max()
     tolerance = 1e-12 if name.startswith("hex") else 1e-3
     assert np.abs(solution.across - solution.displacement).max() <= tolerance * size
 
 
-@pytest.mark.parametrize("name", [*PLANE, *SLICES])
 def test_zones_are_open_slip_stick_with_ends_within_one_macro_element(name):
     table = Solved(name).table
     status, x = table["status"], table["x"][:, 0]
@@ -40,7 +41,6 @@ def test_zones_are_open_slip_stick_with_ends_within_one_macro_element(name):
         assert last - (first - last) / 2 <= end <= first + (first - last) / 2
 
 
-@pytest.mark.parametrize("name", [*PLANE, *SLICES])
 def test_contact_carries_the_top_pressure_within_the_friction_bound(name):
     solution, table = Solved(name), Solved(name).table
     top = GRECO_SLAB.top_pressure * GRECO_SLAB.width * (SLICE if name in SLICES else 1)
@@ -58,18 +58,18 @@ def test_contact_carries_the_top_pressure_within_the_friction_bound(name):
     assert np.all(table["gap"][opens] > 0)
 
 
-@pytest.mark.parametrize("name", ["P2", "hex P1bubble"])
-def test_several_steps_give_the_same_as_one(name):
+@pytest.mark.parametrize("space", ["P2", "hex P1bubble"])
+def test_several_steps_give_the_same_as_one(space):
     """Without an initial gap the solution is proportional to the load."""
-    one, more = Solved(name), Solve(name, steps=3)
+    one, more = Solved(space), Solve(space, steps=3)
     np.testing.assert_allclose(more.displacement, one.displacement, rtol=1e-8)
     np.testing.assert_array_equal(more.table["status"], one.table["status"])
 
 
-@pytest.mark.parametrize("name", ["P1bubble", "P2", "hex P1bubble"])
-def test_millimetres_and_megapascals_give_the_same_as_si_units(name):
+@pytest.mark.parametrize("space", ["P2", "hex P1bubble"])
+def test_millimetres_and_megapascals_give_the_same_as_si_units(space):
     """Also iteration by iteration: nothing in the method has an absolute size."""
-    si, mm = Solved(name), Solve(name, length=1e3, stress=1e-6)
+    si, mm = Solved(space), Solve(space, length=1e3, stress=1e-6)
     np.testing.assert_allclose(mm.displacement, si.displacement, rtol=1e-9)
     size = 1e-9 * GRECO_SLAB.top_pressure
     np.testing.assert_allclose(mm.table["pressure"] * 1e6, si.table["pressure"], atol=size)
