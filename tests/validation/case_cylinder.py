@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from elasticity import Material, Pair
+from elasticity import Material, Pair, Sorted
 from ngsolve import Integrate, Parameter, VectorH1, ds, dx, y
 from problems_punch import CoupledPunch, StickRatio
 from report_bounds import Element, Means, MeshSpread, Tolerance
@@ -99,7 +99,7 @@ class Macros:
 
     @classmethod
     def Of(cls, table, *, half):
-        table = {name: values[np.argsort(table["x"][:, 0])] for name, values in table.items()}
+        table = Sorted(table)
         arc = np.concatenate([[0.0], np.cumsum(table["fullarea"])])
         nodes = RADIUS * np.sin((arc if half else arc - arc[-1] / 2) / RADIUS)
         normal, traction = table["normal"], table["traction"]

@@ -140,8 +140,8 @@ def Follow(model, motion, *, end, steps):
     values, falls = {}, []
 
     def Record(step):
-        table = model.contact.Table()
-        closed = table["x"][table["status"] > 0, 0]
+        x, status = (model.contact.Table()[name] for name in ("x", "status"))
+        closed = x[status > 0, 0]
         values[round(step.time, 6)] = {
             "PA": model.At("block", PA),
             "PB": model.At("block", PB),

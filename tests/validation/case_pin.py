@@ -13,20 +13,18 @@ import math
 from functools import cache
 from itertools import count
 
-import numpy as np
-from netgen.occ import ArcOfCircle, Pnt, Segment
 from ngsolve import VectorH1
 from problems_large import Model, SaintVenant, Small
 from report_bounds import Spread, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import Bodies, Figure
 
-from ngslac.meshes.geometry import Body, GenerateMesh, Side
+from ngslac.meshes import CheckNonMatching
+from ngslac.meshes.geometry import Arc, Body, GenerateMesh, Line
 
 YOUNG = {"pin": 210e3, "sheet": 70e3}  # MPa
 FORCE = 10e3  # N/mm
 MIDDLE, RADIUS, OUTER = 200.0, 50.0, 100.0
-
 
 # Displacements of the sheet where the pin pushes, and of the pin at its back, mm: code_aster with
 # quadratic and linear elements (SSNP156), in small strain; without friction linear ones (CONT014).
@@ -35,35 +33,23 @@ PUSHED, BEHIND = (250.0, 0.0), (150.0, 0.0)
 
 
 @cache
-def PinMesh(slave, order=2):
+def PinMesh(slave):
     """Mesh with `slave` edges on the pin, and fewer on the hole (coprime numbers)."""
     master = next(n for n in count(3 * slave // 4) if math.gcd(slave, n) == 1)
-    mesh = GenerateMesh(
-        [_Pin(slave), _Sheet(master)], order=order, maxh=2.5 * RADIUS * math.pi / slave, grading=0.3
-    )
-    CheckAngles(mesh)
+    bodies, size = [_Pin(slave), _Sheet(master)], 2.5 * RADIUS * math.pi / slave
+    mesh = GenerateMesh(bodies, order=2, maxh=size, grading=0.3)
+    CheckNonMatching(mesh, slave="pin", master="hole")
     return mesh
 
 
-def _Point(radius, angle):
-    return Pnt(MIDDLE - radius * math.cos(angle), radius * math.sin(angle), 0)
-
-
-def _Arc(radius, angles):
-    return ArcOfCircle(*(_Point(radius, angle) for angle in angles))
+def _Round(radius):
+    return lambda angle: (MIDDLE - radius * math.cos(angle), radius * math.sin(angle))
 
 
 def _Pin(edges):
-    middle, (left, right) = Pnt(MIDDLE, 0, 0), (_Point(RADIUS, 0), _Point(RADIUS, math.pi))
-    arc = _Arc(RADIUS, (math.pi, math.pi / 2, 0))
-    pin = Body(
-        [
-            Side(Segment(left, middle), "axis"),
-            Side(Segment(middle, right), "axis"),
-            Side(arc, "pin", edges),
-        ],
-        "pin",
-    )
+    middle, left, right = (MIDDLE, 0), _Round(RADIUS)(0), _Round(RADIUS)(math.pi)
+    arc = Arc(_Round(RADIUS), math.pi, 0, "pin", edges)
+    pin = Body([Line(left, middle, "axis"), Line(middle, right, "axis"), arc], "pin")
     for vertex in pin.vertices:
         if abs(vertex.p.x - MIDDLE) < 1e-6 and abs(vertex.p.y) < 1e-6:
             vertex.name = "load"
@@ -71,45 +57,25 @@ def _Pin(edges):
 
 
 def _Sheet(edges):
-    corners = Pnt(MIDDLE, OUTER, 0), Pnt(0, OUTER, 0), Pnt(0, 0, 0)
-    end = Pnt(MIDDLE + OUTER, 0, 0)
-    return Body(
-        [
-            Side(_Arc(RADIUS, (0, math.pi / 2, math.pi)), "hole", edges),
-            Side(Segment(_Point(RADIUS, math.pi), end), "axis"),
-            Side(_Arc(OUTER, (math.pi, 0.75 * math.pi, math.pi / 2)), "free"),
-            Side(Segment(corners[0], corners[1]), "free"),
-            Side(Segment(corners[1], corners[2]), "fixed"),
-            Side(Segment(corners[2], _Point(RADIUS, 0)), "axis"),
-        ],
-        "sheet",
-    )
-
-
-def CheckAngles(mesh):
-    """Nodes of pin and hole coincide at the ends of the arcs only."""
-    angles = []
-    for name in ("pin", "hole"):
-        numbers = {v.nr for el in mesh.Boundaries(name).Elements() for v in el.vertices}
-        points = np.array([mesh.vertices[nr].point for nr in numbers]) - (MIDDLE, 0)
-        assert np.allclose(np.hypot(*points.T), RADIUS, atol=1e-9)
-        angles.append(np.sort(np.arctan2(points[:, 1], -points[:, 0]))[1:-1])
-    distance = np.abs(angles[0][:, None] - angles[1][None, :])
-    assert distance.min() > 1e-4 * math.pi / len(angles[0])
-
-
-def Pin(mesh, *, slave="pin", energy=SaintVenant, friction=None, finite=True):
-    """The discrete problem; the load 1 is the full force."""
-    V = VectorH1(mesh, order=2, dirichletx="fixed", dirichlety="fixed|axis")
-    sides = {"slave": slave, "master": "hole" if slave == "pin" else "pin"}
-    law = {"friction": friction, "finite": finite, "forces": {"load": (FORCE, 0.0)}}
-    return Model(V, energy, YOUNG, **sides, **law)
+    left, right = _Round(RADIUS)(0), _Round(RADIUS)(math.pi)
+    sides = [
+        Arc(_Round(RADIUS), 0, math.pi, "hole", edges),
+        Line(right, (MIDDLE + OUTER, 0), "axis"),
+        Arc(_Round(OUTER), math.pi, math.pi / 2, "free"),
+        Line((MIDDLE, OUTER), (0, OUTER), "free"),
+        Line((0, OUTER), (0, 0), "fixed"),
+        Line((0, 0), left, "axis"),
+    ]
+    return Body(sides, "sheet")
 
 
 @cache
-def Pushed(edges, steps=1, **options):
+def Pushed(edges, steps=1, *, slave="pin", energy=SaintVenant, friction=None, finite=True):
     """The problem, solved, and after each step the front of the sheet and what is closed."""
-    model, states = Pin(PinMesh(edges), **options), []
+    V = VectorH1(PinMesh(edges), order=2, dirichletx="fixed", dirichlety="fixed|axis")
+    sides = {"slave": slave, "master": "hole" if slave == "pin" else "pin"}
+    law = {"friction": friction, "finite": finite, "forces": {"load": (FORCE, 0.0)}}
+    model, states = Model(V, energy, YOUNG, **sides, **law), []
 
     def Record(_):
         closed = model.contact.Table()["status"] > 0

@@ -70,14 +70,12 @@ def Penalty(h, depth, steps, factor):
 
 
 def EnergyError(approach, force, energy):
-    """Error of the work of the force relative to the energy gained; NaN of too few steps.
+    """Error of the work of the force relative to the energy gained.
 
     By Simpson's rule over pairs of equal steps. The first pair starts at rest, where the slope of
     the force is not smooth: the work is counted from its end on.
     """
     n = (len(force) - 2) // 2 * 2
-    if n < 2:
-        return float("nan")
     d, f, w = (np.asarray(values)[-n - 1 :] for values in (approach, force, energy))
     weights = np.ones(n + 1)
     weights[1:-1:2], weights[2:-1:2] = 4, 2

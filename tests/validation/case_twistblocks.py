@@ -17,16 +17,6 @@ HALF = math.radians(TURN / 2)
 MIDDLES = 0.25 * math.sqrt(2) / MEAN_DISTANCE  # of four faces, over the whole square
 
 
-def FrictionTorque(table, friction):
-    """Torque of the friction on macro-elements that all slip about the z axis.
-
-    Their tractions are friction times pressure, at right angles to the distance from the axis;
-    that is taken at the middle of each (N mm for MPa and mm).
-    """
-    distance = np.linalg.norm(table["x"][:, :2], axis=1)
-    return friction * float(table["area"] * table["pressure"] @ distance)
-
-
 def TangentialTorque(table):
     """Torque of the tangential tractions alone, taken at the middles of the macro-elements.
 
@@ -65,7 +55,6 @@ class Measured:
         contact, history = self.blocks.contact, self.blocks.stepper.solver.history
         self.table = table = contact.Table()
         rigid = self.blocks.bodies.Mask().NumSet() == 1
-        friction = FrictionTorque(table, self.blocks.friction)
         torque = contact.Moment((0, 0, 0))[2]
         self.rows.append(
             {
@@ -73,7 +62,6 @@ class Measured:
                 "balance": self._Balance("lower_.*" if rigid else "lower_bottom"),
                 "symmetry_error": SymmetryError(table, self.reference, self.n),
                 "sideways": float(np.abs(contact.Force()[:2]).max()),
-                "friction_ratio": -torque / friction,
                 "tangential_share": TangentialTorque(table) / torque,
                 # By friction in this step, N mm.
                 "dissipated": -float(table["area"] @ np.sum(table["traction"] * table["slip"], 1)),

@@ -112,10 +112,10 @@ class Model:
     def displacement(self):
         return self.solver.gf.components[0]
 
-    def Run(self, *, steps, end=1.0, prescribe=None, callback=None, printing=False):
+    def Run(self, *, steps, end=1.0, prescribe=None, callback=None):
         """Raise the load to `end`; returns the steps."""
         stepper = LoadStepper(self.solver, self.load, prescribe=prescribe)
-        return stepper.Integrate(end, steps=steps, callback=callback, printing=printing)
+        return stepper.Integrate(end, steps=steps, callback=callback, printing=False)
 
     def At(self, material, point):
         """Displacement of the vertex of a body at `point`."""

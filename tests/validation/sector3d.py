@@ -14,19 +14,10 @@ __all__ = ["SectorMesh", "SliceMesh"]
 
 
 def SectorMesh(plane, angle):
-    """The sector 0 <= theta <= angle (radians) of the body whose half section is `plane`.
+    """The sector 0 <= theta <= angle (radians) of the body whose half section (r, z) is `plane`.
 
-    Parameters
-    ----------
-    plane : ngsolve.Mesh
-        Triangles in the (r, z) plane, r >= 0. Materials and boundaries keep their names; those on
-        the axis vanish.
-    angle : float
-
-    Returns
-    -------
-    ngsolve.Mesh
-        With the boundaries "front" (y = 0) and "oblique" (theta = angle) in addition.
+    Materials and boundaries of that mesh keep their names, but those on the axis vanish; "front"
+    (y = 0) and "oblique" (theta = angle) are new.
     """
 
     def Ends(r, z):
@@ -90,14 +81,10 @@ def _Counterclockwise(triangle, at):
 
 def _Cell(a, moved, axis):
     """Vertex numbers of the swept triangle, orientation as in `Cells` (first face from inside)."""
-    b = [int(moved[i]) for i in a]
-    on = [k for k in range(3) if axis[a[k]]]
-    if not on:  # (r, z) counter-clockwise is seen from -y: y grows away from there
-        return (a[0], a[1], a[2], b[0], b[1], b[2])
-    if len(on) == 1:
-        k = on[0]
-        i, j = (k + 1) % 3, (k + 2) % 3
-        return (a[i], b[i], b[j], a[j], a[k])
-    k = next(k for k in range(3) if k not in on)
-    i, j = (k + 1) % 3, (k + 2) % 3
-    return (a[k], a[i], a[j], b[k])
+    on = [bool(axis[nr]) for nr in a]
+    first = on.index(sum(on) == 1) if any(on) else 0  # the vertex that is unlike the others
+    i, j, k = a[first:] + a[:first]
+    p, q, r = (int(moved[nr]) for nr in (i, j, k))
+    if not any(on):  # (r, z) counter-clockwise is seen from -y: y grows away from there
+        return (i, j, k, p, q, r)
+    return (j, q, r, k, i) if sum(on) == 1 else (i, j, k, p)

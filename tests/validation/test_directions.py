@@ -55,26 +55,22 @@ def test_no_direction_is_special(blocks, angle):
 
 def test_friction_as_function_of_the_position():
     """Stick on one side, slip on the other, with the mean coefficient of each macro-element."""
-    friction = IfPos(x - 0.5, 5.0, 0.1 + 0.2 * y)
-    blocks = ShearedBlocks(friction=friction)
+    blocks = ShearedBlocks(friction=IfPos(x - 0.5, 5.0, 0.1 + 0.2 * y))
     blocks.Shear(Direction(0.4), stress=0.4 * PRESSURE)
     status, middle = blocks.table["status"], blocks.table["x"]
-    assert np.all(status[middle[:, 0] < 0.4] == SLIP)
+    left = middle[:, 0] < 0.4
+    assert np.all(status[left] == SLIP)
     assert np.all(status[middle[:, 0] > 0.6] == STICK)
     AssertCoulomb(blocks)
-    left = middle[:, 0] < 0.4
-    size = np.linalg.norm(blocks.tangential, axis=1)
-    ratio = (size / blocks.table["pressure"])[left]
+    ratio = (np.linalg.norm(blocks.tangential, axis=1) / blocks.table["pressure"])[left]
     assert ratio == pytest.approx(0.1 + 0.2 * middle[left, 1], rel=1e-10)
     assert np.ptp(ratio) > 0.1
     # A linear function has its mean in the centroid; over all faces the means are the integral.
-    slave = blocks.mesh.Boundaries("slave")
-    total = blocks.table["friction"] @ blocks.table["fullarea"]
-    assert total == pytest.approx(Integrate(friction, slave, order=4), rel=0.05)
-    linear = Integrate(CF(0.1 + 0.2 * y), slave)
-    other = ShearedBlocks(friction=0.1 + 0.2 * y)
+    linear = 0.1 + 0.2 * y
+    other = ShearedBlocks(friction=linear)
     other.Shear((1, 0))
-    assert other.table["friction"] @ other.table["fullarea"] == pytest.approx(linear, rel=1e-12)
+    total = Integrate(CF(linear), other.mesh.Boundaries("slave"))
+    assert other.table["friction"] @ other.table["fullarea"] == pytest.approx(total, rel=1e-12)
 
 
 def test_friction_as_parameter():
@@ -82,19 +78,15 @@ def test_friction_as_parameter():
     friction = Parameter(0.2)
     blocks = ShearedBlocks(friction=friction)
     along = Direction(2.2)
-    blocks.Shear(along, stress=0.2 * PRESSURE, slip=1e-3)
-    assert set(blocks.table["status"]) == {SLIP}
-    assert np.abs(blocks.tangential - 0.2 * PRESSURE * along).max() <= 1e-10 * PRESSURE
-    blocks.Commit()
-    friction.Set(0.5)
-    blocks.Shear(along, stress=0.4 * PRESSURE, slip=1e-3)
-    assert set(blocks.table["status"]) == {STICK}
-    assert np.all(blocks.table["friction"] == 0.5)
-    assert np.abs(blocks.tangential - 0.4 * PRESSURE * along).max() <= 1e-10 * PRESSURE
-    blocks.Commit()
-    across = Direction(2.2 + np.pi / 2)
+    for value, stress, status in ((0.2, 0.2 * PRESSURE, SLIP), (0.5, 0.4 * PRESSURE, STICK)):
+        friction.Set(value)
+        blocks.Shear(along, stress=stress, slip=1e-3)
+        assert set(blocks.table["status"]) == {status}
+        assert blocks.table["friction"] == pytest.approx(value, rel=1e-14)
+        assert np.abs(blocks.tangential - stress * along).max() <= 1e-10 * PRESSURE
+        blocks.Commit()
     friction.Set(0.1)
-    blocks.Shear(across, stress=0.1 * PRESSURE, slip=1e-3)
+    blocks.Shear(Direction(2.2 + np.pi / 2), stress=0.1 * PRESSURE, slip=1e-3)
     assert SLIP in blocks.table["status"]
     AssertCoulomb(blocks)
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from case_twistblocks import HALF, MIDDLES, TURN, FrictionTorque, Measured, SymmetryError
+from case_twistblocks import HALF, MIDDLES, TURN, Measured, SymmetryError
 from twistblocks import MEAN_DISTANCE
 
 
@@ -21,14 +21,6 @@ def test_every_step_converges_in_one_piece(figures):
     assert figures["quadratic_steps"] == 6
 
 
-def test_forces_and_moments_balance_in_a_symmetric_picture(figures):
-    """The tractions act on both sides of the gap, which vanishes on the average only."""
-    most = {"force_upper": 1e-9, "force_both": 1e-9, "torque_upper": 1e-9, "torque_both": 1e-3}
-    assert [name for name, bound in most.items() if not figures["balance"][name] < bound] == []
-    assert figures["sideways"] < 1e-9 * figures["force"][-1]
-    assert figures["symmetry_error"] < 1e-8
-
-
 def test_slip_becomes_steady(figures):
     """Turning as a whole on a plane the block keeps its deformed shape: large rotations, slip."""
     torque, force = figures["torque"], figures["force"]
@@ -36,6 +28,7 @@ def test_slip_becomes_steady(figures):
     assert np.all(change[1:] < 0.15 * change[:-1])
     assert change[-1] < 1e-4
     assert force[-1] == pytest.approx(force[-2], rel=1e-4)
+    assert figures["sideways"] < 1e-9 * force[-1]
     assert [row[2] for row in figures["status"]][1:] == [4, 4, 4]
 
 
@@ -44,21 +37,20 @@ def test_torque_is_close_to_that_of_a_flat_punch_and_its_work_is_dissipated(figu
     by its middles alone, and the friction tilts the faces."""
     assert pytest.approx(0.924, abs=1e-3) == MIDDLES
     assert figures["punch_ratio"][-1] == pytest.approx(MIDDLES, rel=0.08)
-    assert figures["friction_ratio"][-1] == pytest.approx(math.cos(HALF), rel=0.08)
     assert figures["dissipation_ratio"] == pytest.approx(math.tan(HALF) / HALF, rel=2e-3)
     # The rest of the torque is the pressure, whose direction is not quite that of the plane.
     assert figures["tangential_share"][-1] == pytest.approx(1.0, abs=0.01)
     assert sum(figures["dissipated"]) > 0
 
 
-def test_elastic_lower_block():
-    """Two deformable blocks: the balances hold, the torque is nearly that on the plane."""
-    figures = Measured(2, 2, angle=45.0).figures
-    assert len(figures["angle"]) == 2
-    assert figures["balance"]["force_both"] < 1e-9
-    assert figures["balance"]["torque_both"] < 2e-3
-    assert figures["symmetry_error"] < 1e-8
-    assert 0.8 < figures["punch_ratio"][-1] < 1.0
+def test_balance_on_both_sides_of_the_gap(figures):
+    """It vanishes on the average only. Two deformable blocks have nearly the torque of one."""
+    elastic = Measured(2, 2, angle=45.0).figures
+    assert figures["balance"]["torque_both"] < 1e-3
+    assert elastic["balance"]["torque_both"] < 2e-3
+    assert elastic["balance"]["force_both"] < 1e-9
+    assert elastic["symmetry_error"] < 1e-8
+    assert 0.8 < elastic["punch_ratio"][-1] < 1.0
 
 
 def test_mean_distance_of_a_square():
@@ -67,10 +59,7 @@ def test_mean_distance_of_a_square():
     assert pytest.approx(distance, rel=1e-5) == MEAN_DISTANCE
 
 
-def test_figures_of_a_made_up_table():
+def test_symmetry_of_a_made_up_table():
     x = np.array([[0.25, 0.25, 0], [-0.25, 0.25, 0], [0.25, -0.25, 0], [-0.25, -0.25, 0]])
-    table = {"x": x, "area": np.full(4, 0.25), "pressure": np.full(4, 2.0)}
-    assert FrictionTorque(table, 0.5) == pytest.approx(0.5 * 2.0 * 0.25 * math.sqrt(2))
-    assert SymmetryError(table, x, 2) == 0
-    table["pressure"] = np.array([2.0, 1.0, 2.0, 2.0])
-    assert SymmetryError(table, x, 2) == 0.5
+    assert SymmetryError({"pressure": np.full(4, 2.0)}, x, 2) == 0
+    assert SymmetryError({"pressure": np.array([2.0, 1.0, 2.0, 2.0])}, x, 2) == 0.5
