@@ -40,6 +40,10 @@ LOGARITHMIC = {
     None: {0.4: (-4.29574, -0.06323), 0.6: (-2.48392, -5.25683)},
     0.5: {0.4: (-4.38098, -0.01923), 0.6: (-2.94209, -5.46777)},
 }
+COMPARED = {
+    None: [(0.4, "PA"), (0.6, "PA"), (0.6, "PB")],
+    0.5: [(0.4, "PA"), (0.6, "PB")],
+}
 # Variant c: LAC, no friction, linear elasticity in the updated configuration.
 UPDATED = {0.4: (-4.38954, -0.06968), 0.6: (-2.86806, -4.74671)}
 # Order 2 with edges of 2.1 mm, here: time -> DY of PA, DY of PB.
@@ -47,7 +51,7 @@ FINE = {0.4: (-2.0419, -0.0252), 0.6: (-0.2648, -3.6671)}
 PA, PB = (0.0, 50.0), (200.0 / 3, 50.0)  # points of the block's top
 
 
-def RingMesh(h=4.2, *, order=2):
+def RingMesh(h):
     """Mesh of triangles with the edge length h along both contact sides."""
     geometry = SplineGeometry()
     _Block(geometry, h)
@@ -55,7 +59,7 @@ def RingMesh(h=4.2, *, order=2):
     for number, name in enumerate(YOUNG, start=1):
         geometry.SetMaterial(number, name)
     mesh = Mesh(geometry.GenerateMesh(maxh=3 * h, grading=0.3))
-    mesh.Curve(order)
+    mesh.Curve(2)
     return mesh
 
 
@@ -69,49 +73,43 @@ def _Block(geometry, h):
 
 
 def _Ring(geometry, h):
-    lower, corner, upper = (
-        [geometry.AppendPoint(x, y) for x, y in ends]
-        for ends in (
-            [(0, CENTRE - r) for r in RADII],
-            [(r, CENTRE - r) for r in RADII],
-            [(r, CENTRE) for r in RADII],
-        )
-    )
-    for k, name in enumerate(("inside", "layer", "master")):
-        left = (0, 1, 2)[k], (1, 2, 0)[k]  # domains inside and outside of the arc
-        arc = ["spline3", lower[k], corner[k], upper[k]]
-        geometry.Append(arc, leftdomain=left[0], rightdomain=left[1], bc=name, maxh=0.9 * h)
+    rings = [((0, CENTRE - r), (r, CENTRE - r), (r, CENTRE)) for r in RADII]
+    rings = [
+        [geometry.AppendPoint(*point) for point in points] for points in zip(*rings, strict=True)
+    ]
+    lower, _, upper = rings
+    # The domains inside and outside of each arc.
+    domains = {"inside": (0, 1), "layer": (1, 2), "master": (2, 0)}
+    for name, (left, right), *arc in zip(domains, domains.values(), *rings, strict=True):
+        spline = ["spline3", *arc]
+        geometry.Append(spline, leftdomain=left, rightdomain=right, bc=name, maxh=0.9 * h)
     for k in (0, 1):
-        for line, name, inside in ((lower, "sym", 0), (upper, "driven", 1)):
-            sides = (k + 1, 0) if inside == 0 else (0, k + 1)
-            ends = ["line", line[k + 1], line[k]]
-            geometry.Append(ends, leftdomain=sides[1], rightdomain=sides[0], bc=name)
+        below, above = (["line", ends[k + 1], ends[k]] for ends in (lower, upper))
+        geometry.Append(below, leftdomain=0, rightdomain=k + 1, bc="sym")
+        geometry.Append(above, leftdomain=k + 1, rightdomain=0, bc="driven")
 
 
-def QuadMesh(columns=15, rows=6):
+def QuadMesh():
     """The mesh of code_aster, half of it: quadrilaterals with straight edges, one per layer."""
     ngmesh = NetgenMesh(dim=2)
-    angle = np.linspace(0, np.pi / 2, columns + 1)
+    angle, x = np.linspace(0, np.pi / 2, 16), np.linspace(0, WIDTH, 16)
     arcs = [np.column_stack([r * np.sin(angle), CENTRE - r * np.cos(angle)]) for r in RADII[::-1]]
-    x = np.linspace(0, WIDTH, columns + 1)
-    levels = [np.column_stack([x, np.full_like(x, y)]) for y in np.linspace(0, HEIGHT, rows + 1)]
-    _Grid(ngmesh, levels, ["block"] * rows, ["bottom", "side", "slave", "sym"])
+    levels = [np.column_stack([x, np.full_like(x, y)]) for y in np.linspace(0, HEIGHT, 7)]
+    _Grid(ngmesh, levels, ["block"] * 6, ["bottom", "side", "slave", "sym"])
     _Grid(ngmesh, arcs, ["outer", "inner"], ["master", "driven", "inside", "sym"])
     return Mesh(ngmesh)
 
 
 def _Grid(ngmesh, points, bodies, names):
     """Quadrilaterals between rows of points; names of the sides: first row, right, last, left."""
-    node = np.array(
-        [[ngmesh.Add(MeshPoint(Pnt(x, y, 0))) for x, y in row] for row in points], dtype=object
-    )
-    for i, body in enumerate(bodies):
+    add = [[ngmesh.Add(MeshPoint(Pnt(*point, 0))) for point in row] for row in points]
+    node = np.array(add, dtype=object)
+    for low, high, body in zip(node, node[1:], bodies, strict=False):
         domain = _Region(ngmesh, body, 2)
-        for a, b, c, d in zip(node[i], node[i, 1:], node[i + 1, 1:], node[i + 1], strict=False):
+        for a, b, c, d in zip(low, low[1:], high[1:], high, strict=False):
             ngmesh.Add(Element2D(domain, [a, b, c, d]))
-    for name, chain in zip(
-        names, (node[0], node[:, -1], node[-1, ::-1], node[::-1, 0]), strict=True
-    ):
+    sides = node[0], node[:, -1], node[-1, ::-1], node[::-1, 0]
+    for name, chain in zip(names, sides, strict=True):
         for ends in pairwise(chain):
             ngmesh.Add(Element1D([*ends], index=_Region(ngmesh, name, 1)))
 
@@ -173,18 +171,15 @@ def OnTriangles(h, end, steps):
 
 def _OnThePublishedMesh(frictions):
     """Those of both points that are published without friction, or beside it at the end."""
-    rows = []
+    rows, places = [], {"PA": "middle of the block", "PB": "beside it"}
     for friction in frictions:
-        values = OnQuads(friction)
         text = "published mesh, " + (f"friction {friction:g}" if friction else "frictionless")
-        for time, published in LOGARITHMIC[friction].items():
-            for k, (point, name) in enumerate((("PA", "middle of the block"), ("PB", "beside it"))):
-                if (time != 0.4 and friction is not None) if k == 0 else time != 0.6:
-                    continue
-                value, other = LOGARITHMIC[None][time][k], UPDATED[time][k]
-                variants = Spread(value, [other], f"{value:.4g} and {other:.4g}, frictionless")
-                found, what = values[time][point][1], f"{text}: {name} at t = {time:g}"
-                rows.append(Row(what, found, published[k], variants, "mm"))
+        for time, point in COMPARED[friction]:
+            k, what = int(point == "PB"), f"{text}: {places[point]} at t = {time:g}"
+            value, other = LOGARITHMIC[None][time][k], UPDATED[time][k]
+            variants = Spread(value, [other], f"{value:.4g} and {other:.4g}, frictionless")
+            found = OnQuads(friction)[time][point][1]
+            rows.append(Row(what, found, LOGARITHMIC[friction][time][k], variants, "mm"))
     return rows
 
 
