@@ -80,7 +80,7 @@ Projection<D> MacroLaw<D>::ProjectWithMemory(size_t m, const MacroPlace<D> & pla
   auto p = Project(data, trial);
   if (p.status == Status::slip && max(data.friction, data.threshold) > 0)
     now = trial - InnerProduct(trial, place.normal) * place.normal;
-  if (InnerProduct(now, direction[m]) > 0) {
+  if (InnerProduct(now, direction[m]) < 0) {
     p = Sticking(trial);
     now = 0.0;
   }

@@ -160,6 +160,14 @@ def test_loose_block_under_a_tool_that_comes_down(steps):
     assert force > 0
 
 
+@pytest.mark.parametrize("friction", [None, 0.3])
+def test_block_that_nothing_pushes_stays_in_the_air(friction):
+    mesh = blocks((-1, -1, 1, 0, 0.5), (-0.5, 0.02, 0.5, 0.6, 0.35))
+    p = problem(mesh, ON_BASE, None, held="low0", friction=friction)
+    p.solver.Solve(printing=False)
+    assert np.abs(p.gf.vec.FV().NumPy()).max() < 1e-12
+
+
 @pytest.mark.parametrize("size", [1e-4, 1e-10, 1e-16])
 def test_force_is_that_of_the_load_however_small(size):
     mesh = blocks((0, -1, 1, 0, 0.35), (0, 1e-12, 1, 1, 0.26))
