@@ -80,6 +80,7 @@ A, B = Parameter(1), Parameter(2)
 REFUSED = [
     ("LoadState(file, tool.solver, also={'a': A, 'b': B})", "another tool"),
     ("LoadState(file, cubic, also={'a': A, 'b': B})", "another displacement and mesh"),
+    ("LoadState(file, wide, also={'a': A, 'b': B})", "another displacement and mesh"),
     ("LoadState(file, tool, also={'c': A})", "names in also"),
     ("LoadState(file, tool, also={'a': A, 'b': tool.solver.gf})", "another kind or size of b"),
     ("LoadState(file, finite, also={'a': A, 'b': B})", "another kind of contact: small .* finite"),
@@ -94,9 +95,11 @@ def test_what_does_not_fit_is_refused_and_changes_nothing(tmp_path):
     tool = continued.half(continued.loading(nonlinear=False))
     finite = continued.half(continued.loading(nonlinear=False, finite=True))
     cubic = continued.loading(nonlinear=False, order=3)
+    wide = continued.loading(nonlinear=False)
+    wide.solver.gf.space.mesh.ngmesh.Scale(1.01)  # same elements
     SaveState(tmp_path / "state", tool, also={"a": A, "b": B})
     names = {"tool": tool, "finite": finite, "cubic": cubic, "file": tmp_path / "state"}
-    names |= {"deformed": deformed, "A": A, "B": B}
+    names |= {"wide": wide, "deformed": deformed, "A": A, "B": B}
     before = seen(tool), seen(finite)
     for row in REFUSED:
         check_refused(row, **names)
