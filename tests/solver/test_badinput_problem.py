@@ -263,6 +263,6 @@ def test_reactions_of_a_solution_as_loads():
 
 def test_sizes_whose_squares_are_no_numbers():
     for size in (1e-200, 1.0, 1e200):
-        assert Norm(np.array([3 * size, -4 * size, 0])) == pytest.approx(5 * size, rel=1e-15)
+        assert Norm(np.array([3 * size, -4 * size, 0])) == pytest.approx(5 * size, rel=1e-15, abs=0)
     assert Norm(np.array([1, np.inf])) == np.inf
     assert np.isnan(Norm(np.array([1, np.nan])))
