@@ -2,6 +2,7 @@
 
 import os
 
+import pytest
 from pairwise import MarkFull
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -19,5 +20,7 @@ def pytest_collection_modifyitems(items):
     def Rank(item):
         return 0 if item.path.parent.name == "tutorials" else 1 + (item.path.name != "test_site.py")
 
+    if changing := [item.nodeid for item in items if " at 0x" in item.nodeid]:
+        raise pytest.UsageError(f"{changing[0]} has another name in each process: give it an id")
     items.sort(key=Rank)
     MarkFull(items)
