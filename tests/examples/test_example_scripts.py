@@ -100,7 +100,6 @@ RUNS = [
 @pytest.mark.parametrize(
     ("name", "options", "figures", "printed", "files"),
     RUNS,
-    ids=lambda value: value[:40] if isinstance(value, str) else None,
 )
 def test_numbers_and_files(name, options, figures, printed, files, tmp_path, capsys):
     pytest.importorskip("matplotlib")
