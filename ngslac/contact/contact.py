@@ -83,7 +83,6 @@ class LACContact:
         not known for ``finite=True`` without friction), unit normal out of the slave.
     space : LACSpace
     master : Region or None
-    form : the compiled form
 
     Raises
     ------

@@ -79,9 +79,6 @@ class ContactSolver:
     ----------
     history : list[Iteration]
         Of the last `Solve`.
-    linear :
-        How linear systems are solved; ``print(solver.linear)`` says it. ``linear.factorisations``
-        and ``linear.krylov`` count factorisations and iterations.
 
     Raises
     ------
@@ -147,7 +144,10 @@ class ContactSolver:
 
     @property
     def linear(self) -> LinearSolver:
-        """How linear systems are solved, see above."""
+        """How linear systems are solved; ``print(solver.linear)`` says it.
+
+        ``linear.factorisations`` and ``linear.krylov`` count factorisations and iterations.
+        """
         return self.system.linear
 
     def Solve(
