@@ -138,7 +138,7 @@ template <int D>
 shared_ptr<SparseMatrix<double>> Form<D>::Penalized() const {
   Array<double> penalties(states.Size());
   for (size_t m : Range(penalties))
-    penalties[m] = law->c[m] / RowArea(m);
+    penalties[m] = law->c[m] / kinematics->Jump().RowArea(m);
   return EliminateMultipliers(*mat, law->dofs, D, penalties);
 }
 
@@ -167,7 +167,7 @@ void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
     if (!macros.Test(m) || place.area == 0)
       continue;
     // just enough for a positive trial pressure
-    double size = pow(place.fullarea, 1.0 / (D - 1));
+    double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
     double pressure = law->c[m] * (fabs(place.gap) + 1e-6 * size);
     Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
     pressure /= 1 - InnerProduct(given, place.normal);
@@ -205,7 +205,7 @@ void Form<D>::AddScale(FlatVector<> scale) {
   CheckSize(scale.Size());
   for (size_t m : Range(states))
     for (int k : Range(D))
-      scale(law->dofs[D * m + k]) = sqrt(law->c[m] / RowArea(m));
+      scale(law->dofs[D * m + k]) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
 }
 
 // --- checks --------------------------------------------------------------------------------------

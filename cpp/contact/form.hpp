@@ -56,10 +56,6 @@ private:
   std::array<size_t, 2> MeshSize() const;
   /// Entries of a vector on the product space.
   size_t NScalars() const { return u.fes->GetNDof() * u.fes->GetDimension(); }
-  double RowArea(size_t m) const {
-    auto & jump = kinematics->Jump();
-    return jump.area[m] > 0 ? jump.area[m] : jump.fullarea[m];
-  }
 
   shared_ptr<MacroLaw<D>> law;
   unique_ptr<Kinematics<D>> kinematics;

@@ -51,6 +51,8 @@ public:
   FlatArray<JumpEntry<D>> Row(size_t macro) const {
     return entries.Range(first[macro], area[macro] > 0 ? first[macro + 1] : first[macro]);
   }
+  /// Factor of a multiplier's rows: the paired area, and where there is none that of all faces.
+  double RowArea(size_t macro) const { return area[macro] > 0 ? area[macro] : fullarea[macro]; }
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
   /// The rows times a factor; of the columns those of a component that begins at `offset`.

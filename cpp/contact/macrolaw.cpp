@@ -91,16 +91,16 @@ Projection<D> MacroLaw<D>::ProjectWithMemory(size_t m, const MacroPlace<D> & pla
 template <int D>
 void MacroLaw<D>::AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
                               FlatVector<> x, FlatVector<> y) const {
-  Vec<D> residual = (place.RowArea() / c[m]) * (p.traction - Multiplier(m, x));
+  Vec<D> residual = (place.rowarea / c[m]) * (p.traction - Multiplier(m, x));
   for (int k : Range(D))
     y(dofs[D * m + k]) += residual(k);
 }
 
 template <int D>
-ngbla::Mat<D, D> MacroLaw<D>::MultiplierBlock(size_t m, const MacroPlace<D> & place,
+ngbla::Mat<D, D> MacroLaw<D>::MultiplierBlock(size_t m, const Vec<D> & normal, double rowarea,
                                               const ngbla::Mat<D, D> & projection) const {
-  ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(place.normal);
-  return (place.RowArea() / c[m]) * (by_trial - Id<D>());
+  ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(normal);
+  return (rowarea / c[m]) * (by_trial - Id<D>());
 }
 
 template <int D>

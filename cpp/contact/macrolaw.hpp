@@ -8,14 +8,11 @@ namespace ngslac {
 template <int D>
 struct MacroPlace {
   Vec<D> normal;
-  double gap;            // along the slave normals
-  Vec<D> slip;           // of this step, perpendicular to the normal
-  Vec<D> jump;           // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
-  double area, fullarea; // paired, of all faces
-  bool slides = true;    // is it known what it slid in this step?
-
-  /// Factor of the multiplier's rows, also without a partner.
-  double RowArea() const { return area > 0 ? area : fullarea; }
+  double gap;           // along the slave normals
+  Vec<D> slip;          // of this step, perpendicular to the normal
+  Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
+  double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea
+  bool slides = true;   // is it known what it slid in this step?
 };
 
 /// The contact law of all macro-elements: multipliers, scales and coefficients.
@@ -54,7 +51,7 @@ public:
   void AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p, FlatVector<> x,
                    FlatVector<> y) const;
   /// Derivative of a multiplier's rows by the multiplier, from that of the projection.
-  ngbla::Mat<D, D> MultiplierBlock(size_t m, const MacroPlace<D> & place,
+  ngbla::Mat<D, D> MultiplierBlock(size_t m, const Vec<D> & normal, double rowarea,
                                    const ngbla::Mat<D, D> & projection) const;
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;

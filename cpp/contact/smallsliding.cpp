@@ -65,7 +65,7 @@ public:
     slip -= InnerProduct(slip, n) * n;
     double gap = -InnerProduct(n, mean + gapvector[m]);
     Vec<D> vanishing = setup.tied ? mean : Vec<D>(slip - gap * n);
-    return {n, gap, slip, vanishing, jump.area[m], jump.fullarea[m]};
+    return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap &) const override {
@@ -90,10 +90,9 @@ public:
     return {surfaces.jump->area[m] * traction, Moment(surfaces.jump->moment[m], traction)};
   }
 
-  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
+  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<>, FlatArray<Projection<D>> projections,
                                              FlatArray<Vec<D>>, Rim) override {
-    ParallelFor(projections.Size(),
-                [&](size_t m) { SetRows(m, Place(m, x), projections[m].derivative); });
+    ParallelFor(projections.Size(), [&](size_t m) { SetRows(m, projections[m].derivative); });
     return mat;
   }
 
@@ -147,8 +146,9 @@ private:
         loaded.Append(i);
   }
 
-  void SetRows(size_t m, const MacroPlace<D> & place, const ngbla::Mat<D, D> & derivative) {
-    auto by_lam = law->MultiplierBlock(m, place, derivative);
+  void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
+    auto & jump = *surfaces.jump;
+    auto by_lam = law->MultiplierBlock(m, jump.normal[m], jump.RowArea(m), derivative);
     for (int k : Range(D)) {
       int row = law->dofs[D * m + k];
       for (int l : Range(D))
@@ -156,7 +156,7 @@ private:
       auto columns = mat->GetRowIndices(row); // sorted, as the entries are
       auto values = mat->GetRowValues(row);
       size_t at = 0;
-      for (auto & e : surfaces.jump->Row(m)) {
+      for (auto & e : jump.Row(m)) {
         while (at < columns.Size() && columns[at] < e.dof)
           at++;
         if (at == columns.Size() || columns[at] != e.dof)

@@ -191,10 +191,14 @@ class Augmented:
 
     # --- inner iteration -----------------------------------------------------------------------
 
-    def Closed(self, system, before):
-        """Macro-elements were closed by multipliers, which only tell what is closed."""
-        self._pull = system.values - before
-        system.values[:] = before
+    def Close(self, system, close):
+        """As `Saddle.Close`, by multipliers which only tell what is closed."""
+        before = system.values.copy()
+        closed = close()
+        if closed:
+            self._pull = system.values - before
+            system.values[:] = before
+        return closed
 
     def Linearize(self, system, state):
         """Residual and matrices of the displacements, with the multipliers of this iteration."""

@@ -106,7 +106,7 @@ def CarriedOff(system):
         return ""
     if system.bulk.a.condense or system.scale is None:  # as before the first solve
         system.Assemble()
-    state = system.residual.Measure(system.scale, honest=True)
+    state = system.MeasureHonestly()
     if not state.finite:
         return ""
     forces = system.gf.vec.CreateVector()

@@ -5,13 +5,12 @@ import numpy as np
 from ngslac.arrays import AsBits
 from ngslac.bodies.messages import FewMessage, FloatingMessage, SlidingMessage
 from ngslac.errors import FloatingBodyError
+from ngslac.solve.iteration import STILL, Unchanged
 
 __all__ = ["Holding"]
 
 # Forces without balance, relative to those at work, that are more than the search for a balance.
 PUSHED = 1e-4
-# Iterations without a change of status after which that is settled.
-STILL = 4
 # How often bodies may be held by closing what the iteration opens again.
 MOST_CLOSINGS = 5
 
@@ -74,7 +73,7 @@ class Holding:
     def WhatSlides(self, history):
         """What loads carry off where the status has settled, with friction at its limit."""
         system = self.system
-        settled = len(history) > STILL and not any(e.changed for e in history[-STILL:])
+        settled = len(history) > STILL and Unchanged(history)
         # Where both ends of a body slip apart next to nothing is left: there one of them sticks.
         pushed = history and history[-1].equilibrium > PUSHED
         if not (settled and pushed and system.islinear and system.rubs):

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Iteration", "MostlySlips"]
+__all__ = ["STILL", "Iteration", "MostlySlips", "Unchanged"]
 
 # Part of the closed macro-elements that slips on the way to a state that friction does not hold.
 SLIPPED = 0.8
+# Iterations without a change of status after which it is settled.
+STILL = 4
 
 
 @dataclass(frozen=True)
@@ -70,3 +72,8 @@ def MostlySlips(history):
     """Does nearly all that is closed slip, all along the way after the start?"""
     slipped = sum(entry.slip for entry in history[1:])
     return slipped > SLIPPED * (slipped + sum(entry.stick for entry in history[1:]))
+
+
+def Unchanged(history):
+    """Has the status of late been the same?"""
+    return not any(entry.changed for entry in history[-STILL:])

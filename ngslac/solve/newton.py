@@ -7,7 +7,7 @@ from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
-from ngslac.solve.iteration import MostlySlips
+from ngslac.solve.iteration import MostlySlips, Unchanged
 from ngslac.solve.search import FAILURES, StatusSearch
 
 __all__ = ["Newton"]
@@ -19,8 +19,6 @@ STRAYED = 0.5
 # Iterations of another method where Newton's has found that loads carry a body off, or where it
 # found nearly all slipping for some time.
 SEARCH, RUBBED = 30, 10
-# Iterations without a change of status in which a residual that falls no more is at a minimum.
-STILL = 4
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
@@ -72,7 +70,7 @@ class Newton:
         start, found = system.Place(), None
         try:
             if self._CloseWhatFloats(start=True):
-                state = system.residual.Measure(system.scale, honest=True)
+                state = system.MeasureHonestly()
             self.Record(state)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
             if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
@@ -107,8 +105,8 @@ class Newton:
             state, damping = self._Step(state)
             state = self.Confirmed(state)
             self.Record(state, damping)
-        still = not any(entry.changed for entry in self.history[-STILL:])
-        if self.globalization.stagnates and still and not self.onpath:
+        # A residual that falls no more is at a minimum.
+        if self.globalization.stagnates and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
 
@@ -220,11 +218,8 @@ class Newton:
         return min(most, enough if final else max(enough, 0.1 * size))
 
     def _CloseWhatFloats(self, start=False):
-        before = self.system.values.copy()
-        closed = self.holding.Close(start, guess=not self.onpath)
-        if closed:
-            self.system.scheme.Closed(self.system, before)
-        return closed
+        system, holding = self.system, self.holding
+        return system.scheme.Close(system, lambda: holding.Close(start, guess=not self.onpath))
 
     # --- where it does not get there -----------------------------------------------------------
 

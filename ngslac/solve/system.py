@@ -40,8 +40,9 @@ class Saddle:
     def Prepare(self, newton, state):
         """Before each linear system of a Newton's method."""
 
-    def Closed(self, system, before):
-        """Macro-elements were closed at the solution, whose values were those `before`."""
+    def Close(self, system, close):
+        """Close macro-elements by ``close()``, which says whether it did; says so, too."""
+        return close()
 
     def Linearize(self, system, state):
         """The residual of the next linear system, whose matrices are assembled."""
@@ -214,9 +215,13 @@ class System:
         for contact in self.contacts:
             contact.Evaluate(self.gf)
 
-    def Measure(self, *, honest=False):
-        """The State of the solution; `honest`: by the bulk form itself."""
-        return self.scheme.Measure(self, honest or self.motion is not None)
+    def Measure(self):
+        """The State of the solution, as the scheme sees it."""
+        return self.scheme.Measure(self, self.motion is not None)
+
+    def MeasureHonestly(self):
+        """The State of the solution and its multipliers, by the bulk form itself."""
+        return self.residual.Measure(self.scale, honest=True)
 
     def Trial(self, state, part):
         """The State after a part of a step from another State."""

@@ -122,15 +122,11 @@ class LimitLoad:
         system.motion = None
         system.Assemble()
         system.residual.Follow()
-        state = self._Measure()
+        state = system.MeasureHonestly()
         if not state.finite or state.equilibrium < IDLE:
             return None, None
         start = self._Forces()
         return start, -system.Correction(system.Linearize(state))
-
-    def _Measure(self):
-        system = self.system
-        return system.residual.Measure(system.scale, honest=True)
 
     def _Forces(self):
         """Of bulk, loads and contact on the displacements, as measured last."""
@@ -157,7 +153,7 @@ class LimitLoad:
     def _Work(self, before, start, motion, part):
         """Of the forces that a part of the motion adds, along all of it."""
         self.system.values[:] = before + part * motion
-        if not self._Measure().finite:
+        if not self.system.MeasureHonestly().finite:
             return np.nan
         return float(motion @ (self._Forces() - start))
 
@@ -170,7 +166,7 @@ class LimitLoad:
         at = []
         for load in (self._begin, self._goal):
             self.load.Set(load)
-            if not self._Measure().finite:
+            if not self.system.MeasureHonestly().finite:
                 return
             at.append(np.where(residual.rows, 0.0, residual.scaled))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))

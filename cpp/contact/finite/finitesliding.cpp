@@ -137,12 +137,12 @@ public:
     auto & jump = *surfaces.jump;
     Vec<D> none = 0.0;
     if (points->area[m] == 0)
-      return {jump.normal[m], 0, none, none, 0, jump.fullarea[m], Slides(m)};
+      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m), Slides(m)};
     auto & mean = now->mean[m];
     Vec<D> slip = Slides(m) ? Slip(m) : none;
     slip -= InnerProduct(slip, mean.normal) * mean.normal;
     Vec<D> vanishing = slip - mean.gap * mean.normal;
-    return {mean.normal, mean.gap, slip, vanishing, points->area[m], jump.fullarea[m], Slides(m)};
+    return {mean.normal, mean.gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -165,7 +165,7 @@ public:
     });
     auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
     AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      SetMultiplierBlock(m, Place(m, x), projections[m].derivative, *mat);
+      SetMultiplierBlock(m, projections[m].derivative, *mat);
       if (points->area[m] == 0)
         return;
       MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
@@ -178,7 +178,7 @@ public:
 
   void Commit(FlatVector<> x, FlatArray<MacroState>, FlatArray<MacroState> states) override {
     for (size_t m : Range(Size())) {
-      Vec<D> normal = Place(m, x).normal;
+      auto & normal = Normal(m);
       double approach = last_gap[m] - states[m].gap;
       Vec<D> slip = 0.0; // of all the step, what came before a touch included
       if (points->area[m] > 0 && Slides(m))
@@ -207,6 +207,11 @@ private:
 
   bool Slides(size_t m) const {
     return start->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+  }
+
+  /// The contact direction; without a partner that of the slave.
+  const Vec<D> & Normal(size_t m) const {
+    return points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
   }
 
   MacroTraction<D> Parts(size_t m, const Vec<D> & traction) const {
@@ -259,9 +264,9 @@ private:
       SubtractCarried<D>(now->surfaces, *start, m, reference[m], rows, lh);
   }
 
-  void SetMultiplierBlock(size_t m, const MacroPlace<D> & place,
-                          const ngbla::Mat<D, D> & derivative, SparseMatrix<double> & mat) const {
-    auto by_lam = law->MultiplierBlock(m, place, derivative);
+  void SetMultiplierBlock(size_t m, const ngbla::Mat<D, D> & derivative,
+                          SparseMatrix<double> & mat) const {
+    auto by_lam = law->MultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), derivative);
     for (int k : Range(D))
       for (int l : Range(D))
         mat(law->dofs[D * m + k], law->dofs[D * m + l]) = by_lam(k, l);
