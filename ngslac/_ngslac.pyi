@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -90,6 +90,8 @@ class LACSpace(ngsolve.comp.FESpace):
     def __getstate__(self) -> tuple[ngsolve.comp.FESpace, pyngcore.pyngcore.Flags]:
         ...
     def __init__(self, V: ngsolve.comp.FESpace, *, slave: ngsolve.comp.Region | str, macros: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None = None, components: typing.SupportsInt | typing.SupportsIndex | None = None, autoupdate: bool = False) -> None:
+        ...
+    def __repr__(self) -> str:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
@@ -348,6 +350,8 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
         ...
     def __init__(self, mesh: ngsolve.comp.Mesh, **kwargs) -> None:
         ...
+    def __repr__(self) -> str:
+        ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
 class Condensation(ngsolve.la.BaseMatrix):
@@ -422,6 +426,10 @@ def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections
     ...
 def PolygonOverlap(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> bool:
     ...
+def RegionWithFaces(mesh: ngsolve.comp.Mesh, name: str, given: typing.Any) -> ngsolve.comp.Region:
+    """
+    The boundary region that a pattern or a Region stands for; raises where it has no faces
+    """
 def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region, hexes: str = 'pyramids') -> ngsolve.comp.Mesh:
     """
     New mesh with the slave faces split; see ngslac.SplitSlaveFaces

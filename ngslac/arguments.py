@@ -6,7 +6,6 @@ from numbers import Integral, Real
 
 import numpy as np
 from ngsolve import (
-    BND,
     VOL,
     BaseVector,
     CoefficientFunction,
@@ -19,7 +18,6 @@ from ngslac._ngslac import HoldsProxy
 
 __all__ = [
     "LARGEST_COUNT",
-    "BoundaryRegion",
     "CheckChoice",
     "CheckCount",
     "CheckDisplacement",
@@ -241,28 +239,6 @@ def CheckValues(name, function):
 # --- regions and coefficients --------------------------------------------------------------------
 
 
-def BoundaryRegion(mesh, region, name):
-    """The boundary region for a pattern or Region; ValueError if it has no faces."""
-    if isinstance(region, str):
-        try:
-            found = mesh.Boundaries(region)
-        except RuntimeError as error:
-            raise ValueError(f"{name}={region!r} is no regular expression: {error}") from error
-    elif isinstance(region, Region) and region.VB() == BND:
-        found = region
-    else:
-        raise Wrong(TypeError, name, region, "a pattern of boundary names or a boundary region")
-    if found.mesh != mesh:
-        raise ValueError(f"{name} is a region of another mesh: take one of the same mesh")
-    mask = found.Mask()
-    if not any(mask[e.index] for e in mesh.Elements(BND)):
-        names = ", ".join(dict.fromkeys(mesh.GetBoundaries()))
-        raise ValueError(
-            f"{name}={Shown(region)} matches no boundary face; the boundaries are: {names}"
-        )
-    return found
-
-
 def BoundaryNames(region):
     """Names of the boundaries of a region, as a pattern."""
     names = zip(region.mesh.GetBoundaries(), region.Mask(), strict=True)
@@ -313,12 +289,10 @@ def CheckMoves(master, space, component):
     for other in _Parts(space):
         moves = other.TrialFunction().dim == master.mesh.dim and other.GetDofs(body).NumSet()
         if moves and other.type != "lacspace":
-            both = zip(master.mesh.GetBoundaries(), master.Mask(), strict=True)
-            names = "|".join(dict.fromkeys(name for name, inside in both if inside))
             raise ValueError(
-                f"master = {names!r} has no degrees of freedom of u, but of another "
-                f"component of the product space, a {other.type}: it would count as a body at "
-                "rest. Take one space for the displacements of both bodies"
+                f"master = {BoundaryNames(master)!r} has no degrees of freedom of u, but of "
+                f"another component of the product space, a {other.type}: it would count as a "
+                "body at rest. Take one space for the displacements of both bodies"
             )
 
 

@@ -4,7 +4,7 @@ import ngsolve
 from ngsolve import Mesh
 
 from ngslac import _ngslac
-from ngslac.arguments import BoundaryRegion, CheckChoice, CheckInstance
+from ngslac.arguments import CheckChoice, CheckInstance
 
 __all__ = ["SplitSlaveFaces"]
 
@@ -118,4 +118,5 @@ def SplitSlaveFaces(mesh, slave, *, hexes="pyramids") -> Mesh:
     """
     CheckInstance("mesh", mesh, ngsolve.Mesh, "an ngsolve.Mesh")
     CheckChoice("hexes", hexes, ("pyramids", "hexes"))
-    return _ngslac.SplitSlaveFaces(mesh, BoundaryRegion(mesh, slave, "slave"), hexes)
+    region = _ngslac.RegionWithFaces(mesh, "slave", slave)
+    return _ngslac.SplitSlaveFaces(mesh, region, hexes)

@@ -1,10 +1,12 @@
 #include "boundaries.hpp"
+#include "faces.hpp"
+#include "given.hpp"
 
-#include <python_comp.hpp>
 #include <regex>
 #include <set>
 
 namespace ngslac {
+namespace {
 Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const string & pattern) {
   try {
     return Region(mesh, BND, pattern);
@@ -13,10 +15,41 @@ Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const str
   }
 }
 
-string BoundaryNames(const MeshAccess & ma) {
+string Text(py::handle given) {
+  return py::isinstance<Region>(given) ? "<Region>" : Given<Region>::Text(given);
+}
+} // namespace
+
+Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given) {
+  if (py::isinstance<py::str>(given))
+    return PatternRegion(mesh, name, py::cast<string>(given));
+  string wrong = name + " = " + Text(given) +
+                 " must be a pattern of boundary names or a boundary region, such as "
+                 "mesh.Boundaries(\"...\")";
+  if (!py::isinstance<Region>(given))
+    throw py::type_error(wrong);
+  auto region = py::cast<Region>(given);
+  if (region.VB() != BND)
+    throw py::value_error(wrong);
+  if (region.Mesh() != mesh)
+    throw py::value_error(name + " is a region of another mesh: take one of the same mesh");
+  return region;
+}
+
+Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given) {
+  auto region = BoundaryRegion(mesh, name, given);
+  if (Faces(region).Size() == 0)
+    throw py::value_error(
+        name + "=" + Text(given) +
+        " matches no boundary face; the boundaries are: " + BoundaryNames(Region(mesh, BND, true)));
+  return region;
+}
+
+string BoundaryNames(const Region & region) {
   std::set<string> names;
-  for (auto i : Range(ma.GetNBoundaries()))
-    names.insert(string(ma.GetMaterial(BND, i)));
+  for (size_t i : Range(region.Mask().Size()))
+    if (region.Mask().Test(i))
+      names.insert(string(region.Mesh()->GetMaterial(BND, i)));
   string all;
   for (auto & name : names)
     all += (all.empty() ? "'" : ", '") + name + "'";

@@ -1,9 +1,15 @@
+#include "boundaries.hpp"
 #include "split.hpp"
-
-#include <python_comp.hpp>
 
 namespace ngslac {
 void ExportMesh(py::module & m) {
+  m.def(
+      "RegionWithFaces",
+      [](shared_ptr<MeshAccess> mesh, const string & name, py::object given) {
+        return RegionWithFaces(mesh, name, given);
+      },
+      py::arg("mesh"), py::arg("name"), py::arg("given"),
+      "The boundary region that a pattern or a Region stands for; raises where it has no faces");
   m.def(
       "SplitSlaveFaces",
       [](shared_ptr<MeshAccess> mesh, const Region & slave, const string & hexes) {

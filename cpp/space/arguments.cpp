@@ -1,28 +1,8 @@
 #include "arguments.hpp"
 #include "mesh/boundaries.hpp"
-#include "mesh/faces.hpp"
 
 namespace ngslac {
 namespace {
-/// Of boundaries that have faces.
-Array<double> BoundaryNumbers(MeshAccess & ma, const std::variant<Region, string> & slave) {
-  bool pattern = std::holds_alternative<string>(slave);
-  Region region =
-      pattern ? PatternRegion(ma.shared_from_this(), "LACSpace: slave", std::get<string>(slave))
-              : std::get<Region>(slave);
-  if (region.Mesh().get() != &ma)
-    throw py::value_error(
-        "LACSpace: slave is a region of another mesh than that of the displacement");
-  if (region.VB() != BND)
-    throw py::value_error(
-        "LACSpace: slave must be a boundary region, such as mesh.Boundaries(\"...\")");
-  if (Faces(region).Size())
-    return NumbersOf(region);
-  throw py::value_error(
-      "LACSpace: slave=" + (pattern ? "'" + std::get<string>(slave) + "'" : string("Region")) +
-      " matches no boundary face; the boundaries are: " + BoundaryNames(ma));
-}
-
 int IntegerOf(py::handle item) {
   auto index = py::reinterpret_steal<py::object>(PyNumber_Index(item.ptr()));
   if (!index) {
@@ -82,11 +62,11 @@ shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & f
 
 shared_ptr<LACSpace> SpaceArguments::Make() const {
   auto V = displacement.As("LACSpace: V", "a displacement space, such as VectorH1(mesh, order=2)");
-  auto region = slave.As("LACSpace: slave", "a pattern of boundary names or a boundary region");
+  auto mesh = V->GetMeshAccess();
   Flags flags;
-  flags.SetFlag("slave", BoundaryNumbers(*V->GetMeshAccess(), region));
+  flags.SetFlag("slave", NumbersOf(RegionWithFaces(mesh, "LACSpace: slave", slave.value)));
   if (!macros.IsNone())
-    flags.SetFlag("macros", Integers(macros.value, V->GetMeshAccess()->GetNE(BND)));
+    flags.SetFlag("macros", Integers(macros.value, mesh->GetNE(BND)));
   if (!components.IsNone())
     flags.SetFlag("components", double(CheckedComponents(components)));
   bool follows = autoupdate.As("LACSpace: autoupdate", "True or False");

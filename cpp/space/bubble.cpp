@@ -29,10 +29,10 @@ BitArray SlaveRegions(shared_ptr<MeshAccess> ma, const Flags & flags) {
     given = "given region";
   } else
     throw Exception("BubbleVectorH1: say which boundaries get bubbles, slave='...'; there are " +
-                    BoundaryNames(*ma));
+                    BoundaryNames(Region(ma, BND, true)));
   if (slave.NumSet() == 0)
     throw Exception("BubbleVectorH1: the slave " + given + " matches none of the boundaries " +
-                    BoundaryNames(*ma));
+                    BoundaryNames(Region(ma, BND, true)));
   return slave;
 }
 

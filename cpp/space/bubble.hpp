@@ -16,6 +16,7 @@ public:
 
   string GetClassName() const override { return "BubbleH1FESpace"; }
   static DocInfo GetDocu();
+  Region SlaveRegion() const { return Region(ma, BND, slave); }
 
   // Every update passes here before it counts the dofs, so a refined mesh gets its bubbles, too.
   void UpdateDofTables() override;
@@ -28,5 +29,6 @@ public:
 
   string GetClassName() const override { return "BubbleVectorH1FESpace"; }
   static DocInfo GetDocu();
+  Region SlaveRegion() const { return static_cast<BubbleH1FESpace &>(*spaces[0]).SlaveRegion(); }
 };
 } // namespace ngslac

@@ -28,21 +28,6 @@ bool HoldsIntegers(py::handle value) {
   return true;
 }
 
-/// Boundaries by a pattern, a region of the mesh, or for NGSolve's own flags by their numbers.
-void CheckBoundaries(shared_ptr<MeshAccess> mesh, const string & name, py::handle value,
-                     bool numbers) {
-  string given = Named(name) + " = " + Given<int>::Text(value);
-  if (py::isinstance<py::str>(value)) {
-    PatternRegion(mesh, Named(name), py::cast<string>(value));
-  } else if (py::isinstance<Region>(value)) {
-    auto region = py::cast<Region>(value);
-    if (region.Mesh() != mesh)
-      throw py::value_error(given + " belongs to another mesh");
-    if (region.VB() != BND)
-      throw py::value_error(given + " must be one of boundaries");
-  } else if (!(numbers && HoldsIntegers(value)))
-    throw py::type_error(given + " must be a pattern or a Region of boundaries");
-}
 } // namespace
 
 void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::kwargs & flags) {
@@ -51,9 +36,11 @@ void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::
     auto name = py::cast<string>(key);
     if (name == "order")
       CheckOrder(value);
-    else if (name == "slave" || name.rfind("dirichlet", 0) == 0)
-      if (name.find("bbnd") == string::npos && (name == "slave" || !value.is_none()))
-        CheckBoundaries(on, name, value, name != "slave");
+    else if (name == "slave")
+      RegionWithFaces(on, Named(name), value);
+    else if (name.rfind("dirichlet", 0) == 0 && name.find("bbnd") == string::npos)
+      if (!value.is_none() && !HoldsIntegers(value)) // numbers of boundaries: NGSolve's own flags
+        BoundaryRegion(on, Named(name), value);
   }
 }
 } // namespace ngslac

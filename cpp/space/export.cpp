@@ -1,4 +1,5 @@
 #include "arguments.hpp"
+#include "mesh/boundaries.hpp"
 
 namespace ngslac {
 namespace {
@@ -69,6 +70,11 @@ void ExportSpace(py::module & m) {
           [](py::tuple state) {
             return MakeSpace(state[0].cast<shared_ptr<FESpace>>(), state[1].cast<Flags>());
           }))
+      .def("__repr__",
+           [](const LACSpace & self) {
+             return "<LACSpace: " + ToString(self.NMacros()) + " macro-elements of " +
+                    BoundaryNames(self.SlaveRegion()) + ">";
+           })
       .def_property_readonly(
           "displacement", &LACSpace::Displacement,
           "The displacement space (FESpace) that the macro-elements are made for.")

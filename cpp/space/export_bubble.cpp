@@ -21,6 +21,10 @@ void ExportBubble(py::module & m) {
     special["slave"] = py::cpp_function(&SetSlaveFlag);
     return special;
   });
+  space.def("__repr__", [](const BubbleVectorH1FESpace & self) {
+    return "<BubbleVectorH1: " + ToString(self.GetNDof()) + " dofs, with bubbles on " +
+           BoundaryNames(self.SlaveRegion()) + ">";
+  });
   py::object make = space.attr("__init__");
   space.attr("__init__") = py::cpp_function(
       [make](py::object self, Given<shared_ptr<MeshAccess>> mesh, py::kwargs flags) {

@@ -2,8 +2,8 @@
 
 from ngsolve.comp import ProxyFunction
 
+from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import (
-    BoundaryRegion,
     CheckFlag,
     CheckOnMesh,
     CheckPositive,
@@ -32,7 +32,7 @@ def CheckedSetup(u, lam, master, obstacle, *, friction, tresca, tied, finite, ma
     functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca}
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
-    region = None if master is None else BoundaryRegion(mesh, master, "master")
+    region = None if master is None else RegionWithFaces(mesh, "master", master)
     functions = {"obstacle": Coefficient("obstacle", obstacle)} | {
         name: Coefficient(name, functions[name], least=0) for name in ("friction", "tresca")
     }

@@ -6,7 +6,8 @@ from numbers import Real
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, Region
 
-from ngslac.arguments import BoundaryRegion, CheckFunction, CheckValues, Shown, Wrong
+from ngslac._ngslac import RegionWithFaces
+from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
 from ngslac.arrays import AsNumPy, ScalarDofs
 
 __all__ = ["Prescribed"]
@@ -77,7 +78,7 @@ class Prescribed:
 def RegionOf(mesh, key):
     """The region that a key of `prescribe` stands for."""
     if not isinstance(key, Region):
-        return BoundaryRegion(mesh, key, "prescribe: region")
+        return RegionWithFaces(mesh, "prescribe: region", key)
     if key.mesh != mesh:
         raise ValueError("prescribe: a region is one of another mesh than that of the displacement")
     return key

@@ -40,7 +40,7 @@ LOAD = "loads().Integrate(**({{'end': 1.0, 'printing': False}} | dict({})))"
 TIME = "times().Integrate(**({{'end': 0.1, 'printing': False}} | dict({})))"
 PRESENT = r"end = 1 is the present value of the load.*load\.Set\(0"
 VALUES = [
-    ("{'topp': CF((0, 1))}", "region='topp' matches no boundary face; .* top,", ValueError),
+    ("{'topp': CF((0, 1))}", "region='topp' matches no boundary face; .*'top'", ValueError),
     ("{3: CF((0, 1))}", "region = 3 must be a pattern", TypeError),
     ("{'slave': CF((0, 1))}", "no displacement is constrained on 'slave'", ValueError),
     ("{'top': CF(1)}", "'top' has 1 components, a displacement has 2", ValueError),

@@ -7,7 +7,7 @@ import continued
 import pytest
 from ngsolve import CF
 
-from ngslac import FormSum, LACContact, TimeStepper
+from ngslac import BubbleVectorH1, FormSum, LACContact, TimeStepper
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,9 @@ def test_what_objects_say(stepper):
     motion = continued.half(continued.bouncing())
     assert repr(motion) == f"<TimeStepper: time 0.5 after {len(motion.steps)} steps, dt = 0.04>"
     assert repr(contact.Check()) == str(contact.Check())
+    assert repr(contact.space) == f"<LACSpace: {contact.space.nmacros} macro-elements of 'slave'>"
+    V = BubbleVectorH1(contact.space.mesh, order=1, slave="slave|master")
+    assert repr(V) == f"<BubbleVectorH1: {V.ndof} dofs, with bubbles on 'master', 'slave'>"
     segments = contact.Segments()
     assert repr(segments) == f"<Segments: {len(segments)} with the area {segments.area.sum():g}>"
 
