@@ -25,7 +25,12 @@ struct Given {
   /// The value for a message, cut where it is long.
   static string Text(py::handle value) {
     constexpr size_t most = 80;
-    auto text = py::repr(value).cast<string>();
+    string text;
+    try {
+      text = py::repr(value).cast<string>();
+    } catch (const py::error_already_set &) { // of an object whose repr fails
+      text = "<" + py::type::handle_of(value).attr("__name__").cast<string>() + ">";
+    }
     return text.size() <= most ? text : text.substr(0, most) + "...";
   }
 };

@@ -26,6 +26,13 @@ from ngslac.meshes import TwoBlocks, TwoBlocks3D
 MESHES = {2: lambda: TwoBlocks(0.34, structured=True), 3: lambda: TwoBlocks3D("hex", "tet", 3, 2)}
 
 
+class Mute:
+    """What cannot even be shown."""
+
+    def __repr__(self):
+        raise RuntimeError("no text")
+
+
 class Parts:
     """The parts of a problem, which the calls below name."""
 
@@ -53,7 +60,7 @@ class Parts:
 
     def names(self):
         parts = {name: getattr(self, name) for name in dir(self) if not name.startswith("_")}
-        return parts | {"Parts": Parts, "other": MESHES[self.dim]}
+        return parts | {"Parts": Parts, "Mute": Mute, "other": MESHES[self.dim]}
 
 
 @pytest.fixture(scope="module", params=[2, 3])
@@ -113,6 +120,14 @@ REFUSED = [
     # states
     ("paired().Evaluate(wrong)", "gf lives on another space than u and lam.* in place of"),
     ("paired().Apply(vec, vec)", "the scale c is not set; call SetStiffness"),
+    ("contact(friction=GridFunction(H1(other())))", "friction lives on another mesh", ValueError),
+    ("contact(friction=Mute())", "friction = <Mute> must be a finite number >= 0", TypeError),
+    ("contact(master=Mute())", "master = <Mute> must be a pattern of boundary names", TypeError),
+    ("contact(maxdist=10**400)", "maxdist = 10+.* must be a positive length", ValueError),
+    ("paired().Moment(([0], [0, 0]))", "must be a point with . coordinates", TypeError),
+    ("paired().Moment('ab')", "must be a point with . coordinates", TypeError),
+    ("paired().Plot(axes=3)", "axes = 3 must be axes of matplotlib, or None", TypeError),
+    ("stepper().Integrate(end=1e12)", r"1e\+13 steps of dt = 0.1 away: take fewer", ValueError),
     # functions without values, iterables without an end
     ("contact(friction=0.1 + u[1] * x)", f"^friction.* {VALUES}", ValueError),
     ("contact(tresca=lam[0])", f"^tresca.* {VALUES}", ValueError),

@@ -52,8 +52,9 @@ def run(name, names):
 
 
 @pytest.mark.parametrize("name", sorted(NAMES.keys() - REFERENCE))
-def test_example(name, problem, monkeypatch):
+def test_example(name, problem, monkeypatch, tmp_path):
     monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.chdir(tmp_path)  # for the files that examples write
     run(name, problem)
 
 

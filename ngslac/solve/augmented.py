@@ -158,7 +158,7 @@ class Augmented:
     def Prepare(self, newton, state):
         """Take the multipliers of the next step: those before, or the projections, now in gf."""
         system = newton.system
-        values, rows = system.values, system.residual.rows
+        values, rows = system.values, system.residual.multipliers
         if self._fixed is None:
             self._fixed, self._constraint = values[rows], np.inf
             rubs = any(c.finite and np.any(c.Table()["friction"] > 0) for c in system.contacts)
@@ -202,7 +202,7 @@ class Augmented:
 
     def Linearize(self, system, state):
         """Residual and matrices of the displacements, with the multipliers of this iteration."""
-        vec, values, rows = system.gf.vec, system.values, system.residual.rows
+        vec, values, rows = system.gf.vec, system.values, system.residual.multipliers
         system.linear.Leave(rows)
         residual = vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
@@ -227,7 +227,7 @@ class Augmented:
         return system.linear.contacts
 
     def Measure(self, system, honest):
-        """The State with those multipliers of which the forces of the inner problem are made.
+        """The Measurement with those multipliers of which the forces of the inner problem are made.
 
         Its equilibrium is what the inner iteration reduces, its constraint what the outer one does.
         """

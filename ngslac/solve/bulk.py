@@ -139,7 +139,7 @@ class Bulk:
 
         Parameters
         ----------
-        before, after : State
+        before, after : Measurement
         motion, scale : (n,) array
         residual : Residual
             Tells the forces at work, and rounding errors.

@@ -75,14 +75,14 @@ class Globalization:
         Parameters
         ----------
         move : callable
-            ``move(damping)`` takes that part of the step and returns its State.
+            ``move(damping)`` takes that part of the step and returns its Measurement.
         moving : bool
             The step carries Dirichlet values, of which the residual before does not know: the
             longest part with a residual is taken.
 
         Returns
         -------
-        State, float
+        Measurement, float
             The state and its part of the step, which was taken last. Not finite if no part is.
         """
         best, damping, taken = None, 1.0, 0.0

@@ -29,16 +29,16 @@ class InteriorPoint:
     ----------
     system : System
         Its solution is where to start, and moves along.
-    state : State
+    state : Measurement
         Of the start.
     """
 
     def __init__(self, system, state):
         self.system, self.vec, self.values = system, system.gf.vec, system.values
-        self.rows, self.returns = system.residual.rows, 0
+        self.multipliers, self.returns = system.residual.multipliers, 0
         wanted = system.linear.wanted
         self.linear = PrimalSolver(system.linear, wanted if wanted in CHOLESKY else None)
-        self.linear.Leave(self.rows)
+        self.linear.Leave(self.multipliers)
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
         pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
@@ -49,12 +49,12 @@ class InteriorPoint:
     def _Settle(self, state):
         """Let weak springs hold what loads and prescribed motions move: the size of pressures.
 
-        Where the bulk is linear that is a better start, too, and its State the next one.
+        Where the bulk is linear that is a better start, too, and its Measurement the next one.
         """
         self.state = state
         motion = self._Motion(state, [spring.Weaken(self.vec) for spring in self.springs])
         pressure = max(spring.Pressure(motion) for spring in self.springs)
-        if self.system.Settles():
+        if self.system.CountMotionAsDone():
             self.values[:] += motion
             self.state = self.system.Trial(state, 0)
         return pressure
@@ -64,12 +64,12 @@ class InteriorPoint:
 
         Parameters
         ----------
-        state : State
+        state : Measurement
             Of this iterate.
 
         Returns
         -------
-        State, float
+        Measurement, float
             Of the next iterate, and the part of the step that was taken.
         """
         mats = [spring.Assemble(self.vec) for spring in self.springs]
@@ -100,7 +100,9 @@ class InteriorPoint:
     def _Solve(self, residual):
         system = self.system
         # What nothing pushes in the end stays where it is.
-        return self.linear.SolveShifted(system.bulk.mat, [], system.scale, residual, ~self.rows)
+        return self.linear.SolveShifted(
+            system.bulk.mat, [], system.scale, residual, ~self.multipliers
+        )
 
     def _Motion(self, state, mats):
         """How displacements answer to the tractions shown, with these matrices of the springs."""
@@ -108,7 +110,7 @@ class InteriorPoint:
         residual.FV().NumPy()[:] = state.bulk
         for spring in self.springs:
             spring.contact.AddApply(self.vec, residual)
-        residual.FV().NumPy()[self.rows] = 0
+        residual.FV().NumPy()[self.multipliers] = 0
         self.linear.contacts = mats
         return -self.system.Displace(residual, self._Solve, mats)
 

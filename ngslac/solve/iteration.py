@@ -40,12 +40,12 @@ class Iteration:
 
     @classmethod
     def Of(cls, number, state, before, damping) -> "Iteration":
-        """The line for a State.
+        """The line for a Measurement.
 
         Parameters
         ----------
         number : int
-        state : State
+        state : Measurement
             What was measured of the iterate.
         before : (n,) array
             Statuses of the iterate before.

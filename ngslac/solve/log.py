@@ -34,7 +34,7 @@ class Log:
             print(line)
 
     def Add(self, state, damping=1.0):
-        """The line of a State, which a part of a step led to."""
+        """The line of a Measurement, which a part of a step led to."""
         number = len(self.history)
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status

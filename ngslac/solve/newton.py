@@ -16,8 +16,8 @@ __all__ = ["Newton"]
 LEAST = 10
 # Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
 STRAYED = 0.5
-# Iterations of another method where Newton's has found that loads carry a body off, or where it
-# found nearly all slipping for some time.
+# Most iterations of another method where loads carry a body off or nearly all slips; Newton's
+# iterations from which on nearly all has slipped for long.
 SEARCH, RUBBED = 30, 10
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
@@ -85,18 +85,18 @@ class Newton:
 
     # --- the loop ------------------------------------------------------------------------------
 
-    def Iterate(self, state, maxit, most=0):
-        """Newton's method from the State noted last: the last line.
+    def Iterate(self, state, patience, most=0):
+        """Newton's method from the Measurement noted last: the last line.
 
-        At most `maxit` steps, or up to `most` as long as the residual falls.
+        At most `patience` steps, or up to `most` as long as the residual falls.
         """
         for contact in self.system.contacts:
             contact.form.BeginSolve()
         self.globalization.Begin()
-        for number in range(max(maxit, most) + 1):
+        for number in range(max(patience, most) + 1):
             if self.Converged(state):
                 return self.Accept()
-            slow = number >= maxit and not (number < most and self.globalization.falls)
+            slow = number >= patience and not (number < most and self.globalization.falls)
             if slow or self.globalization.stagnates:
                 break
             self.globalization.Watch(state, self.history[-1].changed)
@@ -128,7 +128,7 @@ class Newton:
             state = system.residual.Confirm(state, system.scale)
             if not state.finite:
                 raise ContactConvergenceError(state.reason)
-            if linear and not system.bulk.islinear:  # assemble anew, and iterate on
+            if linear and not system.bulk.islinear:  # iterate on with another matrix
                 self.globalization.Begin()
         return state
 
@@ -140,7 +140,7 @@ class Newton:
         return self.history[-1]
 
     def NotConverged(self, state):
-        """The error that ends the table at a State."""
+        """The error that ends the table at a Measurement."""
         return ContactConvergenceError(
             f"no convergence in {len(self.history) - 1} iterations: equilibrium "
             f"{state.equilibrium:.2e}, constraint {state.constraint:.2e}"

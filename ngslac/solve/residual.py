@@ -8,14 +8,14 @@ from netgen.meshing import NgException
 from ngslac.loads import CheckNoMultiplierLoad
 from ngslac.solve.bulk import LINEAR
 
-__all__ = ["Residual", "State"]
+__all__ = ["Measurement", "Residual"]
 
 # What a residual keeps from one solve to the next.
-REMEMBERED = ("converged", "forces", "reference", "rows", "tol")
+REMEMBERED = ("converged", "forces", "reference", "multipliers", "tol")
 
 
 @dataclass
-class State:
+class Measurement:
     """Residual of bulk and loads, its sizes and the contact status, at one iterate.
 
     Attributes
@@ -73,6 +73,16 @@ class Residual:
     contacts : list[LACContact]
     free : (n,) bool
         Scalar dofs whose rows count: all free ones, also those that are condensed.
+
+    Attributes
+    ----------
+    multipliers : (n,) bool
+        Rows of multipliers; the others are of displacements. Known from `Begin` on, as all that
+        follows.
+    scaled : (n,)
+        The residual measured last times the factors of the rows.
+    forces, reference, rounding : float
+        What counts as zero: of the loads and reactions, of earlier solves, and rounding errors.
     """
 
     def __init__(self, bulk, contacts, free):
@@ -95,10 +105,10 @@ class Residual:
         self.bulk.Forget()
 
     def Begin(self, scale, tol):
-        """Start a solve with these factors and tolerance; returns the first State."""
-        self.rows = np.zeros(len(scale), dtype=bool)
+        """Start a solve with these factors and tolerance; returns the first Measurement."""
+        self.multipliers = np.zeros(len(scale), dtype=bool)
         for contact in self.contacts:
-            self.rows[contact.form.MultiplierDofs()] = True
+            self.multipliers[contact.form.MultiplierDofs()] = True
         self.reference, self.tol = self.converged, tol
         state = self.Measure(scale, honest=True)
         if state.finite:
@@ -118,7 +128,7 @@ class Residual:
         self.converged = max(self.forces, self.converged)
 
     def Confirm(self, state, scale):
-        """The honest State of gf in place of the State measured last.
+        """The honest Measurement of gf in place of the last one.
 
         Where the bulk turns out not to be linear, gf is that of the last honest residual if this
         was smaller.
@@ -129,7 +139,7 @@ class Residual:
         honest = self.Measure(scale, honest=True)
         if honest.finite:
             size, deviation = (
-                Norm((scale * forces)[~self.rows])
+                Norm((scale * forces)[~self.multipliers])
                 for forces in (change.FV().NumPy(), honest.bulk - state.bulk)
             )
             if deviation <= max(LINEAR * size, 1e-2 * LINEAR * self.forces, self.rounding):
@@ -141,7 +151,7 @@ class Residual:
         return honest
 
     def Measure(self, scale, honest=False):
-        """The State of gf; `honest`: by the bulk form itself, even if it seems to be linear."""
+        """The Measurement of gf; `honest`: by the bulk form, even if it seems to be linear."""
         vec = self.gf.vec
         contact_residual = vec.CreateVector()
         contact_residual[:] = 0
@@ -152,23 +162,26 @@ class Residual:
                 contact.AddApply(vec, contact_residual)
                 contact.form.Evaluate(vec)
         except NgException as error:
-            return State.Nothing(str(error))
+            return Measurement.Nothing(str(error))
         bulk, pushed = residual.FV().NumPy(), contact_residual.FV().NumPy()
         load = self.bulk.load
         # Forces at work: reactions, contact forces and loads all count.
-        forces = max(Norm((scale * f)[~self.rows]) for f in (bulk, pushed, load))
-        self._gapshifts = {"rhs": load[self.rows], "a, the bulk form,": bulk[self.rows]}
+        forces = max(Norm((scale * f)[~self.multipliers]) for f in (bulk, pushed, load))
+        self._gapshifts = {
+            "rhs": load[self.multipliers],
+            "a, the bulk form,": bulk[self.multipliers],
+        }
         bulk = bulk - load
         scaled = scale * (bulk + pushed) * self.free
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}
             wrong = (name for name, part in parts.items() if not np.all(np.isfinite(part)))
-            return State.Nothing(
+            return Measurement.Nothing(
                 f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
             )
         self.forces, self.scaled = forces, scaled
         # No residual gets below the rounding errors of the stiffness times the displacement.
-        self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.rows])
+        self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.multipliers])
         state = self._StateOf(bulk, honest)
         if honest:
             self.bulk.Remember(residual, state.merit)
@@ -179,12 +192,15 @@ class Residual:
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
         pressing = max(self.forces, self.reference, 0.1 * self.rounding / self.tol)
-        equilibrium, constraint = Norm(self.scaled[~self.rows]), Norm(self.scaled[self.rows])
+        equilibrium, constraint = (
+            Norm(self.scaled[~self.multipliers]),
+            Norm(self.scaled[self.multipliers]),
+        )
         merit = float(np.hypot(equilibrium, constraint))
         reference = reference or max(equilibrium, constraint) or 1.0
         pressing = pressing or reference
         tables = [contact.Table() for contact in self.contacts]
-        return State(
+        return Measurement(
             bulk,
             equilibrium / reference,
             constraint / pressing,
@@ -199,7 +215,7 @@ class Residual:
         """Once per solve: what depends on the iterate, the matrix shows."""
         allowed = self.tol * max(self.forces, self.reference, self.rounding / self.tol)
         for name, shift in self._gapshifts.items():
-            CheckNoMultiplierLoad(name, Norm(scale[self.rows] * shift), allowed)
+            CheckNoMultiplierLoad(name, Norm(scale[self.multipliers] * shift), allowed)
 
 
 def Norm(values):

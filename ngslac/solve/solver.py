@@ -60,12 +60,13 @@ class ContactSolver:
         residual is recomputed by "umfpack".
     solver : {"direct", "iterative", "saddle"}, optional
         How linear systems are solved. "direct": each macro-element's multiplier and one inner node
-        of its displacement are eliminated, the rest is factored (with slip, the frictionless system
-        is, for GMRES); the factorisation serves again while few macro-elements change. "iterative":
-        GMRES on the same system, preconditioned by Gauss-Seidel sweeps and a direct solution on the
-        vertices: least memory, for order 2 and higher. "saddle": LU of the whole system.
-        Default: "iterative" from 5,000 free displacements in 3D and 25,000 in 2D on, for small
-        sliding, else "direct".
+        of its displacement are eliminated, the rest is factored; where something slips in 3D, the
+        system without friction is, and preconditions GMRES. The factorisation serves again while
+        few macro-elements change. "iterative": GMRES on the same system, preconditioned by
+        Gauss-Seidel sweeps and a direct solution on the vertices: least memory, for order 2 and
+        higher. "saddle": LU of the whole system. Default: "iterative" from 5,000 free dofs in 3D
+        and 25,000 in 2D on, for small sliding and order 2 or higher, if neither `inverse` nor
+        condensation of the bulk is asked for; else "direct".
     preconditioner : callable, optional
         For "iterative", of any order: ``preconditioner(mat, freedofs)`` returns an operator of the
         same size, which approximates the inverse of a sparse matrix on the free dofs, as an
@@ -241,7 +242,7 @@ class ContactSolver:
         Returns
         -------
         float or None
-            Relative to the forces at work, without unit.
+            Norm of the scaled residual, not divided by the forces: to compare states of one load.
         """
         CheckFlag("same_load", same_load)
         if not self.history:

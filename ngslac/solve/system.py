@@ -8,7 +8,7 @@ from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckMatrix, MultiplierRows
-from ngslac.solve.residual import Residual, State
+from ngslac.solve.residual import Measurement, Residual
 
 __all__ = ["Saddle", "System"]
 
@@ -18,7 +18,7 @@ LEAST_SIGHT = 1 / 8
 IDLE_SHIFT = 1e-6
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
-# Newton steps before another method is tried.
+# Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
 
@@ -28,9 +28,9 @@ class Saddle:
     Attributes
     ----------
     most : int
-        Newton steps before another method looks for the contact status.
+        Newton steps after which the method goes on only while the residual falls.
     searches : bool
-        Is there such a method?
+        May another method look for the contact status where this one does not find it?
     advice : str
         What else to try where there is no convergence.
     """
@@ -57,7 +57,7 @@ class Saddle:
         return [contact.form.mat for contact in system.contacts]
 
     def Measure(self, system, honest):
-        """The State of the solution, see `Residual.Measure`."""
+        """The Measurement of the solution, see `Residual.Measure`."""
         return system.residual.Measure(system.scale, honest)
 
 
@@ -86,13 +86,13 @@ class System:
     idle : bool
         Do bodies float that nothing pushes? They stay where they are.
     loose : bool
-        Did the last linear system need help where nothing holds a body?
+        Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
 
     def __init__(self, bulk, contacts, linear, free, bodies=None):
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
-        self.scale = self.motion = None
+        self.scale = self.motion = self._rest = None
         self.idle = self.loose = False
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -189,7 +189,8 @@ class System:
         self.motion, self.linear.shifts = None, 0
         if motion is not None and np.any(motion[constrained]):
             self.motion = np.where(constrained, motion, 0.0)
-            self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))  # which is none
+            # What is left of the motion up to this is rounding, see `Moved`.
+            self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))
 
     # --- residual and matrices -----------------------------------------------------------------
 
@@ -216,18 +217,18 @@ class System:
             contact.Evaluate(self.gf)
 
     def Measure(self):
-        """The State of the solution, as the scheme sees it."""
+        """The Measurement of the solution, as the scheme sees it."""
         return self.scheme.Measure(self, self.motion is not None)
 
     def MeasureHonestly(self):
-        """The State of the solution and its multipliers, by the bulk form itself."""
+        """The Measurement of the solution and its multipliers, by the bulk form itself."""
         return self.residual.Measure(self.scale, honest=True)
 
     def Trial(self, state, part):
-        """The State after a part of a step from another State."""
+        """The Measurement after a part of a step from another Measurement."""
         trial = self.Measure()
         if trial.finite and part > LEAST_SIGHT and trial.LostSight(state):
-            return State.Nothing("surfaces pass through each other")
+            return Measurement.Nothing("surfaces pass through each other")
         return trial
 
     def Moved(self, before, after, motion, part):
@@ -238,8 +239,8 @@ class System:
             if np.max(np.abs(self.motion)) <= self._rest:
                 self.motion = None
 
-    def Settles(self):
-        """Does a whole step lead to equilibrium? Then all of the motion is in it."""
+    def CountMotionAsDone(self):
+        """Where one step of a linear bulk carries the whole motion; says whether it does."""
         if self.islinear:
             self.motion = None
         return self.islinear
@@ -255,15 +256,15 @@ class System:
         given = self.bulk.mat, self._Forms(), self.scale
 
         def Solve(residual):
-            rows = ~self.residual.rows
+            displacements = ~self.residual.multipliers
             self.loose = False
             if not self.idle:
-                found = self.linear.SolveShifted(*given, residual, rows, accuracy)
+                found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
                 singular = self.linear.nearly_singular or self.linear.shifts
                 if not (singular and self.AreIdle("now")):
                     self.loose = bool(singular)
                     return found
-            return self.linear.Solve(*given, residual, IDLE_SHIFT * rows, accuracy)
+            return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
 
         return self.Displace(residual, Solve, self.scheme.Matrices(self))
 

@@ -131,7 +131,7 @@ class LimitLoad:
     def _Forces(self):
         """Of bulk, loads and contact on the displacements, as measured last."""
         residual = self.system.residual
-        return np.where(residual.rows, 0.0, residual.scaled / self.system.scale)
+        return np.where(residual.multipliers, 0.0, residual.scaled / self.system.scale)
 
     def _Peak(self, before, start, motion):
         """From the parabola that the work against the resistance is for a short way."""
@@ -168,7 +168,7 @@ class LimitLoad:
             self.load.Set(load)
             if not self.system.MeasureHonestly().finite:
                 return
-            at.append(np.where(residual.rows, 0.0, residual.scaled))
+            at.append(np.where(residual.multipliers, 0.0, residual.scaled))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))
         self._fold = 0.1 * push < left < 2 * push
         if self._fold:

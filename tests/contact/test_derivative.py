@@ -134,6 +134,19 @@ def test_finite_sliding(dim, cells, space, law):
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-8
 
 
+@pytest.mark.parametrize(("dim", "cells"), [(2, ()), (3, ("hex", "tet", 2, 1))])
+def test_rays_that_miss_keep_their_partner(dim, cells):
+    """Points that are far beyond their master's face: the gap is what lies between in normal."""
+    form = finite_form(dim, *cells, law="frictionless")
+    form.follow()
+    way = np.eye(dim)[0] * 5 + np.eye(dim)[-1] * 0.1
+    form.place(CF((x, y, z)[:dim]) + form.body(1, 0) * CF(tuple(way)))
+    table = form.table()
+    assert table["gap"][table["area"] > 0] == pytest.approx(0.1, abs=1e-12)
+    form.values[:] += 1e-3 * np.random.default_rng(0).normal(size=len(form.values))
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-8
+
+
 @pytest.mark.parametrize("overhang", [0.3, -0.3])
 @pytest.mark.parametrize(
     ("dim", "cells", "flags"),

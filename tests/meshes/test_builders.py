@@ -10,6 +10,7 @@ from measures import area, connectivity, determinants, flux, samples, vertices_o
 
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
+from ngslac.meshes.geometry import NonMatchingDivisions
 
 TURN = ((1.0, 2.0, -0.5), 67.0)
 
@@ -221,3 +222,15 @@ def test_point_force_is_the_value_at_the_vertex(order):
     both = meshes.PointForce(X, (5, -7), component=1).FV().NumPy()
     assert np.all(both[: mesh.ne] == 0)
     assert both[mesh.ne :] == pytest.approx(load.FV().NumPy(), abs=0)
+
+
+@pytest.mark.parametrize("module", ["geometry", "geometry3d"])
+def test_a_face_that_netgen_left_out(module, monkeypatch):
+    monkeypatch.setattr(f"ngslac.meshes.{module}.Integrate", lambda *_: 0.5)
+    with pytest.raises(RuntimeError, match=r"netgen meshed an? (area|volume) of 0.5 of .*change"):
+        meshes.HertzMesh(2) if module == "geometry" else meshes.SphereOnBlock(2)
+
+
+def test_no_division_avoids_what_is_everywhere():
+    with pytest.raises(ValueError, match=r"no division of the master edge near h = 0.1"):
+        NonMatchingDivisions(np.linspace(0, 1, 10**5), 0, 1, 0.1)

@@ -70,6 +70,8 @@ CALLS = [  # a call, and what it says
     (lambda: SLIP.Reverse(10.1), r"shear = .* <= \|start\.shear\| = 10\.0"),
     (lambda: ROUND.Reverse(-10.1), r"shear = .* <= \|start\.shear\| = 10\.0"),
     (lambda: SLIP.Reverse(nan), r"shear = nan"),
+    (lambda: replace(LINE, force=10**400), r"force is too large for a float: give"),
+    (lambda: LINE.MeanPressure([0, 1], [1, 2, 3]), r"x1 = .* give ends of one shape, x0 has \(2,"),
     (lambda: TWIST.Reverse(1.01), r"moment = .* \|start\.moment\|"),
     (lambda: replace(TWIST, moment=-1.001 * TWIST.limit), r"moment = .* would turn freely, keep"),
     (

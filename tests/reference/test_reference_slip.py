@@ -320,4 +320,5 @@ def test_angles_without_end():
     assert (endless.moment, endless.ratio) == (-endless.limit, 0)
     assert made("twist", -1.0).angle == -inf
     for angle, friction in ((0.0, FRICTION), (1.0, 0.0)):
-        assert TwistPoint.FromAngle(hertz=hertz, angle=angle, friction=friction).moment == 0
+        state = TwistPoint.FromAngle(hertz=hertz, angle=angle, friction=friction)
+        assert (state.moment, state.angle) == (0, 0)

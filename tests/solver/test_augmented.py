@@ -217,7 +217,7 @@ def assembled(solver):
     for contact in solver.contacts:
         with scaled(contact.form, solver.factor) as form:
             merged += ToCSR(form.AssembleAugmented(vec, zero(vec))).toarray()
-    free = solver.linear.free & ~solver.system.residual.rows
+    free = solver.linear.free & ~solver.system.residual.multipliers
     return (solver.system.scale[:, None] * merged * solver.system.scale)[np.ix_(free, free)]
 
 
@@ -265,7 +265,7 @@ def test_friction_that_slips_is_not_symmetric():
 @pytest.mark.parametrize("friction", [None, 0.3])
 def test_matrix_is_the_derivative(finite, friction):
     problem = mixed_press(finite=finite, friction=friction, nonlinear=True)
-    rows = augmented(problem, augmentation=10.0).system.residual.rows
+    rows = augmented(problem, augmentation=10.0).system.residual.multipliers
     form, vec = problem.contact.form, problem.gf.vec
     values = vec.FV().NumPy()
     values[rows] *= 0.9  # the projection differs from the multipliers

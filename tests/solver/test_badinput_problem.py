@@ -139,6 +139,8 @@ REFUSED = [
     ("make(rhs=1.0)", NOLOAD, TypeError),
     ("make(rhs='f')", NOLOAD, TypeError),
     ("make(rhs=np.zeros(X.ndof))", NOLOAD, TypeError),
+    ("make(rhs=gf)", "rhs is a GridFunction: give its gf.vec", TypeError),
+    ("make(rhs=CreateVVector(X.ndof, complex=True))", "rhs is a complex vector", ValueError),
     ("solve(rhs=lambda: None)", r"rhs\(\) = None must be a LinearForm or a vector", TypeError),
     ("make(rhs=LinearForm(wrong.space))", "rhs is a LinearForm on another space", ValueError),
     ("solve(rhs=load(v[1] * ds('top')))", f"^rhs {NEVER}", ValueError),
@@ -148,6 +150,7 @@ REFUSED = [
     ("solve(rhs=vec(NAN))", BAD, ContactConvergenceError),
     ("solve(rhs=vec(NAN, at=10))", BAD, ContactConvergenceError),
     ("make(freedofs=[True])", r"freedofs = \[True\] must be a BitArray such as X.Free", TypeError),
+    ("make(freedofs=locked & ~locked)", "freedofs has no bit set: nothing is free", ValueError),
     ("make(freedofs=BitArray(3))", "freedofs has 3 bits, the product space", ValueError),
     ("make(freedofs=locked)", "freedofs takes dofs of lam away, which contact needs", ValueError),
     *(

@@ -18,7 +18,15 @@ from ngslac import BubbleVectorH1, _ngslac
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.arrays import AsBits, AsNumPy, Multiply
 from ngslac.bodies.constraints import ToCSR
-from ngslac.linear.factor import IsSymmetric, OnVertices
+from ngslac.linear.factor import (
+    LU,
+    Cholesky,
+    Factor,
+    HasMKL,
+    IsSymmetric,
+    LinearSolveError,
+    OnVertices,
+)
 from ngslac.linear.iterative import IterativeCondensed
 from ngslac.linear.solver import LinearSolver
 
@@ -163,6 +171,18 @@ def test_without_inner_displacement_the_whole_system_is_solved():
     assert np.abs(scale * left).max() < 1e-9 * np.abs(scale * rhs).max()
     assert np.all(x[~held] == 0)
     assert linear.factorisations == 1
+
+
+def test_what_cannot_be_factored(monkeypatch):
+    problem = press(flags={})  # nothing holds the blocks
+    problem.a.AssembleLinearization(problem.gf.vec)
+    with pytest.raises(LinearSolveError, match="umfpack: "):
+        Factor(problem.a.mat, None, "umfpack")
+    with pytest.raises(ValueError, match="inverse='mumps' is not available"):
+        Factor(problem.a.mat, None, "mumps")
+    monkeypatch.setattr("importlib.metadata.version", lambda name: f"{name} 2026.1")
+    assert HasMKL()
+    assert (LU(), Cholesky(), LU("umfpack")) == ("pardiso", "pardisospd", "umfpack")
 
 
 # --- the preconditioner --------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import pytest
 
 from ngslac import LACContact, SaveState
 from ngslac.files import Replacing
+from ngslac.output.vtkfile import IsComplete
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +68,7 @@ def test_the_older_file_stays_on_a_full_disk(writer, tmp_path):
         write(tmp_path / "a.b")
     assert os.listdir(tmp_path) == [older.name]
     assert older.read_text() == "older"
+    assert not IsComplete(tmp_path / "nothing")
     write(str(tmp_path / "a.b"))
     assert os.listdir(tmp_path) == [older.name]
     assert older.stat().st_size > 1000

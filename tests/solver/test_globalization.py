@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from ngslac.solve.globalization import Globalization
-from ngslac.solve.residual import State
+from ngslac.solve.residual import Measurement
 
 INF = np.inf
 
 
 def state(merit, status=(1, 1)):
     status = np.array(status)
-    return State(None, merit, 0.0, merit, 0.0, status, np.ones(len(status)))
+    return Measurement(None, merit, 0.0, merit, 0.0, status, np.ones(len(status)))
 
 
 def watched(*steps, changed=0):

@@ -1,6 +1,7 @@
 """Files of a saved state: checked bit by bit, without code, and with the mesh."""
 
 import pickle
+import sys
 import tracemalloc
 
 import continued
@@ -14,7 +15,7 @@ from ngsolve import Integrate, Mesh, x, y
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngslac import LoadMesh, LoadState, SaveState
-from ngslac.steps.meshstate import MeshOf, MeshState
+from ngslac.steps.meshstate import MeshOf, MeshState, Parts
 from ngslac.steps.statefile import ReadTree, WriteTree
 
 
@@ -152,3 +153,14 @@ def test_meshes_come_back(make, refine, tmp_path):
     if make is spline:
         found.Curve(5)
         assert Integrate(1, found) == pytest.approx(np.pi, rel=1e-7)
+
+
+def test_meshes_that_do_not_come_back(monkeypatch):
+    state = MeshState(Mesh(structured()))
+    state["volumes"][0] *= 1 + 1e-6
+    with pytest.raises(ValueError, match="the mesh does not come back as it was saved"):
+        MeshOf(state)
+    geometry = OCCGeometry(Circle((0, 0), 1).Face(), dim=2)
+    monkeypatch.setitem(sys.modules, "netgen.occ", None)
+    with pytest.raises(TypeError, match="a mesh with a OCCGeometry cannot be saved"):
+        Parts(geometry)
