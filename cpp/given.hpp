@@ -7,7 +7,7 @@ using namespace ngcomp;
 /// An argument as it was given. Signatures show it as T; what is no T gets a message that names the
 /// argument, the value and what is wanted, in place of a list of signatures.
 template <typename T>
-struct Given {
+struct __attribute__((visibility("hidden"))) Given { // as pybind11, whose object it holds
   py::object value;
 
   bool IsNone() const { return value.is_none(); }

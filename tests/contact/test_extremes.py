@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from blocks import block_mesh, contact_form, random_state, residual, vector
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
+from sheets import grid, lower, sheet_mesh, upper
 
 from ngslac import LACContact, LACSpace
 from ngslac._ngslac import MergeMatrices
@@ -33,6 +34,17 @@ def test_tractions_whose_squares_are_zero(finite):
     contact.form.AssembleStep(gf.vec, out)
     assert np.any(out.FV().NumPy()[: gf.components[0].space.ndof])
     assert np.isfinite(np.asarray(contact.mat.CSR()[0])).all()
+
+
+@sliding
+@pytest.mark.parametrize(("excess", "counts"), [(1e-8, False), (1e-5, True)])
+def test_slivers_of_an_overlap_do_not_count(excess, counts, finite):
+    """The master ends a little beyond the third of five slave edges."""
+    master = lower(grid("edge", 4, ((0, 0), (0.6 + excess, 1))))
+    table = contact_form(sheet_mesh(upper(grid("edge", 5)), master), finite=finite).Table()
+    overlaps = np.sort(table["area"][table["area"] > 0])
+    assert len(overlaps) == 3 + counts
+    assert not counts or overlaps[0] == pytest.approx(excess, rel=1e-6)
 
 
 def far_away(at, finite):

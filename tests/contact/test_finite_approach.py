@@ -76,3 +76,21 @@ def test_slip_in_advance_does_not_feed_on_itself():
         pair.contact.Commit(pair.gf)
         reference = pair.contact.form.Vectors("reference")
         assert np.abs(reference).max() <= 1.2 * 0.004  # never more than a step
+
+
+@pytest.mark.parametrize("kind", ["edge", "trig"])
+def test_slip_counts_from_where_the_path_meets_the_master(kind):
+    """A plane slave comes down on a wide master: of the step in which it lands the end counts."""
+    wide, box = ((-1, -1), (2, 2)), ((0, 0), (1, 1))
+    mesh = sheet_mesh(upper(grid(kind, 4, box)), lower(grid(kind, 7, wide)))
+    form, along, up = (
+        Form(contact_form(mesh, finite=True, friction=0.3)),
+        *np.eye(mesh.dim)[[0, -1]],
+    )
+    for part in (0.4, 0.7):  # of the way down
+        form.lead(0.2 * part * along + 0.1 * (1 - part) * up)
+        form.contact.Commit(form.gf)
+    for beyond in (0.0, 0.05):
+        form.lead((0.2 + beyond) * along)
+        slip = form.table()["slip"]
+        assert slip == pytest.approx(np.tile(beyond * along, (len(slip), 1)), abs=1e-12)

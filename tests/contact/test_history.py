@@ -276,3 +276,18 @@ def test_as_many_bits_as_macro_elements(sides, more):
     contact = sides.contact
     with pytest.raises(NgException, match=r"bits for .* macro-elements"):
         contact.form.Close(BitArray(contact.space.nmacros + more), vector(contact))
+
+
+@pytest.mark.parametrize("approach", [-0.1, 0.1])
+def test_what_is_closed_presses(sides, approach):
+    """Whatever its gap is; what has no partner stays open."""
+    gf, every = sides.state((0, 0), approach), np.arange(len(sides.dofs))
+    chosen, bits = every % 2 == 0, BitArray(len(every))
+    bits[:] = False
+    for macro in every[chosen]:
+        bits.Set(int(macro))
+    sides.contact.form.Close(bits, gf.vec)
+    table = sides.table(gf)
+    assert np.all(table["pressure"][chosen & sides.paired] > 0)
+    assert np.all(table["status"][chosen & sides.paired] > 0)
+    assert not np.any(table["pressure"][~chosen | ~sides.paired])

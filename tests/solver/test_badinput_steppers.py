@@ -105,7 +105,7 @@ REFUSED = [
     *((f"later({values})", *error) for values, *error in VALUES),
     # found in the first attempt: halving the step does not help
     (
-        "loads(prescribe={'top': CF((0, 1 / (x - x)))}).Integrate()",
+        "loads(prescribe={'top': CF((0, IfPos(x - 0.5, 0, 1 / (x - x))))}).Integrate()",
         "value of 'top' is NaN or infinite",
         ValueError,
     ),

@@ -32,6 +32,7 @@ from press import linear, numpy, press
 from ngslac import BubbleVectorH1, LACContact, LACSpace
 from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
 from ngslac.bodies.bodies import Bodies
+from ngslac.bodies.constraints import ToCSR
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
 
 PLANE = ["translation in x", "translation in y", "rotation"]
@@ -183,3 +184,13 @@ def test_a_body_that_repeats_itself_cannot_turn():
     a += linear(u, v)
     contact = LACContact(u, lam, obstacle=y + 1)
     assert floating(a, GridFunction(fes), contact) == said("'block'", PLANE[:2])
+
+
+def test_matrices_of_blocks_as_scipy_has_them(mesh):
+    V = H1(mesh, order=2, dim=2)
+    u, v = V.TnT()
+    mat = BilinearForm(linear(u, v) + u[0] * v[1] * dx).Assemble().mat
+    x = np.random.default_rng(0).normal(size=2 * V.ndof)
+    vec = mat.CreateColVector()
+    vec.FV().NumPy()[:] = x
+    assert ToCSR(mat) @ x == pytest.approx((mat * vec).Evaluate().FV().NumPy(), abs=1e-12)

@@ -1,9 +1,12 @@
 """The condensed system has the solution of the whole one and the condition of the bulk."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from netgen.meshing import NgException
 from ngsolve import (
+    BitArray,
     GetNumThreads,
     IdentityMatrix,
     Parameter,
@@ -18,6 +21,7 @@ from ngslac import BubbleVectorH1, _ngslac
 from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
 from ngslac.arrays import AsBits, AsNumPy, Multiply
 from ngslac.bodies.constraints import ToCSR
+from ngslac.linear.direct import DirectCondensed
 from ngslac.linear.factor import (
     LU,
     Cholesky,
@@ -150,6 +154,20 @@ def test_a_factorisation_serves_again():
     assert results[0] == pytest.approx(results[1], abs=1e-9 * np.abs(results[1]).max())
 
 
+@pytest.mark.parametrize(("changes", "serves"), [(0, True), (2, True), (3, False)])
+def test_a_factorisation_serves_while_few_macro_elements_change(changes, serves):
+    """A change costs four Krylov iterations, of which it has patience for ten."""
+
+    def system(constraints):
+        return SimpleNamespace(height=9, constraints=np.array(constraints))
+
+    direct = DirectCondensed(np.ones(9, dtype=bool), BitArray(9), 2)
+    assert not direct._Serves(system([0, 1, 0, 1]))
+    direct._kept = SimpleNamespace(system=system([0, 1, 0, 1]), patience=10)
+    others = [*([1, 0, 1][:changes]), *[0, 1, 0][changes:], 1]
+    assert direct._Serves(system(others)) == serves
+
+
 def test_without_inner_displacement_the_whole_system_is_solved():
     """Where the inner nodes of a macro-element are held there is nothing to eliminate it with."""
     problem = press(friction=5.0)
@@ -171,6 +189,28 @@ def test_without_inner_displacement_the_whole_system_is_solved():
     assert np.abs(scale * left).max() < 1e-9 * np.abs(scale * rhs).max()
     assert np.all(x[~held] == 0)
     assert linear.factorisations == 1
+
+
+def test_wrong_solutions_are_not_taken(monkeypatch):
+    """Another solver gets the system; if there is none the error tells the residuals."""
+    problem = press(friction=5.0)
+    linear, form = solved(problem, solver="saddle").linear, problem.contact.form
+    rhs = np.random.default_rng(0).standard_normal(len(linear.free)) * linear.free
+    given = problem.a.mat, [form], np.ones(len(rhs)), rhs
+    exact, solve = linear.Solve(*given), linear._Refined
+
+    def Wrong(mat, b, inverse):
+        return solve(mat, b, inverse) if inverse == safe else (0 * b, 1.0)
+
+    safe, linear.inverse = "umfpack", "wrong"
+    monkeypatch.setattr(linear, "_Refined", Wrong)
+    assert linear.Solve(*given) == pytest.approx(exact, abs=1e-12 * np.abs(exact).max())
+    assert linear.inverse == safe
+    safe = None
+    with pytest.raises(LinearSolveError, match=r"umfpack: relative residual 1\.0e\+00"):
+        linear.Solve(*given)
+    monkeypatch.undo()
+    assert not np.any(linear.Solve(*given[:3], 0 * rhs))
 
 
 def test_what_cannot_be_factored(monkeypatch):
@@ -269,6 +309,8 @@ def test_matrix_is_merged_in_place_where_only_contact_changes():
     again = linear._Merge(*given, None)
     assert again is first
     assert np.array_equal(dense(again), dense(MergeMatrices(*given)))
+    other = *given[:2], 2 * given[2]
+    assert np.array_equal(dense(linear._Merge(*other, None)), dense(MergeMatrices(*other)))
     linear.NewBulk()
     assert linear._Merge(*given, None) is not first
 

@@ -8,6 +8,7 @@ from ngsolve import Grad, Id, InnerProduct, Parameter, Variation, ds, dx
 from press import linear, numpy, press
 
 from ngslac import ContactConvergenceError, LoadStepper
+from ngslac.linear.factor import LinearSolveError
 from ngslac.steps.limitload import LimitLoad
 
 LIMIT = 2 / (3 * np.sqrt(3))  # of F - F^3, a stress over mu, where F^2 = 1/3
@@ -75,3 +76,17 @@ def test_a_load_that_moves_nothing_has_no_limit():
     limit = LimitLoad(stepper.solver, Parameter(0.0), 1.0)
     limit.Estimate(1.0, failed=False)
     assert limit.expected is None
+
+
+def test_an_estimate_that_fails_tells_nothing_and_leaves_no_trace(monkeypatch):
+    def Correction(*_):
+        raise LinearSolveError("singular")
+
+    stepper = bar()
+    stepper.Integrate(0.5 * LIMIT, steps=1, printing=False)
+    limit, before = LimitLoad(stepper.solver, stepper.load, 1.0), numpy(stepper.solver.gf)
+    monkeypatch.setattr(stepper.solver.system, "Correction", Correction)
+    limit.Estimate(2 * LIMIT, failed=False)
+    assert not limit.suspected
+    assert np.all(numpy(stepper.solver.gf) == before)
+    assert stepper.load.Get() == 0.5 * LIMIT

@@ -207,6 +207,20 @@ def test_the_merit_of_a_changed_load():
     assert solver.Merit() > 1e-3
 
 
+def test_the_merit_of_a_state_that_was_put_back():
+    """Under the load of then, of which nothing but the state is left."""
+    problem = mixed_press()
+    problem.load.Set(0.5)
+    solver = solved(problem)
+    state = solver.State()
+    problem.load.Set(1.0)
+    solver.Solve(printing=False)
+    assert solver.system.bulk.product is not None
+    solver.SetState(state)
+    problem.load.Set(0.5)
+    assert solver.Merit(same_load=True) == pytest.approx(solver.Merit(), abs=1e-12)
+
+
 def test_no_trust_is_left_after_a_failure():
     problem = mixed_press()
     solver = solved(problem)

@@ -92,6 +92,14 @@ def test_linear_bulk_converges_in_the_step_after_the_last_change():
     assert len(solver.history) <= 6
 
 
+def test_what_has_no_partner_has_the_scale_of_what_has_one():
+    problem = press(mesh_flags={"overhang": -0.3})
+    solved(problem)
+    scale, alone = problem.contact.form.History()["c"], problem.contact.Table()["area"] == 0
+    assert np.any(alone)
+    assert scale[alone] == pytest.approx(np.mean(scale[~alone]), rel=1e-12)
+
+
 # --- the same by other routes --------------------------------------------------------------------
 
 

@@ -173,6 +173,19 @@ def test_a_state_that_does_not_fit_changes_nothing(name):
         assert same(before, seen(tool)) == set(before)
 
 
+def test_a_contact_as_it_was_before_its_first_solve():
+    """It was paired then, but had no scale: the next solve finds one."""
+    problem = press()
+    problem.contact.Update()
+    state = problem.contact.State()
+    for _ in range(2):
+        problem.gf.vec[:] = 0
+        problem.solver().Solve(printing=False)
+        assert np.all(problem.contact.form.History()["c"] > 0)
+        problem.contact.SetState(state)
+    assert not np.any(problem.contact.form.History()["c"])
+
+
 @KINDS
 def test_unpaired_and_strided_states(name):
     """Back before the first pairing, nothing of it is left."""

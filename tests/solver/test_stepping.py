@@ -18,6 +18,7 @@ from ngslac import (
     LoadStepper,
     TimeStepper,
 )
+from ngslac.steps.control import StepControl
 
 
 def loading(make=mixed_press, *, predict=True, **flags):
@@ -43,6 +44,14 @@ def ran(name, end=1.0, stepper=None, **flags):
         flags["steps"] = round(4 * (end - stepper.load.Get()))
     steps = stepper.Integrate(end, printing=False, **flags)
     return stepper, steps
+
+
+def test_rounding_errors_are_no_step_of_their_own():
+    control = StepControl(0.0, 0.3, 4, size=0.1)  # 0.1 + 0.1 + 0.1 > 0.3
+    for _ in range(3):
+        assert not control.done
+        control.Reached(control.goal)
+    assert control.done
 
 
 def test_steps_reach_the_end_and_call_back(name):
