@@ -166,3 +166,21 @@ def test_a_cube_in_a_cavity(kind, gap, seed):
     area = 2 * d * min(1, size) ** (d - 1)
     assert segments.area.sum() / 10 ** (d - 1) == pytest.approx(area, rel=1e-12)
     assert segments.gap / 10 == pytest.approx(gap, rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_crossing_layers_the_one_is_seen_that_is_nearer_in_the_middle(seed):
+    """Each layer is one triangle over all of the slave, so that no piece is cut."""
+    rng, wide = np.random.default_rng(seed), ((-1, -9), (10, 2))
+    gaps, tilts = rng.uniform(0.3, 0.4, 2), 0.3 * rng.uniform(-1, 1, (2, 2))
+    sheets = [
+        lower(grid("trig", 1, wide), -gap - tilt.sum() / 2, 1e-3, f"layer{k}", tilt)
+        for k, (gap, tilt) in enumerate(zip(gaps, tilts, strict=True))
+    ]
+    contact = paired([upper(grid("trig", 3)), *sheets], penetration=2.0, maxdist=5.0)
+    numbers, corners = faces_of(contact.mesh, "slave")
+    middles = np.mean(corners, axis=1)[:, :2] - 0.5
+    expected = np.min(gaps - middles @ tilts.T, axis=1)
+    segments = contact.Segments()
+    assert len(segments) == len(numbers)
+    assert segments.gap == pytest.approx(expected[np.searchsorted(numbers, segments.slave)])

@@ -19,7 +19,8 @@ SAMPLE = {
     "movingfloor-0.4-5-0.05", "halfheld-2-1", "random-004", "random-005", "random-007",
     "hotbar-8-0.05-2", "hotbar-2-0.15-2-True", "random-061", "random-067", "random-099",
     "leafonsupports-0.0-1", "plate-0.0",
-    "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side",
+    "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side", "nomiddle-0.3-0-1.4", "notippingfar-1",
+    "nocapstan-0.2-0", "flatring-flat-0.2-24",
 }  # fmt: skip
 
 
