@@ -170,17 +170,18 @@ def test_a_cube_in_a_cavity(kind, gap, seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_of_crossing_layers_the_one_is_seen_that_is_nearer_in_the_middle(seed):
-    """Each layer is one triangle over all of the slave, so that no piece is cut."""
-    rng, wide = np.random.default_rng(seed), ((-1, -9), (10, 2))
+    """The layers are divided in the same way, so that the pieces are those of both."""
+    rng = np.random.default_rng(seed)
     gaps, tilts = rng.uniform(0.3, 0.4, 2), 0.3 * rng.uniform(-1, 1, (2, 2))
+    surface = grid("trig", 3, ((-0.5, -0.7), (1.5, 1.4)))
     sheets = [
-        lower(grid("trig", 1, wide), -gap - tilt.sum() / 2, 1e-3, f"layer{k}", tilt)
+        lower(surface, -gap - tilt.sum() / 2, 1e-3, f"layer{k}", tilt)
         for k, (gap, tilt) in enumerate(zip(gaps, tilts, strict=True))
     ]
-    contact = paired([upper(grid("trig", 3)), *sheets], penetration=2.0, maxdist=5.0)
-    numbers, corners = faces_of(contact.mesh, "slave")
-    middles = np.mean(corners, axis=1)[:, :2] - 0.5
-    expected = np.min(gaps - middles @ tilts.T, axis=1)
+    contact = paired([upper(grid("trig", 2)), *sheets], penetration=2.0, maxdist=5.0)
     segments = contact.Segments()
-    assert len(segments) == len(numbers)
-    assert segments.gap == pytest.approx(expected[np.searchsorted(numbers, segments.slave)])
+    pieces = [flat(points[:, :2]) for points in np.split(segments.slave_points, segments.first[1:-1])]
+    middles = np.array([(piece.centroid.x, piece.centroid.y) for piece in pieces]) - 0.5
+    assert sum(piece.area for piece in pieces) == pytest.approx(1)
+    assert len(pieces) > 8  # faces of the slave, which are cut
+    assert segments.gap == pytest.approx(np.min(gaps - middles @ tilts.T, axis=1))
