@@ -180,7 +180,9 @@ def test_of_crossing_layers_the_one_is_seen_that_is_nearer_in_the_middle(seed):
     ]
     contact = paired([upper(grid("trig", 2)), *sheets], penetration=2.0, maxdist=5.0)
     segments = contact.Segments()
-    pieces = [flat(points[:, :2]) for points in np.split(segments.slave_points, segments.first[1:-1])]
+    pieces = [
+        flat(points[:, :2]) for points in np.split(segments.slave_points, segments.first[1:-1])
+    ]
     middles = np.array([(piece.centroid.x, piece.centroid.y) for piece in pieces]) - 0.5
     assert sum(piece.area for piece in pieces) == pytest.approx(1)
     assert len(pieces) > 8  # faces of the slave, which are cut

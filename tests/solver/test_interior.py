@@ -1,5 +1,6 @@
 """Problems in which Newton's method with active set fails, and what the other method does."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -90,6 +91,14 @@ def test_leaves_in_bending(friction):
     # Half of the load each: alike leaves that bend alike, the slope at the tip counts a little.
     assert force[1] == pytest.approx(0.5e-6, rel=0.05)
     assert table["x"][table["status"] > 0][:, 0].min() > 0.9 * 30
+
+
+def test_a_state_that_carries_a_body_off_is_no_solution(monkeypatch):
+    """However well it balances: the other method says what moves away."""
+    said = "body 'leaf' moves off (rotation)"
+    monkeypatch.setattr("ngslac.bodies.bodies.Bodies.Lost", lambda *_: [said])
+    with pytest.raises(FloatingBodyError, match=re.escape(said) + ": the loads exceed what contac"):
+        leaves(0.3)
 
 
 def test_leaves_some_of_them_tied():
