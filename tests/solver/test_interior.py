@@ -24,7 +24,14 @@ from ngsolve import (
     x,
 )
 
-from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
+from ngslac import (
+    ContactConvergenceError,
+    ContactSolver,
+    FloatingBodyError,
+    LACContact,
+    LACSpace,
+    LoadStepper,
+)
 from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
 
@@ -99,6 +106,13 @@ def test_a_state_that_carries_a_body_off_is_no_solution(monkeypatch):
     monkeypatch.setattr("ngslac.bodies.bodies.Bodies.Lost", lambda *_: [said])
     with pytest.raises(FloatingBodyError, match=re.escape(said) + ": the loads exceed what contac"):
         leaves(0.3)
+
+
+def test_newtons_error_stands_where_nothing_presses(monkeypatch):
+    monkeypatch.setattr("ngslac.solve.interior.Springs.Pressure", lambda *_: 0.0)
+    with pytest.raises(ContactConvergenceError, match="no convergence in") as caught:
+        leaves(0.3)
+    assert "nothing presses where the surfaces face" in str(caught.value.__context__)
 
 
 def test_leaves_some_of_them_tied():

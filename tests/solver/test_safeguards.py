@@ -1,13 +1,22 @@
 """Newton's method far from a solution: cycles, damping, values that do not exist, overlaps."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from law import shear
 from netgen.libngpy._meshing import _GetStatus
 from ngsolve import CF, InnerProduct, ds, dx, x
-from press import mixed_press, numpy, press
+from press import mixed_press, numpy, press, same
 
-from ngslac import ContactConvergenceError, LoadStepper
+from ngslac import (
+    AugmentedLagrangianSolver,
+    ContactConvergenceError,
+    ContactSolver,
+    LoadStepper,
+)
+from ngslac.solve.newton import Newton
+from ngslac.solve.residual import Measurement, Residual
 
 # Tresca's bound is there or not: closed, it lifts the macro-element off, and open, it is missed.
 CYCLING = {"tresca": 2.0, "push": (0.2, -0.02 + 0.1 * x)}
@@ -93,3 +102,34 @@ def test_the_status_line_follows_newtons_method():
     names, shares = zip(*seen, strict=True)
     assert set(names) == {"contact: Newton's method"}
     assert 0 == shares[0] < shares[-2] <= 100
+
+
+def test_a_solution_whose_honest_residual_has_no_value_is_none(monkeypatch):
+    nothing = Measurement.Nothing("the form has no value there")
+    monkeypatch.setattr(Residual, "Confirm", lambda *_: nothing)
+    problem = mixed_press()
+    with pytest.raises(ContactConvergenceError, match="the form has no value there"):
+        problem.solver().Solve(printing=False)
+    assert not np.any(numpy(problem.gf))
+
+
+def test_no_slip_turns_round_where_a_step_has_no_residual():
+    log = SimpleNamespace(tol=1e-10, history=[])
+    problem = press(friction=0.2)
+    solver = problem.solver()
+    solver.Solve(printing=False)
+    newton = Newton(solver.system, log, initial="gap", path=False)
+    assert newton._Stick(None, lambda part: Measurement.Nothing("far off")) is None
+
+
+@pytest.mark.parametrize("kind", [ContactSolver, AugmentedLagrangianSolver])
+def test_what_was_found_stays_where_no_other_method_finds_more(kind, monkeypatch):
+    """Rounding errors of a far motion look like a solution, which is looked at twice."""
+    problem, plain = mixed_press(friction=None), mixed_press(friction=None)
+    plain.solver().Solve(printing=False)
+    monkeypatch.setattr(Residual, "drowned", True)
+    monkeypatch.setattr(Newton, "_Strays", lambda self: True)
+    solver = kind(problem.a, problem.gf, problem.contact)
+    last = solver.Solve(printing=False)
+    assert last is solver.history[-1]
+    same(problem, plain, 1e-8)
