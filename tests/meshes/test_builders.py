@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from builders import CASES, KINDS2D, MeshOf
 from measures import area, connectivity, determinants, flux, samples, vertices_of, volume
+from ngsolve.meshes import MakeStructured2DMesh
 
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
+from ngslac.meshes.cylinders import _Prisms
 from ngslac.meshes.geometry import NonMatchingDivisions
 
 TURN = ((1.0, 2.0, -0.5), 67.0)
@@ -207,6 +209,16 @@ def test_slices_are_prisms():
     mesh = MeshOf("slice quarter")
     assert {el.type for el in mesh.Elements(ngs.VOL)} == {ngs.ET.PRISM}
     assert {el.type for el in mesh.Boundaries("slave|master").Elements()} == {ngs.ET.QUAD}
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_prisms_have_one_orientation_whatever_that_of_the_triangles(side):
+    plane = MakeStructured2DMesh(quads=False, nx=2, ny=2, mapping=lambda s, t: (side * s, t))
+    prisms = _Prisms(plane, np.linspace(0, 1, 4), 1.0)
+    corners = prisms.points[np.array(prisms.cells)]
+    volumes = np.linalg.det(corners[:, [1, 2, 3]] - corners[:, :1])
+    assert volumes.min() > 0
+    assert volumes.sum() / 2 == pytest.approx(1)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
