@@ -29,10 +29,12 @@ void Form<D>::Start(shared_ptr<GridFunction> gf) {
   if (gf)
     x = gf->GetVector().FV<double>();
   mat = kinematics->Start(gf, x);
-  normal = kinematics->Jump().normal;
-  states.SetSize(kinematics->Size());
-  for (size_t m : Range(states))
-    states[m] = {0, kinematics->Place(m, x).gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+  normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
+  for (size_t m : Range(states)) {
+    auto place = kinematics->Place(m, x);
+    normal[m] = place.normal;
+    states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+  }
   Accept();
 }
 

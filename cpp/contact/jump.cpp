@@ -171,20 +171,42 @@ MacroJump<D>::MacroJump(const LACSpace & space, const Surface<D> & slave,
 }
 
 template <int D>
-Array<Vec<D>> MacroJump<D>::GapVectors(const Pairing<D> & pairing) const {
+template <typename F>
+Array<Vec<D>> MacroJump<D>::Means(const Pairing<D> & pairing, F value) const {
   Array<Vec<D>> means(Size());
   ParallelFor(Size(), [&](size_t m) {
-    Vec<D> gaps = 0.0;
+    Vec<D> sum = 0.0;
     double paired = 0;
     for (int f : faces[m])
       for (int s : Range(first_segment[f], first_segment[f + 1]))
         for (auto & p : pairing.points.Range(pairing.Points(s))) {
           paired += p.weight;
-          gaps -= p.weight * p.gap * p.normal;
+          sum += p.weight * value(pairing.segments[s].master, p);
         }
-    means[m] = paired > 0 ? Vec<D>((1 / paired) * gaps) : Vec<D>(0.0);
+    means[m] = paired > 0 ? Vec<D>((1 / paired) * sum) : Vec<D>(0.0);
   });
   return means;
+}
+
+template <int D>
+Array<Vec<D>> MacroJump<D>::GapVectors(const Pairing<D> & pairing) const {
+  return Means(pairing, [](int, const PairPoint<D> & p) { return Vec<D>(-p.gap * p.normal); });
+}
+
+template <int D>
+Array<Vec<D>> MacroJump<D>::SlaveNormals(const Pairing<D> & pairing) const {
+  return Means(pairing, [](int, const PairPoint<D> & p) { return p.normal; });
+}
+
+template <int D>
+Array<Vec<D>> MacroJump<D>::MasterNormals(const Surface<D> & master,
+                                          const Pairing<D> & pairing) const {
+  return Means(pairing, [&](int face, const PairPoint<D> & p) {
+    Vec<D> y;
+    Mat<D, D - 1> dy;
+    master.Evaluate(face, p.master, y, dy);
+    return master.Normal(face, dy);
+  });
 }
 
 template <int D>

@@ -45,6 +45,9 @@ public:
                const Pairing<D> & pairing, Side side = Side::both);
   /// means of x1 - x2 in the configuration of the pairing
   Array<Vec<D>> GapVectors(const Pairing<D> & pairing) const;
+  /// means of both normals over the paired part, 0 without one
+  Array<Vec<D>> SlaveNormals(const Pairing<D> & pairing) const;
+  Array<Vec<D>> MasterNormals(const Surface<D> & master, const Pairing<D> & pairing) const;
   bool HasRows() const { return first.Size() > 0; }
   size_t Size() const { return area.Size(); }
   /// Empty without a partner.
@@ -66,6 +69,9 @@ public:
   Array<Vec<D>> moment;   // integral of x over the paired part
 
 private:
+  /// Means over the paired part of a function of the master face and the point.
+  template <typename F>
+  Array<Vec<D>> Means(const Pairing<D> & pairing, F value) const;
   void Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing);
 
   Table<int> faces;         // of the macro-elements

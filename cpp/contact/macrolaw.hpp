@@ -8,7 +8,7 @@ namespace ngslac {
 template <int D>
 struct MacroPlace {
   Vec<D> normal;
-  double gap;           // along the slave normals
+  double gap;           // along it
   Vec<D> slip;          // of this step, perpendicular to the normal
   Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
   double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea

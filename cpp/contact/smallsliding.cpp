@@ -1,8 +1,10 @@
+#include "bodycompliance.hpp"
+#include "direction.hpp"
 #include "kinematics.hpp"
 
 namespace ngslac {
 namespace {
-/// Partners, weights and normals stay those of the last Start; gap and slip are linear.
+/// Partners, weights and directions stay those of the last Start; gap and slip are linear.
 template <int D>
 class SmallSliding : public Kinematics<D> {
   using Base = Kinematics<D>;
@@ -10,9 +12,12 @@ class SmallSliding : public Kinematics<D> {
 
   Watch watch_obstacle{setup.obstacle};
   shared_ptr<SparseMatrix<double>> mat;
-  Array<Vec<D>> gapvector; // mean of x1 - x2 at u = 0
-  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
-  Array<int> loaded;       // rows of the displacements that have forces
+  Array<Vec<D>> gapvector;                   // mean of x1 - x2 at u = 0
+  Array<Vec<D>> slave_normal, master_normal; // means over the paired part
+  double share = 0.5;                        // of the master in the stiffness of both bodies
+  Array<Vec<D>> direction;                   // in which macro-elements and their partners push
+  Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
+  Array<int> loaded;                         // rows of the displacements that have forces
   struct {
     shared_ptr<Pairing<D>> pairing;
     Array<Vec<D>> gapvector;
@@ -30,8 +35,12 @@ public:
     law->FindDofs(*surfaces.slave);
     auto & jump = this->JumpWithRows();
     law->Reset();
-    if (!setup.obstacle)
+    if (!setup.obstacle) {
+      slave_normal = jump.SlaveNormals(*surfaces.pairing);
+      master_normal = jump.MasterNormals(*surfaces.master, *surfaces.pairing);
       gapvector = jump.GapVectors(*surfaces.pairing);
+    }
+    SetDirections();
     Reevaluate();
     committed.SetSize(jump.Size());
     for (size_t m : Range(committed)) {
@@ -60,7 +69,7 @@ public:
 
   MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
     auto & jump = *surfaces.jump;
-    auto & n = jump.normal[m];
+    auto & n = direction[m];
     Vec<D> mean = jump.Mean(m, x), slip = mean - reference[m];
     slip -= InnerProduct(slip, n) * n;
     double gap = -InnerProduct(n, mean + gapvector[m]);
@@ -99,7 +108,7 @@ public:
   void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) override {
     auto & jump = *surfaces.jump;
     for (size_t m : Range(jump.Size())) {
-      auto & n = jump.normal[m];
+      auto & n = direction[m];
       Vec<D> mean = jump.Mean(m, x), velocity = mean - committed[m];
       committed[m] = mean;
       if (setup.obstacle) // may have come nearer, too
@@ -117,10 +126,37 @@ public:
     watch_obstacle.Forget();
   }
 
-  void Save(FormHistory & history) const override { SaveVectors(history["memory"], committed); }
-  void Load(const FormHistory & history) override { LoadVectors(history.at("memory"), committed); }
+  void LearnStiffness(FlatVector<> diagonal) override {
+    if (setup.obstacle)
+      return;
+    auto shapes = [&](const Surface<D> & side) {
+      return FaceShapes<D>(u, side, max(1, u.Order(side)));
+    };
+    auto & [slave, master, pairing, jump] = surfaces;
+    share = MasterShare<D>(u, {shapes(*slave), *slave}, {shapes(*master), *master}, diagonal);
+    SetDirections();
+  }
+
+  void Save(FormHistory & history) const override {
+    SaveVectors(history["memory"], committed);
+    history["share"].Append(share);
+  }
+  void Load(const FormHistory & history) override {
+    LoadVectors(history.at("memory"), committed);
+    share = history.at("share")[0];
+    SetDirections();
+  }
 
 private:
+  /// Between both normals; without a partner, and against an obstacle, that of the slave.
+  void SetDirections() {
+    auto & jump = *surfaces.jump;
+    direction = jump.normal;
+    for (size_t m : Range(setup.obstacle ? 0 : jump.Size()))
+      if (jump.area[m] > 0)
+        direction[m] = ContactDirection<D>(slave_normal[m], master_normal[m], share).normal;
+  }
+
   void Accept() {
     accepted.pairing = surfaces.pairing;
     accepted.gapvector = gapvector;
@@ -148,7 +184,7 @@ private:
 
   void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
     auto & jump = *surfaces.jump;
-    auto by_lam = law->MultiplierBlock(m, jump.normal[m], jump.RowArea(m), derivative);
+    auto by_lam = law->MultiplierBlock(m, direction[m], jump.RowArea(m), derivative);
     for (int k : Range(D)) {
       int row = law->dofs[D * m + k];
       for (int l : Range(D))

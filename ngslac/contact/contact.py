@@ -42,7 +42,8 @@ class LACContact:
     u, lam : ngsolve trial functions
         Displacement and contact traction (of a `LACSpace`) on the same product space. The slave
         side is that of the LACSpace. `lam` acts on the slave body; pressure is ``-lam.n >= 0`` with
-        the outward slave normal n.
+        the contact direction n out of the slave: between the normals of both surfaces, nearer to
+        that of the stiffer body (`Prepare`), and the slave's against an obstacle.
     master : str or Region
         The other side; where `u` has no degrees of freedom there, a rigid body at rest.
         (NGSolve's ContactBoundary calls our slave its *master*.)
@@ -62,7 +63,7 @@ class LACContact:
     finite : bool
         Sliding, rotations and strains may be large: pairing, gap, slip, normals and forces are
         those of the current configuration and follow the displacement in every iteration. `lam` is
-        the traction per area of the reference configuration. False: pairs, weights and normals
+        the traction per area of the reference configuration. False: pairs, weights and directions
         stay those of the last `Update`. A boundary may be slave and master at once.
     maxdist : float
         Farthest opening at which faces pair. Default: the diameter of both surfaces.
@@ -80,7 +81,7 @@ class LACContact:
         the solver calls.
     traction, slip, normal : GridFunction
         Vectors: traction on the slave, tangential slip of the last step (slave minus master;
-        not known for ``finite=True`` without friction), unit normal out of the slave.
+        not known for ``finite=True`` without friction), contact direction out of the slave.
     space : LACSpace
     master : Region or None
 
@@ -221,7 +222,10 @@ class LACContact:
             self.Update()
 
     def Prepare(self, bulk) -> None:
-        """Pair if that was not done, and take the scale of the form from the bulk's matrix.
+        """Pair if that was not done, and look at the stiffness of both bodies in the bulk's matrix.
+
+        It sets the scale of the form and the contact direction, once after each `Update`; fields
+        and `Table` show that direction from the next `Evaluate` on.
 
         Parameters
         ----------

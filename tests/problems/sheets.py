@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import BND, CF, GridFunction, Mesh, x, y, z
+from ngsolve import BND, CF, BilinearForm, GridFunction, Mesh, ds, x, y, z
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
@@ -183,6 +183,16 @@ def contact_on(mesh, *, slave="slave", master="master", order=1, **flags):
     u, lam = (V * LACSpace(V, slave=slave)).TrialFunction()
     contact = LACContact(u, lam, master=None if "obstacle" in flags else master, **flags)
     contact.Update()
+    return contact
+
+
+def with_slave_normals(contact):
+    """The contact, where the slave's body is rigid beside the other one: its normals count."""
+    fes = contact.form.fes
+    (u, _), (v, _) = fes.TnT()
+    soft = BilinearForm(u * v * ds(definedon=contact.master)).Assemble()
+    contact.Prepare(soft.mat)
+    contact.Evaluate(GridFunction(fes))
     return contact
 
 

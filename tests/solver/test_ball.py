@@ -93,8 +93,8 @@ def test_friction_holds_against_a_couple():
     ("given", "message"),
     [
         ({"friction": None}, r"body 'ball' floats \(rotation about z\)"),
-        ({"friction": None, "side": (0.5, 0.0)}, r"body 'ball' floats \(rotation about z\)"),
-        ({"friction": None, "couple": (0.0, 0.0, 0.1)}, r"'ball' floats \(rotation about z\)"),
+        ({"friction": None, "side": (0.5, 0.0)}, r"'ball' turns \(rotation about y\): there is no"),
+        ({"friction": None, "couple": (0.0, 0.0, 0.1)}, r"'ball' turns \(rotation about z\): ther"),
         ({"initial": "none"}, r"(body 'ball' floats [^:]*){6}:"),  # in the air, by six motions
         ({"up": 1}, "ball"),
     ],

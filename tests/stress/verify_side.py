@@ -136,8 +136,9 @@ class Side:
             distance, _ = self._Jump(self.faces.position, self.master.position, hits)
         moved, met = self._Jump(u1, u2, hits)
         directions = normals
-        if self.finite:  # turned by the same tilt all over a macro-element
-            tilt = self.share * (normals + self._MasterNormals(u2, hits)) * met[..., None]
+        if self.master:  # turned by the same tilt all over a macro-element
+            other = self._MasterNormals(u2 if self.finite else 0 * u2, hits)
+            tilt = self.share * (normals + other) * met[..., None]
             tilt = self._Sum(tilt) / np.maximum(self._Sum(met.astype(float)), 1e-300)[:, None]
             directions = normals - tilt[self.macro][:, None]
         area = self._Sum(met.astype(float))

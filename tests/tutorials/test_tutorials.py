@@ -99,7 +99,11 @@ VALUES = dict(
 )
 """
 hertz = Tutorial(HERTZ, HERTZ_VALUES, pictures=1)
-SMALL = {"35e3": "350", "zone, h = 0.3, 0.25": "zone, h = 0.03, 0.025"}
+SMALL = {
+    "35e3": "350",
+    "zone, h = 0.3, 0.25": "zone, h = 0.03, 0.025",
+    "stepper.Integrate(steps=10": "stepper.Integrate(steps=20",
+}
 small = Tutorial(HERTZ, HERTZ_VALUES, pictures=1, replace=SMALL)
 
 
@@ -112,7 +116,7 @@ def test_hertz_steps(hertz):
     assert rows[1:, 1].max() <= 5
     np.testing.assert_allclose(rows[:, 2], 1.0165, atol=0.002)
     assert rows[-1, 2] == pytest.approx(1.016, abs=1e-3)
-    assert frictionless[2] == pytest.approx(0.999, abs=1e-3)
+    assert frictionless[2] == pytest.approx(0.998, abs=1e-3)
     assert 6.1 < min(rows[-1, 3], frictionless[3]) <= max(rows[-1, 3], frictionless[3]) < 6.4
     assert hertz.resultant[1] == pytest.approx(hertz.force / 2, rel=1e-10)
     assert hertz.resultant[0] < hertz.inclined[0] < 0  # friction pulls to the middle
@@ -134,7 +138,7 @@ def test_hertz_small_contact_has_the_friction_of_spence(small):
     x = small.ends / small.halfwidth
     middle, lengths = (x[:-1] + x[1:]) / 2, np.diff(x)
     assert lengths @ small.friction == pytest.approx(lengths @ small.spence, rel=0.03)
-    # Macro by macro the ten load steps show, more so in the middle, which few of them have seen.
+    # Macro by macro the load steps show, more so in the middle, which few of them have seen.
     outer = (middle > 0.3) & (middle < 0.9)
     np.testing.assert_allclose(small.friction[outer], small.spence[outer], rtol=0.1)
     assert middle[small.status == 2].min() == pytest.approx(0.9063, abs=1.5 * lengths.max())

@@ -84,7 +84,7 @@ def test_low_load_agrees_with_spence():
     """The shear traction on the flat master is that on the slave plus p x/R.
 
     In the compatibility of both, each counts with the compliance of its body: 1/4 steel, 3/4 of it
-    the block's.
+    the block's. Tractions are split along a direction that is by 3/4 that of the steel.
     """
     low = Run(LOW)
     # The zone ends at a node; on this mesh one lies near enough for this bound.
@@ -94,7 +94,7 @@ def test_low_load_agrees_with_spence():
     assert np.abs(error).max() <= 0.06
     slope, stick = x * low.halfwidth / LOW.hertz.radius, x < low.stick
     before = np.sqrt(np.mean(error[stick] ** 2))
-    after = np.sqrt(np.mean((error + 0.75 * slope / LOW.friction)[stick] ** 2))
+    after = np.sqrt(np.mean((error + (0.75 - 0.25) * slope / LOW.friction)[stick] ** 2))
     assert after <= min(0.015, 0.6 * before)
     # A stick zone inside of a slip zone carries the load.
     macros = low.macros

@@ -145,7 +145,8 @@ def test_refinement_of_hexahedra():
 def test_benchmark_as_a_slice():
     """The pressure of Hertz in the mean over each face, no holes, nothing across the slice."""
     block, force, table = Slice(SIZE)
-    assert block == pytest.approx(DISPLACEMENT, rel=2e-3)
+    # That of another program which pushes along the normals of the slave: by the mean of (x/R)^2.
+    assert block == pytest.approx(DISPLACEMENT, rel=(HERTZ.halfwidth / 50) ** 2 / 3)
     assert table["pressure"][0] == pytest.approx(HERTZ.peak, rel=5e-3)
     exact = HERTZ.MeanPressure(*Ends(table))
     assert np.linalg.norm(table["pressure"] - exact) <= 0.05 * np.linalg.norm(exact)
@@ -169,7 +170,7 @@ def test_two_half_spheres_are_stiffer_than_half_spaces(approach, updates, ratio,
     if updates:  # stresses within the range of code_aster's results with LAC, from both sides
         assert all(STRESS[0] - 20 <= value <= STRESS[1] + 20 for value in stress)
         assert figures["contact_radius_ratio"] == pytest.approx(1, abs=0.03)
-        # Normals of the undeformed spheres matter.
+        # The direction between both normals of the undeformed spheres is already right.
         fixed, _ = PressSpheres(4.0, 4)
-        assert fixed.hertz.force < 0.99 * solution.hertz.force
-        assert fixed.figures["p0_ratio"] > figures["p0_ratio"] + 0.02
+        assert fixed.hertz.force == pytest.approx(solution.hertz.force, rel=5e-3)
+        assert fixed.figures["p0_ratio"] == pytest.approx(figures["p0_ratio"], abs=5e-3)

@@ -24,6 +24,7 @@ from ngslac.reference import HertzLine
 
 YOUNG = {"cylinder": 210e3, "block": 70e3}  # MPa
 NU, RADIUS, FORCE = 0.3, 50.0, 35e3  # the latter in mm and N/mm
+SIDES = {"cylinder": "slave", "block": "master"}  # names in the mesh
 
 
 def Exact(t=1.0):
@@ -32,7 +33,7 @@ def Exact(t=1.0):
     return HertzLine(force=FORCE * t, radius1=RADIUS, young1=one, nu1=NU, young2=two, nu2=NU)
 
 
-def Displacements(order=2, h=0.5, stabilize="none", full=False, **placed):
+def Displacements(slave, order=2, h=0.5, stabilize="none", full=False, **placed):
     """Their space, held at the bottom and on the line of symmetry.
 
     Order 1 has macro-elements of two faces, unless `stabilize` is "bubble" or "split".
@@ -40,8 +41,8 @@ def Displacements(order=2, h=0.5, stabilize="none", full=False, **placed):
     mesh = HertzMesh(h, order=max(2, order), half=not full, **placed)
     flags = {"order": order, "dirichletx": "bottom|sym", "dirichlety": "bottom"}
     if stabilize == "bubble":
-        return BubbleVectorH1(mesh, slave="slave", **flags)
-    return VectorH1(SplitSlaveFaces(mesh, "slave") if stabilize == "split" else mesh, **flags)
+        return BubbleVectorH1(mesh, slave=slave, **flags)
+    return VectorH1(SplitSlaveFaces(mesh, slave) if stabilize == "split" else mesh, **flags)
 
 
 class Hertz:
@@ -51,15 +52,27 @@ class Hertz:
     model can be turned by `angle` in degrees: the states, in mm and MPa, do not depend on these.
     """
 
-    def __init__(self, friction=0.2, full=False, length=1.0, stress=1.0, angle=0.0, **options):
+    def __init__(
+        self,
+        *,
+        friction=0.2,
+        slave="cylinder",
+        finite=False,
+        full=False,
+        length=1.0,
+        stress=1.0,
+        angle=0.0,
+        **options,
+    ):
         if angle and not full:
             raise ValueError(f"angle = {angle}: the half model cannot be turned, use full=True")
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         self.frame = np.array([[c, s], [-s, c]])  # directions along the block, and up
         self.length, self.unit, self.friction, self.states = length, stress, friction, []
         self.load = FORCE * length * stress * (1 if full else 0.5)
-        V = Displacements(full=full, scale=length, angle=angle, **options)
-        self.mesh, X = V.mesh, V * LACSpace(V, slave="slave")
+        side, other = SIDES[slave], SIDES["block" if slave == "cylinder" else "cylinder"]
+        V = Displacements(side, full=full, scale=length, angle=angle, **options)
+        self.mesh, X = V.mesh, V * LACSpace(V, slave=side)
         (u, lam), (v, _) = X.TnT()
         t, self.gf = Parameter(0.0), GridFunction(X)
         self.displacement = self.gf.components[0]
@@ -72,7 +85,7 @@ class Hertz:
             axis = ds(definedon=self.mesh.BBoundaries("load|foot"))
             a += YOUNG["cylinder"] * stress * InnerProduct(right, u) * InnerProduct(right, v) * axis
         self.stress = Stress(Sym(Grad(self.displacement)), young, NU)
-        self.contact = LACContact(u, lam, master="master", friction=friction or None)
+        self.contact = LACContact(u, lam, master=other, friction=friction or None, finite=finite)
         self.stepper = LoadStepper(ContactSolver(a, self.gf, self.contact), t)
         self.spans = self._Spans(X.components[1].macros)
 
@@ -100,7 +113,11 @@ class Hertz:
         columns = {"start": start, "end": end, "status": table["status"].astype(int)}
         columns |= {"pressure": table["pressure"] / self.unit, "traction": tangential / self.unit}
         state = {name: column[order] for name, column in columns.items()}
-        force = self.frame[1] @ self.contact.Force() / (self.load * step.time)
+        rubbed, most = (
+            np.sqrt((end - start)[order] @ state[f] ** 2) for f in ("traction", "pressure")
+        )
+        state["friction_used"] = float(rubbed / most / self.friction) if self.friction else 0.0
+        force = abs(self.frame[1] @ self.contact.Force()) / (self.load * step.time)
         state |= {"time": step.time, "iterations": step.iterations, "force_ratio": float(force)}
         self.states.append(state)
 
@@ -115,6 +132,7 @@ def Figures(state):
     """What is compared with Hertz: the pressure at the origin, the edge of the contact, the force.
 
     The pressure of a macro-element is a mean: it is compared with the mean of Hertz' pressure.
+    Beside it the norm of the tangential traction over that of friction times pressure.
     """
     start, end, first = state["start"], state["end"], AtOrigin(state)
     exact = Exact(state["time"]).MeanPressure(start[first], end[first])
@@ -122,6 +140,7 @@ def Figures(state):
         "p0_ratio": float(np.mean(state["pressure"][first] / exact)),
         "contact_edge": float(end[state["status"] > 0].max(initial=0)),
         "force_ratio": state["force_ratio"],
+        "friction_used": state["friction_used"],
     }
 
 
@@ -161,6 +180,7 @@ def Run(steps=10, out=None, quiet=True, **options):
         print(f"pressure at the origin {figures['p0_ratio']:.4f} of Hertz' {Exact().peak:.1f} MPa")
         print(f"contact up to {figures['contact_edge']:.3f} mm, Hertz {Exact().halfwidth:.3f} mm")
         print(f"contact force {figures['force_ratio']:.12f} of the load")
+        print(f"tangential traction {figures['friction_used']:.4f} of its bound, in L2")
     return figures
 
 
@@ -172,6 +192,8 @@ main = Main(
     friction=(NotNegative, 0.2, "coefficient of friction"),
     steps=(Count, 10, "load steps"),
     stabilize=(("split", "bubble", "none"), "none", "of order 1"),
+    slave=(tuple(SIDES), "cylinder", "body with the multipliers"),
+    finite=(bool, False, "large sliding"),
     full=(bool, False, "the full model in place of the half"),
 )
 

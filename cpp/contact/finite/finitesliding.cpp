@@ -1,4 +1,4 @@
-#include "bodycompliance.hpp"
+#include "contact/bodycompliance.hpp"
 #include "contact/kinematics.hpp"
 #include "contact/selfcontact.hpp"
 #include "couplings.hpp"
@@ -69,10 +69,9 @@ public:
   }
 
   void LearnStiffness(FlatVector<> diagonal) override {
-    double of_slave = BodyCompliance<D>(u, *slave_shapes, *slave_reference, diagonal);
-    double of_master = BodyCompliance<D>(u, *master_shapes, *master_reference, diagonal);
-    bool known = of_slave + of_master > 0 && !finder.IsSelfContact();
-    share = known ? of_slave / (of_slave + of_master) : 0.5;
+    if (!finder.IsSelfContact())
+      share = MasterShare<D>(u, {*slave_shapes, *slave_reference},
+                             {*master_shapes, *master_reference}, diagonal);
   }
 
   void Save(FormHistory & history) const override {

@@ -1,6 +1,6 @@
 #pragma once
+#include "contact/direction.hpp"
 #include "contact/faceshapes.hpp"
-#include "direction.hpp"
 #include "linear/scatter.hpp"
 #include "ray.hpp"
 
