@@ -194,6 +194,8 @@ class ContactForm:
         ...
     def Overlaps(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
+    def Points(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
     def Restore(self) -> None:
         ...
     def Scalars(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
@@ -401,6 +403,10 @@ class TwoLevelProduct(ngsolve.la.BaseMatrix):
     """
     def __init__(self, preconditioner: TwoLevel) -> None:
         ...
+def BoundaryVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int32]:
+    """
+    Vertices (n, 4) of the boundary elements of a mesh, -1 behind the last of each.
+    """
 def DofFingerprint(fes: ngsolve.comp.FESpace) -> int:
     """
     A number that differs for spaces that number the dofs of their elements in different ways.

@@ -10,7 +10,20 @@ import ngslac
 
 HOME = Path(ngslac.__file__).parent
 # From the ground up; what stands beside the rooms is for all of them.
-FLOORS = (*("", "meshes", "linear", "output", "contact", "bodies", "solve", "steps", "reference"),)
+FLOORS = (
+    *(
+        "",
+        "meshes",
+        "linear",
+        "output",
+        "recovery",
+        "contact",
+        "bodies",
+        "solve",
+        "steps",
+        "reference",
+    ),
+)
 MODULES = {
     ".".join(("ngslac", *path.relative_to(HOME).with_suffix("").parts)): path
     for path in sorted(HOME.rglob("*.py"))

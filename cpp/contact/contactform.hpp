@@ -92,6 +92,8 @@ public:
   virtual Array<double> Scalars(const string & name) const = 0;
   /// see SegmentTable
   virtual SegmentTable Segments() const = 0;
+  /// see MakePointTable
+  virtual Array<double> Points() const = 0;
   virtual size_t NSegments() const = 0;
   /// How deep macro-elements lie behind the master that is too deep for the search to find; else 0.
   virtual Array<double> Overlaps() const = 0;

@@ -107,6 +107,7 @@ void ExportContact(py::module & m) {
              return py::make_tuple(ToNumPy(table.values), ToNumPy(table.corners),
                                    ToNumPy(table.first));
            })
+      .def("Points", [](ContactForm & self) { return ToNumPy(self.Points()); })
       .def("Overlaps", [](ContactForm & self) { return ToNumPy(self.Overlaps()); })
       .def_property_readonly("nsegments", &ContactForm::NSegments)
       .def_property_readonly("space", &ContactForm::Space)

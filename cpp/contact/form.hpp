@@ -32,6 +32,7 @@ public:
   Array<double> Vectors(const string & name) const override;
   Array<double> Scalars(const string & name) const override;
   SegmentTable Segments() const override;
+  Array<double> Points() const override;
   size_t NSegments() const override;
   Array<double> Overlaps() const override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }

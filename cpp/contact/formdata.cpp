@@ -145,6 +145,13 @@ SegmentTable Form<D>::Segments() const {
 }
 
 template <int D>
+Array<double> Form<D>::Points() const {
+  CheckPaired();
+  auto & surfaces = kinematics->Surfaces();
+  return MakePointTable(*surfaces.pairing, *surfaces.slave, surfaces.master.get());
+}
+
+template <int D>
 Array<double> Form<D>::Overlaps() const {
   CheckPaired();
   auto & surfaces = kinematics->Surfaces();

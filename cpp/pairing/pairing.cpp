@@ -91,13 +91,38 @@ SegmentTable MakeSegmentTable(const Pairing<D> & pairing, const Surface<D> & sla
   return table;
 }
 
+template <int D>
+Array<double> MakePointTable(const Pairing<D> & pairing, const Surface<D> & slave,
+                             const Surface<D> * master) {
+  constexpr int width = 8 + 2 * D;
+  Array<double> table(width * pairing.points.Size());
+  table = 0.0; // second coordinates of edges
+  ParallelFor(pairing.Size(), [&](size_t s) {
+    auto & segment = pairing.segments[s];
+    for (size_t i : pairing.Points(s)) {
+      auto & p = pairing.points[i];
+      auto row = table.Range(width * i, width * (i + 1));
+      Vec<D> x = slave.Origin() + slave.Point(segment.slave, p.slave);
+      row[0] = slave.Element(segment.slave);
+      row[1] = segment.master < 0 ? -1 : master->Element(segment.master);
+      for (int k : Range(D - 1))
+        row[2 + k] = p.slave(k), row[4 + k] = p.master(k);
+      row[6] = p.weight, row[7] = p.gap;
+      for (int k : Range(D))
+        row[8 + k] = p.normal(k), row[8 + D + k] = x(k);
+    }
+  });
+  return table;
+}
+
 #define INSTANTIATE(D)                                                                             \
   template PairingOptions SearchOptions(const Surface<D> &, const Surface<D> &, double, double,    \
                                         int);                                                      \
   template Array<double> OverlapDepths(const Surface<D> &, const Surface<D> &);                    \
   template Pairing<D> PairWithObstacle(const Surface<D> &, int);                                   \
   template SegmentTable MakeSegmentTable(const Pairing<D> &, const Surface<D> &,                   \
-                                         const Surface<D> *);
+                                         const Surface<D> *);                                      \
+  template Array<double> MakePointTable(const Pairing<D> &, const Surface<D> &, const Surface<D> *);
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

@@ -101,6 +101,12 @@ struct SegmentTable {
   Array<size_t> first;   // corner of each segment, and one more to close the last
 };
 
+/// Quadrature points as plain numbers, a row each: slave and master boundary element (-1:
+/// obstacle), reference coordinates on both (2 each), weight, gap, normal, position on the slave.
+template <int D>
+Array<double> MakePointTable(const Pairing<D> & pairing, const Surface<D> & slave,
+                             const Surface<D> * master);
+
 template <int D>
 SegmentTable MakeSegmentTable(const Pairing<D> & pairing, const Surface<D> & slave,
                               const Surface<D> * master);

@@ -10,6 +10,19 @@ static bool HoldsProxy(CoefficientFunction & function) {
   return holds;
 }
 
+/// Vertices of each boundary element, -1 behind the last.
+static py::array_t<int> BoundaryVertices(const MeshAccess & ma) {
+  constexpr int most = 4;
+  py::array_t<int> table({int(ma.GetNE(BND)), most});
+  auto entries = table.mutable_unchecked<2>();
+  for (size_t f : Range(ma.GetNE(BND))) {
+    auto vertices = ma.GetElement(ElementId(BND, f)).Vertices();
+    for (size_t k : Range(most))
+      entries(f, k) = k < vertices.Size() ? int(vertices[k]) : -1;
+  }
+  return table;
+}
+
 /// What spaces, forms and functions of NGSolve know, but do not tell Python.
 void ExportQueries(py::module & m) {
   m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
@@ -38,5 +51,8 @@ void ExportQueries(py::module & m) {
         return bits;
       },
       py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
+
+  m.def("BoundaryVertices", &BoundaryVertices, py::arg("mesh"),
+        "Vertices (n, 4) of the boundary elements of a mesh, -1 behind the last of each.");
 }
 } // namespace ngslac

@@ -134,6 +134,7 @@ class LACContact:
             CheckMoves(region, self.form.fes, self.form.component)
             if not finite:
                 CheckDistinct(self.space.slave, region)
+        self._solution = self._accepted = None  # entries at the last evaluation, and `Commit`
         self._MakeFields()
 
     def __repr__(self):
@@ -167,6 +168,7 @@ class LACContact:
         self.normal = GridFunction(vector, name="normal")
 
     def _Fill(self):
+        self._recovered = None
         table = self.Table() if self.form.paired else {}
         for name in FIELDS:
             values = table[name].ravel() if table else 0.0
@@ -214,6 +216,7 @@ class LACContact:
             CheckOnSpace("gf", gf, self.form.fes)
         with self._Changing(self._state.FormKept()):
             self._state.Pair(gf)
+            self._solution = self._accepted = None
 
     def _PairOnce(self):
         if self.form.paired:
@@ -292,6 +295,7 @@ class LACContact:
         CheckOnSpace("gf", gf, self.form.fes)
         with self._Changing(self._state.WholeOrNot(gf)):
             self._state.Commit(gf)
+            self._solution = self._accepted = _Entries(gf)
 
     def Evaluate(self, gf) -> None:
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
@@ -304,11 +308,13 @@ class LACContact:
             On the product space.
         """
         self.form.Evaluate(CheckOnSpace("gf", gf, self.form.fes).vec)
+        self._solution = _Entries(gf)
         self._Fill()
 
     def Restore(self) -> None:
         """Fields, table, pairing and resultants as at the last `Commit`."""
         self.form.Restore()
+        self._solution = self._accepted
         self._Fill()
 
     def State(self) -> dict:
@@ -344,6 +350,7 @@ class LACContact:
         kept = self._state.FormKept() if self.finite else self._state.WholeOrNot(gf)
         with self._Changing(kept):
             self._state.SetState(state, gf)
+            self._solution = self._accepted = None if gf is None else _Entries(gf)
 
     # --- results -------------------------------------------------------------------------------
 
@@ -378,8 +385,13 @@ class LACContact:
     Force = results.Force
     Moment = results.Moment
     Mortar = results.Mortar
+    Recovered = results.RecoveredOf
     Segments = results.SegmentsOf
     Check = results.Check
     Draw = pictures.Draw
     Plot = pictures.Plot
     WriteVTU = pictures.WriteVTU
+
+
+def _Entries(gf):
+    return gf.vec.FV().NumPy().copy()

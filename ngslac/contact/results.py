@@ -7,8 +7,9 @@ from ngslac._ngslac import Side
 from ngslac.arguments import CheckPoint
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
+from ngslac.recovery.recovered import Recovered
 
-__all__ = ["Check", "Force", "Moment", "Mortar", "SegmentsOf"]
+__all__ = ["Check", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf"]
 
 
 def Force(self) -> np.ndarray:
@@ -52,6 +53,36 @@ def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     """
     self._PairOnce()
     return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
+
+
+def RecoveredOf(self) -> Recovered:
+    """Continuous pressure and traction of the last evaluation, made when first asked for.
+
+    The multipliers are constant on macro-elements; these functions are continuous, never pull,
+    and have the forces and moments of the multipliers, see `Recovered`.
+
+    Returns
+    -------
+    Recovered
+
+    Raises
+    ------
+    ValueError
+        The tractions of the last evaluation are not all finite.
+
+    Examples
+    --------
+    >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
+    >>> smooth = contact.Recovered()
+    >>> pressure = Integrate(smooth.pressure, mesh.Boundaries("slave"))
+    >>> bool(abs(contact.Force()[1] - pressure) < 1e-12)
+    True
+    """
+    self._PairOnce()
+    if self._recovered is None:
+        displacement = self._state.Displacement(self._solution)
+        self._recovered = Recovered(self, displacement)
+    return self._recovered
 
 
 def SegmentsOf(self) -> Segments:

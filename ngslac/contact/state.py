@@ -52,6 +52,21 @@ class FormState:
             self.form.SetStiffness(bulk, self.stiffness)
             self.scaled = True
 
+    def Displacement(self, values):
+        """Of these entries, counted from where gaps are; None before a scale is known."""
+        if values is None or not self.scaled or self.refined:
+            return None
+        # With finite sliding the pairing is the present one, an obstacle keeps its reference.
+        moved = self.setup["master"] is not None and not self.setup["finite"]
+        if moved and len(self.paired):
+            values = values - self.paired
+        form = self.form
+        function = GridFunction(form.component)
+        first = form.offset * form.fes.dim
+        entries = function.vec.FV().NumPy()
+        entries[:] = values[first : first + len(entries)]
+        return function
+
     def Commit(self, gf):
         """Accept `gf` as the end of a step."""
         paired = self.paired

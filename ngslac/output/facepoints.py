@@ -32,17 +32,23 @@ class FacePoints:
         macros = np.array(contact.space.macros)
         self.macro = macros[macros >= 0]
         self.normals = contact.Table()["normal"][self.macro]
-        self.centers = self._At(CENTER)
+        self.centers = self.Positions()
         box = [self.centers]
         if contact.mesh.dim == 2:
-            self.ends = np.stack([self._At({ET.SEGM: (s, 0)}) for s in (0, 1)])
+            self.ends = np.stack([self.Positions(s) for s in (0, 1)])
             box = list(self.ends)
         self.diameter = np.linalg.norm(np.ptp(np.concatenate(box), axis=0))
 
-    def _At(self, points):
+    def Positions(self, place=None):
+        """Points (n, d) in the middle of the faces, in 2D also at a coordinate from 0 to 1."""
+        return self.Evaluate(self._position, place)
+
+    def Evaluate(self, function, place=None):
+        """Values (n, ...) of a function at the `Positions`."""
+        points = CENTER if place is None else {ET.SEGM: (place, 0)}
         rules = {kind: IntegrationRule([point], [0]) for kind, point in points.items()}
-        at = self.contact.mesh.MapToAllElements(rules, self.region)
-        return self._position(at).reshape(-1, self.contact.mesh.dim)
+        values = function(self.contact.mesh.MapToAllElements(rules, self.region))
+        return values.reshape(len(self.macro), -1)
 
     def MacroMeans(self, values):
         """Means (nmacros, d) over the faces of each macro-element of `values` (n, d)."""

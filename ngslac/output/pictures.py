@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from ngsolve import BND, CF, CoefficientFunction, GridFunction
+from ngsolve import BND, CF, CoefficientFunction, GridFunction, InnerProduct
 
 from ngslac.arguments import (
     CheckChoice,
@@ -23,8 +23,11 @@ from ngslac.output.vtkfile import WriteVTK
 __all__ = ["Draw", "Plot", "WriteVTU"]
 
 SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
-KINDS = (*SCALARS, *VECTORS, "macros", "segments")
+RECOVERED = ("recovered pressure", "recovered traction")
+ARROWS = (*VECTORS, RECOVERED[1])
+KINDS = (*SCALARS, *VECTORS, *RECOVERED, "macros", "segments")
 COLOUR = "crimson"  # of bars and arrows
+CURVE = 9  # points of each face in a plot
 STATUS = {"open": "gray", "stick": "blue", "slip": "orange"}
 
 
@@ -40,8 +43,9 @@ def Draw(
     Parameters
     ----------
     field : str
-        "pressure", "gap", "status", "traction", "slip", "normal", or what contact is made of:
-        "macros" (by shuffled colours, in 2D by their ends) or "segments".
+        "pressure", "gap", "status", "traction", "slip", "normal", the continuous "recovered
+        pressure" and "recovered traction", or what contact is made of: "macros" (by shuffled
+        colours, in 2D by their ends) or "segments".
     background : CoefficientFunction, optional
         In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
         norm of the `deformation`.
@@ -89,7 +93,7 @@ def Draw(
     objects = list(options.pop("objects", []))
     if field == "segments":
         objects.append(self)
-    elif field in VECTORS or flat:
+    elif field in ARROWS or flat:
         objects += _Glyphs(self, field, FacePoints(self, deformation), size)
     if not flat:
         shown, defaults = _Colours(self, field)
@@ -102,10 +106,13 @@ def Draw(
 def _Glyphs(contact, field, faces, size):
     if field == "macros":
         return [Ticks(faces, field, COLOUR, size)]
-    values = contact.Table()[field][faces.macro]
+    if field in RECOVERED:
+        values = np.squeeze(faces.Evaluate(_Field(contact, field)))
+    else:
+        values = contact.Table()[field][faces.macro]
     if field == "status":
         return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
-    kind = Arrows if field in VECTORS else Bars
+    kind = Arrows if field in ARROWS else Bars
     return [kind(faces, field, COLOUR, values, size)]
 
 
@@ -119,8 +126,14 @@ def _Colours(contact, field):
         return _Numbers(contact, order), {"settings": {"colormap_ncolors": 32}}
     if field == "segments":
         return contact.gap, {}
-    values = getattr(contact, field)
-    return (sum(value * value for value in values) ** 0.5 if field in VECTORS else values), {}
+    values = _Field(contact, field)
+    return (InnerProduct(values, values) ** 0.5 if field in ARROWS else values), {}
+
+
+def _Field(contact, field):
+    if field in RECOVERED:
+        return getattr(contact.Recovered(), field.removeprefix("recovered "))
+    return getattr(contact, field)
 
 
 def _Numbers(contact, values):
@@ -133,14 +146,16 @@ def _Numbers(contact, values):
 def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
     """Plot a field of the last evaluation over a coordinate, by matplotlib.
 
-    In 2D one step for each macro-element, in 3D one point. Of the traction and of the slip the
+    In 2D one step for each macro-element, in 3D one point; what is recovered is a curve in 2D and
+    has a point for each face in 3D. Of the traction and of the slip the
     tangential part is shown: in 2D its component along the normal turned by 90 degrees
     counterclockwise, in 3D its norm.
 
     Parameters
     ----------
     field : str
-        "pressure", "gap", "status", "traction" or "slip".
+        "pressure", "gap", "status", "traction", "slip", "recovered pressure" or "recovered
+        traction".
     along : str or callable
         "x", "y", "z", or a function of the points (n, d) that returns (n,).
     deformation : GridFunction or CoefficientFunction, optional
@@ -165,7 +180,7 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     """
     from matplotlib import pyplot as plt
 
-    fields = (*SCALARS, *VECTORS[:2])
+    fields = (*SCALARS, *VECTORS[:2], *RECOVERED)
     CheckChoice("field", field, fields)
     CheckDisplacement("deformation", deformation, self.mesh)
     if axes is not None and not callable(getattr(axes, "plot", None)):
@@ -173,23 +188,24 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     self._PairOnce()
     coordinate = _Coordinate(along, self.mesh.dim)
     axes = plt.gca() if axes is None else axes
-    values = _Tangential(self, field) if field in VECTORS else self.Table()[field]
     faces = FacePoints(self, deformation)
-    if self.mesh.dim == 2:
-        axes.plot(*_Steps(faces, coordinate, values), **style)
-    else:
-        points = faces.MacroMeans(faces.centers)
-        axes.plot(coordinate(points), values, **({"ls": "", "marker": "."} | style))
+    profile = _Smooth if field in RECOVERED else _Steps if self.mesh.dim == 2 else _Means
+    dots = {} if self.mesh.dim == 2 else {"ls": "", "marker": "."}
+    axes.plot(*profile(self, field, faces, coordinate), **(dots | style))
     axes.set_ylabel(field)
     if isinstance(along, str):
         axes.set_xlabel(along)
     return axes
 
 
-def _Tangential(contact, field):
+def _Values(contact, field):
+    """Of each macro-element."""
     table = contact.Table()
-    vectors, normals = table[field], table["normal"]
-    if contact.mesh.dim == 2:
+    return _Tangential(table[field], table["normal"]) if field in VECTORS else table[field]
+
+
+def _Tangential(vectors, normals):
+    if vectors.shape[1] == 2:
         return normals[:, 0] * vectors[:, 1] - normals[:, 1] * vectors[:, 0]
     along = np.sum(vectors * normals, axis=1, keepdims=True)
     return np.linalg.norm(vectors - along * normals, axis=1)
@@ -224,6 +240,7 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     CheckDisplacement("displacement", displacement, self.mesh)
     self._PairOnce()
     fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
+    fields |= {name: _Field(self, name) for name in RECOVERED}
     fields["macro"] = _Numbers(self, np.arange(self.space.nmacros))
     if displacement is not None:
         fields["displacement"] = displacement
@@ -251,8 +268,36 @@ def _Checked(values, size):
     return values
 
 
-def _Steps(faces, coordinate, values):
+def _Smooth(contact, field, faces, coordinate):
+    """Abscissas and ordinates on each face, in 2D with a break behind it."""
+    flat = contact.mesh.dim == 2
+    places = np.linspace(0, 1, CURVE) if flat else [None]
+
+    def At(function):
+        values = np.stack([faces.Evaluate(function, place) for place in places], axis=1)
+        return values.reshape(-1, values.shape[-1])
+
+    values = At(_Field(contact, field))
+    if field in ARROWS:
+        values = _Tangential(values, At(contact.Recovered().normal))
+    points = np.stack([faces.Positions(place) for place in places], axis=1)
+    s = coordinate(points.reshape(-1, contact.mesh.dim))
+    if not flat:
+        return s, values
+    return [
+        np.pad(v.reshape(-1, CURVE), ((0, 0), (0, 1)), constant_values=np.nan).ravel()
+        for v in (s, values)
+    ]
+
+
+def _Means(contact, field, faces, coordinate):
+    """Abscissas and ordinates of a point for each macro-element."""
+    return coordinate(faces.MacroMeans(faces.centers)), _Values(contact, field)
+
+
+def _Steps(contact, field, faces, coordinate):
     """Abscissas and ordinates of a step for each macro-element, with breaks where others lie."""
+    values = _Values(contact, field)
     ends = np.sort([coordinate(points) for points in faces.ends], axis=0)
     low, high = np.full(len(values), np.inf), np.full(len(values), -np.inf)
     np.minimum.at(low, faces.macro, ends[0])

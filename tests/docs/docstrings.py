@@ -18,13 +18,14 @@ import ngslac.materials
 import ngslac.reference
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
+from ngslac.recovery.recovered import Recovered
 from ngslac.solve.iteration import Iteration
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.load import Step
 
 STUBS = Path(ngslac.__file__).with_name("_ngslac.pyi")
 STUB_CLASSES = {n.name: n for n in ast.parse(STUBS.read_text()).body if hasattr(n, "bases")}
-RESULTS = (EnergyBalance, TimeStep, Iteration, ContactReport, Segments, Step)
+RESULTS = (EnergyBalance, TimeStep, Iteration, ContactReport, Recovered, Segments, Step)
 COMPILED = (ngslac.LACSpace, ngslac.BubbleVectorH1)
 # These check their arguments and raise ValueError.
 CHECKS = {"finite", "positive", "nonnegative", "poisson", "points", "interval"}

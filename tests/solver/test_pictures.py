@@ -142,6 +142,23 @@ def test_colours_in_space(solid):
     assert len(np.unique(corners(data)[:, 3].round())) == solid.space.nmacros
 
 
+def test_recovered_fields(problem):
+    contact, smooth = problem.contact, problem.contact.Recovered()
+    centers = FacePoints(contact)
+    _, data = glyphs(contact, "recovered pressure")
+    if contact.mesh.dim == 3:
+        assert data["funcmax"] >= centers.Evaluate(smooth.pressure).max() * (1 - 1e-6)
+    arrows = glyphs(contact, "recovered traction", size=1)[0]["recovered traction"]
+    count = len(arrows) // 10
+    lengths = np.linalg.norm(arrows[:count, 1] - arrows[:count, 0], axis=1)
+    assert lengths.max() == pytest.approx(1, rel=1e-12)
+    for field in ("recovered pressure", "recovered traction"):
+        s, v, _ = profile(contact, field)
+        assert len(s) == len(v) == len(centers.macro) * (10 if contact.mesh.dim == 2 else 1)
+    _, p, _ = profile(contact, "recovered pressure")
+    assert np.nanmin(p) >= 0
+
+
 # --- profiles ------------------------------------------------------------------------------------
 
 
@@ -190,6 +207,8 @@ def test_file_for_paraview(problem, tmp_path):
             assert found.shape[1] == 3
         found = found[:, :d] if expected.ndim > 1 else found.ravel()
         np.testing.assert_allclose(found, expected, atol=1e-12)
+    assert mesh.point_data["recovered pressure"].min() >= 0
+    assert mesh.point_data["recovered traction"].shape[1] == 3
     largest = np.linalg.norm(mesh.point_data["displacement"], axis=1).max()
     assert 0 < largest < 0.1
 

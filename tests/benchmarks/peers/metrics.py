@@ -15,7 +15,14 @@ from itertools import product
 import numpy as np
 from meshes import EDGES
 
-__all__ = ["Errors", "LineErrors", "PatchErrors", "SphereErrors"]
+__all__ = [
+    "Errors",
+    "LineErrors",
+    "PatchErrors",
+    "SphereErrors",
+    "SphereFieldError",
+    "SpherePlaces",
+]
 
 NU = 0.3
 RADIUS = 50.0
@@ -104,6 +111,25 @@ def SphereErrors(points, faces, pressure):
         "l2": float(np.sqrt(area @ error / (area @ (exact**2).mean(axis=1)))),
         "force": float(4 * area @ pressure.mean(axis=1) / SPHERE_FORCE - 1),
     }
+
+
+def SphereFieldError(points, faces, pressure):
+    """Relative error in L2 of a pressure that is given at the `SpherePlaces` of each face, (m, k).
+
+    The same as ``l2`` of `SphereErrors`, of functions that are not linear on the faces.
+    """
+    corners = points[np.asarray(faces)[:, :3], :2]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    radius = np.linalg.norm(np.einsum("kc,mcx->mkx", SpherePlaces(), corners), axis=-1)
+    exact = SpherePressure(radius)
+    error = ((pressure - exact) ** 2).mean(axis=1)
+    return float(np.sqrt(area @ error / (area @ (exact**2).mean(axis=1))))
+
+
+def SpherePlaces():
+    """Barycentric coordinates (k, 3) on each face where pressures are compared."""
+    return Centroids(PARTS)
 
 
 PARTS = 12  # of the edges of a face: Hertz' pressure has a steep edge

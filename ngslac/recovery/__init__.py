@@ -1,0 +1,1 @@
+"""Continuous pressure and traction from the multipliers of macro-elements."""

@@ -1,0 +1,191 @@
+"""Continuous pressure and traction, as functions on the slave side."""
+
+import numpy as np
+from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, sqrt
+
+from ngslac.recovery.directions import FitMeans
+from ngslac.recovery.patches import Patches
+from ngslac.recovery.pressure import PressureFit
+from ngslac.recovery.resultants import Balance
+from ngslac.recovery.stencils import SecondDifferences
+from ngslac.recovery.surface import SlaveSurface
+
+__all__ = ["Recovered"]
+
+# Part of the automatic scale of stresses per length by which gaps within macro-elements count:
+# the error of Hertz' pressure hardly changes between three quarters and one.
+GAP_SHARE = 0.9
+NEAREST = 1e-9  # of the largest pressure: less is none
+
+
+class Recovered:
+    """Continuous pressure and traction with the resultants of the multipliers.
+
+    `LACContact.Recovered` makes it.
+
+    Attributes
+    ----------
+    pressure : CoefficientFunction
+        On the slave side, stress units; never negative, except for tied surfaces.
+    traction : CoefficientFunction
+        Vector (d,), on the slave body.
+    normal : CoefficientFunction
+        Unit vector (d,) out of the slave, continuous; the pressure acts along it.
+    """
+
+    def __init__(self, contact, displacement):
+        self._contact, self._mesh = contact, contact.mesh
+        surface = self._surface = SlaveSurface(contact)
+        self._table, self._unit = contact.Table(), 1.0
+        self._SetUnit()
+        self._SetNormals()
+        pressure = self._table["pressure"]
+        if contact.tied:
+            closed = surface.area > 0
+        else:
+            closed = (self._table["status"] > 0) & (surface.area > 0)
+            closed &= pressure > NEAREST * np.abs(pressure).max(initial=0)
+        self._patches = Patches(surface, closed)
+        if not closed.any():
+            self.pressure, self.traction = CF(0), CF((0,) * self._mesh.dim)
+        elif contact.tied:
+            self._SetTied(closed)
+        else:
+            self._SetUnilateral(closed, displacement)
+
+    def _SetUnit(self):
+        """Stresses become parts of the largest one, whose squares are numbers."""
+        largest = np.abs(self._table["traction"]).max(initial=0)
+        if not np.isfinite(largest):
+            raise ValueError(
+                "the contact tractions of the last evaluation are not all finite, so that nothing "
+                "can be recovered from them: Evaluate a solution first"
+            )
+        self._unit = largest or 1.0
+        for name in ("traction", "pressure"):
+            self._table[name] = self._table[name] / self._unit
+
+    def _SetNormals(self):
+        surface, normals = self._surface, self._table["normal"]
+        near = _Units(surface.OnVertices(normals))
+        self._rough = SecondDifferences(surface.points, near, surface.neighbours)
+        paired = surface.area > 0
+        ones = np.ones(len(surface.weight))
+        fitted = FitMeans(surface, self._rough, ones, normals, paired)
+        known = (surface.touches.T @ paired > 0)[:, None]
+        self._normals = np.where(known, _Units(np.where(known, fitted, near)), near)
+        normal = self._Field(self._normals)
+        self.normal = normal / sqrt(InnerProduct(normal, normal))
+
+    # --- what does not pull ----------------------------------------------------------------------
+
+    def _SetUnilateral(self, closed, displacement):
+        surface, contact = self._surface, self._contact
+        means = np.where(closed, self._table["pressure"], 0)
+        if not contact.finite:
+            # Of a constant traction on curved faces this is the mean of the pressure.
+            means = means * contact.form.Scalars("flatness")
+        samples = np.maximum(means[surface.macro] - self._PressureOfGaps(displacement), 0)
+        fit = PressureFit(surface, self._rough, self._patches, means, samples)
+        slip, slack = self._Friction(closed, fit.At())
+        # A linear pressure stays linear, unless it would pull somewhere: that on patches with ends.
+        for ended in (surface.shapes @ fit.blend > 0, np.full(len(samples), True)):
+            stretch = np.where(ended, fit.At(), surface.shapes @ fit.peak)
+            extra, found = self._Balanced(fit.At(), stretch, slip, slack)
+            if (fit.At() + stretch * (surface.shapes @ extra)).min() >= 0:
+                break
+        root, square, blend, extra = map(self._Field, (fit.root, fit.square, fit.blend, extra))
+        square = (1 - blend) * root * root + blend * square
+        pressure = sqrt(IfPos(square, square, 0))
+        stretch = pressure if ended.all() else IfPos(blend, pressure, self._Field(fit.peak))
+        self.pressure = self._unit * (pressure + stretch * extra)
+        slip = self._Field(found)
+        across = 1 + InnerProduct(slip, self.normal)
+        self.traction = self.pressure * (slip - across * self.normal)
+
+    def _PressureOfGaps(self, displacement):
+        """What the gaps of the points open of the pressure; unknown without a displacement."""
+        contact, surface = self._contact, self._surface
+        if displacement is None:
+            return np.zeros(len(surface.weight))
+        # The scale is that of elements, macro-elements are softer, the wider.
+        count = np.asarray(surface.touches.sum(axis=1)).ravel()
+        spacing = surface.touches @ surface.share / count
+        wide = np.divide(surface.area, spacing, out=np.ones_like(count), where=spacing > 0)
+        scale = GAP_SHARE * contact.form.Scalars("c") / contact.stiffness / np.sqrt(wide)
+        return scale[surface.macro] / self._unit * self._Gaps(displacement)
+
+    def _Gaps(self, displacement):
+        """Gaps (q,) of the points, whose means are those of the macro-elements."""
+        contact, surface = self._contact, self._surface
+        if contact.finite:
+            return surface.gap
+        normal = self._table["normal"][surface.macro]
+        gap = surface.gap * np.einsum("qk,qk->q", surface.normal, normal)
+        return gap - np.einsum("qk,qk->q", surface.Jump(displacement), normal)
+
+    def _Friction(self, closed, density):
+        """Tangential traction over pressure at the vertices, and how far it is from the bound."""
+        surface, table = self._surface, self._table
+        ones = np.ones(len(surface.vertices))
+        if not self._contact.holds_tangentially:
+            return np.zeros_like(self._normals), ones
+        pressure = np.where(closed, table["pressure"], 1)[:, None]
+        share = (table["traction"] + pressure * table["normal"]) / pressure * closed[:, None]
+        slip = FitMeans(surface, self._rough, density, share, closed)
+        slip -= np.einsum("nk,nk->n", slip, self._normals)[:, None] * self._normals
+        bound = self._Bound(closed)
+        size = np.linalg.norm(slip, axis=1)
+        slip *= np.minimum(1, np.divide(bound, size, out=ones.copy(), where=size > 0))[:, None]
+        used = np.divide(np.minimum(size, bound), bound, out=ones.copy(), where=bound > 0)
+        return slip, np.where(np.isfinite(bound), 1 - used**2, 1)
+
+    def _Bound(self, closed):
+        """Least coefficient of friction of the closed macro-elements at each vertex."""
+        surface, friction = self._surface, self._table["friction"]
+        bound = np.full(len(surface.vertices), np.inf)
+        given = (surface.faces >= 0) & closed[surface.owner, None]
+        owner = np.broadcast_to(surface.owner[:, None], given.shape)[given]
+        least = np.where(friction < 0, np.inf, friction)
+        np.minimum.at(bound, surface.faces[given], least[owner])
+        return bound
+
+    # --- tied ------------------------------------------------------------------------------------
+
+    def _SetTied(self, closed):
+        surface = self._surface
+        ones = np.ones(len(surface.weight))
+        vectors = FitMeans(surface, self._rough, ones, self._table["traction"], closed)
+        _, vectors = self._Balanced(ones, 0 * ones, vectors, np.ones(len(vectors)))
+        self.traction = self._unit * self._Field(vectors)
+        self.pressure = -InnerProduct(self.traction, self.normal)
+
+    # --- both ------------------------------------------------------------------------------------
+
+    def _Balanced(self, density, stretch, slip, slack):
+        """Corrections for which forces and moments are those of the multipliers, see `Balance`."""
+        form, d, normals = self._contact.form, self._mesh.dim, self._normals
+        forces, moments = (form.Vectors(name) / self._unit for name in ("force", "moment"))
+        given = forces.reshape(-1, d), moments.reshape(-1, 3)
+        base = -_Units(self._surface.shapes @ normals)
+        if self._contact.tied:
+            base, normals = 0 * base, 0 * normals
+        balance = Balance(self._surface, self._patches, density, stretch, base, *given)
+        extra, found, error = balance.Solve(slip, normals, slack)
+        if error > 1e-12 and slack.min() < 1:
+            # What all slips may leave no way to these resultants: they come first.
+            extra, found, error = balance.Solve(slip, normals, np.ones_like(slack))
+        return extra, found
+
+    def _Field(self, values):
+        """The function that is linear on the faces with values (n, ...) at the vertices."""
+        field = GridFunction(H1(self._mesh, order=1, dim=values[0].size))
+        vertices = self._surface.vertices
+        field.vec.FV().NumPy().reshape(-1, values[0].size)[vertices] = values.reshape(
+            len(vertices), -1
+        )
+        return field
+
+
+def _Units(vectors):
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -1,0 +1,126 @@
+"""Corrections that give a continuous traction the force and moment of the multipliers."""
+
+import numpy as np
+
+__all__ = ["Balance"]
+
+ITERATIONS = 8
+ROUNDING = 1e-14
+
+
+class Balance:
+    """Traction ``(density + extra stretch) (base + slip)`` with given resultants in each patch.
+
+    The extra is a linear function of the position in each patch; to the slip comes a rigid motion
+    of each patch, tangentially and where there is slack. Of all of these the smallest is taken.
+
+    Parameters
+    ----------
+    surface : SlaveSurface
+    patches : Patches
+    density, stretch, base : (q,), (q,), (q, d)
+        At the points.
+    forces, moments : (m, d), (m, 3)
+        Of the macro-elements; the moments about the origin.
+    """
+
+    def __init__(self, surface, patches, density, stretch, base, forces, moments):
+        self.surface, self.patches = surface, patches
+        self.density, self.stretch, self.base = density, stretch, base
+        self._label = patches.macro[surface.macro]
+        tiny, weight = np.finfo(float).tiny, (surface.weight * density)[:, None]
+        total = patches.Sums(self._label, weight).clip(tiny)
+        self._middle = patches.Sums(self._label, weight * surface.position) / total
+        arms = self._Arms(surface.position, self._label)
+        spread = patches.Sums(self._label, weight * np.sum(arms**2, axis=1, keepdims=True))
+        self._size = np.sqrt(spread / total).clip(tiny)
+        self._arms = arms / self._size[self._label]
+        force, moment = (patches.Sums(patches.macro, values) for values in (forces, moments))
+        moment = moment[:, -1:] if forces.shape[1] == 2 else moment
+        self._wanted = np.hstack([force, (moment - _Cross(self._middle, force)) / self._size])
+
+    def _Arms(self, points, label):
+        return np.where(label[:, None] >= 0, points - self._middle[label], 0)
+
+    def Solve(self, slip, normals, slack):
+        """By Newton's method; `slip`, `normals` (n, d) and `slack` (n,) are those at the vertices.
+
+        Returns
+        -------
+        extra (n,), slip (n, d), error (float) that is left, relative to the forces
+        """
+        affine, rigid = self._Ways(normals, slack)
+        start, values = slip, np.zeros((self.patches.count, affine.shape[1] + rigid.shape[1]))
+        best = np.inf, None, None
+        for _ in range(ITERATIONS):
+            mine = values[self.patches.vertex]
+            extra = np.einsum("na,na->n", affine, mine[:, : affine.shape[1]])
+            slip = start + np.einsum("nak,na->nk", rigid, mine[:, affine.shape[1] :])
+            rest, error = self._Rest(extra, slip)
+            if error > 0.5 * best[0]:
+                break
+            best = error, extra, slip
+            if error < ROUNDING:
+                break
+            inverse = np.linalg.pinv(self._Jacobian(extra, slip, affine, rigid))
+            values = values + np.einsum("kba,kb->ka", inverse, rest)
+        return best[1], best[2], best[0]
+
+    def _Ways(self, normals, slack):
+        """Linear functions (n, d + 1) and tangential rigid motions (n, 3 or 6, d) of patches."""
+        label = self.patches.vertex
+        arms = self._Arms(self.surface.points, label) / self._size[label]
+        mine = label >= 0
+        rigid = _RigidMotions(arms) * (mine * slack)[:, None, None]
+        rigid -= np.einsum("nak,nk->na", rigid, normals)[..., None] * normals[:, None]
+        return np.column_stack([np.ones(len(arms)), arms]) * mine[:, None], rigid
+
+    def _Along(self, vectors):
+        """Their part (q, d) across the base, a unit vector or zero."""
+        return vectors - np.einsum("qk,qk->q", vectors, self.base)[:, None] * self.base
+
+    def _Rest(self, extra, slip):
+        """What is missing of forces and moments, and its size relative to the forces."""
+        shapes = self.surface.shapes
+        scale = self.density + self.stretch * (shapes @ extra)
+        tractions = scale[:, None] * (self.base + self._Along(shapes @ slip))
+        rest = self._wanted - self._Resultants(tractions)
+        size = np.linalg.norm(tractions, axis=1, keepdims=True) * self.surface.weight[:, None]
+        size = self.patches.Sums(self._label, size).clip(np.finfo(float).tiny)
+        return rest, np.max(np.abs(rest) / size)
+
+    def _Jacobian(self, extra, slip, affine, rigid):
+        shapes = self.surface.shapes
+        direction = self.base + self._Along(shapes @ slip)
+        stretched = (self.stretch[:, None] * (shapes @ affine))[..., None] * direction[:, None]
+        moved = np.stack(
+            [self._Along(shapes @ motion) for motion in rigid.transpose(1, 0, 2)], axis=1
+        )
+        scale = self.density + self.stretch * (shapes @ extra)
+        moved = scale[:, None, None] * moved
+        return self._Resultants(np.concatenate([stretched, moved], axis=1))
+
+    def _Resultants(self, tractions):
+        """Forces, and moments over the size, (count, ..., 3 or 6) of tractions (q, ..., d)."""
+        arms = self._arms.reshape(len(self._arms), *[1] * (tractions.ndim - 2), -1)
+        both = np.concatenate([tractions, _Cross(arms, tractions)], axis=-1)
+        weight = self.surface.weight.reshape(-1, *[1] * (tractions.ndim - 1))
+        return self.patches.Sums(self._label, weight * both)
+
+
+def _Cross(arms, forces):
+    """Moments (..., 1) in 2D, (..., 3) in 3D."""
+    if forces.shape[-1] == 3:
+        return np.cross(arms, forces)
+    return arms[..., :1] * forces[..., 1:] - arms[..., 1:] * forces[..., :1]
+
+
+def _RigidMotions(arms):
+    """Translations and rotations (n, 3 or 6, d)."""
+    n, d = arms.shape
+    moves = np.broadcast_to(np.eye(d), (n, d, d))
+    if d == 2:
+        turns = np.stack([-arms[:, 1], arms[:, 0]], axis=1)[:, None]
+    else:
+        turns = np.cross(np.eye(3)[None], arms[:, None])
+    return np.concatenate([moves, turns], axis=1)

@@ -1,0 +1,66 @@
+"""Second differences on the vertices of a surface."""
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags, identity
+
+__all__ = ["SecondDifferences", "ThirdDifferences"]
+
+SINGULAR = 1e-4  # eigenvalue of a fit where the neighbours lie on a line
+ONE_SIDED = 1.3  # sum of the weights where the neighbours lie on one side: 1 in the middle of them
+
+
+def SecondDifferences(points, normals, neighbours):
+    """How far values at vertices are from the linear function that fits those around them best.
+
+    Zero for functions that are linear in the tangent plane. Where the neighbours do not surround a
+    vertex, as at an end of the surface, the row is empty.
+
+    Parameters
+    ----------
+    points, normals : (n, d)
+        Vertices and unit normals.
+    neighbours : (n, n) sparse matrix
+
+    Returns
+    -------
+    (n, n) sparse matrix
+    """
+    n, graph = len(points), neighbours.tocoo()
+    i, j = (ends[graph.row != graph.col] for ends in (graph.row, graph.col))
+    counts = np.maximum(np.bincount(i, minlength=n), 1)
+    arms = points[j] - points[i]
+    arms -= np.einsum("ek,ek->e", arms, normals[i])[:, None] * normals[i]
+    size = np.bincount(i, np.linalg.norm(arms, axis=1), n) / counts
+    terms = np.column_stack([np.ones(len(i)), arms / size[i, None]])
+    inverse, good = _Inverses(_Sums(i, terms, n) / counts[:, None, None], normals)
+    weights = np.einsum("ea,ea->e", inverse[i, 0], terms) / counts[i]
+    good &= np.bincount(i, np.abs(weights), n) < ONE_SIDED
+    rows = identity(n, format="csr") - csr_matrix((weights, (i, j)), shape=(n, n))
+    return csr_matrix(rows.multiply(good[:, None]))
+
+
+def ThirdDifferences(second, neighbours):
+    """How far second differences are from their means over the neighbours that have some.
+
+    Zero for quadratic functions where vertices lie regularly; sparse matrices as there.
+    """
+    has = np.asarray(abs(second).sum(axis=1)).ravel() > 0
+    mine = diags(has.astype(float))
+    around = (neighbours > 0).astype(float) @ mine - mine
+    counts = np.asarray(around.sum(axis=1)).ravel()
+    means = diags(1 / np.maximum(counts, 1)) @ around @ second
+    return csr_matrix(diags(1.0 * (has & (counts > 1))) @ (second - means))
+
+
+def _Sums(i, terms, n):
+    """Of the products (n, d + 1, d + 1) of the terms that belong to each vertex."""
+    size = terms.shape[1]
+    products = np.einsum("ea,eb->eab", terms, terms).reshape(len(i), -1)
+    return np.stack([np.bincount(i, c, n) for c in products.T], axis=1).reshape(n, size, size)
+
+
+def _Inverses(moments, normals):
+    moments[:, 1:, 1:] += normals[:, :, None] * normals[:, None, :]  # nothing varies along these
+    good = np.linalg.eigvalsh(moments)[:, 0] > SINGULAR
+    moments[~good] = np.eye(moments.shape[1])
+    return np.linalg.inv(moments), good

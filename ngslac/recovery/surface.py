@@ -1,0 +1,133 @@
+"""The slave side as arrays: its vertices, and the points where contact acts."""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import CF, ET, IntegrationRule, x, y, z
+from scipy.sparse import csr_matrix
+
+from ngslac._ngslac import BoundaryVertices
+
+__all__ = ["SlaveSurface"]
+
+CORNERS = {
+    ET.SEGM: [(1, 0), (0, 0)],
+    ET.TRIG: [(1, 0), (0, 1), (0, 0)],
+    ET.QUAD: [(0, 0), (1, 0), (1, 1), (0, 1)],
+}
+
+
+def _Shapes(corners, xi):
+    """Values (n, 4) of the (bi)linear functions of faces with so many corners, at points (n, 2)."""
+    s, t = xi.T
+    values = np.zeros((len(xi), 4))
+    for count, shapes in (
+        (2, (s, 1 - s)),
+        (3, (s, t, 1 - s - t)),
+        (4, ((1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t)),
+    ):
+        mine = corners == count
+        values[mine, :count] = np.stack(shapes, axis=1)[mine]
+    return values
+
+
+class SlaveSurface:
+    """Vertices, macro-elements and quadrature points of the slave side of a contact.
+
+    Attributes
+    ----------
+    vertices : (n,) int
+        Their numbers in the mesh.
+    faces : (f, 4) int
+        Positions of the corners in `vertices`, -1 behind the last.
+    owner : (f,) int
+        Macro-element of each face.
+    macro : (q,) int
+        Macro-element of each quadrature point.
+    weight, gap, normal, position : (q, ...)
+        Of the points, as the contact has them.
+    shapes : (q, n) sparse matrix
+        Values of the continuous functions that are linear on the faces.
+    area : (m,)
+        Paired area of the macro-elements.
+    """
+
+    def __init__(self, contact):
+        mesh, d = contact.mesh, contact.mesh.dim
+        self.table = contact.form.Points().reshape(-1, 8 + 2 * d)
+        owner, corners = np.array(contact.space.macros), BoundaryVertices(mesh)
+        slave = np.flatnonzero(owner >= 0)
+        self.owner, corners = owner[slave], corners[slave]
+        given = corners >= 0
+        self.vertices, numbers = np.unique(corners[given], return_inverse=True)
+        self.faces = np.full(corners.shape, -1)
+        self.faces[given] = numbers
+        self.points = np.empty((len(self.vertices), d))
+        at = mesh.MapToAllElements(
+            {kind: IntegrationRule(c, [0] * len(c)) for kind, c in CORNERS.items()},
+            contact.space.slave,
+        )
+        self._mesh_point = at[:1]
+        self.points[numbers] = CF((x, y, z)[:d])(at).reshape(-1, d)
+        face = np.searchsorted(slave, self.table[:, 0].astype(int))
+        self.macro, self.weight, self.gap = self.owner[face], *self.table[:, 6:8].T
+        self.normal, self.position = self.table[:, 8 : 8 + d], self.table[:, 8 + d :]
+        values = _Shapes(given[face].sum(axis=1), self.table[:, 2:4])
+        self.shapes = self._Sparse(values, self.faces[face], given[face])
+        self.nmacros = contact.space.nmacros
+        self.area = np.bincount(self.macro, self.weight, self.nmacros)
+
+    def _Sparse(self, values, columns, given):
+        rows = np.broadcast_to(np.arange(len(values))[:, None], values.shape)
+        shape = len(values), len(self.vertices)
+        return csr_matrix((values[given], (rows[given], columns[given])), shape=shape)
+
+    def Jump(self, displacement):
+        """Slave minus master displacement (q, d) at the points, of a function on the mesh."""
+        slave, master = (self.table[:, k].astype(int) for k in (0, 1))
+        jump = self.Evaluate(displacement, slave, self.table[:, 2:4])
+        faced = master >= 0
+        jump[faced] -= self.Evaluate(displacement, master[faced], self.table[faced, 4:6])
+        return jump
+
+    def Evaluate(self, function, element, xi):
+        points = np.repeat(self._mesh_point, len(element))
+        points["nr"], points["x"], points["y"] = element, *xi.T
+        return function(points).reshape(len(element), function.dim)
+
+    @cached_property
+    def touches(self):
+        """Which macro-elements (rows) have which vertices (columns), as a sparse matrix."""
+        given = self.faces >= 0
+        rows = np.broadcast_to(self.owner[:, None], given.shape)[given]
+        shape = self.nmacros, len(self.vertices)
+        return csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
+
+    @cached_property
+    def neighbours(self):
+        """Which vertices belong to a common face, as a sparse matrix."""
+        given = self.faces >= 0
+        rows = np.broadcast_to(np.arange(len(given))[:, None], given.shape)[given]
+        shape = len(given), len(self.vertices)
+        corners = csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
+        return (corners.T @ corners).tocsr()
+
+    @cached_property
+    def share(self):
+        """Paired area (n,) that belongs to each vertex."""
+        return self.shapes.T @ self.weight
+
+    def Means(self, density):
+        """Sparse matrix (m, n): means over the macro-elements, weighted by (q,) at the points."""
+        weight = self.weight * density
+        sums = np.bincount(self.macro, weight, self.nmacros)[self.macro]
+        share = np.divide(weight, sums, out=np.zeros_like(weight), where=sums > 0)
+        rows = csr_matrix(
+            (share, (self.macro, np.arange(len(share)))), shape=(self.nmacros, len(share))
+        )
+        return rows @ self.shapes
+
+    def OnVertices(self, values):
+        """Means (n, ...) over what touches each vertex of values (m, ...) of macro-elements."""
+        counts = np.asarray(self.touches.sum(axis=0)).reshape(-1, *[1] * (values.ndim - 1))
+        return (self.touches.T @ values) / counts
