@@ -63,6 +63,9 @@ public:
   /// Forgets the slip directions of the last iteration.
   virtual void BeginSolve() = 0;
   virtual void Evaluate(const BaseVector & x) = 0;
+  /// Finite sliding: a traction with the pressure p gets  -p times the vector of its macro-element
+  /// in addition, in what is computed from now on; empty: none.
+  virtual void Lean(FlatArray<double> vectors) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
   /// Pairing, motion and states as at the last Commit, or Update if none came after it.

@@ -85,6 +85,13 @@ void ExportContact(py::module & m) {
           py::arg("x"), py::arg("stiffness"))
       .def("UpdateMultipliers", &ContactForm::UpdateMultipliers, py::arg("x"),
            py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
+      .def(
+          "Lean",
+          [](ContactForm & self,
+             py::array_t<double, py::array::c_style | py::array::forcecast> vectors) {
+            self.Lean(FlatArray<double>(vectors.size(), const_cast<double *>(vectors.data())));
+          },
+          py::arg("vectors"))
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {

@@ -178,6 +178,17 @@ void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
   }
 }
 
+// --- lean ----------------------------------------------------------------------------------------
+
+template <int D>
+void Form<D>::Lean(FlatArray<double> vectors) {
+  CheckPaired();
+  if (vectors.Size() && vectors.Size() != D * states.Size())
+    throw Exception("LACContact: " + ToString(vectors.Size()) + " numbers of vectors for " +
+                    ToString(states.Size()) + " macro-elements");
+  kinematics->Lean(vectors);
+}
+
 // --- scales --------------------------------------------------------------------------------------
 
 template <int D>

@@ -17,6 +17,7 @@ public:
   void AssembleStep(const BaseVector & x, BaseVector & residual) override;
   void BeginSolve() override { law->BeginSolve(); }
   void Evaluate(const BaseVector & x) override;
+  void Lean(FlatArray<double> vectors) override;
   void Commit(const BaseVector & x) override;
   void Restore() override;
   FormHistory History() const override;

@@ -96,6 +96,12 @@ Array<double> Form<D>::Vectors(const string & name) const {
   Array<double> values;
   if (name == "normal")
     SaveVectors<D>(values, normal);
+  else if (name == "facing")
+    for (size_t m : Range(states)) {
+      Vec<D> facing = kinematics->FacingNormal(m);
+      for (int k : Range(D))
+        values.Append(facing(k));
+    }
   else if (name == "center")
     SaveVectors<D>(values, kinematics->Jump().center);
   else if (name == "reference")

@@ -37,6 +37,10 @@ public:
       AddForces(m, law->Multiplier(m, x), forces, lh);
     });
   }
+  /// Finite sliding: mean normal of the master where a macro-element sees it, else zero.
+  virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
+  /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
+  virtual void Lean(FlatArray<double> /* vectors */) {}
   /// Resultant of a traction, and its moment about the origin.
   virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
   /// The matrix at x where the projections are these, and the forces are those of the tractions.

@@ -85,6 +85,8 @@ class System:
         How far constrained dofs still have to move: the next correction carries it.
     idle : bool
         Do bodies float that nothing pushes? They stay where they are.
+    lean : list of (m, d) array or None
+        What the pressures of each contact are turned by, see `Directions`.
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -94,6 +96,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = None
         self.idle = self.loose = False
+        self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
         self._turning = None  # materials of which it knows finite rotations, once that matters
@@ -187,10 +190,17 @@ class System:
             Those of which that counts.
         """
         self.motion, self.linear.shifts = None, 0
+        self.Lean()
         if motion is not None and np.any(motion[constrained]):
             self.motion = np.where(constrained, motion, 0.0)
             # What is left of the motion up to this is rounding, see `Moved`.
             self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))
+
+    def Lean(self):
+        """Turn the pressures of the contacts by what is known."""
+        for k, contact in enumerate(self.contacts):
+            if contact.form.paired:
+                contact.form.Lean(self.lean[k].ravel() if self.lean else [])
 
     # --- residual and matrices -----------------------------------------------------------------
 

@@ -25,9 +25,10 @@ class EnergyBalance:
         Dissipated by sliding, >= 0.
     impact : float
         Lost when surfaces meet: the part of the motion that the mesh cannot reflect. `friction`
-        and `impact` together never decrease with small sliding.
+        and `impact` together never decrease.
     algorithmic : float
-        Dissipated by the time integration; 0 for a linear bulk with ``rho_inf=1``.
+        Dissipated by the time integration; 0 for a linear bulk with ``rho_inf=1``, kept from below
+        0 for a nonlinear one.
     """
 
     time: float = 0.0
@@ -143,16 +144,15 @@ def ContactWorks(contacts, gf, motion):
     Returns
     -------
     tuple
-        Residual (n,) of the contact forces (the opposite of the forces), their work, and the part
-        of it that sliding dissipates, >= 0.
+        Residuals (n,) of the forces of each contact (the opposite of the forces), the work of all,
+        and the part of it that sliding dissipates, >= 0.
     """
-    forces = gf.vec.CreateVector()
-    forces[:] = 0
-    friction = 0.0
+    residuals, friction = [], 0.0
     for contact in contacts:
+        forces = gf.vec.CreateVector()
         contact.Evaluate(gf)
-        contact.AddApply(gf.vec, forces)
+        contact.Apply(gf.vec, forces)
+        residuals.append(forces.FV().NumPy().copy())
         table = contact.Table()
         friction -= float(table["area"] @ np.sum(table["traction"] * table["slip"], axis=1))
-    values = forces.FV().NumPy().copy()
-    return values, -float(values @ motion), friction
+    return residuals, -float(sum(residuals) @ motion), friction

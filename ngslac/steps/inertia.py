@@ -16,11 +16,9 @@ from ngsolve import (
     Region,
     dx,
 )
-from scipy.sparse import vstack
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
-from ngslac.bodies.constraints import ActiveRates, ActiveRows
 from ngslac.linear.factor import Cholesky, Factor
 
 __all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
@@ -148,7 +146,7 @@ class Mass:
         """Kinetic energy."""
         return 0.5 * float(velocity @ self.Times(velocity))
 
-    def Arrest(self, contacts, velocity, rates):
+    def Arrest(self, rows, velocity, rates):
         """The velocity without its part against the constraints at work.
 
         Closed macro-elements keep no normal velocity relative to the other side, sticking ones
@@ -157,18 +155,17 @@ class Mass:
 
         Parameters
         ----------
-        contacts : list[LACContact]
+        rows : (k, n) sparse matrix
+            `ActiveRows` of all contacts.
         velocity : (n,) array
-        rates : list of (m,) array
-            By which obstacles open the mean gaps of each contact.
+        rates : (k,) array
+            What `rows` times the velocity has to be.
 
         Returns
         -------
         (n,) array
         """
-        rows = vstack([ActiveRows(contact) for contact in contacts]).tocsr()
-        rate = rows @ velocity
-        rate -= np.concatenate([ActiveRates(*pair) for pair in zip(contacts, rates, strict=True)])
+        rate = rows @ velocity - rates
         if not np.any(rate):
             return velocity
         transposed = rows.T.tocsr()

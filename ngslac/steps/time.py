@@ -19,17 +19,22 @@ from ngslac.arguments import (
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, OnBulk
-from ngslac.steps.balance import ContactWorks, EnergyBalance, TimeStep
+from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.control import Journal, StepControl
+from ngslac.steps.directions import Directions
 from ngslac.steps.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
-from ngslac.steps.obstacles import Obstacles
 from ngslac.steps.prescribed import Prescribed
+from ngslac.steps.stepend import StepEnd
 
 __all__ = ["TimeStepper"]
 
-# Part of the energy that a step may bring in before a shorter one is tried: the time integration of
-# large deformation may, and the direction of contact in large sliding.
-MOST_WON = 0.02
+# Part of the energy that a step may bring in before a shorter one is tried, although it goes out of
+# the velocities again: the time integration of large deformation may, and large sliding. What of it
+# may stay, where velocities have no more of it to give.
+MOST_WON, MOST_OWED = 0.02, 1e-3
+# Work that new directions of pressures change, relative to the kinetic energy, for which the step
+# is solved again; and how often it is solved.
+CHANGED, MOST_SOLVES = 1e-4, 3
 
 
 class TimeStepper:
@@ -42,12 +47,16 @@ class TimeStepper:
     velocities are freed from what contact forbids, by the closest admissible ones in the sense of
     the kinetic energy: without that the velocities of touching surfaces, and with them the
     pressures, would swing from step to step. The surface layer that meets an obstacle loses its
-    kinetic energy, a fraction of the order of element size over body size. With ``finite=True``
-    contact conserves energy up to the angle between its direction and the normal of the master.
+    kinetic energy, a fraction of the order of element size over body size.
 
-    A step that brings in more than 2 % of the energy, as those of large deformation may, is halved,
-    too, if it can be. A failed step leaves solution, velocity, time and history at the last
-    converged step.
+    With ``finite=True`` pressures act across the way that surfaces slide in the step, and do no
+    work along it. What contact brings in all the same, and what the time integration of a nonlinear
+    bulk has brought in altogether, goes out of the velocities again, such that the momenta stay: no
+    energy is won, with any `rho_inf`. Linear momentum is conserved, and angular momentum of a
+    nonlinear bulk, too, both to rounding.
+
+    A step that brings in more than 2 % of the energy before that is halved if it can be. A failed
+    step leaves solution, velocity, time and history at the last converged step.
 
     Parameters
     ----------
@@ -59,15 +68,15 @@ class TimeStepper:
     dt : float
         Largest step. Waves are resolved by steps of about the time they need through an element.
     rho_inf : float
-        0 to 1: factor by which one step multiplies oscillations much faster than `dt`. Take less
-        than 1 for large deformation, where the trapezoidal rule may become unstable.
+        0 to 1: factor by which one step multiplies oscillations much faster than `dt`.
     time : ngsolve.Parameter, optional
         Appears in the bulk form, in `rhs`, or in `prescribe`; its value is the time.
     prescribe : dict or callable, optional
         Dirichlet values that depend on the time, as in `LoadStepper`.
     energy : CoefficientFunction, optional
         Strain energy per reference volume of the current `gf`, for `EnergyBalance.internal`.
-        Default: the work of the internal forces, exact for a linear bulk.
+        Default: the work of the internal forces, exact for a linear bulk and of the sixth order
+        in the step for others.
     maxcuts : int
         How often a step may be halved.
 
@@ -119,14 +128,12 @@ class TimeStepper:
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.prescribe = prescribe
-        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._Load), Inert())
         self.velocity = GridFunction(solver.gf.space, name="velocity")
-        self._obstacles = Obstacles(solver.contacts)
+        self._end = StepEnd(solver, self.form, self.mass, self.scheme, self.velocity)
+        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._end.Load), Inert())
         self._journal = Journal(self, "time", self.time)
         self.balance, self.steps = None, []
-        self._momentum = None  # M times the acceleration due to the bulk's forces
-        self._rate = None  # mean velocity of the last step, and its length
-        self._balanced = None  # force of the bulk with loads, and loads alone, at its end
+        self._directions = Directions(solver.contacts)
 
     def __repr__(self):
         steps = f"{len(self.steps)} steps, dt = {self.dt:g}"
@@ -205,12 +212,9 @@ class TimeStepper:
             "velocity": self.velocity.vec.FV().NumPy().copy(),
             "steps": list(self.steps),
             "balance": self.balance,
-            "momentum": self._momentum,
-            "rate": self._rate,
-            "obstacles": self._obstacles.state,
-            "forces": self._balanced,
+            "directions": self._directions.State(),
             "dt": self.form.dt,
-        }
+        } | self._end.State()
 
     def SetState(self, state) -> None:
         """Go back to a state.
@@ -220,14 +224,16 @@ class TimeStepper:
         state : dict
             Of `State`.
         """
-        CheckState(state, "time", "solver", "velocity", "steps", "balance", "momentum", "obstacles")
+        names = ("time", "solver", "velocity", "steps", "balance", "momentum", "obstacles")
+        CheckState(state, *names, "account", "directions")
         self.time.Set(state["time"])
         self.solver.SetState(state["solver"])
         FillVector("velocity", self.velocity.vec, state["velocity"])
         self.steps[:] = state["steps"]
-        self.balance, self._momentum = state["balance"], state["momentum"]
-        self._rate, self._balanced = state["rate"], state["forces"]
-        self._obstacles.state = state["obstacles"]
+        self.balance = state["balance"]
+        self._end.SetState(state)
+        self._directions.SetState(state["directions"])
+        self._Turn()
         if state["dt"]:
             self.form.SetStep(state["dt"])
         self.solver.system.bulk.StartAfresh()
@@ -238,20 +244,16 @@ class TimeStepper:
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
             if not np.all(np.isfinite(field.vec.FV().NumPy())):
                 raise ValueError(f"{name} holds NaN or infinite values")
-        if not np.isfinite(self._Energy()):
+        energy = self._Energy() or 0.0
+        if not np.isfinite(energy):
             raise ValueError("energy is NaN or infinite where the motion begins")
         for contact in self.solver.contacts:
             if not contact.form.paired:
                 contact.Update(self.gf if contact.finite else None)
-        self._balanced = self._Forces()
-        if self._momentum is None:
-            if not self._prescribed:
-                self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
-            self._momentum = -self._balanced[0]
-            self._rate = self._Velocity(), self.dt
-        kinetic = self.mass.Energy(self._Velocity())
+        self._end.Begin(self.dt, bool(self._prescribed))
+        kinetic = self._end.Kinetic()
         if self.balance is None:
-            self.balance = EnergyBalance(self.time.Get(), kinetic, self._Energy())
+            self.balance = EnergyBalance(self.time.Get(), kinetic, energy)
             return
         external = self.balance.external + kinetic - self.balance.kinetic
         self.balance = replace(self.balance, kinetic=kinetic, external=external)
@@ -263,7 +265,7 @@ class TimeStepper:
             if printing:
                 print(f"step {len(self.steps) + 1}  time {goal:g}")
             try:
-                last = self._Attempt(goal, printing, maxit, tol, control.smallest)
+                count = self._Attempt(goal, printing, maxit, tol, control.smallest)
             except ContactConvergenceError as error:
                 if control.smallest:
                     raise
@@ -275,7 +277,7 @@ class TimeStepper:
             if printing:
                 print(self.balance)
             cuts = control.Reached(goal)
-            step = TimeStep(len(self.steps) + 1, goal, last.number, cuts, self.balance)
+            step = TimeStep(len(self.steps) + 1, goal, count, cuts, self.balance)
             done.append(self._journal.Add(step, callback, gf=self.gf, velocity=self.velocity))
             control.size *= 2
         return done
@@ -286,107 +288,56 @@ class TimeStepper:
         if self.form.SetStep(goal - now):
             self.solver.system.bulk.StartAfresh()
         dt = self.form.dt
-        inertial = start + dt * self._Velocity()
+        inertial = start + dt * self._end.Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
         try:
-            self._obstacles.Begin(self.gf)
+            self._end.obstacles.Begin(self.gf)
+            self._directions.Begin(self.gf)
             self.time.Set(goal)
-            self._obstacles.Move(self.gf)
+            self._end.obstacles.Move(self.gf)
             self.mass.CheckConstant()
             if self._prescribed:
                 self._prescribed.Set()
             vec.FV().NumPy()[self.mass.free] = inertial[self.mass.free]
-            last = self.solver.Solve(maxit=maxit, tol=tol, printing=printing, path=False)
-            if not np.isfinite(self._Energy()):
+            count = self._Solve(start, maxit=maxit, tol=tol, printing=printing)
+            energy = self._Energy()
+            if not (energy is None or np.isfinite(energy)):
                 raise ContactConvergenceError("elements turned inside out")
         except BaseException:
             self._journal.saved.Restore()
             raise
-        before = self.balance
-        self._Accept(start, dt)
-        if not last_chance and (won := self.balance.Won(before)) > MOST_WON:
+        linear = bool(self.solver.system.bulk.islinear)
+        motion = self._MotionFrom(start)
+        known = {"linear": linear, "energy": energy}
+        self.balance, won, owed = self._end.Accept(motion, dt, self.balance, goal, **known)
+        if not last_chance and (won > MOST_WON or owed > MOST_OWED):
             self._journal.saved.Restore()
             raise ContactConvergenceError(f"the step wins {100 * won:.2g} % of the energy")
-        return last
+        return count
 
-    def _Accept(self, start, dt):
-        scheme, mass, (old, oldloads) = self.scheme, self.mass, self._balanced
-        motion = (self.gf.vec.FV().NumPy() - start) * mass.rows
-        force, loads = self._Forces()
-        mean = (1 - scheme.force) * force + scheme.force * old
-        momentum = -(scheme.mass * self._momentum + mean) / (1 - scheme.mass)
-        velocity = 2 / dt * motion - self._Velocity()
-        if scheme.rho_inf < 1:
-            bend = dt * (scheme.gamma - 2 * scheme.beta)
-            velocity += bend * mass.Solve(momentum - self._momentum)
-        works = self._Works(motion, loads)
-        works["external"] += self._MoveSupports(velocity, motion / dt, dt)
-        for contact in self.solver.contacts:
-            contact.Commit(self.gf)
-        admissible = mass.Arrest(self.solver.contacts, velocity, self._obstacles.Rates(dt))
-        lost = mass.Energy(velocity - admissible)
-        works["impact"] += lost
-        works["external"] += lost - mass.Energy(velocity) + mass.Energy(admissible)
-        works["internal"] = 0.5 * float((old + force + oldloads + loads) @ motion)
-        self.velocity.vec.FV().NumPy()[:] = admissible
-        self._balanced, self._momentum = (force, loads), momentum
-        if self.energy is not None:
-            works["internal"] = self._Energy() - self.balance.internal
-        self.balance = self.balance.After(self.time.Get(), mass.Energy(admissible), **works)
+    def _Solve(self, start, **options):
+        """Solve, with directions of pressures that suit the motion; returns the linear solves."""
+        directions, count = self._directions, 0
+        for _ in range(MOST_SOLVES):
+            directions.Next()
+            self._Turn()
+            count += self.solver.Solve(path=False, **options).number
+            changed = directions.Learn(self.gf, self._MotionFrom(start))
+            if changed <= CHANGED * self.balance.kinetic:
+                break
+        return count
 
-    def _MoveSupports(self, velocity, rate, dt):
-        """Velocities of what is prescribed, from backward differences; returns the energy of that.
+    def _Turn(self):
+        """The pressures get the directions of the step."""
+        self.solver.system.lean = self._directions.used
+        self.solver.system.Lean()
 
-        The trapezoidal rule would answer to a jump of the velocity with oscillations for ever.
-        """
-        fixed = self.mass.rows & ~self.mass.free
-        before, last = self._rate
-        self._rate = rate * fixed, dt
-        if not (np.any(rate[fixed]) or np.any(before[fixed])):
-            return 0.0
-        energy = self.mass.Energy(velocity)
-        velocity[fixed] = (rate + dt / (dt + last) * (rate - before))[fixed]
-        return self.mass.Energy(velocity) - energy
-
-    # --- forces and energies -------------------------------------------------------------------
-
-    def _Velocity(self):
-        return self.velocity.vec.FV().NumPy() * self.mass.rows
+    def _MotionFrom(self, start):
+        return (self.gf.vec.FV().NumPy() - start) * self.mass.rows
 
     def _Energy(self):
-        return 0.0 if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
-
-    def _Forces(self):
-        """Force of the bulk including the loads, and the loads alone."""
-        static = self.static
-        zero, result = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        zero[:] = 0
-        load = static.system.bulk.load
-        static.a.Apply(zero, result)
-        loads = (load - result.FV().NumPy()) * self.mass.rows
-        static.a.Apply(self.gf.vec, result)
-        return (result.FV().NumPy() - load) * self.mass.rows, loads
-
-    def _Load(self):
-        """Right hand side of the step: loads and what the step before leaves behind."""
-        scheme, vec = self.scheme, self.gf.vec.CreateVector()
-        memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
-        memory -= scheme.weight * scheme.force * self._balanced[0]
-        load = self.static.system.bulk.load
-        vec.FV().NumPy()[:] = memory + scheme.share * load
-        return vec
-
-    def _Works(self, motion, loads):
-        """Works of contact, friction, loads, supports and obstacles, before the commit."""
-        forces, work, friction = ContactWorks(self.solver.contacts, self.gf, motion)
-        balance = self.gf.vec.CreateVector()
-        self.form.Apply(self.gf.vec, balance)
-        reaction = balance.FV().NumPy() + forces - self._Load().FV().NumPy()
-        supports = float((reaction * ~self.mass.free) @ motion)
-        external = supports + 0.5 * float((self._balanced[1] + loads) @ motion)
-        pushed = self._obstacles.Work()
-        impact = pushed - work - friction
-        return {"external": external + pushed, "friction": friction, "impact": impact}
+        """The strain energy (None: unknown)."""
+        return None if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
 
     def Table(self) -> dict[str, np.ndarray]:
         """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""

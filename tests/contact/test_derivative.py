@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from blocks import block_mesh, contact_form, matrix, mixed_state, moved, random_state, residual
 from form import Form
+from netgen.meshing import NgException
 from ngsolve import CF, H1, x, y, z
 from sheets import grid, lower, sheet_mesh, upper
 
@@ -132,6 +133,26 @@ def test_finite_sliding(dim, cells, space, law):
     _, statuses = deformed(form, LAWS[law][1])
     assert statuses == EVERY.get(law, {0, 1, 2})
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-8
+
+
+@pytest.mark.parametrize("law", ["frictionless", "coulomb"])
+@pytest.mark.parametrize(("dim", "cells"), [(2, ()), (3, ("hex", "tet", 2, 1))])
+def test_pressures_that_lean(dim, cells, law):
+    """As in dynamics: each pressure p gets -p times a vector in addition."""
+    form = finite_form(dim, *cells, law=law)
+    form.follow()
+    deformed(form, LAWS[law][1])
+    table, upright = form.table(), form.contact.Force()
+    vectors = 0.2 * np.random.default_rng(5).normal(size=table["normal"].shape)
+    form.contact.form.Lean(vectors.ravel())
+    added = -(table["area"] * table["pressure"]) @ vectors
+    assert form.contact.Force() - upright == pytest.approx(added, abs=1e-12)
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-8
+    form.contact.form.Lean([])
+    form.table()
+    assert form.contact.Force() == pytest.approx(upright, abs=1e-12)
+    with pytest.raises(NgException, match="3 numbers of vectors"):
+        form.contact.form.Lean(np.zeros(3))
 
 
 @pytest.mark.parametrize(("dim", "cells"), [(2, ()), (3, ("hex", "tet", 2, 1))])

@@ -7,6 +7,7 @@ second half and writes the end values there.
 import sys
 
 import numpy as np
+from flights import on_slab
 from motions import on_ground, values
 from netgen.occ import MoveTo, OCCGeometry
 from ngsolve import CF, IfPos, InnerProduct, Mesh, ds, y
@@ -67,12 +68,19 @@ def bouncing(mesh=None, **flags):
     return (motion if mesh else motion.throw(0.6, -0.8)).stepper
 
 
+def flying(mesh=None):
+    """A soft disc thrown at a soft slab, in large sliding."""
+    flags = {"young": 15.0, "friction": 0.3, "dt": 0.05, "rho_inf": 0.9, "inverse": INVERSE}
+    return on_slab((0.4, -1), mesh=mesh, h=0.6, **flags).stepper
+
+
 MAKE = {
     "loading": loading,
     "linear": lambda mesh=None: loading(mesh, nonlinear=False, friction=0.6),
     "finite": lambda mesh=None: loading(mesh, finite=True),
     "squeezed": squeezed,
     "bouncing": bouncing,
+    "flying": flying,
 }
 
 

@@ -37,6 +37,7 @@ class FiniteSliding : public Kinematics<D> {
   Array<double> last_gap;                  // at the last Commit
   shared_ptr<Motion<D>> now;               // of the last At
   double share = 0.5;                      // of the master in the stiffness of both bodies
+  Array<Vec<D>> lean;                      // of the pressures of macro-elements; empty: none
   struct {
     Paired<D> surfaces;
     shared_ptr<Motion<D>> motion;
@@ -149,6 +150,16 @@ public:
       AddTraction<D>(now->surfaces, *points, m, now->hits, Parts(m, traction), y, lh);
   }
 
+  Vec<D> FacingNormal(size_t m) const override {
+    return points->area[m] > 0 ? now->mean[m].master : Vec<D>(0.0);
+  }
+
+  void Lean(FlatArray<double> vectors) override {
+    lean.SetSize(vectors.Size() / D);
+    for (size_t i : Range(vectors))
+      lean[i / D](i % D) = vectors[i];
+  }
+
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     if (points->area[m] == 0 || !IsTraction(traction))
       return {Vec<D>(0.0), Vec<3>(0.0)};
@@ -214,7 +225,10 @@ private:
   }
 
   MacroTraction<D> Parts(size_t m, const Vec<D> & traction) const {
-    return {traction, now->mean[m]};
+    MacroTraction<D> parts(traction, now->mean[m]);
+    if (lean.Size())
+      parts.even -= parts.pressure * lean[m];
+    return parts;
   }
 
   /// Of this step; what an approaching macro-element moves until it touches is no slip.
@@ -254,6 +268,8 @@ private:
     auto parts = Parts(m, traction);
     AddDerivatives<D>(now->surfaces, *points, m, now->hits, mean, parts, rim == Rim::moves, rows,
                       add, lh);
+    for (int j : Range(lean.Size() ? rows.dofs.Size() : 0))
+      rows.squeeze(j) += InnerProduct(lean[m], rows.force.Col(j));
     if (!parts.IsZero())
       AddStiffness(mean.normal, traction, parts.pressure, rows, sum);
     if (!Slides(m))

@@ -1,0 +1,199 @@
+"""Energy and momentum of bodies in a time step: what is wrong goes out of the velocities again."""
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ngslac.bodies.bodies import NullSpace
+from ngslac.bodies.constraints import ToCSR
+from ngslac.bodies.parts import ConnectedParts
+from ngslac.bodies.rigidmotions import RigidMotions, Turned
+
+__all__ = ["Conservation"]
+
+# Energy that is a rounding error, relative to the kinetic energy.
+ROUNDING = 1e-13
+# Resultant of forces that is zero, relative to their size.
+BALANCED = 1e-8
+
+
+class Conservation:
+    """Takes energy out of velocities, of bodies that touch together, and leaves their momenta.
+
+    Bodies that touch share what they have won. Of all velocities with their linear and angular
+    momentum and with less energy the closest one, in the sense of the kinetic energy, is taken:
+    relative to the common rigid motion all velocities become smaller by one factor. What supports
+    hold has no momentum to keep.
+
+    Parameters
+    ----------
+    mass : Mass
+    contact : LACContact
+        Any contact on the space: tells the displacement.
+
+    Attributes
+    ----------
+    count : int
+        Number of bodies.
+    account : (count,) array
+        Energy that time integration has taken from each body so far.
+    """
+
+    def __init__(self, mass, contact):
+        form, block = contact.form, contact.form.fes.dim
+        self.mass, self._space = mass, form.component
+        first, dofs = form.offset * block, form.component.ndof
+        self._own = slice(first, first + dofs * block)
+        part = ConnectedParts(mass.mat, form.offset, dofs).repeat(block)
+        self._used = ToCSR(mass.mat).diagonal()[self._own] > 0
+        # Each dof that nothing uses is a part of its own, without mass.
+        self._body = np.zeros(len(part), dtype=int)
+        self._body[self._used] = np.unique(part[self._used], return_inverse=True)[1]
+        self.count = 1 + self._body.max(initial=-1)
+        self.account = np.zeros(self.count)
+        self._rigid, _, self._size = RigidMotions(self._space)
+
+    def Products(self, a, b):
+        """The scalar product of two vectors (n,), body by body."""
+        own = self._own
+        return np.bincount(self._body, weights=a[own] * b[own], minlength=self.count)
+
+    def Kinetic(self, velocity):
+        """Kinetic energies of the bodies."""
+        return 0.5 * self.Products(velocity, self.mass.Times(velocity))
+
+    def Virtual(self, forces, displacement):
+        """What forces (n,) do in the rigid motions of the displaced bodies, a row for each body."""
+        return np.stack([self.Products(m, forces) for m in self._Motions(displacement).T], axis=1)
+
+    def Balanced(self, forces, displacement, squares):
+        """Do forces (n,) do nothing in the rigid motions of a displaced body? For each body.
+
+        `squares` (count,) are those of forces that are not small.
+        """
+        motions, size = self._Motions(displacement), squares[:, None]
+        sizes = np.stack([self.Products(m, m) for m in motions.T], axis=1) * size
+        return np.all(self.Virtual(forces, displacement) ** 2 <= BALANCED**2 * sizes, axis=1)
+
+    def _Motions(self, displacement):
+        """The rigid motions (n, m) of the whole mesh where it is displaced."""
+        motions = np.zeros((len(displacement), self._rigid.shape[1]))
+        turned = Turned(self._space, displacement[self._own], self._size)
+        motions[self._own] = self._rigid + turned
+        return motions
+
+    def Restore(self, velocity, momenta, groups, free, impulses, displacement):
+        """Give free bodies the momenta that they should have, by one rigid motion of each group.
+
+        Groups that supports hold, or on which forces or contacts act from outside, are left alone.
+
+        Parameters
+        ----------
+        velocity : (n,) array
+        momenta : (count, m) array
+            Of the bodies, as `Virtual`.
+        groups : (count,) array
+            Of `Groups`.
+        free : (count,) bool
+            On which nothing acts but loads and contact.
+        impulses : (count, d) array
+            Of contact, on each body.
+        displacement : (n,) array
+
+        Returns
+        -------
+        (n,) array
+        """
+        wrong = momenta - self.Virtual(self.mass.Times(velocity), displacement)
+        fixed = ~self.mass.free[self._own] & self._used
+        free = free & (np.bincount(self._body, weights=fixed, minlength=self.count) == 0)
+        motions = self._Motions(displacement)
+        sizes = BALANCED * np.abs(impulses).sum(axis=1) + ROUNDING * np.abs(momenta).sum(axis=1)
+        for group in np.unique(groups):
+            bodies = groups == group
+            outside = np.abs(impulses[bodies].sum(axis=0)).max() > sizes[bodies].sum()
+            if outside or not np.all(free[bodies]):
+                continue
+            own = motions * self._Inside(bodies)[:, None]
+            pushed = np.stack([self.mass.Times(column) for column in own.T], axis=1)
+            velocity = velocity + own @ np.linalg.solve(pushed.T @ own, wrong[bodies].sum(axis=0))
+        return velocity
+
+    def _Inside(self, bodies):
+        """Which entries of a vector (n,) belong to some bodies."""
+        inside = np.zeros(len(self.mass.free), dtype=bool)
+        inside[self._own] = bodies[self._body]
+        return inside
+
+    def Groups(self, rows):
+        """Numbers (count,) of the bodies, the same where constraints (sparse rows) join them."""
+        rows = rows.tocoo()
+        inside = (rows.data != 0) & (rows.col >= self._own.start) & (rows.col < self._own.stop)
+        bodies = self._body[rows.col[inside] - self._own.start]
+        shape = rows.shape[0], self.count
+        touched = csr_matrix((np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape)
+        return connected_components(touched.T @ touched, directed=False)[1]
+
+    def Settle(self, velocity, groups, impact, algorithmic, displacement):
+        """The velocity without the energy that contact or time integration have brought in.
+
+        Parameters
+        ----------
+        velocity : (n,) array
+        groups : (count,) array
+            Of `Groups`.
+        impact, algorithmic : (count,) array
+            What contact and time integration have taken from each body in this step: what contact
+            brings in goes out at once, the account of the other is only kept from below zero.
+        displacement : (n,) array
+            At the end of the step.
+
+        Returns
+        -------
+        velocity : (n,) array
+        back : float
+            Energy that went out for the sake of contact.
+        owed : float
+            What of this step could not go out: old debts wait.
+        """
+        self.account = self.account + algorithmic
+        least = ROUNDING * self.Kinetic(velocity).sum()
+        back = owed = 0.0
+        for group in np.unique(groups):
+            bodies = groups == group
+            by_contact = max(0.0, -impact[bodies].sum())
+            by_time = max(0.0, -self.account[bodies].sum())
+            if by_contact + by_time <= least:
+                continue
+            velocity, out = self._Slower(velocity, bodies, by_contact + by_time, displacement)
+            brought = by_contact + max(0.0, -algorithmic[bodies].sum())
+            owed += min(by_contact + by_time - out, brought)
+            back += min(by_contact, out)
+            self.account[bodies] += (out - by_contact) / bodies.sum()
+        return velocity, back, owed
+
+    def _Slower(self, velocity, bodies, energy, displacement):
+        """Take the energy from some bodies, or as much as is there; returns it, too."""
+        relative = self._Relative(velocity, bodies, displacement)
+        pushed = self.mass.Times(relative)
+        # velocity - f relative  has lost  f slope - f^2 most / 2.
+        slope, most = float(velocity @ pushed), float(relative @ pushed)
+        if not most > 0:
+            return velocity, 0.0
+        left = slope**2 - 2 * energy * most
+        factor = 2 * energy / (slope + np.sqrt(left)) if left > 0 < slope else slope / most
+        factor = min(max(factor, 0.0), 1.0)
+        return velocity - factor * relative, factor * slope - 0.5 * factor**2 * most
+
+    def _Relative(self, velocity, bodies, displacement):
+        """The free velocities of some bodies, less their common rigid motion."""
+        inside = self._Inside(bodies)
+        motions = self._Motions(displacement) * inside[:, None]
+        inside[self._own] &= self._used
+        motions = motions @ NullSpace(motions[inside & ~self.mass.free])
+        relative = velocity * (inside & self.mass.free)
+        if not motions.shape[1]:
+            return relative
+        momenta = np.stack([self.mass.Times(column) for column in motions.T], axis=1)
+        share = np.linalg.solve(momenta.T @ motions, momenta.T @ relative)
+        return relative - motions @ share

@@ -1,0 +1,101 @@
+"""Directions of pressures that do no work where surfaces slide along each other."""
+
+import numpy as np
+
+from ngslac.bodies.constraints import JumpRows
+
+__all__ = ["Directions"]
+
+# Longest vector that may turn a direction, a unit vector: larger angles have other reasons.
+LONGEST = 0.5
+# Motion between two surfaces that is none, relative to all motion of the step.
+STILL = 1e-8
+
+
+class Directions:
+    """Turns the pressures of large sliding until their work is that of the master's normal.
+
+    Gaps do not change where the slave slides along the master: only along the normals of the
+    master, from where they are at the begin of a step to where they are at its end, pressures
+    should do work. The direction n in which they push is another one, that of the end of the step
+    and between the normals of both sides. So it gets the shortest vector in addition with which
+    n.d is right for the mean relative motion d of the macro-element in the step, which is along d:
+    a discrete gradient (Gonzalez 1996). The forces on both sides remain opposite and equal.
+
+    Parameters
+    ----------
+    contacts : list[LACContact]
+        Those of small sliding are left alone.
+
+    Attributes
+    ----------
+    used : list of (m, d) array
+        Vectors with which the last solution was found; no rows for small sliding.
+    """
+
+    def __init__(self, contacts):
+        self.contacts, self._start = contacts, None
+        self.used = [np.zeros((c.space.nmacros * c.finite, c.mesh.dim)) for c in contacts]
+        self._next = self.used
+
+    def State(self):
+        """What the next step depends on."""
+        return {"used": self.used, "next": self._next}
+
+    def SetState(self, state):
+        """Go back to a `State`."""
+        self.used, self._next = state["used"], state["next"]
+
+    def Begin(self, gf):
+        """A step begins at a solution."""
+        self._start = [self._Facing(contact, gf) for contact in self.contacts]
+
+    @staticmethod
+    def _Facing(contact, gf):
+        """Mean normals (m, d) of the master, 0 where it is not seen."""
+        if not contact.finite:
+            return None
+        contact.Follow(gf)
+        contact.Evaluate(gf)
+        return contact.form.Vectors("facing").reshape(-1, contact.mesh.dim)
+
+    def Learn(self, gf, motion):
+        """Find the vectors of the `Next` solution from the motion (n,) to this one.
+
+        Returns
+        -------
+        float
+            Work that the pressures of the solution do in that motion because of what has changed.
+        """
+        found = [self._LearnOf(k, gf, motion) for k in range(len(self.contacts))]
+        self._next = [vectors for vectors, _ in found]
+        return sum(work for _, work in found)
+
+    def Next(self):
+        """Use what was learnt last."""
+        self.used = self._next
+
+    def _LearnOf(self, k, gf, motion):
+        contact, begin = self.contacts[k], self._start[k]
+        if not contact.finite:
+            return self.used[k], 0.0
+        end, table, form = self._Facing(contact, gf), contact.Table(), contact.form
+        if not np.any(table["status"]):
+            return 0 * end, 0.0
+        sees = np.any(begin, axis=1)[:, None] & (np.sum(begin * end, axis=1) > 0)[:, None]
+        normal = -Unit(np.where(sees, begin, 0) + end)
+        jump, first = JumpRows(contact), form.offset * form.fes.dim
+        moved = (jump @ motion[first : first + jump.shape[1]]).reshape(end.shape)
+        still = STILL * table["fullarea"] * np.max(np.abs(motion), initial=0)
+        works = (table["status"] > 0) & (np.linalg.norm(moved, axis=1) > still)
+        along = Unit(moved)
+        off = np.sum((normal - table["normal"]) * along, axis=1) * works
+        vectors = np.clip(off, -LONGEST, LONGEST)[:, None] * along
+        change = np.sum((vectors - self.used[k]) * moved, axis=1) * works
+        return vectors, float(np.abs(table["pressure"]) @ np.abs(change))
+
+
+def Unit(vectors):
+    """Vectors (m, d) of length 1, or 0."""
+    size = np.linalg.norm(vectors, axis=1)[:, None]
+    return vectors / np.where(size > 0, size, 1)

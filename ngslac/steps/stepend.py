@@ -1,0 +1,204 @@
+"""How a time step ends: forces, velocities, and where the energy went."""
+
+import numpy as np
+from scipy.sparse import vstack
+
+from ngslac.bodies.constraints import ActiveRates, ActiveRows
+from ngslac.steps.balance import ContactWorks
+from ngslac.steps.conservation import Conservation
+from ngslac.steps.forces import BulkForces
+from ngslac.steps.obstacles import Obstacles
+
+__all__ = ["StepEnd"]
+
+
+class StepEnd:
+    """What one time step leaves for the next one besides the solution.
+
+    Parameters
+    ----------
+    static : ContactSolver
+    form : DynamicForm
+    mass : Mass
+    scheme : Scheme
+    velocity : GridFunction
+
+    Attributes
+    ----------
+    obstacles : Obstacles
+    """
+
+    def __init__(self, static, form, mass, scheme, velocity):
+        self.static, self.form, self.mass, self.scheme = static, form, mass, scheme
+        self.gf, self.contacts, self.velocity = static.gf, static.contacts, velocity
+        self.obstacles = Obstacles(static.contacts)
+        self._forces = BulkForces(static, mass.rows)
+        self._conservation = Conservation(mass, static.contacts[0])
+        self._momentum = None  # M times the acceleration due to the bulk's forces
+        self._rate = None  # mean velocity of the last step, and its length
+        self._balanced = None  # force of the bulk with loads, and loads alone, at its end
+
+    def State(self):
+        """As a dict."""
+        return {
+            "momentum": self._momentum,
+            "rate": self._rate,
+            "obstacles": self.obstacles.state,
+            "forces": self._balanced,
+            "account": self._conservation.account,
+        }
+
+    def SetState(self, state):
+        """Go back to a `State`."""
+        self._momentum, self._rate = state["momentum"], state["rate"]
+        self.obstacles.state, self._balanced = state["obstacles"], state["forces"]
+        self._conservation.account = state["account"]
+
+    def Begin(self, dt, prescribed):
+        """Forces of the present state; `dt` is the step, `prescribed` whether supports move."""
+        self._balanced = self._forces.Now()
+        if self._momentum is not None:
+            return
+        if not prescribed:
+            self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
+        self._momentum = -self._balanced[0]
+        self._rate = self.Velocity(), dt
+
+    def Velocity(self):
+        """Of the displacement (n,), 0 elsewhere."""
+        return self.velocity.vec.FV().NumPy() * self.mass.rows
+
+    def Kinetic(self):
+        """Kinetic energy."""
+        return self.mass.Energy(self.Velocity())
+
+    def Load(self):
+        """Right hand side of the step: loads and what the step before leaves behind."""
+        scheme, vec = self.scheme, self.gf.vec.CreateVector()
+        memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
+        memory -= scheme.weight * scheme.force * self._balanced[0]
+        load = self.static.system.bulk.load
+        vec.FV().NumPy()[:] = memory + scheme.share * load
+        return vec
+
+    def Accept(self, motion, dt, before, now, *, linear, energy):
+        """Go on from the end of a step.
+
+        Parameters
+        ----------
+        motion : (n,) array
+            Increment of the displacement, 0 elsewhere.
+        dt : float
+        before : EnergyBalance
+            Where the step began.
+        now : float
+            Time at its end.
+        linear : bool
+            Is the bulk known to be linear?
+        energy : float or None
+            Strain energy, if that is known.
+
+        Returns
+        -------
+        tuple
+            EnergyBalance; the parts of the energy that the step has won, and that could not be
+            taken out of the velocities again.
+        """
+        forces = self._forces.Now()
+        loads = 0.5 * (self._balanced[1] + forces[1])
+        way = self._forces.OnTheWay(motion, self._balanced, forces, linear)
+        velocity, momentum = self._NewVelocity(motion, forces[0], dt)
+        works, taken, pushed = self._Works(motion, loads, way, velocity)
+        if energy is not None:
+            works["internal"] = energy - before.internal
+        if linear:  # the method is stable by itself
+            taken["algorithmic"][:] = 0
+        works["external"] += self._MoveSupports(velocity, motion / dt, dt)
+        for contact in self.contacts:
+            contact.Commit(self.gf)
+        rows = vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
+        velocity = self._Arrest(rows, velocity, dt, works, taken)
+        groups = self._conservation.Groups(rows)
+        if not linear and all(contact.finite for contact in self.contacts):
+            velocity = self._Restore(velocity, groups, motion, dt, loads, way, pushed, taken)
+        self._balanced, self._momentum = forces, momentum
+        return self._Settle(groups, velocity, before, now, works, taken)
+
+    def _NewVelocity(self, motion, force, dt):
+        """Velocity and `_momentum` at the end of the step, by the time integration."""
+        scheme, before = self.scheme, self._momentum
+        mean = (1 - scheme.force) * force + scheme.force * self._balanced[0]
+        momentum = -(scheme.mass * before + mean) / (1 - scheme.mass)
+        velocity = 2 / dt * motion - self.Velocity()
+        if scheme.rho_inf < 1:
+            bend = dt * (scheme.gamma - 2 * scheme.beta)
+            velocity += bend * self.mass.Solve(momentum - before)
+        return velocity, momentum
+
+    def _Arrest(self, rows, velocity, dt, works, taken):
+        """The admissible velocity, with what that takes from the bodies."""
+        mass, contacts = self.mass, self.contacts
+        rates = self.obstacles.Rates(dt)
+        rates = [ActiveRates(*pair) for pair in zip(contacts, rates, strict=True)]
+        admissible = mass.Arrest(rows, velocity, np.concatenate(rates))
+        lost = mass.Energy(velocity - admissible)
+        works["impact"] += lost
+        works["external"] += lost - mass.Energy(velocity) + mass.Energy(admissible)
+        taken["impact"] += self._conservation.Kinetic(velocity - admissible)
+        return admissible
+
+    def _Restore(self, velocity, groups, motion, dt, loads, way, pushed, taken):
+        """The velocity with the momenta that loads give to free bodies."""
+        conservation, end = self._conservation, self.gf.vec.FV().NumPy()
+        momenta = conservation.Virtual(self.mass.Times(self.Velocity()), end - motion)
+        momenta += dt * conservation.Virtual(loads, end - 0.5 * motion)
+        squares = sum(conservation.Products(force, force) for *_, force in way)
+        free = np.all([conservation.Balanced(f, at, squares) for _, at, f in way], axis=0)
+        impulses = dt * conservation.Virtual(pushed, end)[:, : self.contacts[0].mesh.dim]
+        restored = conservation.Restore(velocity, momenta, groups, free, impulses, end)
+        taken["algorithmic"] += conservation.Kinetic(velocity) - conservation.Kinetic(restored)
+        return restored
+
+    def _Settle(self, groups, velocity, before, now, works, taken):
+        """Take back what contact and time integration have brought in; see `Accept`."""
+        conservation = self._conservation
+        won = before.After(now, self.mass.Energy(velocity), **works).Won(before)
+        place = self.gf.vec.FV().NumPy()
+        velocity, back, owed = conservation.Settle(velocity, groups, displacement=place, **taken)
+        works["impact"] += back
+        self.velocity.vec.FV().NumPy()[:] = velocity
+        after = before.After(now, self.mass.Energy(velocity), **works)
+        return after, won, owed / (max(after.total, before.total) or 1.0)
+
+    def _MoveSupports(self, velocity, rate, dt):
+        """Velocities of what is prescribed, from backward differences; returns the energy of that.
+
+        The trapezoidal rule would answer to a jump of the velocity with oscillations for ever.
+        """
+        fixed = self.mass.rows & ~self.mass.free
+        before, last = self._rate
+        self._rate = rate * fixed, dt
+        if not (np.any(rate[fixed]) or np.any(before[fixed])):
+            return 0.0
+        energy = self.mass.Energy(velocity)
+        velocity[fixed] = (rate + dt / (dt + last) * (rate - before))[fixed]
+        return self.mass.Energy(velocity) - energy
+
+    def _Works(self, motion, loads, way, velocity):
+        """Works of all forces before the commit, what they took from bodies; forces of contact."""
+        forces, work, friction = ContactWorks(self.contacts, self.gf, motion)
+        conservation, balance = self._conservation, self.gf.vec.CreateVector()
+        self.form.Apply(self.gf.vec, balance)
+        reaction = balance.FV().NumPy() + sum(forces) - self.Load().FV().NumPy()
+        given = reaction * ~self.mass.free + loads
+        resistance = sum(weight * force for weight, _, force in way)
+        pushed = self.obstacles.Work()
+        works = {"external": float(given @ motion) + pushed}
+        works["internal"] = float(resistance @ motion)
+        works |= {"friction": friction, "impact": pushed - work - friction}
+        algorithmic = conservation.Kinetic(self.Velocity()) - conservation.Kinetic(velocity)
+        algorithmic += conservation.Products(given - sum(forces) - resistance, motion)
+        finite = sum(f for f, c in zip(forces, self.contacts, strict=True) if c.finite)
+        impact = conservation.Products(finite + np.zeros(len(motion)), motion)
+        taken = {"impact": impact, "algorithmic": algorithmic}
+        return works, taken, -sum(forces) * self.mass.rows
