@@ -263,15 +263,12 @@ def Coefficient(name, value, least=-math.inf):
     return value
 
 
-def CheckDistinct(slave, master):
-    """Raise ValueError where the two regions share boundaries."""
+def CheckDistinct(slave, master, remedy):
+    """Raise ValueError, which says what to do, where the two regions share boundaries."""
     both, names = (slave * master).Mask(), slave.mesh.GetBoundaries()
     shared = [name for name, common in zip(names, both, strict=True) if common]
     if shared:
-        raise ValueError(
-            f"boundaries {', '.join(shared)} are both slave and master: self-contact needs "
-            "finite=True"
-        )
+        raise ValueError(f"boundaries {', '.join(shared)} are both slave and master: {remedy}")
 
 
 def CheckMoves(master, space, component):

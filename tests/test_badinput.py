@@ -74,6 +74,8 @@ NOREGION = "slave = <Region> must be .* a boundary region"
 EITHER = "either master= or obstacle=, not both and not none"
 NOTRIAL, PRODUCTS = "must be a trial function", "u and lam belong to different product spaces"
 SLIDE, VALUES = "tied surfaces do not slide: drop friction and tresca", "holds a trial or test func"
+KEEP = "tied surfaces keep their distance: drop offset and bilateral"
+OUT = ("NAN", "INF")
 REFUSED = [
     # regions
     *((f"LACSpace(V, slave='{s}')", f"slave='{s}' {NOWHERE}") for s in ("nowhere", "", "Slave")),
@@ -97,7 +99,7 @@ REFUSED = [
         (f"contact({name}={v})", f"{name} = {re.escape(v.lower())} must be a {what}", ValueError)
         for names, values, what in (
             (("friction", "tresca"), ("-0.1", "NAN", "INF"), "finite number >= 0"),
-            (("maxdist", "penetration"), ("0", "-1.0", "NAN", "INF"), "positive length"),
+            (("adjust", "maxdist", "penetration"), ("0", "-1.0", "NAN", "INF"), "positive length"),
             (("stiffness",), ("0", "-1.0", "NAN", "9e-07", "1e+300"), "positive factor from 1e-06"),
         )
         for name in names
@@ -108,6 +110,20 @@ REFUSED = [
     ("contact(master=None)", EITHER, ValueError),
     ("contact(tied=True, friction=0.3)", SLIDE, ValueError),
     ("contact(tied=True, tresca=0.3)", SLIDE, ValueError),
+    ("contact(tied=True, offset=0.3)", KEEP, ValueError),
+    ("contact(tied=True, bilateral=True)", KEEP, ValueError),
+    (
+        "contact(tied=True, adjust=0.1)",
+        "tied surfaces keep their distance: drop adjust",
+        ValueError,
+    ),
+    ("contact(bilateral=2)", "bilateral = 2 must be True or False", TypeError),
+    *(
+        (f"contact(master='slave', finite=True, {law}=True)", "both slave and master: what touc")
+        for law in ("tied", "bilateral")
+    ),
+    ("contact(offset=CF((1, 2)))", "offset has 2 components", ValueError),
+    *((f"contact(offset={v})", f"offset = {v.lower()} must be a finite", ValueError) for v in OUT),
     # fields
     ("LACContact(*(V * V).TrialFunction(), master='master')", "lam must belong to a LACSpace, no"),
     ("Parts(mesh, components=1).contact()", "need (2|3) components each"),

@@ -41,17 +41,18 @@ struct FaceIntegral {
 };
 
 FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & ma, ElementId ei,
-                       const string & name, LocalHeap & lh) {
+                       const string & name, double least, LocalHeap & lh) {
   FaceIntegral sum;
   auto & trafo = ma.GetTrafo(ei, lh);
   IntegrationRule rule(trafo.GetElementType(), 2);
   for (auto & ip : rule) {
     auto & mip = trafo(ip, lh);
     double value = function.Evaluate(mip);
-    if (!isfinite(value) || value < 0)
+    if (!isfinite(value) || value < least)
       throw Exception("LACContact: " + name + " is " + ToString(value) + " at " +
                       PointText(mip.GetPoint()) + " on boundary '" + string(ma.GetMaterial(ei)) +
-                      "'; it must be a number >= 0");
+                      "'; it must be a " +
+                      (isfinite(least) ? "number >= " + ToString(least) : "finite number"));
     sum.value += mip.GetWeight() * value;
     sum.area += mip.GetWeight();
   }
@@ -60,7 +61,7 @@ FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & 
 } // namespace
 
 Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & space,
-                         const string & name) {
+                         const string & name, double least) {
   auto ma = space.GetMeshAccess();
   auto macros = space.MacroOfFace();
   Array<FaceIntegral> integrals(macros.Size());
@@ -70,7 +71,7 @@ Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & 
     for (int i : range)
       if (macros[i] >= 0) {
         HeapReset hr(lh);
-        integrals[i] = Integrate(function, *ma, ElementId(BND, i), name, lh);
+        integrals[i] = Integrate(function, *ma, ElementId(BND, i), name, least, lh);
       }
   });
   Array<double> means(space.NMacros()), area(space.NMacros());

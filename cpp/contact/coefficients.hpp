@@ -36,9 +36,10 @@ private:
   Array<double> Values() const;
 };
 
-/// Means of a function over the macro-elements; throws where it is negative or not finite.
+/// Means of a function over the macro-elements; throws where it is not finite, or less than
+/// `least`.
 Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & space,
-                         const string & name);
+                         const string & name, double least);
 
 /// Fills the gaps of a pairing with an obstacle from a function on the slave surface.
 template <int D>

@@ -11,10 +11,14 @@ struct ContactSetup {
   shared_ptr<CoefficientFunction> obstacle;  // gap along the slave normal, in place of a master
   shared_ptr<CoefficientFunction> friction;  // Coulomb's coefficient, null: frictionless
   shared_ptr<CoefficientFunction> threshold; // Tresca's bound, null: none
+  shared_ptr<CoefficientFunction> offset;    // added to the gap, null: nothing
   bool tied = false;
+  bool bilateral = false; // surfaces slide, but do not separate
   bool finite = false;    // sliding and deformation may be large
+  double adjust = 0;      // gaps of the start up to this count as zero
   double maxdist = 0;     // 0: chosen from the size of the surfaces
   double penetration = 0; // 0: chosen from the size of the surfaces
+  bool active = true;     // off: no partners, no forces
 };
 
 /// Numbers of a form by name.
@@ -108,6 +112,9 @@ public:
   shared_ptr<LACSpace> Space() const { return space; }
   const ProxyInfo & U() const { return u; }
   const ProxyInfo & Lambda() const { return lam; }
+  /// Switched off, all macro-elements are open at once; switched on, as at the next Update.
+  virtual void SetActive(bool active) = 0;
+  bool IsActive() const { return setup.active; }
   bool IsPaired() const { return mat != nullptr; }
   /// Are mesh and space still those that were paired?
   virtual bool IsCurrent() const = 0;

@@ -20,18 +20,22 @@ void ExportContact(py::module & m) {
       .value("master", Side::master)
       .value("both", Side::both);
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
-      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
-                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
-                       shared_ptr<CoefficientFunction> friction,
-                       shared_ptr<CoefficientFunction> tresca, bool tied, bool finite,
-                       double maxdist, double penetration) {
-             return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                     tied, finite, maxdist, penetration});
-           }),
+      .def(py::init(
+               [](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                  optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                  shared_ptr<CoefficientFunction> friction, shared_ptr<CoefficientFunction> tresca,
+                  shared_ptr<CoefficientFunction> offset, bool tied, bool bilateral, bool finite,
+                  double adjust, double maxdist, double penetration, bool active) {
+                 return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
+                                                         offset, tied, bilateral, finite, adjust,
+                                                         maxdist, penetration, active});
+               }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
-           py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("tied") = false,
-           py::arg("finite") = false, py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0)
+           py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
+           py::arg("tied") = false, py::arg("bilateral") = false, py::arg("finite") = false,
+           py::arg("adjust") = 0.0, py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0,
+           py::arg("active") = true)
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
@@ -123,6 +127,8 @@ void ExportContact(py::module & m) {
       .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
       .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
       .def_property_readonly("paired", &ContactForm::IsPaired)
+      .def("SetActive", &ContactForm::SetActive, py::arg("active"))
+      .def_property_readonly("active", &ContactForm::IsActive)
       .def_property_readonly("current", &ContactForm::IsCurrent)
       .def_property_readonly(
           "mat", [](ContactForm & self) -> shared_ptr<BaseMatrix> { return self.Mat(); });

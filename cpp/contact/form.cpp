@@ -2,11 +2,24 @@
 #include "linear/eliminate.hpp"
 
 namespace ngslac {
+namespace {
+template <int D>
+unique_ptr<Kinematics<D>> MakeKinematics(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                         const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
+  if (setup.finite && setup.obstacle)
+    throw Exception("LACContact: finite=True needs a master surface; for a rigid obstacle mesh a "
+                    "body and fix it");
+  auto make = !setup.finite ? MakeSmallSliding<D>
+              : setup.tied  ? MakeFiniteTie<D>
+                            : MakeFiniteSliding<D>;
+  return make(setup, space, u, law);
+}
+} // namespace
+
 template <int D>
 Form<D>::Form(const ContactSetup & asetup)
     : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
-      kinematics(
-          (setup.finite ? MakeFiniteSliding<D> : MakeSmallSliding<D>)(setup, space, u, law)) {}
+      kinematics(MakeKinematics<D>(setup, space, u, law)) {}
 
 template <int D>
 void Form<D>::Update(shared_ptr<GridFunction> gf, const FormHistory * history) {
@@ -31,7 +44,7 @@ void Form<D>::Start(shared_ptr<GridFunction> gf) {
   mat = kinematics->Start(gf, x);
   normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
   for (size_t m : Range(states)) {
-    auto place = kinematics->Place(m, x);
+    auto place = Place(m, x);
     normal[m] = place.normal;
     states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
   }
@@ -40,11 +53,31 @@ void Form<D>::Start(shared_ptr<GridFunction> gf) {
 
 template <int D>
 void Form<D>::Follow(const BaseVector & bx) {
-  if (!setup.finite)
+  if (!setup.finite || !setup.active)
     return;
   CheckSize(bx.FV<double>().Size());
+  Reevaluate(); // the limits of the search
   kinematics->Follow(bx.FV<double>());
   normal = kinematics->Jump().normal; // before any Evaluate
+}
+
+template <int D>
+MacroPlace<D> Form<D>::Place(size_t m, FlatVector<> x) const {
+  auto place = kinematics->Place(m, x);
+  if (!setup.active) {
+    place.gap = place.area = 0;
+    place.slip = place.jump = 0.0;
+  }
+  return place;
+}
+
+template <int D>
+void Form<D>::SetActive(bool active) {
+  setup.active = active;
+  for (auto * table : {&states, &accepted.states})
+    for (auto & state : *table)
+      if (!active)
+        state = {0, 0, Vec<3>(0.0), Vec<3>(0.0), Status::open};
 }
 
 // --- residual and matrices -----------------------------------------------------------------------
@@ -57,7 +90,7 @@ void Form<D>::AddApply(const BaseVector & bx, BaseVector & by) {
   CheckSize(by.FV<double>().Size());
   auto x = bx.FV<double>(), y = by.FV<double>();
   ParallelFor(states.Size(), [&](size_t m) {
-    auto place = kinematics->Place(m, x);
+    auto place = Place(m, x);
     law->AddResidual(m, place, law->ProjectAt(m, place, x), x, y);
   });
   kinematics->AddAllForces(x, y);
@@ -68,8 +101,7 @@ void Form<D>::AssembleLinearization(const BaseVector & bx) {
   Prepare(bx);
   auto x = bx.FV<double>();
   Array<Projection<D>> projections(states.Size());
-  ParallelFor(states.Size(),
-              [&](size_t m) { projections[m] = law->ProjectAt(m, kinematics->Place(m, x), x); });
+  ParallelFor(states.Size(), [&](size_t m) { projections[m] = law->ProjectAt(m, Place(m, x), x); });
   Linearize(x, projections, Rim::stays);
 }
 
@@ -80,7 +112,7 @@ void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
   auto x = bx.FV<double>(), y = residual.FV<double>();
   Array<Projection<D>> projections(states.Size());
   ParallelFor(states.Size(), [&](size_t m) {
-    auto place = kinematics->Place(m, x);
+    auto place = Place(m, x);
     projections[m] = law->ProjectWithMemory(m, place, x);
     law->AddResidual(m, place, projections[m], x, y);
   });
@@ -98,7 +130,7 @@ shared_ptr<SparseMatrix<double>> Form<D>::AssembleAugmented(const BaseVector & b
   Array<Projection<D>> projections(states.Size());
   Array<Vec<D>> tractions(states.Size());
   ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
-    projections[m] = law->ProjectWithMemory(m, kinematics->Place(m, x), x);
+    projections[m] = law->ProjectWithMemory(m, Place(m, x), x);
     tractions[m] = projections[m].traction;
     kinematics->AddForces(m, tractions[m], forces, lh);
   });
@@ -117,7 +149,7 @@ shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
   Array<Projection<D>> projections(states.Size());
   ParallelFor(states.Size(), [&](size_t m) {
     auto & p = projections[m] = Sticking(law->Multiplier(m, x));
-    p.by_normal = InnerProduct(p.traction, kinematics->Place(m, x).normal) * Id<D>();
+    p.by_normal = InnerProduct(p.traction, Place(m, x).normal) * Id<D>();
     for (int k : Range(D))
       for (int l : Range(D))
         p.derivative(k, l) = stiffness[(m * D + k) * D + l] / law->c[m];
@@ -150,7 +182,7 @@ void Form<D>::UpdateMultipliers(BaseVector & bx, double factor) {
   Augmentation augmentation(*law, factor);
   auto x = bx.FV<double>();
   ParallelFor(states.Size(), [&](size_t m) {
-    Vec<D> traction = law->ProjectAt(m, kinematics->Place(m, x), x).traction;
+    Vec<D> traction = law->ProjectAt(m, Place(m, x), x).traction;
     for (int k : Range(D))
       x(law->dofs[D * m + k]) = traction(k);
   });
@@ -165,7 +197,7 @@ void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
   auto x = bx.FV<double>();
   kinematics->At(x);
   for (size_t m : Range(states)) {
-    auto place = kinematics->Place(m, x);
+    auto place = Place(m, x);
     if (!macros.Test(m) || place.area == 0)
       continue;
     // just enough for a positive trial pressure

@@ -37,10 +37,13 @@ public:
   size_t NSegments() const override;
   Array<double> Overlaps() const override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
+  void SetActive(bool active) override;
   bool IsCurrent() const override;
 
 private:
   void Start(shared_ptr<GridFunction> gf);
+  /// Switched off, there is no partner.
+  MacroPlace<D> Place(size_t m, FlatVector<> x) const;
   /// Everything as it is now is that of a committed step.
   void Accept();
   /// Throws unless these are the entries of a vector on the space that was paired.

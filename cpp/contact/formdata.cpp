@@ -8,8 +8,8 @@ void Form<D>::Evaluate(const BaseVector & bx) {
   auto x = bx.FV<double>();
   kinematics->At(x);
   ParallelFor(states.Size(), [&](size_t m) {
-    auto place = kinematics->Place(m, x);
-    Vec<D> traction = law->Multiplier(m, x);
+    auto place = Place(m, x);
+    Vec<D> traction = setup.active ? law->Multiplier(m, x) : Vec<D>(0.0);
     auto & state = states[m];
     state.pressure = -InnerProduct(traction, place.normal);
     state.gap = place.gap;
@@ -25,7 +25,8 @@ template <int D>
 void Form<D>::Commit(const BaseVector & bx) {
   Follow(bx);
   Evaluate(bx);
-  kinematics->Commit(bx.FV<double>(), accepted.states, states);
+  if (setup.active)
+    kinematics->Commit(bx.FV<double>(), accepted.states, states);
   Accept();
 }
 
@@ -50,6 +51,8 @@ FormHistory Form<D>::History() const {
   kinematics->Save(history);
   SaveVectors<D>(history["reference"], kinematics->Reference());
   history["c"] = law->c;
+  if (setup.adjust > 0)
+    history["adjusted"] = law->adjusted;
   SaveVectors<D>(history["normal"], normal);
   SaveVectors<D>(history["accepted_normal"], accepted.normal);
   for (auto & s : states)
@@ -67,6 +70,8 @@ void Form<D>::SetHistory(const FormHistory & history) {
                       ToString(values.Size()) + " numbers");
   auto saved = StatesFrom(history.at("states")), committed = StatesFrom(history.at("accepted"));
   law->c = history.at("c");
+  if (setup.adjust > 0)
+    law->adjusted = history.at("adjusted");
   kinematics->Load(history);
   LoadVectors<D>(history.at("reference"), kinematics->Reference());
   LoadVectors<D>(history.at("normal"), normal);
@@ -124,6 +129,11 @@ template <int D>
 Array<double> Form<D>::Scalars(const string & name) const {
   CheckPaired();
   auto & jump = kinematics->Jump();
+  if (name == "area" && !setup.active) {
+    Array<double> none(states.Size());
+    none = 0.0;
+    return none;
+  }
   std::map<string, const Array<double> *> known{
       {"area", &jump.area}, {"fullarea", &jump.fullarea}, {"flatness", &jump.flatness},
       {"c", &law->c},       {"friction", &law->friction}, {"threshold", &law->threshold}};
@@ -161,7 +171,7 @@ template <int D>
 Array<double> Form<D>::Overlaps() const {
   CheckPaired();
   auto & surfaces = kinematics->Surfaces();
-  return kinematics->Finder().Overlaps(*surfaces.slave, surfaces.master.get());
+  return kinematics->Finder().Overlaps(*surfaces.slave, surfaces.master.get(), law->Margin());
 }
 
 template class Form<2>;

@@ -249,6 +249,17 @@ void MacroJump<D>::SetRows(const ProxyInfo & u, const Surface<D> & slave, const 
 }
 
 template <int D>
+void MacroJump<D>::TakeRows(FlatArray<Array<JumpEntry<D>>> rows) {
+  first.SetSize(Size() + 1);
+  first[0] = 0;
+  entries.SetSize0();
+  for (size_t m : Range(rows)) {
+    entries += rows[m];
+    first[m + 1] = entries.Size();
+  }
+}
+
+template <int D>
 void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairing<D> & pairing) {
   Vec<D> normals = 0.0, centers = 0.0, moments = 0.0;
   double paired = 0, full = 0;

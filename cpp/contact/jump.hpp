@@ -43,6 +43,8 @@ public:
 
   void SetRows(const ProxyInfo & u, const Surface<D> & slave, const Surface<D> * master,
                const Pairing<D> & pairing, Side side = Side::both);
+  /// Others in their place, one array for each macro-element.
+  void TakeRows(FlatArray<Array<JumpEntry<D>>> rows);
   /// means of x1 - x2 in the configuration of the pairing
   Array<Vec<D>> GapVectors(const Pairing<D> & pairing) const;
   /// means of both normals over the paired part, 0 without one

@@ -62,7 +62,7 @@ public:
   MacroJump<D> & Jump() const { return *surfaces.jump; }
   const PairFinder<D> & Finder() const { return finder; }
   /// The macro-elements with the rows of the jump, which finite sliding seldom needs.
-  MacroJump<D> & JumpWithRows() const {
+  virtual MacroJump<D> & JumpWithRows() const {
     if (!Jump().HasRows())
       Jump().SetRows(u, *surfaces.slave, surfaces.master.get(), *surfaces.pairing);
     return Jump();
@@ -76,6 +76,12 @@ protected:
     if (!paired.jump)
       paired.jump = make_shared<MacroJump<D>>(*space, *paired.slave, *paired.pairing);
     surfaces = std::move(paired);
+  }
+  /// Takes the gaps at x as those of the start.
+  void AdjustStart(FlatVector<> x) {
+    for (size_t m : Range(Size()))
+      if (auto place = Place(m, x); place.area > 0)
+        law->Adjust(m, place.gap - law->offset[m]);
   }
   /// An open macro-element that goes on as in the last step will touch where its path meets the
   /// master: what it moves until then, counted in such steps, is no slip.
@@ -100,4 +106,7 @@ unique_ptr<Kinematics<D>> MakeSmallSliding(const ContactSetup & setup, shared_pt
 template <int D>
 unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                             const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+template <int D>
+unique_ptr<Kinematics<D>> MakeFiniteTie(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                        const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
 } // namespace ngslac

@@ -14,14 +14,15 @@ struct LawData {
   double friction;  // Coulomb's coefficient, negative: none
   double threshold; // Tresca's bound of the tangential traction, negative: none
   bool tied;
+  bool bilateral; // pressures have any sign
 
-  /// Largest tangential traction under a pressure, and its derivative. Friction with both constants
-  /// is Coulomb's up to the threshold.
+  /// Largest tangential traction under a pressure, of any sign, and its derivative. Friction with
+  /// both constants is Coulomb's up to the threshold.
   pair<double, double> Bound(double pressure) const {
-    double coulomb = friction * pressure;
+    double coulomb = friction * fabs(pressure);
     if (threshold >= 0 && (friction < 0 || threshold < coulomb))
       return {threshold, 0};
-    return friction >= 0 ? pair(coulomb, friction) : pair(0.0, 0.0);
+    return friction >= 0 ? pair(coulomb, pressure < 0 ? -friction : friction) : pair(0.0, 0.0);
   }
 };
 
@@ -43,6 +44,7 @@ Projection<D> Sticking(Vec<D> trial) {
 ///
 /// With the trial traction  t = lambda - c (mean gap and slip vector)  and  p = -t.n  :
 /// open (p <= 0) gives 0, stick (|t_T| <= F p) gives t itself, slip gives -p n + F p t_T/|t_T|.
+/// Bilateral contact is never open, and its bound is F |p|.
 /// With Tresca's bound in place of F p the projection jumps at p = 0: it presumes closed contact.
 /// The contact conditions hold if and only if the projection equals lambda
 /// (Alart and Curnier 1991; macro-element by macro-element as in Abbas et al. 2017, eq. 7).
@@ -54,7 +56,7 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
   double pressure = -InnerProduct(trial, n);
   if (data.tied)
     return Sticking(trial);
-  if (pressure <= 0)
+  if (pressure <= 0 && !data.bilateral)
     return result;
 
   Vec<D> tangential = trial + pressure * n;

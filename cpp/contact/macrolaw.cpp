@@ -4,8 +4,9 @@ namespace ngslac {
 template <int D>
 MacroLaw<D>::MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace,
                       const ProxyInfo & alam)
-    : space(aspace), lam(alam), tied(setup.tied), watch_friction(setup.friction),
-      watch_threshold(setup.threshold) {}
+    : space(aspace), lam(alam), tied(setup.tied), bilateral(setup.bilateral), adjust(setup.adjust),
+      watch_friction(setup.friction), watch_threshold(setup.threshold), watch_offset(setup.offset) {
+}
 
 template <int D>
 void MacroLaw<D>::FindDofs(const Surface<D> & slave) {
@@ -29,23 +30,35 @@ void MacroLaw<D>::Reset() {
   Reevaluate();
   c.SetSize(space->NMacros()), direction.SetSize(space->NMacros());
   c = 0.0;
+  adjusted.SetSize(space->NMacros());
+  adjusted = 0.0;
   BeginSolve();
 }
 
 template <int D>
 void MacroLaw<D>::Reevaluate() {
-  auto means = [&](Watch & watch, const char * name, Array<double> & values) {
+  auto means = [&](Watch & watch, const char * name, Array<double> & values, double least,
+                   double none) {
     watch.WhereChanged([&] {
       if (watch)
-        values = MacroMeans(*watch, *space, name);
+        values = MacroMeans(*watch, *space, name, least);
       else {
         values.SetSize(space->NMacros());
-        values = -1.0;
+        values = none;
       }
     });
   };
-  means(watch_friction, "friction", friction);
-  means(watch_threshold, "tresca", threshold);
+  means(watch_friction, "friction", friction, 0, -1);
+  means(watch_threshold, "tresca", threshold, 0, -1);
+  means(watch_offset, "offset", offset, -std::numeric_limits<double>::infinity(), 0);
+}
+
+template <int D>
+SearchMargin MacroLaw<D>::Margin() const {
+  SearchMargin margin{adjust, adjust};
+  for (double value : offset)
+    margin = {max(margin.farther, adjust - value), max(margin.deeper, adjust + value)};
+  return margin;
 }
 
 template <int D>
@@ -58,7 +71,9 @@ Vec<D> MacroLaw<D>::Multiplier(size_t m, FlatVector<> x) const {
 
 template <int D>
 LawData<D> MacroLaw<D>::Data(size_t m, const MacroPlace<D> & place) const {
-  LawData<D> data{place.normal, c[m], friction[m], threshold[m], tied && place.area > 0};
+  bool paired = place.area > 0;
+  LawData<D> data{place.normal, c[m],           friction[m],
+                  threshold[m], tied && paired, bilateral && paired};
   if (!place.slides) // it has just met its partner
     data.friction = data.threshold = -1;
   return data;

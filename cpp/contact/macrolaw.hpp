@@ -1,7 +1,7 @@
 #pragma once
 #include "coefficients.hpp"
 #include "compliance.hpp"
-#include "contactform.hpp"
+#include "pairfinder.hpp"
 
 namespace ngslac {
 /// Where a macro-element is: means over its paired part.
@@ -20,13 +20,16 @@ template <int D>
 class MacroLaw {
   shared_ptr<LACSpace> space;
   ProxyInfo lam;
-  bool tied;
-  Watch watch_friction, watch_threshold;
+  bool tied, bilateral;
+  double adjust;
+  Watch watch_friction, watch_threshold, watch_offset;
   Array<Vec<D>> direction; // of slip in the last Newton step
 
 public:
   Array<double> c;                   // traction per displacement
   Array<double> friction, threshold; // means over the macro-elements, -1: none
+  Array<double> offset;              // of the gap, means over the macro-elements
+  Array<double> adjusted;            // minus the gaps of the start that count as zero
   Array<int> dofs;                   // of the multipliers, D for each
 
   MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam);
@@ -39,6 +42,13 @@ public:
   void Reevaluate();
   /// Forgets the slip directions of the last iteration.
   void BeginSolve() { direction = Vec<D>(0.0); }
+
+  /// What is added to the gap between the surfaces.
+  double Clearance(size_t m) const { return offset[m] + adjusted[m]; }
+  /// The gap between the surfaces at the start counts as zero if it is as small as is adjusted.
+  void Adjust(size_t m, double gap) { adjusted[m] = fabs(gap) <= adjust ? -gap : 0; }
+  /// What clearances ask of a search for partners.
+  SearchMargin Margin() const;
 
   Vec<D> Multiplier(size_t m, FlatVector<> x) const;
   Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }

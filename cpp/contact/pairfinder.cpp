@@ -30,57 +30,60 @@ unique_ptr<Surface<D>> PairFinder<D>::Master(shared_ptr<CoefficientFunction> dis
 
 template <int D>
 PairingOptions PairFinder<D>::Options(const Surface<D> & slave, const Surface<D> & master,
-                                      int order) const {
-  return SearchOptions(slave, master, setup.maxdist, setup.penetration, order);
+                                      int order, SearchMargin margin) const {
+  auto options = SearchOptions(slave, master, setup.maxdist, setup.penetration, order);
+  options.maxdist += margin.farther, options.penetration += margin.deeper;
+  return options;
 }
 
 template <int D>
-Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const {
+Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
+                              SearchMargin margin) const {
   auto pairing = make_shared<Pairing<D>>();
   auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
   if (setup.obstacle) {
     *pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
   } else {
     int order = degree(max(u.Order(*slave), u.Order(*master)));
-    auto options = Options(*slave, *master, (D == 2 ? 2 : 1) * order);
+    auto options = Options(*slave, *master, (D == 2 ? 2 : 1) * order, margin);
     if (selfcontact)
       LimitToOthers(*slave, *master, options);
     *pairing = ngslac::Pair<D>(*slave, *master, options);
-    if (pairing->Size() == 0 && !selfcontact) // which may come later
-      ThrowNoPair(*slave, *master, options);
+    if (pairing->Size() == 0 && !selfcontact && setup.active) // self-contact may come later
+      ThrowNoPair(*slave, *master, options, margin);
   }
   return {std::move(slave), std::move(master), pairing, nullptr};
 }
 
 template <int D>
 void PairFinder<D>::ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                                const PairingOptions & options) const {
-  double deepest = 0;
+                                const PairingOptions & options, SearchMargin margin) const {
+  double deepest = 0, searched = options.penetration - margin.deeper;
   for (double depth : OverlapDepths<D>(slave, master))
-    deepest = max(deepest, depth);
-  if (deepest > options.penetration)
+    deepest = max(deepest, depth - margin.deeper);
+  if (deepest > searched)
     throw Exception("LACContact: slave and master never meet: the bodies overlap by up to " +
-                    ToString(deepest) +
-                    ", deeper than penetration = " + ToString(options.penetration) +
+                    ToString(deepest) + ", deeper than penetration = " + ToString(searched) +
                     "; move them apart, or give penetration = " + ToString(1.1 * deepest) +
                     " to have them pushed apart");
   throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
                   "surface within maxdist = " +
-                  ToString(options.maxdist) +
+                  ToString(options.maxdist - margin.farther) +
                   "; check the regions, the placement of the bodies and maxdist");
 }
 
 template <int D>
-Array<double> PairFinder<D>::Overlaps(const Surface<D> & slave, const Surface<D> * master) const {
+Array<double> PairFinder<D>::Overlaps(const Surface<D> & slave, const Surface<D> * master,
+                                      SearchMargin margin) const {
   Array<double> deepest(space->NMacros());
   deepest = 0.0;
   if (!master || selfcontact)
     return deepest;
-  double searched = Options(slave, *master, 1).penetration;
+  double searched = Options(slave, *master, 1, margin).penetration;
   auto depths = OverlapDepths<D>(slave, *master);
   for (size_t f : Range(depths))
     if (double & most = deepest[space->MacroOfFace()[slave.Element(f)]]; depths[f] > searched)
-      most = max(most, depths[f]);
+      most = max(most, depths[f] - margin.deeper);
   return deepest;
 }
 

@@ -10,6 +10,15 @@ struct Paired {
   shared_ptr<MacroJump<D>> jump; // null: not made yet
 };
 
+/// What the gap of contact differs by from that between the surfaces: openings and overlaps are
+/// searched so much farther.
+struct SearchMargin {
+  double farther = 0, deeper = 0;
+  bool operator==(const SearchMargin & other) const {
+    return farther == other.farther && deeper == other.deeper;
+  }
+};
+
 /// Makes the surfaces of a contact, and pairs them.
 template <int D>
 class PairFinder {
@@ -28,19 +37,22 @@ public:
   unique_ptr<Surface<D>> Slave(shared_ptr<CoefficientFunction> displacement) const;
   unique_ptr<Surface<D>> Master(shared_ptr<CoefficientFunction> displacement) const;
   /// Throws where they never meet.
-  Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master) const;
+  Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
+                 SearchMargin margin) const;
   /// How deep macro-elements lie behind the master that is too deep for the search; else 0.
-  Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master) const;
+  Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master,
+                         SearchMargin margin) const;
 
 private:
   unique_ptr<Surface<D>> SurfaceOf(const Region & region,
                                    shared_ptr<CoefficientFunction> displacement) const;
-  PairingOptions Options(const Surface<D> & slave, const Surface<D> & master, int order) const;
+  PairingOptions Options(const Surface<D> & slave, const Surface<D> & master, int order,
+                         SearchMargin margin) const;
   /// One surface is slave and master.
   void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
                      PairingOptions & options) const;
   /// Says why there is no pair.
   [[noreturn]] void ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                                const PairingOptions & options) const;
+                                const PairingOptions & options, SearchMargin margin) const;
 };
 } // namespace ngslac

@@ -12,12 +12,13 @@ class SmallSliding : public Kinematics<D> {
 
   Watch watch_obstacle{setup.obstacle};
   shared_ptr<SparseMatrix<double>> mat;
-  Array<Vec<D>> gapvector;                   // mean of x1 - x2 at u = 0
+  Array<Vec<D>> gapvector; // mean of x1 - x2 at u = 0
   Array<Vec<D>> slave_normal, master_normal; // means over the paired part
   double share = 0.5;                        // of the master in the stiffness of both bodies
-  Array<Vec<D>> direction;                   // in which macro-elements and their partners push
-  Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
-  Array<int> loaded;                         // rows of the displacements that have forces
+  Array<Vec<D>> direction; // in which macro-elements and their partners push
+  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
+  Array<Vec<D>> tied;      // mean of x1 - x2 at the last Start, which tied surfaces keep
+  Array<int> loaded;       // rows of the displacements that have forces
   struct {
     shared_ptr<Pairing<D>> pairing;
     Array<Vec<D>> gapvector;
@@ -31,10 +32,10 @@ public:
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
     auto & finder = this->finder;
-    this->Take(finder.Pair(finder.Slave(displacement), finder.Master(displacement)));
+    law->Reset();
+    this->Take(finder.Pair(finder.Slave(displacement), finder.Master(displacement), law->Margin()));
     law->FindDofs(*surfaces.slave);
     auto & jump = this->JumpWithRows();
-    law->Reset();
     if (!setup.obstacle) {
       slave_normal = jump.SlaveNormals(*surfaces.pairing);
       master_normal = jump.MasterNormals(*surfaces.master, *surfaces.pairing);
@@ -48,7 +49,10 @@ public:
       if (displacement) // the gap is linear in u, counted from the paired configuration
         gapvector[m] -= committed[m];
     }
-    reference = committed;
+    reference = tied = committed;
+    for (size_t m : Range(tied))
+      tied[m] += gapvector[m];
+    this->AdjustStart(x);
     Accept();
     mat = ContactGraph(jump, law->dofs, x.Size());
     SetForces();
@@ -70,10 +74,10 @@ public:
   MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
     auto & jump = *surfaces.jump;
     auto & n = direction[m];
-    Vec<D> mean = jump.Mean(m, x), slip = mean - reference[m];
+    Vec<D> mean = jump.Mean(m, x), slip = mean - reference[m], apart = mean + gapvector[m];
     slip -= InnerProduct(slip, n) * n;
-    double gap = -InnerProduct(n, mean + gapvector[m]);
-    Vec<D> vanishing = setup.tied ? mean : Vec<D>(slip - gap * n);
+    double gap = law->Clearance(m) - InnerProduct(n, apart);
+    Vec<D> vanishing = setup.tied ? Vec<D>(apart - tied[m]) : Vec<D>(slip - gap * n);
     return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m)};
   }
 
@@ -111,7 +115,7 @@ public:
       auto & n = direction[m];
       Vec<D> mean = jump.Mean(m, x), velocity = mean - committed[m];
       committed[m] = mean;
-      if (setup.obstacle) // may have come nearer, too
+      if (setup.obstacle || setup.offset) // may have come nearer, too
         velocity += (before[m].gap - now[m].gap - InnerProduct(velocity, n)) * n;
       double approach = InnerProduct(velocity, n);
       reference[m] = mean + this->TimeToTouch(now[m], approach, L2Norm(velocity)) * velocity;
@@ -140,10 +144,14 @@ public:
   void Save(FormHistory & history) const override {
     SaveVectors(history["memory"], committed);
     history["share"].Append(share);
+    if (setup.tied && setup.obstacle) // which has moved since
+      SaveVectors(history["tied"], tied);
   }
   void Load(const FormHistory & history) override {
     LoadVectors(history.at("memory"), committed);
     share = history.at("share")[0];
+    if (setup.tied && setup.obstacle)
+      LoadVectors(history.at("tied"), tied);
     SetDirections();
   }
 

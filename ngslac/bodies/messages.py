@@ -15,7 +15,8 @@ def FloatingMessage(floating):
 
 def FewMessage(contacts):
     """Where there are so few macro-elements that bodies may turn on them; empty if nowhere."""
-    few = [c for c in contacts if np.count_nonzero(c.Table()["area"]) < c.mesh.dim]
+    active = [c for c in contacts if c.active]
+    few = [c for c in active if np.count_nonzero(c.Table()["area"]) < c.mesh.dim]
     return "".join(
         f". Contact number {contacts.index(c)} holds on average over "
         f"{np.count_nonzero(c.Table()['area'])} macro-elements only: refine its slave surface, or "

@@ -214,8 +214,10 @@ def Rays(contact, rough):
     held = bound[:, None, None] * around * (np.tan(wedge) if d == 3 else 1.0)
     if rough == np.inf:  # without pressure, too
         pressed, held = np.broadcast_to(-normal, around.shape), around
-    bounds = np.ones((len(normal), 2 * around.shape[2]))
-    bounds[:, : None if rough == np.inf else around.shape[2]] = np.inf
+    if contact.bilateral:
+        pressed = np.concatenate([pressed, -pressed], axis=2)
+    bounds = np.ones((len(normal), pressed.shape[2] + held.shape[2]))
+    bounds[:, : None if rough == np.inf else pressed.shape[2]] = np.inf
     return Blocks(faces * np.concatenate([pressed, held], axis=2)), bounds.ravel()
 
 

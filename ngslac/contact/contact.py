@@ -2,7 +2,6 @@
 
 from contextlib import contextmanager
 
-import numpy as np
 from ngsolve import BaseMatrix, GridFunction
 
 from ngslac._ngslac import ContactForm
@@ -15,7 +14,7 @@ from ngslac.arguments import (
     CheckOnSpace,
     CheckVector,
 )
-from ngslac.contact import results
+from ngslac.contact import results, switch
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.errors import RefuseCopy
@@ -25,6 +24,8 @@ __all__ = ["LACContact"]
 
 # Beyond this, and below its inverse, a factor of the scale loses digits of the linear systems.
 STIFFEST = 1e6
+COMES_OFF = "what touches itself comes off again: drop tied and bilateral"
+SELF = "self-contact needs finite=True"
 FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
 
 
@@ -58,8 +59,22 @@ class LACContact:
         A bound of the tangential traction that does not depend on the pressure (stress units).
         Together with `friction`: Coulomb's law up to this bound. Alone it presumes contact that
         stays closed, since its traction jumps to zero where contact opens.
+    offset : float, CoefficientFunction or Parameter
+        Added to the gap (length; mean over each macro-element): > 0 a clearance, < 0 an
+        interference, as of a press fit, without moving the meshes. A Parameter in it ramps it. The
+        fields and limits of the search count with it; it is an arm between the frictions on both
+        sides.
+    adjust : float
+        Strain-free start: gaps and overlaps between the meshes of up to this length at `Update`
+        count as zero, of each macro-element on its own; `offset` is added to that.
     tied : bool
-        Glue the surfaces: equal mean displacements (counted from the reference), any traction.
+        Glue the surfaces: equal mean displacements (counted from the last `Update`, that is from
+        the reference if there was none), any traction. Where the meshes are apart, only those of
+        ``finite=True`` let both bodies turn freely; partners stay those of the `Update`.
+    bilateral : bool
+        Contact without separation, as of guides: the surfaces slide, but stay together, at the mean
+        gap 0. Pressures have any sign, and friction is bounded by their size. No macro-element with
+        a partner opens: `maxdist` limits what is held.
     finite : bool
         Sliding, rotations and strains may be large: pairing, gap, slip, normals and forces are
         those of the current configuration and follow the displacement in every iteration. `lam` is
@@ -113,7 +128,10 @@ class LACContact:
         obstacle=None,
         friction=None,
         tresca=None,
+        offset=None,
+        adjust=None,
         tied=False,
+        bilateral=False,
         finite=False,
         maxdist=None,
         penetration=None,
@@ -121,19 +139,25 @@ class LACContact:
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
-        law = {"friction": friction, "tresca": tresca, "tied": tied, "finite": finite}
+        law = {"friction": friction, "tresca": tresca, "offset": offset}
+        law |= {"tied": tied, "bilateral": bilateral}
         search = {"maxdist": maxdist, "penetration": penetration}
+        search |= {"adjust": adjust, "finite": finite}
         setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
         mesh, region = u.space.mesh, setup["master"]
-        self.mesh, self.master, self.finite, self.tied = mesh, region, finite, tied
+        self.mesh, self.master, self.finite = mesh, region, finite
+        self.tied, self.bilateral = tied, bilateral
         self.stiffness = stiffness
+        self.gap_is_driven = obstacle is not None or offset is not None
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self._state = FormState(setup, stiffness)
         self.space = self.form.space
         if region is not None:
             CheckMoves(region, self.form.fes, self.form.component)
-            if not finite:
-                CheckDistinct(self.space.slave, region)
+            together = tied or bilateral
+            if together or not finite:
+                remedy = COMES_OFF if together else SELF
+                CheckDistinct(self.space.slave, region, remedy)
         self._solution = self._accepted = None  # entries at the last evaluation, and `Commit`
         self._MakeFields()
 
@@ -141,13 +165,15 @@ class LACContact:
         sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
         names = [repr(BoundaryNames(side)) for side in sides]
         given = self._state.setup
-        laws = {"tied": given["tied"], "Coulomb friction": given["friction"] is not None}
+        laws = {"tied": self.tied, "bilateral": self.bilateral}
+        laws |= {"Coulomb friction": given["friction"] is not None}
         laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
         words = [word for word, holds in laws.items() if holds]
         return (
             f"<LACContact: {self.space.nmacros} macro-elements of {names[0]} against "
             f"{'an obstacle' if self.master is None else names[1]}, "
             + ", ".join(words or ["frictionless"])
+            + ("" if self.active else ", switched off")
             + (">" if self.form.paired else ", not paired yet>")
         )
 
@@ -206,17 +232,25 @@ class LACContact:
     def Update(self, gf=None) -> None:
         """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
 
-        Weights, normals and partners stay fixed until the next call; slip counts from here.
+        Weights, normals and partners stay fixed until the next call; slip and ties count from here.
 
         Parameters
         ----------
         gf : GridFunction, optional
         """
+        self._Pair(gf)
+
+    def _Pair(self, gf, active=None):
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
         with self._Changing(self._state.FormKept()):
-            self._state.Pair(gf)
+            self._state.Pair(gf, active=active)
             self._solution = self._accepted = None
+
+    @property
+    def active(self) -> bool:
+        """Is it switched on?"""
+        return self.form.active
 
     def _PairOnce(self):
         if self.form.paired:
@@ -347,41 +381,19 @@ class LACContact:
         CheckSaved(state)
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
-        kept = self._state.FormKept() if self.finite else self._state.WholeOrNot(gf)
+        kept = self._state.FormKept() if self._state.follows else self._state.WholeOrNot(gf)
         with self._Changing(kept):
             self._state.SetState(state, gf)
             self._solution = self._accepted = None if gf is None else _Entries(gf)
 
     # --- results -------------------------------------------------------------------------------
 
-    def Table(self) -> dict[str, np.ndarray]:
-        """The last evaluation as numpy arrays over the macro-elements.
-
-        Returns
-        -------
-        dict
-            ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
-            both of the reference configuration with ``finite=True``,
-            ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
-            ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
-            ``friction`` (n) coefficient, -1 without Coulomb friction.
-        """
-        d = self.mesh.dim
-        states = self.form.States().reshape(-1, 9)
-        table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
-        return table | {
-            "x": self.form.Vectors("center").reshape(-1, d),
-            "normal": self.form.Vectors("normal").reshape(-1, d),
-            "pressure": states[:, 0],
-            "gap": states[:, 1],
-            "status": states[:, 2].astype(int),
-            "traction": states[:, 3 : 3 + d],
-            "slip": states[:, 6 : 6 + d],
-        }
-
     def _GetWebguiData(self):
         return self.Segments()._GetWebguiData()
 
+    Activate = switch.Activate
+    Deactivate = switch.Deactivate
+    Table = results.Table
     Force = results.Force
     Moment = results.Moment
     Mortar = results.Mortar

@@ -15,6 +15,8 @@ class ContactReport:
     Attributes
     ----------
     nmacros, nsegments : int
+    active : bool
+        Is contact switched on? Else nothing has a partner.
     area, paired_area : float
         Slave area, and the part of it that faces the master.
     unpaired, partial : (n,) int
@@ -40,7 +42,7 @@ class ContactReport:
     """
 
     def __init__(self, contact):
-        table = contact.Table()
+        table, self.active = contact.Table(), contact.active
         area, full = table["area"], table["fullarea"]
         paired = area > 0
         self.nmacros, self.nsegments = len(area), contact.form.nsegments
@@ -83,6 +85,8 @@ class ContactReport:
             f"({100 * self.paired_area / self.area:.1f} %)",
             f"gap              {self.min_gap:.4g} to {self.max_gap:.4g}",
         ]
+        if not self.active:
+            return lines[0] + "\nswitched off     no forces until Activate(gf)"
         lines += [
             f"{what:16} {len(macros)} macro-elements: {self._Some(macros)}"
             for what, macros in {

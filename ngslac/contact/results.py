@@ -9,7 +9,33 @@ from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
 from ngslac.recovery.recovered import Recovered
 
-__all__ = ["Check", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf"]
+__all__ = ["Check", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
+
+
+def Table(self) -> dict[str, np.ndarray]:
+    """The last evaluation as numpy arrays over the macro-elements.
+
+    Returns
+    -------
+    dict
+        ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
+        both of the reference configuration with ``finite=True``,
+        ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
+        ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
+        ``friction`` (n) coefficient, -1 without Coulomb friction.
+    """
+    d = self.mesh.dim
+    states = self.form.States().reshape(-1, 9)
+    table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
+    return table | {
+        "x": self.form.Vectors("center").reshape(-1, d),
+        "normal": self.form.Vectors("normal").reshape(-1, d),
+        "pressure": states[:, 0],
+        "gap": states[:, 1],
+        "status": states[:, 2].astype(int),
+        "traction": states[:, 3 : 3 + d],
+        "slip": states[:, 6 : 6 + d],
+    }
 
 
 def Force(self) -> np.ndarray:

@@ -1,5 +1,7 @@
 """What a contact is made of, checked."""
 
+import math
+
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import RegionWithFaces
@@ -14,27 +16,51 @@ from ngslac.arguments import (
 __all__ = ["CheckedSetup"]
 
 
-def CheckedSetup(u, lam, master, obstacle, *, friction, tresca, tied, finite, maxdist, penetration):
+def CheckedSetup(
+    u,
+    lam,
+    master,
+    obstacle,
+    *,
+    friction,
+    tresca,
+    offset,
+    tied,
+    bilateral,
+    finite,
+    adjust,
+    maxdist,
+    penetration,
+):
     """The arguments of a ContactForm, as a dict; those here are as in LACContact."""
     for name, proxy in {"u": u, "lam": lam}.items():
         if not isinstance(proxy, ProxyFunction):
             raise Wrong(TypeError, name, proxy, "a trial function of a product space")
     if (master is None) == (obstacle is None):
         raise ValueError("give either master= or obstacle=, not both and not none")
-    flags = {"tied": CheckFlag("tied", tied), "finite": CheckFlag("finite", finite)}
+    flags = {"tied": tied, "bilateral": bilateral, "finite": finite}
+    flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-    lengths = {"maxdist": maxdist, "penetration": penetration}
+    if tied and (offset is not None or bilateral):
+        raise ValueError("tied surfaces keep their distance: drop offset and bilateral, or tied")
+    if tied and adjust is not None:
+        raise ValueError(
+            "tied surfaces keep their distance: drop adjust; maxdist says how far a tie reaches"
+        )
+    lengths = {"adjust": adjust, "maxdist": maxdist, "penetration": penetration}
     for name, value in lengths.items():
         if value is not None:
             CheckPositive(name, value, "a positive length")
     mesh = u.space.mesh
-    functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca}
+    functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca, "offset": offset}
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
     region = None if master is None else RegionWithFaces(mesh, "master", master)
-    functions = {"obstacle": Coefficient("obstacle", obstacle)} | {
-        name: Coefficient(name, functions[name], least=0) for name in ("friction", "tresca")
+    least = {"friction": 0, "tresca": 0}
+    functions = {
+        name: Coefficient(name, value, least.get(name, -math.inf))
+        for name, value in functions.items()
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     return {"u": u, "lam": lam, "master": region} | functions | flags | lengths

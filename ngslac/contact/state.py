@@ -13,6 +13,7 @@ __all__ = ["CheckSaved", "FormState"]
 
 # In place of the solution in which the surfaces were paired: there was none, and while they are.
 REFERENCE, IN_DOUBT = np.empty(0), object()
+FLAGS = ("scaled", "active")
 
 
 class FormState:
@@ -35,14 +36,23 @@ class FormState:
         self.scaled, self.paired = False, None
 
     @property
+    def follows(self):
+        """Does it pair anew in each step? Then there is more in the form than its history."""
+        return self.setup["finite"] and not self.setup["tied"]
+
+    @property
     def refined(self):
         """Is the pairing that of another mesh?"""
         return self.form.paired and not self.form.current
 
-    def Pair(self, gf, history=None):
-        """Pair in the configuration of `gf`, None: reference; take over a saved history."""
+    def Pair(self, gf, history=None, active=None):
+        """Pair in the configuration of `gf`, None: reference; take over a saved history.
+
+        `active`: is it switched on? None: as before.
+        """
+        active = self.form.active if active is None else active
         paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
-        form = ContactForm(**self.setup)
+        form = ContactForm(**self.setup, active=active)
         form.Update(gf, history)
         self.form, self.scaled, self.paired = form, False, paired
 
@@ -70,7 +80,7 @@ class FormState:
     def Commit(self, gf):
         """Accept `gf` as the end of a step."""
         paired = self.paired
-        if self.setup["finite"]:
+        if self.follows:
             paired, self.paired = gf.vec.FV().NumPy().copy(), IN_DOUBT
         self.form.Commit(gf.vec)
         self.paired = paired
@@ -78,31 +88,32 @@ class FormState:
     def State(self):
         """As a dict of numpy arrays."""
         history = self.form.History() if self.form.paired else {}
-        return {"paired": self.paired, "scaled": self.scaled} | history
+        flags = {"scaled": self.scaled, "active": self.form.active}
+        return {"paired": self.paired} | flags | history
 
     def SetState(self, state, gf):
         """Go back to a `State`; `gf` is the solution then, or None."""
-        history = {name: state[name] for name in state if name not in ("paired", "scaled")}
+        history = {name: state[name] for name in state if name not in ("paired", *FLAGS)}
+        active = bool(state.get("active", True))
         if not history:
-            self._Unpair()
+            self._Unpair(active)
             return
-        # With finite sliding there is more in the form than its history: it is left as it is.
-        finite = self.setup["finite"]
-        if finite or not self.form.paired or self.paired is not state["paired"]:
-            self.Pair(self._Function(state["paired"]), history)
+        if self.follows or not self.form.paired or self.paired is not state["paired"]:
+            self.Pair(self._Function(state["paired"]), history, active)
             self.paired = state["paired"]
         else:
             self.form.Restore()
-        if finite and gf is not None:
+            self.form.SetActive(active)
+        if self.setup["finite"] and gf is not None:
             with suppress(NgException):  # where the surfaces do not meet, they did not then
                 self.form.Follow(gf.vec)
                 self.form.Evaluate(gf.vec)
         self.form.SetHistory(history)
         self.scaled = state["scaled"]
 
-    def _Unpair(self):
-        if self.paired is not None:
-            self.form = ContactForm(**self.setup)
+    def _Unpair(self, active):
+        if self.paired is not None or self.form.active != active:
+            self.form = ContactForm(**self.setup, active=active)
         self.scaled, self.paired = False, None
 
     def _Function(self, values):
@@ -140,8 +151,9 @@ class FormState:
 
 def CheckSaved(state):
     """What `State` returned, of any contact."""
-    CheckParts(CheckState(state, "paired", "scaled"), scaled=(bool, np.bool_))
+    CheckState(state, "paired", "scaled")
+    CheckParts(state, **{name: (bool, np.bool_) for name in FLAGS if name in state})
     for key in state:
-        if key != "scaled" and np.asarray(state[key]).dtype.kind not in "fiuO":
+        if key not in FLAGS and np.asarray(state[key]).dtype.kind not in "fiuO":
             raise Wrong(TypeError, f"state[{key!r}]", state[key], "what State() returned there")
     return state

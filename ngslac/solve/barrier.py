@@ -2,20 +2,15 @@
 
 import numpy as np
 
+from ngslac.solve.pressures import INSIDE, TIE
+
 __all__ = ["Barrier", "Tie"]
 
-# Share of the way to the boundary that a step may go.
-INSIDE = 0.995
-# Stiffness of ties, relative to that of what they lie on.
-TIE = 1e3
 SMALLEST = np.finfo(float).tiny ** 0.25  # whose square is no zero
-# Gaps to start with, relative to what the pressure does to the surface: too large is no harm, and
-# thin bodies bend far more than that.
-WIDE = 30.0
 
 
 class Barrier:
-    """Pressures p and gaps g > 0 with p g = mu, tangential tractions t inside of |t| < s.
+    """Pressures p and gaps g with p g = mu, tangential tractions t inside of |t| < s.
 
     For mu -> 0 they tend to what contact with friction asks for. With the slack
     w = (s^2 - |t|^2)/2 > 0 of the friction law and its multiplier nu > 0: slip = -nu t and
@@ -27,26 +22,24 @@ class Barrier:
 
     Parameters
     ----------
+    press : Unilateral or Bilateral
+        The pressures.
     normal : (n, d)
     gap : (n,)
         Where to start.
     bound : (n,)
         Of the tangential traction at such pressures, 0 without friction.
-    stiffness : (n,)
-        Stress per length, of what the macro-elements lie on.
-    pressure : float
-        Size of the pressures to start with.
+    product : float
+        Size of products of traction and slip.
     """
 
-    def __init__(self, normal, gap, bound, stiffness, pressure):
-        self.rubs, self.stiffness = bound > 0, stiffness
-        self.p = np.full(len(gap), pressure)
-        self.g = np.maximum(gap, WIDE * pressure / stiffness)
+    def __init__(self, press, normal, gap, bound, product):
+        self.press, self.rubs = press, bound > 0
         self.t = np.zeros_like(normal)
         self.Place(normal, gap, np.zeros_like(normal))
         self.s = np.where(self.rubs, bound, 1.0)
         self.w = self.s**2 / 2
-        self.nu = np.where(self.rubs, np.mean(self.p * self.g) / self.w if len(gap) else 0, 0.0)
+        self.nu = np.where(self.rubs, product / self.w, 0.0)
 
     def Place(self, normal, gap, slip):
         """Take gaps (n,) and slips (n, d) of another displacement."""
@@ -62,21 +55,19 @@ class Barrier:
 
     def Center(self, mu):
         """Go back to the middle of what is allowed, where all products are `mu`."""
-        closed = self.p > self.stiffness * self.gap
-        least = np.sqrt(mu * self.stiffness)
-        self.p = np.where(closed, np.maximum(self.p, least), mu / np.maximum(self.gap, mu / least))
-        self.g, self.t = mu / self.p, self.t / 2
+        self.press.Center(mu, self.gap)
+        self.t = self.t / 2
         self.w = self._Slack()
         self.nu = np.where(self.rubs, mu / self.w, 0.0)
 
     @property
     def traction(self):
-        return self.t - self.p[:, None] * self.normal
+        return self.t - self.press.p[:, None] * self.normal
 
     @property
     def products(self):
         """Sum and number of the products that have to vanish (stress times length)."""
-        return self._Products(self.p * self.g, self.nu * self.w)
+        return self._Products(self.press.products, self.nu * self.w)
 
     def _Products(self, normal, tangential):
         total = normal.sum() + tangential[self.rubs].sum()
@@ -86,7 +77,7 @@ class Barrier:
         """How tractions follow the jump: (n, d, d), symmetric and positive definite."""
         normals = self.normal[:, :, None] * self.normal[:, None, :]
         self._turn = self._Tangential(normals)
-        return (self.p / self.g)[:, None, None] * normals + self._turn
+        return self.press.slope[:, None, None] * normals + self._turn
 
     def _Tangential(self, normals):
         """The inverse of nu I + nu/w t t^T on the tangential plane, where there is friction."""
@@ -102,48 +93,41 @@ class Barrier:
         `correction` is the step whose products are taken into account (second order).
         """
         over, rubbing = (0, 0) if correction is None else correction.products
-        self._aim = mu - over, mu - rubbing
-        self._press = (self._aim[0] - self.p * self.gap) / self.g
-        rate = (self._aim[1] - self.nu * self.w) / self.w
+        self._aim = mu - rubbing
+        press = self.press.Aim(mu - over, self.gap)
+        rate = (self._aim - self.nu * self.w) / self.w
         self._behind = -self.slip - (self.nu + rate)[:, None] * self.t
         along = np.einsum("kij,kj->ki", self._turn, self._behind)
-        return along - self._press[:, None] * self.normal
+        return along - press[:, None] * self.normal
 
     def Step(self, change):
         """The step of everything that belongs to changes (n, d) of the tractions."""
         press = -np.sum(change * self.normal, axis=1)
         along = change + press[:, None] * self.normal
-        closer = self.g / self.p * (self._press - press)  # what the gap changes by
         slack = np.where(self.rubs, -np.sum(self.t * along, axis=1), 0.0)
-        rate = (self._aim[1] - self.nu * (self.w + slack)) / self.w
+        rate = (self._aim - self.nu * (self.w + slack)) / self.w
         rate = np.where(self.rubs, rate, 0.0)
-        return BarrierStep(press, self.gap - self.g + closer, along, slack, rate)
+        return BarrierStep(self.press.Step(press, self.gap), along, slack, rate)
 
     def Shown(self, step, part):
         """Tractions (n, d) after a part of a step, without those that tend to zero."""
-        p, g = self.p + part * step.p, self.g + part * step.g
-        traction = self.t + part * step.t - p[:, None] * self.normal
-        return traction * (p > self.stiffness * g)[:, None]
+        p = self.press.Shown(step.press, part)
+        return (self.t + part * step.t) * (p != 0)[:, None] - p[:, None] * self.normal
 
     def Longest(self, step):
         """The part of a step, at most 1, that leaves pressures and gaps positive."""
-        longest = 1.0
-        for now, change in ((self.p, step.p), (self.g, step.g)):
-            down = change < 0
-            if np.any(down):
-                longest = min(longest, INSIDE * np.min(-now[down] / change[down]))
-        return longest
+        return self.press.Longest(step.press)
 
     def Predicted(self, step, part):
         """`products` after a part of a step, which remembers its own for the correction."""
-        step.products = part**2 * step.p * step.g, part**2 * step.w * step.nu
-        normal = (self.p + part * step.p) * (self.g + part * step.g)
+        step.products = self.press.Bent(step.press, part), part**2 * step.w * step.nu
+        normal = self.press.Predicted(step.press, part)
         w, nu = Above(self.w, part * step.w), Above(self.nu, part * step.nu)
         return self._Products(normal, w * nu)
 
     def Take(self, step, part):
         """Move on by a part of a step; tangential tractions are brought back inside."""
-        self.p, self.g = self.p + part * step.p, self.g + part * step.g
+        self.press.Take(step.press, part)
         self.nu = Above(self.nu, part * step.nu)
         along = self.t + part * step.t
         before, size = (np.linalg.norm(t, axis=1) for t in (self.t, along))
@@ -162,10 +146,10 @@ def Above(values, changes):
 
 
 class BarrierStep:
-    """Changes of pressures, gaps, tangential tractions, slacks and their multipliers."""
+    """Changes of pressures with their gaps, tangential tractions, slacks and their multipliers."""
 
-    def __init__(self, p, g, t, w, nu):
-        self.p, self.g, self.t, self.w, self.nu = p, g, t, w, nu
+    def __init__(self, press, t, w, nu):
+        self.press, self.t, self.w, self.nu = press, t, w, nu
 
 
 class Tie:

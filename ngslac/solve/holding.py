@@ -46,7 +46,8 @@ class Holding:
         """
         system = self.system
         system.Evaluate()
-        touching = all(np.any(contact.Table()["status"]) for contact in system.contacts)
+        active = [contact for contact in system.contacts if contact.active]
+        touching = all(np.any(contact.Table()["status"]) for contact in active)
         system.idle = False
         if not guess or (touching and not start):
             return False

@@ -6,7 +6,8 @@ from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear.factor import CHOLESKY
 from ngslac.linear.primal import PrimalSolver
-from ngslac.solve.barrier import WIDE, Barrier, Tie
+from ngslac.solve.barrier import Barrier, Tie
+from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
 __all__ = ["InteriorPoint"]
 
@@ -186,9 +187,12 @@ class Springs:
         if self.contact.tied:
             self.law = Tie(table["traction"][self.own], self.stiffness)
             return
-        bound = self._Bound(pressure, table)
         normal, gap = table["normal"][self.own], table["gap"][self.own]
-        self.law = Barrier(normal, gap, bound, self.stiffness, pressure)
+        press = Unilateral(gap, self.stiffness, pressure)
+        product = np.mean(press.products) if len(gap) else 0.0
+        if self.contact.bilateral:
+            press = Bilateral(table["pressure"][self.own], self.stiffness, pressure)
+        self.law = Barrier(press, normal, gap, self._Bound(press.size, table), product)
 
     def _Bound(self, pressure, table):
         """Of the tangential traction."""
@@ -219,7 +223,7 @@ class Springs:
         area, full = table["area"][self.own], table["fullarea"][self.own]
         self.area = np.where(area > 0, area, full)
         self.law.Place(*(table[name][self.own] for name in ("normal", "gap", "slip")))
-        self.law.Bound(self._Bound(self.law.p, table))
+        self.law.Bound(self._Bound(self.law.press.size, table))
 
     def Show(self, values, traction):
         """Put tractions (n, d) into the solution."""

@@ -1,4 +1,4 @@
-"""Velocities of rigid obstacles, which move with a Parameter in their gap function."""
+"""How fast gaps change by functions of their own: obstacles and offsets with a Parameter."""
 
 import numpy as np
 
@@ -6,12 +6,12 @@ __all__ = ["Obstacles"]
 
 
 class Obstacles:
-    """How fast obstacles open the mean gaps, from what they did in the last steps.
+    """How fast obstacles and offsets open the mean gaps, from what they did in the last steps.
 
     Parameters
     ----------
     contacts : list[LACContact]
-        With a master in place of an obstacle the rates are zero.
+        With a master in place of an obstacle, and no offset, the rates are zero.
     """
 
     def __init__(self, contacts):
@@ -32,7 +32,7 @@ class Obstacles:
         return [self._Of(contact, gf) for contact in self.contacts]
 
     def _Of(self, contact, gf):
-        if contact.master is not None:
+        if not contact.gap_is_driven:
             return np.zeros(contact.space.nmacros)
         contact.Evaluate(gf)
         return contact.Table()["gap"].copy()

@@ -30,10 +30,10 @@ def slit3d():
     return named(block, block.faces, lambda c: abs(abs(c.z) - 0.03) < 1e-9, 0.7)
 
 
-def selfcontact(mesh):
+def selfcontact(mesh, **law):
     V = VectorH1(mesh, order=2)
     u, lam = (V * LACSpace(V, slave="slot")).TrialFunction()
-    contact = LACContact(u, lam, master="slot", finite=True)
+    contact = LACContact(u, lam, master="slot", finite=True, **law)
     contact.Update()
     return contact
 
@@ -70,3 +70,11 @@ def test_slave_that_is_closed_stays_the_slave():
     contact.Follow(gf)
     contact.Evaluate(gf)
     assert np.all(contact.Table()["area"][other] > 0)
+
+
+def test_an_offset_counts_in_its_gap():
+    """A sheet's thickness on one side of the slot, say; the same faces see each other."""
+    plain, thick = (selfcontact(slit(), **law).Table() for law in ({}, {"offset": -0.07}))
+    paired = plain["area"] > 0
+    assert np.array_equal(paired, thick["area"] > 0)
+    assert thick["gap"][paired] == pytest.approx(plain["gap"][paired] - 0.07, abs=1e-14)

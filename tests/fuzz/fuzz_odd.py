@@ -122,6 +122,9 @@ a contact with no side | w.Contact(master=None)
 an obstacle that is a vector | w.Contact(master=None, obstacle=CF((x, 0)))
 [tied]
 tied with friction | w.Contact(tied=True, friction=0.1)
+tied and bilateral | w.Contact(tied=True, bilateral=True)
+tied with an adjusted start | w.Contact(tied=True, adjust=0.1)
+tied with an offset | w.Contact(tied=True, offset=0.1)
 [lam|components]
 lam with one component | Contact(*(w.V * w.Q.WithComponents(1)).TrialFunction())
 [u ]

@@ -13,14 +13,14 @@ __all__ = ["TARGETS", "Target"]
 
 # The kind that an argument of this name mostly has.
 NAMED = Pairs("""
-    a:bulk also:things? augmentation:positive? bulk:matrix callback:function? contacts:contacts
-    deformation:displacement? density:density dt:positive displacement:displacement? end:number
-    energy:energy? field:word file:saved-file filename:path finite:flag freedofs:bits?
-    friction:scalar? gf:solution initial:word inverse:word? lam:trial load:parameter master:region
-    maxcuts:count maxdist:positive? maxit:count mesh:mesh motion:motion? obstacle:gap
-    penetration:positive? predict:flag prescribe:prescribed? printing:flag rho_inf:share rhs:load?
-    same_load:flag slave:region state:state steps:count time:parameter? tied:flag tol:below-one
-    tool:tool tresca:scalar? u:trial x:vector y:vector
+    a:bulk adjust:positive? also:things? augmentation:positive? bilateral:flag bulk:matrix
+    callback:function? contacts:contacts deformation:displacement? density:density dt:positive
+    displacement:displacement? end:number energy:energy? field:word file:saved-file filename:path
+    finite:flag freedofs:bits? friction:scalar? gf:solution initial:word inverse:word? lam:trial
+    load:parameter master:region maxcuts:count maxdist:positive? maxit:count mesh:mesh
+    motion:motion? obstacle:gap offset:gap? penetration:positive? predict:flag prescribe:prescribed?
+    printing:flag rho_inf:share rhs:load? same_load:flag slave:region state:state steps:count
+    time:parameter? tied:flag tol:below-one tool:tool tresca:scalar? u:trial x:vector y:vector
 """)
 
 
@@ -83,6 +83,7 @@ CALLS = {
     "LACSpace": Space,
     "BubbleVectorH1": lambda w, **k: lac.BubbleVectorH1(**k).ndof,
     "LACContact": lambda w, **k: Used(w, lac.LACContact(**k)),
+    "LACContact with another law": lambda w, **k: Used(w, w.Contact(**k)),
     "LACContact with obstacle": lambda w, **k: Used(w, w.Contact(master=None, **k)),
     "LACContact.Prepare": lambda w, **k: w.Contact().Prepare(**k),
     "ContactSolver": lambda w, **k: lac.ContactSolver(**k).Solve(printing=False),
@@ -103,10 +104,12 @@ LACSpace.WithComponents | components:count
 LACSpace.CoreDofs | macro:count
 BubbleVectorH1 | mesh slave order:count dirichlet:any-pattern? | mesh=w.mesh, slave="slave", order=1
 SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
-LACContact | u lam master friction tresca tied finite maxdist penetration stiffness:positive
+LACContact | u lam master friction tresca maxdist penetration stiffness:positive
     | u=w.u, lam=w.lam, master="master"
-LACContact with obstacle | obstacle friction | obstacle=0.01
+LACContact with another law | offset adjust tied bilateral finite
+LACContact with obstacle | obstacle friction offset | obstacle=0.01
 LACContact.Update | gf:solution?
+LACContact.Activate | gf:solution?
 LACContact.Prepare | bulk
 LACContact.Follow | gf
 LACContact.AddApply | x y | x=w.Vector(), y=w.Vector()

@@ -93,14 +93,15 @@ def moving(
     nonlinear=False,
     inverse=None,
     gap=None,
+    offset=None,
     law=None,
     width=1.0,
     **options,
 ):
     """Bodies of density 1; `law` goes to LACContact, `options` to TimeStepper.
 
-    `gap` is the distance of a rigid plane, a number or a function of time; `load(u, v, t)` adds
-    forms.
+    `gap` is the distance of a rigid plane, a number or a function of time, `offset` one, too;
+    `load(u, v, t)` adds forms.
     """
     V = space(mesh, order=order, **(flags or {}))
     X = V * LACSpace(V, slave=slave)
@@ -114,6 +115,8 @@ def moving(
         a += load(u, v, time)
     if gap is not None:
         law["obstacle"] = gap(time) if callable(gap) else CF(gap)
+    if offset is not None:
+        law["offset"] = offset(time)
     solver = ContactSolver(a, GridFunction(X), LACContact(u, lam, **law), inverse=inverse)
     return Motion(TimeStepper(solver, 1.0, time=time, **options), width)
 
@@ -132,11 +135,12 @@ def bar(*, n=20, gap=0.1, dt=0.025, **flags):
     return on_ground(gap=gap, dt=dt, **(given | flags)).throw(0, -1)
 
 
-def two_bars(h=0.2, *, gap=0.05, dt=0.02, **law):
+def two_bars(h=0.2, *, gap=0.05, dt=0.02, offset=None, **law):
     """Two equal bars on non-matching meshes; the upper one is thrown at the lower one."""
     mesh = TwoBlocks(h, structured=True, width=1.0)
     sides = {"dirichletx": "left_upper|right_upper|left_lower|right_lower"}
-    motion = moving(mesh, "slave", flags=sides, law={"master": "master"} | law, dt=dt)
+    given = {"flags": sides, "law": {"master": "master"} | law, "offset": offset}
+    motion = moving(mesh, "slave", dt=dt, **given)
     still, upper = CF((0, 0)), lambda value: mesh.MaterialCF({"upper": value}, default=still)
     motion.gf.components[0].Set(upper(CF((0, gap))))  # no strain
     return motion.throw(where=upper(CF((0, -1))))

@@ -116,6 +116,10 @@ def couple(size):
         ({"friction": None}, (0, 0), (0, 0.1), FLIES),
         ({"friction": 0.3}, (0, 0), (0, 0.1), FLIES),
         ({"tied": True}, (0.3, 1), None, ""),
+        # Guides hold what pulls; with friction they may jam under any load.
+        ({"bilateral": True}, (0, 1), (0.1, 1), SLIDES),
+        ({"bilateral": True, "friction": 0.2}, (5.0, 1), None, ""),
+        ({"bilateral": True, "tresca": 0.2}, (-0.1999, 0), (-0.2001, 0), SLIDES),
     ],
 )  # fmt: skip
 def test_loads_are_balanced_up_to_the_limit(law, balanced, beyond, words):

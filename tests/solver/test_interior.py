@@ -34,9 +34,10 @@ from ngslac import (
 )
 from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
+from ngslac.solve.pressures import Bilateral, Unilateral
 
 
-def problem(mesh, pairs, load, *, held="", tied=(), space=None, **law):
+def problem(mesh, pairs, load, *, held="", tied=(), guided=(), space=None, **law):
     """Displacement of order 2, a contact for each pair of slave and master; E = 1, nu = 0.3.
 
     `load(v, t)` is subtracted from the bulk, t the parameter `load` of the problem.
@@ -51,16 +52,23 @@ def problem(mesh, pairs, load, *, held="", tied=(), space=None, **law):
     if load:
         a += -1.0 * load(u, v, t)
     contacts = [
-        LACContact(u, lam, master=master, **({"tied": True} if slave in tied else law))
+        LACContact(
+            u,
+            lam,
+            master=master,
+            **({"tied": True} if slave in tied else law | {"bilateral": slave in guided}),
+        )
         for lam, (slave, master) in zip(lams, pairs, strict=True)
     ]
     solver = ContactSolver(a, gf, contacts)
     return SimpleNamespace(load=t, gf=gf, contacts=contacts, mesh=mesh, solver=solver)
 
 
-def solved(*args, **flags):
-    """Force and contact table of each contact."""
+def solved(*args, off=(), **flags):
+    """Force and contact table of each contact; those of these numbers are switched off."""
     p = problem(*args, **flags)
+    for number in off:
+        p.contacts[number].Deactivate()
     p.solver.Solve(printing=False)
     return [(c.Force(), c.Table()) for c in p.contacts]
 
@@ -80,13 +88,14 @@ def blocks(*boxes):
 ON_BASE = [("low1", "high0")]
 
 
-def leaves(friction, tied=(), count=2):
+def leaves(friction, tied=(), guided=(), off=(), count=2):
     """Thin leaves, clamped at the left; the last one is pressed down at its tip."""
     boxes = [(0, k, 30.0, k + 1, (1.3, 1.0)[k % 2]) for k in range(count)]
     pairs = [(f"low{k}", f"high{k - 1}") for k in range(1, count)]
     clamps, tip = "|".join(f"left{k}" for k in range(count)), f"right{count - 1}"
     press = lambda u, v, t: -1e-6 * t * v[1] * ds(tip)  # noqa: E731
-    return solved(blocks(*boxes), pairs, press, held=clamps, tied=tied, friction=friction)
+    laws = {"tied": tied, "guided": guided, "off": off, "friction": friction}
+    return solved(blocks(*boxes), pairs, press, held=clamps, **laws)
 
 
 @pytest.mark.parametrize("friction", [None, 0.3, 1.0])
@@ -119,6 +128,24 @@ def test_leaves_some_of_them_tied():
     (force, _), (_, table) = leaves(None, tied=("low1",), count=3)
     assert force[1] + 1e-6 > 0
     assert table["pressure"].min() >= 0
+
+
+@pytest.mark.parametrize("friction", [None, 0.3])
+def test_leaves_some_of_them_guided(friction):
+    """The two lower ones slide on each other like leaves of one beam, and come not apart."""
+    (_, guide), (_, table) = leaves(friction, guided=("low1",), count=3)
+    assert set(guide["status"]) <= {1, 2}
+    assert np.abs(guide["gap"]).max() < 1e-9 * np.abs(table["gap"]).max()
+    assert guide["pressure"].min() < 0 < guide["pressure"].max()
+    assert table["pressure"].min() >= 0
+
+
+def test_leaves_some_of_them_switched_off():
+    """The lowest one is as if it were not there: two leaves meet at their tips."""
+    (none, table), (force, _) = leaves(0.3, off=(0,), count=3)
+    assert not np.any(none)
+    assert np.all(table["status"] == 0)
+    assert force[1] == pytest.approx(0.5e-6, rel=0.05)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
@@ -259,13 +286,19 @@ def test_weak_spring_holds_a_block_that_slides_freely(spring, shift):
     assert moved == pytest.approx(1e-9 / spring, rel=0.05)
 
 
-def test_step_of_the_barrier_is_a_newton_step():
+def pressing(normal, gap, bound, bilateral=False):
+    kind, start = (Bilateral, 0 * gap) if bilateral else (Unilateral, gap)
+    return Barrier(kind(start, np.full(len(gap), 2.0), 1.0), normal, gap, bound, 15.0)
+
+
+@pytest.mark.parametrize("bilateral", [False, True])
+def test_step_of_the_barrier_is_a_newton_step(bilateral):
     """Change and Step solve the linearised equations, of Tresca's law where it rubs."""
     rng = np.random.default_rng(3)
     normal = rng.standard_normal((5, 3))
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     gap, bound = rng.uniform(0.1, 1, 5), np.array([0.3, 0, 0.2, 0.5, 0])
-    law = Barrier(normal, gap, bound, np.full(5, 2.0), 1.0)
+    law = pressing(normal, gap, bound, bilateral)
     law.t = 0.1 * rng.standard_normal((5, 3)) * law.rubs[:, None]
     slip = rng.standard_normal((5, 3)) * law.rubs[:, None]
     slip -= np.sum(slip * normal, axis=1)[:, None] * normal
@@ -276,8 +309,14 @@ def test_step_of_the_barrier_is_a_newton_step():
     jump = 1e-3 * rng.standard_normal((5, 3))
     step = law.Step(law.Change(mu) - np.einsum("kij,kj->ki", stiffness, jump))
     along = jump - np.sum(jump * normal, axis=1)[:, None] * normal
-    assert law.p * step.g + law.g * step.p == pytest.approx(mu - law.p * law.g)
-    assert step.g == pytest.approx(gap - law.g - np.sum(jump * normal, axis=1))
+    closer, press = np.sum(jump * normal, axis=1), law.press
+    if bilateral:
+        assert step.press == pytest.approx(-press.slope * (gap - closer))
+        assert law.products[1] == 3
+    else:
+        p, g = step.press
+        assert press.p * g + press.g * p == pytest.approx(mu - press.products)
+        assert g == pytest.approx(gap - press.g - closer)
     residual = slip + along + (law.nu + step.nu)[:, None] * law.t + law.nu[:, None] * step.t
     assert residual[law.rubs] == pytest.approx(0, abs=1e-12)
     product = law.nu * law.w + law.nu * step.w + law.w * step.nu
@@ -287,12 +326,12 @@ def test_step_of_the_barrier_is_a_newton_step():
 def test_middle_of_the_barrier_is_inside_and_knows_the_gaps():
     normal = np.tile([0.0, 1.0], (4, 1))
     gap, bound = np.array([-1.0, 0.0, 1e-4, 50.0]), np.array([0.3, 0.3, 0, 0.3])
-    law = Barrier(normal, gap, bound, np.full(4, 2.0), 1.0)
-    law.p, law.g = np.array([3.0, 1e-9, 1e-9, 1e-9]), np.full(4, 1e-3)
+    law = pressing(normal, gap, bound)
+    law.press.p, law.press.g = np.array([3.0, 1e-9, 1e-9, 1e-9]), np.full(4, 1e-3)
     law.t[:, 0] = bound
     law.Center(1e-2)
-    assert law.p * law.g == pytest.approx(1e-2)
+    assert law.press.products == pytest.approx(1e-2)
     assert (law.nu * law.w)[law.rubs] == pytest.approx(1e-2)
     assert np.all(np.linalg.norm(law.t, axis=1) <= 0.5 * law.s)
-    assert law.p[0] == 3  # closed: the gap follows the pressure
-    assert law.g[3] == pytest.approx(50)  # open: the pressure follows the gap
+    assert law.press.p[0] == 3  # closed: the gap follows the pressure
+    assert law.press.g[3] == pytest.approx(50)  # open: the pressure follows the gap

@@ -22,17 +22,18 @@ def saint_venant(u, v, load):
     return softens, linear(u, v, dx("lower")) + load * v[1] * ds("top")
 
 
-def bar():
+def bar(**law):
     """A stepper that presses a block on another one of the same width."""
     held = {"dirichlet": "bottom", "dirichletx": "top"}
     flat = {"overhang": 0.0, "aligned": True, "structured": False}
-    problem = press(h=0.4, spring=0, flags=held, mesh_flags=flat, bulk=saint_venant)
+    problem = press(h=0.4, spring=0, flags=held, mesh_flags=flat, bulk=saint_venant, **law)
     problem.load.Set(0)
     return LoadStepper(problem.solver(), problem.load)
 
 
-def test_a_limit_load_is_named_with_bounds():
-    stepper, systems = bar(), []
+@pytest.mark.parametrize("law", [{}, {"bilateral": True}, {"offset": 0.01}], ids=str)
+def test_a_limit_load_is_named_with_bounds(law):
+    stepper, systems = bar(**law), []
     solve = stepper.solver.Solve
 
     def counted(**flags):

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from motions import bar, on_ground, values
+from motions import bar, on_ground, two_bars, values
 from ngsolve import CF, GridFunction, Parameter, sin
 from press import press
 
@@ -107,3 +107,23 @@ def test_losses_do_not_depend_on_the_frame_where_a_support_moves():
     still, moved = carried(0.0), carried(0.7)
     assert still.impact > 1e-4
     same_losses(moved, still)
+
+
+def test_an_offset_moves_as_an_obstacle_does():
+    wall, _ = hit(end=1.0)
+    other = bar(gap=GAP, offset=lambda t: -SPEED * t, n=10, dt=0.05)
+    other.throw(0, 0)
+    other.run(1.0)
+    assert np.array(other.record) == pytest.approx(np.array(wall.record), rel=0, abs=1e-10)
+
+
+def test_an_offset_that_parts_two_bodies_does_the_work():
+    """They are at rest until it is used up; then it pushes them apart."""
+    motion = two_bars(gap=0.0, offset=lambda t: GAP - SPEED * t)
+    motion.throw(0, 0)
+    motion.run(0.6)
+    balance = motion.stepper.balance
+    gained = balance.kinetic + balance.internal + balance.impact + balance.algorithmic
+    assert balance.kinetic > 0.01
+    assert balance.external == pytest.approx(gained, rel=1e-10)
+    assert np.all(np.diff([step.balance.impact for step in motion.stepper.steps]) >= -1e-13)

@@ -154,3 +154,24 @@ def test_a_ball_pressed_into_a_block():
         np.lexsort(np.round([s * (table["x"][:, 0] - 0.5), table["x"][:, 1]], 9)) for s in (1, -1)
     ]
     assert pressure[mirrored[0]] == pytest.approx(pressure[mirrored[1]], abs=1e-10)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_is_tied_to_an_obstacle_goes_with_it(dim):
+    """It pulls and pushes by what it has moved since the start, however far off it is."""
+    at = Parameter(0.3)
+    moving = block_on_obstacle(at, dim=dim, tied=True, flags={"dirichlet": "top"})
+    moving.load.Set(0)
+    moving.solver().Solve(printing=False)
+    assert not np.any(moving.contact.Force())
+    at.Set(0.35)  # away
+    moving.contact.Commit(moving.gf)
+    moving.solver().Solve(printing=False)
+    table = moving.contact.Table()
+    assert np.all(table["pressure"] < 0)
+    assert table["gap"] == pytest.approx(0.3, abs=1e-12)
+    other = block_on_obstacle(at, dim=dim, tied=True, flags={"dirichlet": "top"})
+    other.contact.SetState(moving.contact.State())
+    other.load.Set(0)
+    other.solver().Solve(printing=False)
+    assert other.contact.Force() == pytest.approx(moving.contact.Force(), rel=1e-9, abs=1e-12)

@@ -17,7 +17,12 @@ def stepper():
 
 @pytest.mark.parametrize(
     ("law", "words"),
-    [({}, "frictionless"), ({"tied": True}, "tied"), ({"tresca": CF(2)}, "Tresca friction")],
+    [
+        ({}, "frictionless"),
+        ({"tied": True}, "tied"),
+        ({"bilateral": True}, "bilateral"),
+        ({"tresca": CF(2)}, "Tresca friction"),
+    ],
 )
 def test_a_contact_that_is_not_paired(stepper, law, words):
     u, lam = stepper.solver.gf.space.TrialFunction()

@@ -35,12 +35,14 @@ class FiniteSliding : public Kinematics<D> {
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
   Array<double> last_gap;                  // at the last Commit
+  SearchMargin searched;                   // in the last Follow
   shared_ptr<Motion<D>> now;               // of the last At
   double share = 0.5;                      // of the master in the stiffness of both bodies
   Array<Vec<D>> lean;                      // of the pressures of macro-elements; empty: none
   struct {
     Paired<D> surfaces;
     shared_ptr<Motion<D>> motion;
+    SearchMargin searched;
   } accepted; // at the last Commit
 
 public:
@@ -56,13 +58,14 @@ public:
     fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
     if (finder.IsSelfContact())
       along = AlongSurface(*space);
+    law->Reset();
     law->FindDofs(*slave_reference); // which tell what is closed
     Follow(x);
-    law->Reset();
     start = points;
     reference.SetSize(Size()), last_gap.SetSize(Size());
     reference = Vec<D>(0.0);
     At(x);
+    this->AdjustStart(x);
     for (size_t m : Range(last_gap))
       last_gap[m] = Place(m, x).gap;
     Accept();
@@ -89,11 +92,13 @@ public:
     RegionTimer reg(timer);
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
-    if (IsPairedIn(*slave, *master))
+    auto margin = law->Margin();
+    if (IsPairedIn(*slave, *master) && margin == searched)
       return;
     slave->CheckFinite();
     master->CheckFinite();
-    auto paired = finder.Pair(std::move(slave), std::move(master));
+    auto paired = finder.Pair(std::move(slave), std::move(master), margin);
+    searched = margin;
     if (finder.IsSelfContact())
       KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
     CountReferenceAreas(*slave_reference, *paired.slave, *paired.pairing);
@@ -141,8 +146,9 @@ public:
     auto & mean = now->mean[m];
     Vec<D> slip = Slides(m) ? Slip(m) : none;
     slip -= InnerProduct(slip, mean.normal) * mean.normal;
-    Vec<D> vanishing = slip - mean.gap * mean.normal;
-    return {mean.normal, mean.gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
+    double gap = mean.gap + law->Clearance(m);
+    Vec<D> vanishing = slip - gap * mean.normal;
+    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -206,12 +212,13 @@ public:
   void Restore() override {
     surfaces = accepted.surfaces;
     now = accepted.motion;
+    searched = accepted.searched;
     points = start;
   }
 
 private:
   void Accept() {
-    accepted = {surfaces, now};
+    accepted = {surfaces, now, searched};
     start = points;
   }
 
@@ -308,13 +315,13 @@ private:
       slip = Slip(m);
     ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
     auto compliance = law->ComplianceOf(m);
-    double area = points->area[m], c = law->c[m];
+    double area = points->area[m], c = law->c[m], gap = mean.gap + law->Clearance(m);
     Matrix<> entries(D, rows.dofs.Size());
     for (int j : Range(rows.dofs)) {
       Vec<D> turn = rows.normal.Col(j);
       Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
       moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
-      moved -= rows.gap(j) * normal + mean.gap * turn;
+      moved -= rows.gap(j) * normal + gap * turn;
       moved += 1 / c * compliance.Turned(normal, turn, multiplier);
       entries.Col(j) = area / c * (p.by_normal * turn) - area * (p.derivative * moved);
     }
@@ -326,9 +333,6 @@ private:
 template <int D>
 unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                             const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
-  if (setup.obstacle || setup.tied)
-    throw Exception("LACContact: finite=True needs a master surface that slides; for a rigid "
-                    "obstacle mesh a body and fix it, and tied surfaces need no finite");
   return make_unique<FiniteSliding<D>>(setup, space, u, law);
 }
 

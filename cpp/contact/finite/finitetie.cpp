@@ -1,0 +1,184 @@
+#include "contact/kinematics.hpp"
+#include "couplings.hpp"
+#include "linear/blocksum.hpp"
+#include "referenceareas.hpp"
+#include "tiemotion.hpp"
+
+namespace ngslac {
+namespace {
+/// What is known of one configuration; macro-elements without a partner are left out.
+template <int D>
+struct TieMotion {
+  MovingSurfaces<D> surfaces;
+  Array<MacroTie<D>> mean;
+};
+
+/// Tied surfaces that move and deform by any amount; partners stay those of the last Start.
+///
+/// What vanishes is the mean of  x + g n - y : arms g n from the slave to the partners turn with
+/// the slave's normals n. Rigid motions of both bodies only turn it, and the tractions do the work
+/// of its change: the matrix is symmetric, and where it vanishes moments balance as forces do.
+template <int D>
+class FiniteTie : public Kinematics<D> {
+  using Base = Kinematics<D>;
+  using Base::finder, Base::law, Base::reference, Base::Size, Base::space, Base::surfaces, Base::u;
+
+  unique_ptr<Surface<D>> slave_reference, master_reference;
+  unique_ptr<FaceShapes<D>> slave_shapes, master_shapes;
+  shared_ptr<const MacroPoints<D>> points;
+  shared_ptr<TieMotion<D>> now;      // of the last At
+  shared_ptr<TieMotion<D>> accepted; // at the last Commit
+
+public:
+  using Base::Base;
+
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x) override {
+    slave_reference = finder.Slave(nullptr);
+    master_reference = finder.Master(nullptr);
+    slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
+    master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
+    law->Reset();
+    law->FindDofs(*slave_reference);
+    auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
+    auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
+    slave->CheckFinite();
+    master->CheckFinite();
+    auto paired = finder.Pair(std::move(slave), std::move(master), law->Margin());
+    CountReferenceAreas(*slave_reference, *paired.slave, *paired.pairing);
+    this->Take(paired);
+    points = MakePoints<D>(surfaces.pairing, *surfaces.slave, *space, surfaces.jump->area);
+    reference.SetSize(Size());
+    reference = Vec<D>(0.0);
+    At(x);
+    accepted = now;
+    return make_shared<SparseMatrix<double>>(0, 0);
+  }
+
+  void At(FlatVector<> x) override {
+    auto slave = slave_shapes->Displaced(*slave_reference, x);
+    auto master = master_shapes->Displaced(*master_reference, x);
+    if (now && now->surfaces.slave.HasShapeOf(slave) && now->surfaces.master.HasShapeOf(master))
+      return;
+    now = make_shared<TieMotion<D>>(
+        TieMotion<D>{{*slave_shapes, *master_shapes, std::move(slave), std::move(master), 0.0},
+                     Array<MacroTie<D>>(Size())});
+    ParallelFor(Size(), [&](size_t m) {
+      if (points->area[m] > 0)
+        now->mean[m] = MeanTie<D>(now->surfaces, *points, m);
+    });
+  }
+
+  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+    auto & jump = *surfaces.jump;
+    Vec<D> none = 0.0;
+    if (points->area[m] == 0)
+      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m)};
+    auto & [apart, normal, gap] = now->mean[m];
+    Vec<D> slip = apart - InnerProduct(apart, normal) * normal;
+    return {normal, gap, slip, apart, points->area[m], jump.RowArea(m)};
+  }
+
+  void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
+    if (points->area[m] == 0 || !IsTraction(traction))
+      return;
+    auto coupling = CouplingAt(m, false);
+    auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
+    for (int j : Range(rows.dofs))
+      y.Add(rows.dofs[j], -points->area[m] * InnerProduct(traction, Vec<D>(rows.slip.Col(j))));
+  }
+
+  pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
+    if (points->area[m] == 0)
+      return {Vec<D>(0.0), Vec<3>(0.0)};
+    return TieResultant<D>(now->surfaces, *points, m, traction);
+  }
+
+  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
+                                             FlatArray<Vec<D>> tractions, Rim) override {
+    Array<Coupling> couplings(Size());
+    ParallelFor(Size(), [&](size_t m) { couplings[m] = CouplingAt(m, IsTraction(tractions[m])); });
+    auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
+    AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+      auto & derivative = projections[m].derivative;
+      auto by_lam =
+          law->MultiplierBlock(m, Place(m, x).normal, surfaces.jump->RowArea(m), derivative);
+      auto own = law->dofs.Range(D * m, D * (m + 1));
+      for (int k : Range(D))
+        for (int l : Range(D))
+          (*mat)(own[k], own[l]) = by_lam(k, l);
+      if (points->area[m] == 0)
+        return;
+      auto rows = RowsAt(m, couplings[m], tractions[m], lh);
+      Matrix<> constraints(D, rows.dofs.Size());
+      for (int j : Range(rows.dofs)) {
+        Vec<D> force = points->area[m] * Vec<D>(rows.slip.Col(j));
+        constraints.Col(j) = -1 * (derivative * force);
+        for (int k : Range(D))
+          (*mat)(rows.dofs[j], own[k]) = -force(k);
+      }
+      sum.Add(own, rows.dofs, std::move(constraints));
+      if (IsTraction(tractions[m]))
+        sum.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
+    });
+    return mat;
+  }
+
+  /// In the present configuration, and with the arms: rigid motions of both bodies do not change
+  /// it.
+  MacroJump<D> & JumpWithRows() const override {
+    Array<Array<JumpEntry<D>>> entries(Size());
+    LocalHeap heap(BlockHeap(), "ngslac-tie", true);
+    ParallelForRange(Size(), [&](IntRange range) {
+      LocalHeap lh = heap.Split();
+      for (auto m : range) {
+        auto coupling = CouplingAt(m, false);
+        if (points->area[m] == 0)
+          continue;
+        auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
+        for (int j : Range(rows.dofs))
+          entries[m].Append(JumpEntry<D>{rows.dofs[j], points->area[m] * Vec<D>(rows.slip.Col(j))});
+      }
+    });
+    surfaces.jump->TakeRows(entries);
+    return *surfaces.jump;
+  }
+
+  void Commit(FlatVector<>, FlatArray<MacroState>, FlatArray<MacroState>) override {
+    accepted = now;
+  }
+  void Restore() override { now = accepted; }
+  void Save(FormHistory &) const override {}
+  void Load(const FormHistory &) override { accepted = now; }
+
+private:
+  Coupling CouplingAt(size_t m, bool pushes) const {
+    return CouplingOf<D>(*slave_shapes, *master_shapes, *points, nullptr, m, pushes);
+  }
+
+  MacroRows<D> RowsAt(size_t m, const Coupling & coupling, const Vec<D> & traction,
+                      LocalHeap & lh) const {
+    MacroRows<D> rows(coupling.dofs, coupling.turning);
+    AddTie<D>(now->surfaces, *points, m, traction, rows, lh);
+    return rows;
+  }
+
+  /// Heap for blocks of the dofs of two faces: their size grows with the order.
+  size_t BlockHeap() const {
+    size_t functions = D * size_t(pow(surfaces.slave->Degree() + 1, D - 1));
+    return 20 * 1000 * 1000 + 300 * sqr(functions);
+  }
+};
+} // namespace
+
+template <int D>
+unique_ptr<Kinematics<D>> MakeFiniteTie(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                        const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
+  return make_unique<FiniteTie<D>>(setup, space, u, law);
+}
+
+#define INSTANTIATE(D)                                                                             \
+  template unique_ptr<Kinematics<D>> MakeFiniteTie(const ContactSetup &, shared_ptr<LACSpace>,     \
+                                                   const ProxyInfo &, shared_ptr<MacroLaw<D>>);
+INSTANTIATE(2)
+INSTANTIATE(3)
+} // namespace ngslac
