@@ -9,6 +9,8 @@ void ExportSpace(py::module & m);
 void ExportBubble(py::module & m);
 void ExportQueries(py::module & m);
 void ExportLinear(py::module & m);
+void ExportTool(py::module & m);
+void ExportRigidTool(py::module & m);
 void ExportContact(py::module & m);
 void ExportSystem(py::module & m);
 } // namespace ngslac
@@ -22,6 +24,8 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportBubble(m);
   ExportQueries(m);
   ExportLinear(m);
+  ExportTool(m);
+  ExportRigidTool(m);
   ExportContact(m);
   ExportSystem(m);
 }

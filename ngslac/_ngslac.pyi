@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'Side', 'SplitSlaveFaces', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'Side', 'SplitSlaveFaces', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -115,6 +115,45 @@ class LACSpace(ngsolve.comp.FESpace):
         """
         The slave surface (Region).
         """
+class ToolShape:
+    @staticmethod
+    def Ball(arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], arg1: typing.SupportsFloat | typing.SupportsIndex, arg2: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> ToolShape:
+        ...
+    @staticmethod
+    def Expression(arg0: ngsolve.fem.CoefficientFunction, arg1: typing.SupportsInt | typing.SupportsIndex) -> ToolShape:
+        ...
+    @staticmethod
+    def Facets(arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], arg1: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], arg2: typing.SupportsInt | typing.SupportsIndex, arg3: bool) -> ToolShape:
+        ...
+    @staticmethod
+    def HalfSpace(arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> ToolShape:
+        ...
+    @staticmethod
+    def Revolution(arg0: ToolShape, arg1: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], arg2: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> ToolShape:
+        ...
+    @staticmethod
+    def Wedge(arg0: typing.SupportsFloat | typing.SupportsIndex) -> ToolShape:
+        ...
+    def Complement(self) -> ToolShape:
+        ...
+    def Evaluate(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> tuple[list[float], list[float], list[float]]:
+        ...
+    def Grown(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> ToolShape:
+        ...
+    def Together(self, arg0: ToolShape) -> ToolShape:
+        ...
+    @property
+    def dim(self) -> int:
+        ...
+class ToolMotion:
+    def __init__(self, shift: ngsolve.fem.CoefficientFunction, angle: ngsolve.fem.CoefficientFunction, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
+        ...
+class ToolDrive:
+    def __init__(self, travel: ngsolve.fem.CoefficientFunction, load: ngsolve.fem.CoefficientFunction, component: typing.SupportsInt | typing.SupportsIndex, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
+        ...
+class RigidTool:
+    def __init__(self, shape: ToolShape, motions: collections.abc.Sequence[ToolMotion], drives: collections.abc.Sequence[ToolDrive]) -> None:
+        ...
 class Side:
     """
     Members:
@@ -214,13 +253,17 @@ class ContactForm:
         ...
     def States(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
+    def ToolDofs(self) -> numpy.typing.NDArray[numpy.int32]:
+        ...
+    def ToolRows(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
     def Update(self, gf: ngsolve.comp.GridFunction = None, history: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64]] | None = None) -> None:
         ...
     def UpdateMultipliers(self, x: ngsolve.la.BaseVector, factor: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         ...
     def Vectors(self, arg0: str) -> numpy.typing.NDArray[numpy.float64]:
         ...
-    def __init__(self, *, u: ngsolve.fem.CoefficientFunction, lam: ngsolve.fem.CoefficientFunction, master: ngsolve.comp.Region | None = None, obstacle: ngsolve.fem.CoefficientFunction = None, friction: ngsolve.fem.CoefficientFunction = None, tresca: ngsolve.fem.CoefficientFunction = None, offset: ngsolve.fem.CoefficientFunction = None, tied: bool = False, bilateral: bool = False, finite: bool = False, adjust: typing.SupportsFloat | typing.SupportsIndex = 0.0, maxdist: typing.SupportsFloat | typing.SupportsIndex = 0.0, penetration: typing.SupportsFloat | typing.SupportsIndex = 0.0, active: bool = True) -> None:
+    def __init__(self, *, u: ngsolve.fem.CoefficientFunction, lam: ngsolve.fem.CoefficientFunction, master: ngsolve.comp.Region | None = None, obstacle: ngsolve.fem.CoefficientFunction = None, friction: ngsolve.fem.CoefficientFunction = None, tresca: ngsolve.fem.CoefficientFunction = None, offset: ngsolve.fem.CoefficientFunction = None, tool: RigidTool | None = None, tied: bool = False, bilateral: bool = False, finite: bool = False, adjust: typing.SupportsFloat | typing.SupportsIndex = 0.0, maxdist: typing.SupportsFloat | typing.SupportsIndex = 0.0, penetration: typing.SupportsFloat | typing.SupportsIndex = 0.0, active: bool = True) -> None:
         ...
     @property
     def active(self) -> bool:
@@ -420,6 +463,8 @@ def DofFingerprint(fes: ngsolve.comp.FESpace) -> int:
     """
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...
+def FacetCorners(arg0: ngsolve.comp.Region, arg1: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
+    ...
 def HoldsProxy(function: ngsolve.fem.CoefficientFunction) -> bool:
     """
     Does a function hold a trial or test function, which has no values?
@@ -433,6 +478,8 @@ def MergeMatrices(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequenc
     diag(scale) (bulk + contacts) diag(scale). Of `former`, merged from the same bulk with the
     same scale, only rows with contact are written anew, where the graph is the same.
     """
+def PlacementOf(arg0: collections.abc.Sequence[ToolMotion], arg1: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
+    ...
 def PolygonDifference(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[list[typing.Annotated[list[float], "FixedSize(2)"]]]:
     ...
 def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[typing.Annotated[list[float], "FixedSize(2)"]]:

@@ -13,8 +13,10 @@ BELOW = {
     "surface": ["mesh"],
     "pairing": ["mesh", "surface"],
     "space": ["mesh", "surface", "pairing"],
-    "contact": ["linear", "mesh", "surface", "pairing", "space"],
+    "tool": ["mesh", "surface", "pairing"],
+    "contact": ["linear", "mesh", "surface", "pairing", "space", "tool"],
     "contact/finite": ["linear", "mesh", "surface", "pairing", "space", "contact"],
+    "contact/tool": ["pairing", "tool", "contact", "contact/finite"],
 }
 SOURCES = {str(p.relative_to(CPP)): p for p in sorted(CPP.rglob("*.[ch]pp"))}
 ROOT = {name for name in SOURCES if "/" not in name}

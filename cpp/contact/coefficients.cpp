@@ -1,4 +1,5 @@
 #include "coefficients.hpp"
+#include "tool/leaves.hpp"
 
 namespace ngslac {
 namespace {
@@ -22,7 +23,7 @@ Watch::Watch(shared_ptr<CoefficientFunction> afunction) : function(afunction) {
       return;
     if (dynamic_cast<ParameterCoefficientFunction<double> *>(&node))
       parameters.Append(node.shared_from_this());
-    else if (!dynamic_cast<ConstantCoefficientFunction *>(&node) && !IsCoordinate(node))
+    else if (!IsNumber(node) && !IsCoordinate(node))
       fixed = false;
   });
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include "jump.hpp"
 #include "law.hpp"
+#include "rigidtool.hpp"
 #include <map>
 
 namespace ngslac {
@@ -12,6 +13,7 @@ struct ContactSetup {
   shared_ptr<CoefficientFunction> friction;  // Coulomb's coefficient, null: frictionless
   shared_ptr<CoefficientFunction> threshold; // Tresca's bound, null: none
   shared_ptr<CoefficientFunction> offset;    // added to the gap, null: nothing
+  shared_ptr<RigidTool> tool;                // a rigid one in place of a master
   bool tied = false;
   bool bilateral = false; // surfaces slide, but do not separate
   bool finite = false;    // sliding and deformation may be large
@@ -107,6 +109,11 @@ public:
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
   FlatArray<MacroState> States() const { return states; }
+  /// Scalar dofs of what is unknown of the motion of a rigid tool.
+  virtual FlatArray<int> ToolDofs() const = 0;
+  /// What the macro-elements see of them, as JumpMatrix tells it of displacements: d rows each, a
+  /// number for each unknown.
+  virtual Array<double> ToolRows() const = 0;
   /// d scalar dofs per macro-element
   virtual FlatArray<int> MultiplierDofs() const = 0;
   shared_ptr<LACSpace> Space() const { return space; }

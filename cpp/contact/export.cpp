@@ -20,22 +20,23 @@ void ExportContact(py::module & m) {
       .value("master", Side::master)
       .value("both", Side::both);
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
-      .def(py::init(
-               [](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
-                  optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
-                  shared_ptr<CoefficientFunction> friction, shared_ptr<CoefficientFunction> tresca,
-                  shared_ptr<CoefficientFunction> offset, bool tied, bool bilateral, bool finite,
-                  double adjust, double maxdist, double penetration, bool active) {
-                 return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                         offset, tied, bilateral, finite, adjust,
-                                                         maxdist, penetration, active});
-               }),
+      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                       shared_ptr<CoefficientFunction> friction,
+                       shared_ptr<CoefficientFunction> tresca,
+                       shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool,
+                       bool tied, bool bilateral, bool finite, double adjust, double maxdist,
+                       double penetration, bool active) {
+             return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
+                                                     offset, tool, tied, bilateral, finite, adjust,
+                                                     maxdist, penetration, active});
+           }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
            py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
-           py::arg("tied") = false, py::arg("bilateral") = false, py::arg("finite") = false,
-           py::arg("adjust") = 0.0, py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0,
-           py::arg("active") = true)
+           py::arg("tool") = nullptr, py::arg("tied") = false, py::arg("bilateral") = false,
+           py::arg("finite") = false, py::arg("adjust") = 0.0, py::arg("maxdist") = 0.0,
+           py::arg("penetration") = 0.0, py::arg("active") = true)
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
@@ -112,6 +113,8 @@ void ExportContact(py::module & m) {
            })
       .def("MultiplierDofs",
            [](ContactForm & self) { return ToNumPy(Array<int>(self.MultiplierDofs())); })
+      .def("ToolDofs", [](ContactForm & self) { return ToNumPy(Array<int>(self.ToolDofs())); })
+      .def("ToolRows", [](ContactForm & self) { return ToNumPy(self.ToolRows()); })
       .def("Segments",
            [](ContactForm & self) {
              auto table = self.Segments();

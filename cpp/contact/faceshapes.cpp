@@ -182,6 +182,18 @@ void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVec
   }
 }
 
+template <int D>
+void FaceShapes<D>::AddForces(size_t face, FlatMatrixFixWidth<D> forces, Scatter & y,
+                              LocalHeap & lh) const {
+  FlatVector<> by_dofs = forces.AsVector();
+  if (!IsPlain(face)) {
+    by_dofs.AssignMemory(dofs[face].Size(), lh);
+    by_dofs = Trans(conversion[face]) * forces.AsVector();
+  }
+  for (int j : Range(dofs[face]))
+    y.Add(dofs[face][j], by_dofs(j));
+}
+
 template class FaceShapes<2>;
 template class FaceShapes<3>;
 } // namespace ngslac

@@ -1,5 +1,6 @@
 #pragma once
 #include "jump.hpp"
+#include "linear/scatter.hpp"
 
 namespace ngslac {
 /// The trace of a displacement on the faces of a surface, by polynomials of reference coordinates.
@@ -35,6 +36,8 @@ public:
   Values Calc(size_t face, Vec<D - 1> xi, LocalHeap & lh) const;
   /// Adds a factor times the values of the scalar functions.
   void AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum, LocalHeap & lh) const;
+  /// Adds forces on the scalar functions of a face to those on its dofs.
+  void AddForces(size_t face, FlatMatrixFixWidth<D> forces, Scatter & y, LocalHeap & lh) const;
 
 private:
   void SetFace(size_t face, FlatMatrix<> values, FlatArray<int> numbers, const Matrix<> & control);

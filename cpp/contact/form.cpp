@@ -7,11 +7,11 @@ template <int D>
 unique_ptr<Kinematics<D>> MakeKinematics(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
   if (setup.finite && setup.obstacle)
-    throw Exception("LACContact: finite=True needs a master surface; for a rigid obstacle mesh a "
-                    "body and fix it");
-  auto make = !setup.finite ? MakeSmallSliding<D>
-              : setup.tied  ? MakeFiniteTie<D>
-                            : MakeFiniteSliding<D>;
+    throw Exception("LACContact: finite=True needs a master surface, or a tool in space");
+  auto make = setup.tool      ? MakeToolSliding<D>
+              : !setup.finite ? MakeSmallSliding<D>
+              : setup.tied    ? MakeFiniteTie<D>
+                              : MakeFiniteSliding<D>;
   return make(setup, space, u, law);
 }
 } // namespace
@@ -94,6 +94,7 @@ void Form<D>::AddApply(const BaseVector & bx, BaseVector & by) {
     law->AddResidual(m, place, law->ProjectAt(m, place, x), x, y);
   });
   kinematics->AddAllForces(x, y);
+  kinematics->AddLoads(y);
 }
 
 template <int D>
@@ -118,6 +119,7 @@ void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
   });
   Linearize(x, projections, Rim::moves);
   kinematics->AddAllForces(x, y);
+  kinematics->AddLoads(y);
 }
 
 template <int D>
@@ -134,6 +136,7 @@ shared_ptr<SparseMatrix<double>> Form<D>::AssembleAugmented(const BaseVector & b
     tractions[m] = projections[m].traction;
     kinematics->AddForces(m, tractions[m], forces, lh);
   });
+  kinematics->AddLoads(y);
   mat = kinematics->Linearize(x, projections, tractions, Rim::moves);
   return Penalized();
 }
@@ -251,6 +254,13 @@ void Form<D>::AddScale(FlatVector<> scale) {
   for (size_t m : Range(states))
     for (int k : Range(D))
       scale(law->dofs[D * m + k]) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
+  for (int i : Range(ToolDofs())) { // as if all of the slave were in contact, and elastic
+    double stiffness = 0;
+    for (size_t m : Range(states))
+      stiffness +=
+          law->c[m] / kinematics->Jump().RowArea(m) * L2Norm2(kinematics->ToolIntegral(m, i));
+    scale(ToolDofs()[i]) = stiffness > 0 ? 1 / sqrt(stiffness) : 1;
+  }
 }
 
 // --- checks --------------------------------------------------------------------------------------

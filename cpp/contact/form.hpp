@@ -38,6 +38,8 @@ public:
   Array<double> Overlaps() const override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
   void SetActive(bool active) override;
+  FlatArray<int> ToolDofs() const override { return kinematics->ToolDofs(); }
+  Array<double> ToolRows() const override;
   bool IsCurrent() const override;
 
 private:

@@ -96,6 +96,17 @@ shared_ptr<SparseMatrix<double>> Form<D>::JumpMatrix(Side side) {
 }
 
 template <int D>
+Array<double> Form<D>::ToolRows() const {
+  CheckPaired();
+  Array<double> rows;
+  for (size_t m : Range(states))
+    for (int k : Range(D))
+      for (int i : Range(ToolDofs()))
+        rows.Append(-kinematics->ToolIntegral(m, i)(k));
+  return rows;
+}
+
+template <int D>
 Array<double> Form<D>::Vectors(const string & name) const {
   CheckPaired();
   Array<double> values;

@@ -41,6 +41,11 @@ public:
   virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
   /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
   virtual void Lean(FlatArray<double> /* vectors */) {}
+  /// Subtracts loads that act on the other body.
+  virtual void AddLoads(FlatVector<> /* y */) const {}
+  /// Unknown motions of a rigid master, and the integral of one of them over a macro-element.
+  virtual FlatArray<int> ToolDofs() const { return FlatArray<int>(); }
+  virtual Vec<D> ToolIntegral(size_t /* m */, int /* unknown */) const { return Vec<D>(0.0); }
   /// Resultant of a traction, and its moment about the origin.
   virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
   /// The matrix at x where the projections are these, and the forces are those of the tractions.
@@ -90,6 +95,11 @@ protected:
                    state.gap < 10 * approach;
     return touches ? state.gap / approach : 0;
   }
+  /// The part of a step's slip that comes again until the touch, whatever that will be.
+  static Vec<D> SlipBeforeTouch(const MacroState & state, double approach, const Vec<D> & slip) {
+    double time = TimeToTouch(state, approach, sqrt(sqr(approach) + L2Norm2(slip)));
+    return (time > 1 ? 1 / time : time) * slip; // if it touches earlier, slip must not turn round
+  }
 
   ContactSetup setup;
   shared_ptr<LACSpace> space;
@@ -103,6 +113,9 @@ protected:
 template <int D>
 unique_ptr<Kinematics<D>> MakeSmallSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                            const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+template <int D>
+unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
 template <int D>
 unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                             const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);

@@ -12,13 +12,13 @@ class SmallSliding : public Kinematics<D> {
 
   Watch watch_obstacle{setup.obstacle};
   shared_ptr<SparseMatrix<double>> mat;
-  Array<Vec<D>> gapvector; // mean of x1 - x2 at u = 0
+  Array<Vec<D>> gapvector;                   // mean of x1 - x2 at u = 0
   Array<Vec<D>> slave_normal, master_normal; // means over the paired part
   double share = 0.5;                        // of the master in the stiffness of both bodies
-  Array<Vec<D>> direction; // in which macro-elements and their partners push
-  Array<Vec<D>> committed; // mean of u1 - u2 at the last committed step
-  Array<Vec<D>> tied;      // mean of x1 - x2 at the last Start, which tied surfaces keep
-  Array<int> loaded;       // rows of the displacements that have forces
+  Array<Vec<D>> direction;                   // in which macro-elements and their partners push
+  Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
+  Array<Vec<D>> tied; // mean of x1 - x2 at the last Start, which tied surfaces keep
+  Array<int> loaded;  // rows of the displacements that have forces
   struct {
     shared_ptr<Pairing<D>> pairing;
     Array<Vec<D>> gapvector;

@@ -54,7 +54,41 @@ public:
     }
   }
 
+  /// Calls f(item) for the items whose boxes are nearer to a point than a limit (squared), which f
+  /// may lower; mostly the nearer ones first.
+  template <typename F>
+  void VisitNear(const netgen::Point<D> & p, const double & limit, F f) const {
+    ArrayMem<int, 100> stack;
+    if (nodes.Size())
+      stack.Append(0);
+    while (stack.Size()) {
+      int i = stack.Last();
+      stack.DeleteLast();
+      auto & node = nodes[i];
+      if (Square(p, node.box) >= limit)
+        continue;
+      if (node.right) {
+        bool left = Square(p, nodes[i + 1].box) < Square(p, nodes[node.right].box);
+        stack.Append(left ? node.right : i + 1);
+        stack.Append(left ? i + 1 : node.right);
+      } else
+        for (int k : Range(node.first, node.last))
+          if (Square(p, boxes[items[k]]) < limit)
+            f(items[k]);
+    }
+  }
+
 private:
+  /// Of the distance between a point and a box.
+  static double Square(const netgen::Point<D> & p, const netgen::Box<D> & box) {
+    double sum = 0;
+    for (int k = 0; k < D; k++) {
+      double apart = std::max({box.PMin()(k) - p(k), p(k) - box.PMax()(k), 0.0});
+      sum += apart * apart;
+    }
+    return sum;
+  }
+
   void Build(int first, int last) {
     netgen::Box<D> all(netgen::Box<D>::EMPTY_BOX), centers(netgen::Box<D>::EMPTY_BOX);
     for (int k : Range(first, last)) {

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import csr_matrix, vstack
 
-from ngslac.bodies.constraints import ActiveRows
+from ngslac.bodies.constraints import ActiveRows, ToolDofs
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
 from ngslac.bodies.rigidmotions import RigidMotions
@@ -98,23 +98,30 @@ class Bodies:
 
     def Floating(self, contacts, holds="now"):
         """Descriptions of the free rigid motions that contact leaves, see `ActiveRows`."""
-        if not self.floating:
+        tools = ToolDofs(contacts)
+        if not self.floating and not len(tools):
             return []
         left = self._Left(contacts, holds)
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
         place = self._Places()
         coordinates = np.zeros((len(self.floating), len(self.names), len(place)))
-        together = np.concatenate([motions for _, motions in self.floating], axis=1)
-        coordinates[place, :, np.arange(len(place))] = together.T
-        wanted = coordinates.reshape(-1, len(place)) @ left
+        for at, (body, weights) in enumerate(zip(place, self._Weights(), strict=True)):
+            coordinates[body, :, at] = weights
+        coordinates = coordinates.reshape(len(self.floating) * len(self.names), len(place))
+        of_bodies = coordinates @ left[: len(place)]
+        wanted = np.concatenate([of_bodies, left[len(place) :]])
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = qr(wanted.T, pivoting=True)
         chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: left.shape[1]])]
-        return [
-            f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
-            for body, k in chosen
-        ]
+        return [self._Named(body, k) for body, k in chosen]
+
+    def _Named(self, body, k):
+        """A motion that nothing prevents; after those of bodies the unknowns of tools count on."""
+        if body < len(self.floating):
+            return f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
+        number = (body - len(self.floating)) * len(self.names) + k
+        return f"the tool floats (unknown {number + 1} of its motion)"
 
     def AreIdle(self, contacts, holds, forces, least):
         """Do no forces push along the motions that contact leaves? Then bodies may stay.
@@ -128,25 +135,34 @@ class Bodies:
         least : float
             Norm of scaled forces that are none.
         """
-        if not self.floating:
+        tools = ToolDofs(contacts)
+        if not self.floating and not len(tools):
             return False  # what is held, if only just, may not stay anywhere else
-        own = slice(self.first, self.first + self.count)
-        scaled, factors = (values[own] for values in forces)
+        scaled, factors = forces
         left = self._Left(contacts, holds)
-        weights, at = np.zeros((self.count, left.shape[1])), 0
+        if len(tools) and not left.shape[1]:
+            return False
+        weights, at = np.zeros((len(scaled), left.shape[1])), 0
         for part, combinations in self.floating:
             inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
             moved = self.motions[inside] @ (combinations @ left[at : at + count])
-            weights[inside], at = moved * factors[inside, None], at + count
+            weights[self.first + inside], at = moved, at + count
+        weights[tools] = left[at:]
+        weights *= factors[:, None]
         works, gross = np.abs(scaled @ weights), np.abs(scaled) @ np.abs(weights)
         none = least * np.linalg.norm(weights, axis=0)
         return bool(np.all(works <= np.maximum(1e-8 * gross, none)))
 
     def _Left(self, contacts, holds):
-        """The motions that contact leaves, as columns of weights of all `combinations`."""
+        """The motions that contact leaves: columns of weights of all motions, and of tools."""
         rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
         prevented = [self._Jump(rows, part) @ motions for part, motions in self.floating]
+        prevented.append(rows[:, ToolDofs(contacts)].toarray())
         return NullSpace(np.concatenate(prevented, axis=1))
+
+    def _Weights(self):
+        """All combinations, one after the other."""
+        return [weights for _, motions in self.floating for weights in motions.T]
 
     def _Places(self):
         """Which of the floating bodies each of all combinations belongs to."""

@@ -5,7 +5,10 @@ from scipy.sparse import bsr_matrix, csr_matrix, vstack
 
 from ngslac._ngslac import Side
 
-__all__ = ["ActiveRates", "ActiveRows", "JumpRows", "ToCSR"]
+__all__ = ["ActiveRates", "ActiveRows", "JumpRows", "ToCSR", "ToolDofs", "ToolRows", "ToolsSlipFar"]
+
+# Of the size of the slave: a tool that nothing but friction holds goes no farther at once.
+FAR_SLIP = 0.1
 
 
 def ToCSR(mat):
@@ -41,10 +44,17 @@ def ActiveRows(contact, holds="now"):
         ),
         shape=(len(slip), jump.shape[0]),
     )
-    rows = vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
+
+    def AtWork(jump):
+        return vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
+
+    rows = AtWork(jump)
     columns = rows.indices + form.offset * form.fes.dim
     shape = rows.shape[0], contact.nscalars
-    return csr_matrix((rows.data / table["fullarea"].mean(), columns, rows.indptr), shape=shape)
+    rows = csr_matrix((rows.data, columns, rows.indptr), shape=shape)
+    if len(form.ToolDofs()):
+        rows = rows + AtWork(ToolRows(contact))
+    return rows / table["fullarea"].mean()
 
 
 def _AtWork(contact, table, holds):
@@ -72,6 +82,40 @@ def ActiveRates(contact, rates):
     stick, slip = _AtWork(contact, table, "now")
     rates = rates * table["area"] / table["fullarea"].mean()
     return np.concatenate([(rates[:, None] * table["normal"])[stick].ravel(), rates[slip]])
+
+
+def ToolDofs(contacts):
+    """Scalar dofs of the unknown motions of tools, each once."""
+    return np.unique(np.concatenate([contact.form.ToolDofs() for contact in contacts]))
+
+
+def ToolsSlipFar(contacts, correction):
+    """Does a correction (n,) move a tool along the slave as far as no iterate should?"""
+    return any(_ToolWay(contact, correction) > FAR_SLIP for contact in contacts)
+
+
+def _ToolWay(contact, values):
+    """How far an unknown of a tool moves it along the slave, relative to the size of that."""
+    dofs, table = contact.form.ToolDofs(), contact.Table()
+    normal, area = table["normal"], table["area"].sum()
+    if not len(dofs) or not area:
+        return 0.0
+    rows = contact.form.ToolRows().reshape(*normal.shape, len(dofs))
+    rows = rows - normal[:, :, None] * np.einsum("md,mdt->mt", normal, rows)[:, None, :]
+    lengths = np.linalg.norm(rows, axis=1).sum(axis=0)
+    size = table["fullarea"].sum() ** (1 / (contact.mesh.dim - 1))
+    return np.max(np.abs(values[dofs]) * lengths) / (area * size)
+
+
+def ToolRows(contact):
+    """What each macro-element sees of the unknown motion of a tool, like `JumpRows`.
+
+    On all scalar dofs.
+    """
+    dofs, rows = contact.form.ToolDofs(), contact.form.ToolRows()
+    count = len(rows) // len(dofs)
+    starts = len(dofs) * np.arange(count + 1)
+    return csr_matrix((rows, np.tile(dofs, count), starts), shape=(count, contact.nscalars))
 
 
 def JumpRows(contact):

@@ -48,11 +48,12 @@ class LACContact:
     master : str or Region
         The other side; where `u` has no degrees of freedom there, a rigid body at rest.
         (NGSolve's ContactBoundary calls our slave its *master*.)
-    obstacle : float, CoefficientFunction or Parameter
+    obstacle : float, CoefficientFunction, Parameter or Tool
         Instead of a master: the gap to a rigid obstacle along the outward slave normal (> 0 open),
         as a function on the slave surface in the reference configuration. The obstacle moves where
         the function holds a Parameter, such as the load or the time; in dynamics it hits with its
-        velocity along the normal, relative to that of the slave.
+        velocity along the normal, relative to that of the slave. With ``finite=True``: a rigid tool
+        in space, see `ngslac.tools`, or its signed distance as a function of x, y, z.
     friction : float, CoefficientFunction or Parameter
         Coulomb's coefficient, >= 0. None: frictionless.
     tresca : float, CoefficientFunction or Parameter

@@ -12,6 +12,7 @@ from ngslac.arguments import (
     Coefficient,
     Wrong,
 )
+from ngslac.tools import SignedDistance, Tool
 
 __all__ = ["CheckedSetup"]
 
@@ -57,10 +58,27 @@ def CheckedSetup(
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
     region = None if master is None else RegionWithFaces(mesh, "master", master)
+    tool = _ToolOf(obstacle, mesh.dim, flags)
     least = {"friction": 0, "tresca": 0}
+    functions["obstacle"] = None if tool else obstacle
     functions = {
         name: Coefficient(name, value, least.get(name, -math.inf))
         for name, value in functions.items()
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
-    return {"u": u, "lam": lam, "master": region} | functions | flags | lengths
+    return {"u": u, "lam": lam, "master": region, "tool": tool} | functions | flags | lengths
+
+
+def _ToolOf(obstacle, dim, flags):
+    """The compiled tool; None for a gap function of small sliding, or no obstacle."""
+    if obstacle is None or not (flags["finite"] or isinstance(obstacle, Tool)):
+        return None
+    if not flags["finite"]:
+        raise ValueError("obstacle is a tool in space, which needs finite=True")
+    if flags["tied"]:
+        raise ValueError("a tool with finite=True cannot be tied: drop tied, or mesh the tool")
+    if not isinstance(obstacle, Tool):
+        obstacle = SignedDistance(obstacle, dim=dim)
+    if obstacle.dim != dim:
+        raise ValueError(f"obstacle is a tool in {obstacle.dim}D, the mesh is in {dim}D")
+    return obstacle.compiled

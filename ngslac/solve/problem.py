@@ -53,7 +53,7 @@ def CheckBulk(a):
 def CheckContacts(contacts, space, name="contacts"):
     """One contact or several as a list of contacts on one space, each with a lam of its own."""
     several = isinstance(contacts, Iterable) and not isinstance(contacts, (str, bytes))
-    found = {}
+    found, moved = {}, set()
     for contact in contacts if several else [contacts]:
         CheckInstance(name, contact, LACContact, "a LACContact, or a list of them")
         if contact.form.fes != space:
@@ -63,6 +63,13 @@ def CheckContacts(contacts, space, name="contacts"):
             )
         if contact.form.lamoffset in found:  # before the next: an endless iterable repeats itself
             raise ValueError(f"{name}: two contacts share one lam: give each a LACSpace of its own")
+        tools = {*contact.form.ToolDofs()}
+        if moved & tools:
+            raise ValueError(
+                f"{name}: two contacts have tools with the same unknown travel, whose loads would "
+                "count twice: give all that a driven tool touches to one LACSpace"
+            )
+        moved |= tools
         found[contact.form.lamoffset] = contact
     if not found:
         raise ValueError(f"{name} = {Shown(contacts)} is empty: give at least one LACContact")

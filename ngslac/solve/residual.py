@@ -180,8 +180,7 @@ class Residual:
                 f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
             )
         self.forces, self.scaled = forces, scaled
-        # No residual gets below the rounding errors of the stiffness times the displacement.
-        self.rounding = 1e-14 * Norm((vec.FV().NumPy() / scale)[~self.multipliers])
+        self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
         state = self._StateOf(bulk, honest)
         if honest:
             self.bulk.Remember(residual, state.merit)
@@ -210,6 +209,18 @@ class Residual:
             np.concatenate([t["area"] / t["fullarea"] for t in tables]),
             honest=honest,
         )
+
+    def _Rounding(self, scale, pushed):
+        """No residual gets below the rounding errors of the stiffness times the displacement.
+
+        Where nothing pushes, these may be none: then the rounding errors of positions count.
+        """
+        moved = 1e-14 * Norm((self.gf.vec.FV().NumPy() / scale)[~self.multipliers])
+        if pushed:
+            return moved
+        corners = np.asarray(self.gf.space.mesh.ngmesh.Coordinates())
+        size = np.ptp(corners, axis=0).max()
+        return max(moved, 1e-15 * Norm(size / scale[~self.multipliers]))
 
     def _CheckMultiplierLoads(self, scale):
         """Once per solve: what depends on the iterate, the matrix shows."""

@@ -6,6 +6,7 @@ from ngslac._ngslac import EquilibrationScale
 from ngslac.arguments import FillVector
 from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
+from ngslac.bodies.constraints import ToolDofs, ToolsSlipFar
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
@@ -16,6 +17,8 @@ __all__ = ["Saddle", "System"]
 LEAST_SIGHT = 1 / 8
 # Of the diagonal of the scaled matrix: it keeps bodies where they are that nothing pushes.
 IDLE_SHIFT = 1e-6
+# The same for tools that next to nothing holds, as where all contact slips under a roll.
+TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
 # Newton steps after which the method goes on only while the residual falls.
@@ -271,12 +274,23 @@ class System:
             if not self.idle:
                 found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
                 singular = self.linear.nearly_singular or self.linear.shifts
+                if ToolsSlipFar(self.contacts, found):
+                    found, singular = self._WithHeldTools(given, residual, accuracy), True
                 if not (singular and self.AreIdle("now")):
                     self.loose = bool(singular)
                     return found
             return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
 
         return self.Displace(residual, Solve, self.scheme.Matrices(self))
+
+    def _WithHeldTools(self, given, residual, accuracy):
+        """The solution with springs on the motions of tools, as weak as they may be."""
+        tools = np.isin(np.arange(len(residual)), ToolDofs(self.contacts))
+        for shift in TOOL_SHIFTS:
+            found = self.linear.Solve(*given, residual, shift * tools, accuracy)
+            if not ToolsSlipFar(self.contacts, found):
+                break
+        return found
 
     def Displace(self, residual, solve, mats):
         """The correction (n,) that belongs to a residual, which is changed.

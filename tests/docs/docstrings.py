@@ -1,8 +1,8 @@
 """What the public names are, and what their docstrings say, in numpy's style.
 
-Public are the names of `ngslac`, `ngslac.materials` and `ngslac.reference`, the classes of what
-their methods return, and all methods and properties of these classes without an underscore. The
-arguments of compiled classes are read from the stubs.
+Public are the names of `ngslac`, `ngslac.materials`, `ngslac.reference` and `ngslac.tools`, the
+classes of what their methods return, and all methods and properties of these classes without an
+underscore. The arguments of compiled classes are read from the stubs.
 """
 
 import ast
@@ -16,6 +16,7 @@ from pathlib import Path
 import ngslac
 import ngslac.materials
 import ngslac.reference
+import ngslac.tools
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
 from ngslac.recovery.recovered import Recovered
@@ -25,7 +26,16 @@ from ngslac.steps.load import Step
 
 STUBS = Path(ngslac.__file__).with_name("_ngslac.pyi")
 STUB_CLASSES = {n.name: n for n in ast.parse(STUBS.read_text()).body if hasattr(n, "bases")}
-RESULTS = (EnergyBalance, TimeStep, Iteration, ContactReport, Recovered, Segments, Step)
+RESULTS = (
+    EnergyBalance,
+    TimeStep,
+    Iteration,
+    ContactReport,
+    Recovered,
+    Segments,
+    Step,
+    ngslac.tools.Tool,
+)
 COMPILED = (ngslac.LACSpace, ngslac.BubbleVectorH1)
 # These check their arguments and raise ValueError.
 CHECKS = {"finite", "positive", "nonnegative", "poisson", "points", "interval"}
@@ -157,7 +167,7 @@ def _Members(cls, name):
 def PublicNames():
     """All of them."""
     things = {name: getattr(ngslac, name) for name in ngslac.__all__ if name[0] != "_"}
-    for room in (ngslac.materials, ngslac.reference):
+    for room in (ngslac.materials, ngslac.reference, ngslac.tools):
         things |= {name: getattr(room, name) for name in room.__all__}
     things |= {cls.__name__: cls for cls in RESULTS}
     names = []

@@ -94,6 +94,22 @@ RUNS = [
     ("bouncing", "--h 0.4 --dt 0.04 --end 0.2 --velocity 2 -1", {
         "steps": lambda steps: steps >= 5, "contact_end": approx(0.2),
     }, "friction_ratio", "bouncing.png bouncing_outside.vtu"),
+    ("belt", "--wrap 90 --thickness 0.02 --h 0.05", {
+        "ratio ratio_exact": lambda ratio, exact: ratio == approx(exact, rel=0.02),
+        "ratio_exact": approx(1.60198, abs=1e-5),
+    }, "T2/T1", "belt.png belt_drum.vtu"),
+    ("rolling", "--h 0.25 --steps 6", {
+        "thickness": lambda found: found == approx([0.75, 0.5], abs=0.02),
+        "volume": approx(1, abs=5e-3), "length": lambda length: length > 4.5,
+    }, "thickness after both passes", "rolling.png rolling_top.vtu"),
+    ("pyramid", "--h 0.5", {
+        "cone_ratio outer_cone_ratio": lambda *ratios: ratios == approx((1, 1), abs=0.06),
+        "pyramid_ratio": lambda ratio: 1.1 < ratio < 1.25,
+    }, "over Sneddon's", "pyramid.png pyramid_top.vtu"),
+    ("drawing", "--depth 0.03 --steps 6", {
+        "holder_force": approx(10, rel=1e-6), "balance": approx(0, abs=1e-6),
+        "draw_in punch_force": lambda *values: min(values) > 0,
+    }, "draw-in", "drawing.png drawing_die.vtu"),
 ]  # fmt: skip
 
 
@@ -134,6 +150,10 @@ HELP = [
     ("materials", 0.25, "--cases steel: invalid choice: 'steel'; --squeeze -1"),
     ("bouncing", 0.17, "--h 0; --thickness 1.5: must be less than the radius; "
      "--velocity 1 0.5: downwards; --end 0.02 --h 0.5 --quiet: in the air until the time 0.02"),
+    ("belt", 180.0, "--wrap 0; --friction -1; --thickness none; --h 0"),
+    ("rolling", 0.167, "--h 0; --steps 0; --friction -1"),
+    ("pyramid", 0.25, "--h 0"),
+    ("drawing", 0.04, "--h 0; --depth 0; --steps 0; --friction -1; --force 0"),
 ]  # fmt: skip
 
 

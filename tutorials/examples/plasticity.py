@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ngsolve import CF, GridFunction, Id, IfPos, InnerProduct, Trace, dx, exp, sqrt
+from ngsolve import CF, Det, GridFunction, Id, IfPos, InnerProduct, Trace, dx, exp, log, sqrt
 from ngsolve import Integrate as NGSolveIntegrate
 from ngsolve.comp import IntegrationRuleSpace
 
@@ -15,6 +15,26 @@ def PlaneStrain(gradient):
     """Small strain (3, 3) of a displacement gradient (2, 2)."""
     shear = 0.5 * (gradient[0, 1] + gradient[1, 0])
     return CF((gradient[0, 0], shear, 0, shear, gradient[1, 1], 0, 0, 0, 0), dims=(3, 3))
+
+
+def LogStrain(gradient):
+    """Hencky's strain ln(F^T F)/2 (3, 3) of a displacement gradient (2, 2), in plane strain.
+
+    The laws of small strains hold for it, with the elastic and the plastic part added up, where
+    strains are large (C. Miehe, N. Apel, M. Lambrecht, Comput. Methods Appl. Mech. Engrg. 191
+    (2002) 5383-5425).
+    """
+    F = Id(2) + gradient
+    C = F.trans * F
+    mean, volume = Trace(C) / 2, Det(C)
+    # The eigenvalues are mean (1 +- sqrt(q)), and atanh(sqrt(q))/sqrt(q) is smooth at 0.
+    q = 1 - volume / mean**2
+    root = sqrt(IfPos(q - 0.01, q, 0.01))
+    far = log((1 + root) / (1 - root)) / (2 * root)
+    near = 1 + q / 3 + q**2 / 5 + q**3 / 7 + q**4 / 9
+    strain = log(volume) / 4 * Id(2) + IfPos(q - 0.01, far, near) / 2 * (C / mean - Id(2))
+    entries = strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, 0
+    return CF(entries, dims=(3, 3))
 
 
 class J2Plasticity:

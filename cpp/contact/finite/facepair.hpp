@@ -3,11 +3,11 @@
 
 namespace ngslac {
 /// A slave and a master face whose scalar functions move: number D i + k is component k of function
-/// i, those of the slave first.
+/// i, those of the slave first. A tool has no faces.
 template <int D>
 class FacePair {
   const FaceShapes<D> & slave_shapes;
-  const FaceShapes<D> & master_shapes;
+  const FaceShapes<D> * master_shapes;
 
 public:
   const Segment & segment;
@@ -16,8 +16,13 @@ public:
 
   FacePair(const MovingSurfaces<D> & now, const Segment & asegment, const MacroRows<D> & rows,
            LocalHeap & lh)
-      : slave_shapes(now.slave_shapes), master_shapes(now.master_shapes), segment(asegment),
-        slaves(slave_shapes.Size(segment.slave)), masters(master_shapes.Size(segment.master)),
+      : FacePair(now.slave_shapes, &now.master_shapes, asegment, rows, lh) {}
+  /// `amaster_shapes`: null for a tool
+  FacePair(const FaceShapes<D> & aslave_shapes, const FaceShapes<D> * amaster_shapes,
+           const Segment & asegment, const MacroRows<D> & rows, LocalHeap & lh)
+      : slave_shapes(aslave_shapes), master_shapes(amaster_shapes), segment(asegment),
+        slaves(slave_shapes.Size(segment.slave)),
+        masters(master_shapes ? master_shapes->Size(segment.master) : 0),
         at(SlaveDofs().Size() + MasterDofs().Size(), lh) {
     int next = 0;
     for (auto & dofs : {SlaveDofs(), MasterDofs()})
@@ -26,7 +31,9 @@ public:
   }
 
   FlatArray<int> SlaveDofs() const { return slave_shapes.Dofs(segment.slave); }
-  FlatArray<int> MasterDofs() const { return master_shapes.Dofs(segment.master); }
+  FlatArray<int> MasterDofs() const {
+    return master_shapes ? master_shapes->Dofs(segment.master) : FlatArray<int>();
+  }
   /// of scalar functions times components
   int Size() const { return D * (slaves + masters); }
 
@@ -50,14 +57,16 @@ public:
 
 private:
   bool IsPlain() const {
-    return slave_shapes.IsPlain(segment.slave) && master_shapes.IsPlain(segment.master);
+    return slave_shapes.IsPlain(segment.slave) &&
+           (!master_shapes || master_shapes->IsPlain(segment.master));
   }
   FlatMatrix<> Conversion(LocalHeap & lh) const {
     FlatMatrix<> result(Size(), at.Size(), lh);
     result = 0.0;
     int n1 = D * slaves, dofs1 = SlaveDofs().Size();
     Set(slave_shapes, segment.slave, result.Rows(0, n1).Cols(0, dofs1));
-    Set(master_shapes, segment.master, result.Rows(n1, Size()).Cols(dofs1, at.Size()));
+    if (master_shapes)
+      Set(*master_shapes, segment.master, result.Rows(n1, Size()).Cols(dofs1, at.Size()));
     return result;
   }
   static void Set(const FaceShapes<D> & shapes, int face, SliceMatrix<> part) {

@@ -3,6 +3,7 @@
 #include "contact/selfcontact.hpp"
 #include "couplings.hpp"
 #include "forceblocks.hpp"
+#include "multiplierlines.hpp"
 #include "referenceareas.hpp"
 
 namespace ngslac {
@@ -169,7 +170,7 @@ public:
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     if (points->area[m] == 0 || !IsTraction(traction))
       return {Vec<D>(0.0), Vec<3>(0.0)};
-    return Resultant<D>(now->surfaces, *points, m, Parts(m, traction));
+    return Resultant<D>(now->surfaces.slave, *points, m, Parts(m, traction));
   }
 
   shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
@@ -180,14 +181,16 @@ public:
                                    Slides(m) ? start.get() : nullptr, m, IsTraction(tractions[m]));
     });
     auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
+    MultiplierLines<D> lines(*law, *mat);
     AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      SetMultiplierBlock(m, projections[m].derivative, *mat);
+      lines.SetMultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), projections[m].derivative);
       if (points->area[m] == 0)
         return;
       MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
       AddMotion(m, tractions[m], rim, rows, sum, lh);
-      SetForceColumns(m, rows, *mat);
-      AddConstraints(m, x, projections[m], rows, sum);
+      lines.SetForceColumns(m, now->mean[m].normal, rows);
+      Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+      lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows, sum);
     });
     return mat;
   }
@@ -199,10 +202,7 @@ public:
       Vec<D> slip = 0.0; // of all the step, what came before a touch included
       if (points->area[m] > 0 && Slides(m))
         slip = now->slip[m] - InnerProduct(now->slip[m], normal) * normal;
-      double motion = sqrt(sqr(approach) + L2Norm2(slip));
-      double time = this->TimeToTouch(states[m], approach, motion);
-      reference[m] =
-          (time > 1 ? 1 / time : time) * slip; // if it touches earlier, slip must not turn round
+      reference[m] = this->SlipBeforeTouch(states[m], approach, slip);
       reference[m] += law->ElasticSlip(m, normal, x);
       last_gap[m] = states[m].gap;
     }
@@ -242,7 +242,7 @@ private:
   Vec<D> Slip(size_t m) const {
     Vec<D> offset = reference[m];
     if (L2Norm2(offset) > 0)
-      offset = Carried<D>(now->surfaces, *start, m, offset);
+      offset = Carried<D>(now->surfaces.slave, *start, m, offset);
     return now->slip[m] - offset;
   }
 
@@ -283,49 +283,7 @@ private:
       return;
     AddSlip<D>(now->surfaces, *start, m, rows, lh);
     if (L2Norm2(reference[m]) > 0)
-      SubtractCarried<D>(now->surfaces, *start, m, reference[m], rows, lh);
-  }
-
-  void SetMultiplierBlock(size_t m, const ngbla::Mat<D, D> & derivative,
-                          SparseMatrix<double> & mat) const {
-    auto by_lam = law->MultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), derivative);
-    for (int k : Range(D))
-      for (int l : Range(D))
-        mat(law->dofs[D * m + k], law->dofs[D * m + l]) = by_lam(k, l);
-  }
-
-  /// The columns of a macro-element's multipliers.
-  void SetForceColumns(size_t m, const MacroRows<D> & rows, SparseMatrix<double> & mat) const {
-    auto & normal = now->mean[m].normal;
-    ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
-    for (int j : Range(rows.dofs)) {
-      Vec<D> force = across * Vec<D>(rows.force.Col(j)) + rows.squeeze(j) * normal;
-      for (int k : Range(D))
-        mat(rows.dofs[j], law->dofs[D * m + k]) = -force(k);
-    }
-  }
-
-  /// The rows of a macro-element's multipliers by the displacements.
-  void AddConstraints(size_t m, FlatVector<> x, const Projection<D> & p, const MacroRows<D> & rows,
-                      BlockSum & sum) const {
-    auto & mean = now->mean[m];
-    auto & normal = mean.normal;
-    Vec<D> slip = 0.0, multiplier = law->Multiplier(m, x);
-    if (Slides(m))
-      slip = Slip(m);
-    ngbla::Mat<D, D> across = Id<D>() - normal * Trans(normal);
-    auto compliance = law->ComplianceOf(m);
-    double area = points->area[m], c = law->c[m], gap = mean.gap + law->Clearance(m);
-    Matrix<> entries(D, rows.dofs.Size());
-    for (int j : Range(rows.dofs)) {
-      Vec<D> turn = rows.normal.Col(j);
-      Vec<D> moved = across * Vec<D>(rows.slip.Col(j));
-      moved -= InnerProduct(normal, slip) * turn + InnerProduct(turn, slip) * normal;
-      moved -= rows.gap(j) * normal + gap * turn;
-      moved += 1 / c * compliance.Turned(normal, turn, multiplier);
-      entries.Col(j) = area / c * (p.by_normal * turn) - area * (p.derivative * moved);
-    }
-    sum.Add(law->dofs.Range(D * m, D * (m + 1)), rows.dofs, std::move(entries));
+      SubtractCarried<D>(*slave_shapes, *start, m, reference[m], rows, lh);
   }
 };
 } // namespace

@@ -16,6 +16,21 @@ MacroRows<D>::MacroRows(FlatArray<int> adofs, FlatArray<int> aturning)
 }
 
 template <int D>
+void MacroRows<D>::MakeMeans(const MacroGap<D> & mean, double area, double share) {
+  double weight = 1 / area;
+  gap *= weight;
+  Mat<D, D> across = Id<D>() - mean.normal * Trans(mean.normal);
+  across *= 1 / mean.length;
+  for (int j : Range(dofs)) {
+    Vec<D> slave = weight * Vec<D>(normal.Col(j)), master = weight * Vec<D>(tilt.Col(j));
+    Vec<D> turn = share * (slave + master);
+    tilt.Col(j) = turn;
+    normal.Col(j) = across * Vec<D>(slave - turn);
+    squeeze(j) -= InnerProduct(mean.tilt, force.Col(j));
+  }
+}
+
+template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                     FlatArray<RayHit<D>> hits) {
   double gap = 0;
@@ -281,34 +296,8 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
         derivative.AddRim(pairing.rim[r], mean, lh);
     derivative.AddToRows(add, lh);
   });
-  double weight = 1 / points.area[macro];
-  rows.gap *= weight;
-  Mat<D, D> across = Id<D>() - mean.normal * Trans(mean.normal);
-  across *= 1 / mean.length;
-  for (int j : Range(rows.dofs)) {
-    Vec<D> slave = weight * Vec<D>(rows.normal.Col(j)), master = weight * Vec<D>(rows.tilt.Col(j));
-    Vec<D> tilt = now.share * (slave + master);
-    rows.tilt.Col(j) = tilt;
-    rows.normal.Col(j) = across * Vec<D>(slave - tilt);
-    rows.squeeze(j) -= InnerProduct(mean.tilt, rows.force.Col(j));
-  }
+  rows.MakeMeans(mean, points.area[macro], now.share);
 }
-
-namespace {
-/// Adds forces on the scalar functions of a face to those on its dofs.
-template <int D>
-void AddForces(const FaceShapes<D> & shapes, int face, FlatMatrixFixWidth<D> forces, Scatter & y,
-               LocalHeap & lh) {
-  auto dofs = shapes.Dofs(face);
-  FlatVector<> by_dofs = forces.AsVector();
-  if (!shapes.IsPlain(face)) {
-    by_dofs.AssignMemory(dofs.Size(), lh);
-    by_dofs = Trans(shapes.Conversion(face)) * forces.AsVector();
-  }
-  for (int j : Range(dofs))
-    y.Add(dofs[j], by_dofs(j));
-}
-} // namespace
 
 template <int D>
 void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
@@ -333,13 +322,13 @@ void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, s
         for (int j : Range(on_master))
           master.Row(j) += on_master(j) * force;
       }
-    AddForces<D>(now.slave_shapes, segment.slave, slave, y, lh);
-    AddForces<D>(now.master_shapes, segment.master, master, y, lh);
+    now.slave_shapes.AddForces(segment.slave, slave, y, lh);
+    now.master_shapes.AddForces(segment.master, master, y, lh);
   });
 }
 
 template <int D>
-pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<D> & points,
+pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & points,
                                size_t macro, const MacroTraction<D> & traction) {
   Vec<D> force = 0.0;
   Vec<3> moment = 0.0;
@@ -348,10 +337,10 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
       Vec<D> x;
       Mat<D, D - 1> dx;
-      now.slave.Evaluate(face, p.slave, x, dx);
-      Vec<D> part = p.weight * traction.At(now.slave.Normal(face, dx));
+      slave.Evaluate(face, p.slave, x, dx);
+      Vec<D> part = p.weight * traction.At(slave.Normal(face, dx));
       force += part;
-      moment += Moment(Vec<D>(now.slave.Origin() + x), part);
+      moment += Moment(Vec<D>(slave.Origin() + x), part);
     }
   }
   return {force, moment};
@@ -368,8 +357,8 @@ pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<
   template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
                             FlatArray<RayHit<D>>, const MacroTraction<D> &, Scatter &,             \
                             LocalHeap &);                                                          \
-  template pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> &, const MacroPoints<D> &,       \
-                                          size_t, const MacroTraction<D> &);
+  template pair<Vec<D>, Vec<3>> Resultant(const Surface<D> &, const MacroPoints<D> &, size_t,      \
+                                          const MacroTraction<D> &);
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

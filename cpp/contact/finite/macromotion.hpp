@@ -30,6 +30,9 @@ shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
                                       const Surface<D> & slave, const LACSpace & space,
                                       FlatArray<double> area);
 
+template <int D>
+struct MacroGap;
+
 /// Derivatives of what moves with a macro-element, a column for each dof.
 template <int D>
 struct MacroRows {
@@ -45,6 +48,8 @@ struct MacroRows {
   Matrix<> stiffness; // of the contact forces, a column for each turning dof
 
   MacroRows(FlatArray<int> adofs, FlatArray<int> aturning);
+  /// Turns integrals of gap and normals (that of the master in place of `tilt`) into the means.
+  void MakeMeans(const MacroGap<D> & mean, double area, double share);
   int Position(int dof) const { return PositionIn(dofs, dof); }
   int TurningPosition(int dof) const { return PositionIn(turning, dof); }
 
@@ -125,16 +130,16 @@ void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, s
 
 /// Resultant of a traction on the slave, and its moment about the origin (2D: the last component).
 template <int D>
-pair<Vec<D>, Vec<3>> Resultant(const MovingSurfaces<D> & now, const MacroPoints<D> & points,
+pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & points,
                                size_t macro, const MacroTraction<D> & traction);
 
 /// A tangential vector of the paired configuration, turned and stretched with the slave surface.
 template <int D>
-Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+Vec<D> Carried(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro,
                const Vec<D> & vector);
 /// Subtracts its derivative from that of the slip.
 template <int D>
-void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh);
 
 /// How far the slave slid along the master since the points were paired: the mean of the part of

@@ -94,23 +94,22 @@ void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_
 }
 
 template <int D>
-Vec<D> Carried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+Vec<D> Carried(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro,
                const Vec<D> & vector) {
   auto & segment = points.pairing->segments[points.segments[macro][0]];
   Vec<D> x;
   Mat<D, D - 1> dx;
-  now.slave.Evaluate(segment.slave, points.pairing->points[segment.first].slave, x, dx);
+  slave.Evaluate(segment.slave, points.pairing->points[segment.first].slave, x, dx);
   return dx * Vec<D - 1>(Trans(points.dual[macro]) * vector);
 }
 
 template <int D>
-void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
+void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh) {
   HeapReset hr(lh);
   auto & segment = points.pairing->segments[points.segments[macro][0]];
-  auto shapes =
-      now.slave_shapes.Calc(segment.slave, points.pairing->points[segment.first].slave, lh);
-  FacePair<D> faces(now, segment, rows, lh);
+  auto shapes = slave.Calc(segment.slave, points.pairing->points[segment.first].slave, lh);
+  FacePair<D> faces(slave, nullptr, segment, rows, lh);
   FlatMatrix<> columns(D, faces.Size(), lh);
   columns = 0.0;
   Vec<D - 1> components = Trans(points.dual[macro]) * vector;
@@ -125,9 +124,8 @@ void SubtractCarried(const MovingSurfaces<D> & now, const MacroPoints<D> & point
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template Vec<D> Carried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,               \
-                          const Vec<D> &);                                                         \
-  template void SubtractCarried(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,         \
+  template Vec<D> Carried(const Surface<D> &, const MacroPoints<D> &, size_t, const Vec<D> &);     \
+  template void SubtractCarried(const FaceShapes<D> &, const MacroPoints<D> &, size_t,             \
                                 const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
   template void AddSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, MacroRows<D> &, \

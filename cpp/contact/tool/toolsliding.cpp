@@ -1,0 +1,272 @@
+#include "contact/finite/couplings.hpp"
+#include "contact/finite/forceblocks.hpp"
+#include "contact/finite/multiplierlines.hpp"
+#include "contact/kinematics.hpp"
+#include "macrotool.hpp"
+
+namespace ngslac {
+namespace {
+/// What is known of one configuration; macro-elements that do not face the tool are left out.
+template <int D>
+struct ToolMotionNow {
+  ToolScene<D> scene;
+  int version; // of the tool's path
+  shared_ptr<const MacroPoints<D>> points;
+  Array<MacroGap<D>> mean;
+  Array<Vec<D>> slip; // since the last Commit
+};
+
+/// What slip counts from.
+template <int D>
+struct SlipStart {
+  shared_ptr<const MacroPoints<D>> points;
+  ToolPartners<D> partners;
+};
+
+/// A slave against a rigid tool, in the current configuration.
+///
+/// The points on the slave faces never change; which of them face the tool is told anew by Follow,
+/// and stays until the next one.
+template <int D>
+class ToolSliding : public Kinematics<D> {
+  using Base = Kinematics<D>;
+  using Base::finder, Base::law, Base::reference, Base::Size, Base::space, Base::surfaces, Base::u;
+  using Now = ToolMotionNow<D>;
+
+  ToolPath<D> path;
+  unique_ptr<Surface<D>> slave_reference;
+  unique_ptr<FaceShapes<D>> shapes;
+  shared_ptr<Pairing<D>> all;              // points, with all their weights
+  Array<double> fullarea;                  // in the reference configuration
+  shared_ptr<const MacroPoints<D>> points; // of the last Follow
+  shared_ptr<const SlipStart<D>> start;    // of the last Commit
+  Array<double> last_gap;                  // at the last Commit
+  shared_ptr<Now> now;                     // of the last At
+  struct {
+    Paired<D> surfaces;
+    shared_ptr<Now> motion;
+  } accepted; // at the last Commit
+
+public:
+  ToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space, const ProxyInfo & u,
+              shared_ptr<MacroLaw<D>> law)
+      : Base(setup, space, u, law), path(*setup.tool, u) {}
+
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x) override {
+    slave_reference = finder.Slave(nullptr);
+    shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
+    int degree = u.Order(*slave_reference) + 2 * (slave_reference->Degree() - 1);
+    all = AllPoints<D>(*slave_reference, 2 * degree);
+    fullarea = MacroJump<D>(*space, *slave_reference, *all).area;
+    law->Reset();
+    law->FindDofs(*slave_reference);
+    Follow(x);
+    reference.SetSize(Size()), last_gap.SetSize(Size());
+    reference = Vec<D>(0.0);
+    At(x);
+    this->AdjustStart(x);
+    for (size_t m : Range(last_gap))
+      last_gap[m] = Place(m, x).gap;
+    Accept();
+    return make_shared<SparseMatrix<double>>(0, 0);
+  }
+
+  void Reevaluate() override { path.Reevaluate(); }
+
+  void Save(FormHistory & history) const override { history["memory"] = last_gap; }
+  void Load(const FormHistory & history) override { last_gap = history.at("memory"); }
+
+  void Follow(FlatVector<> x) override {
+    path.Reevaluate();
+    auto slave = make_unique<Surface<D>>(shapes->Displaced(*slave_reference, x));
+    slave->CheckFinite();
+    auto pairing = FacingPoints<D>(*all, *slave, path.At(x));
+    this->Take(Paired<D>{std::move(slave), nullptr, pairing, nullptr});
+    surfaces.jump->fullarea = fullarea;
+    points = MakePoints<D>(pairing, *surfaces.slave, *space, surfaces.jump->area);
+  }
+
+  /// Finds distances and means, unless the configuration is still the same.
+  void At(FlatVector<> x) override {
+    auto slave = shapes->Displaced(*slave_reference, x);
+    auto tool = path.At(x);
+    bool same = now && now->points == points && now->version == path.Version() &&
+                now->scene.slave.HasShapeOf(slave) && now->scene.tool.place == tool.place;
+    if (same)
+      return;
+    now = make_shared<Now>(Now{{*shapes, std::move(slave), std::move(tool)},
+                               path.Version(),
+                               points,
+                               Array<MacroGap<D>>(Size()),
+                               Array<Vec<D>>(Size())});
+    ParallelFor(Size(), [&](size_t m) {
+      if (points->area[m] > 0)
+        now->mean[m] = MeanDistance<D>(now->scene, *points, m);
+    });
+    if (start)
+      FindSlip();
+  }
+
+  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+    auto & jump = *surfaces.jump;
+    Vec<D> none = 0.0;
+    if (points->area[m] == 0)
+      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m), Slides(m)};
+    auto & mean = now->mean[m];
+    Vec<D> slip = Slides(m) ? Slip(m) : none;
+    slip -= InnerProduct(slip, mean.normal) * mean.normal;
+    double gap = mean.gap + law->Clearance(m);
+    Vec<D> vanishing = slip - gap * mean.normal;
+    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
+  }
+
+  void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
+    if (points->area[m] > 0 && IsTraction(traction))
+      AddToolTraction<D>(now->scene, *points, m, Parts(m, traction), y, lh);
+  }
+
+  void AddLoads(FlatVector<> y) const override { path.AddLoads(y); }
+
+  FlatArray<int> ToolDofs() const override { return path.Dofs(); }
+
+  Vec<D> ToolIntegral(size_t m, int i) const override {
+    Vec<D> sum = 0.0;
+    auto & own = now->scene.tool.dofs[i];
+    for (int s : points->segments[m])
+      for (auto & p : points->pairing->points.Range(points->pairing->Points(s))) {
+        Vec<D> x = now->scene.slave.Point(points->pairing->segments[s].slave, p.slave);
+        sum += p.weight * own.At(now->scene.InSpace(x));
+      }
+    return sum;
+  }
+
+  pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
+    if (points->area[m] == 0 || !IsTraction(traction))
+      return {Vec<D>(0.0), Vec<3>(0.0)};
+    return Resultant<D>(now->scene.slave, *points, m, Parts(m, traction));
+  }
+
+  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
+                                             FlatArray<Vec<D>> tractions, Rim rim) override {
+    Array<Coupling> couplings(Size());
+    ParallelFor(Size(), [&](size_t m) { couplings[m] = CouplingOf(m, IsTraction(tractions[m])); });
+    auto mat = MatrixOf<D>(couplings, *shapes, law->dofs, x.Size());
+    MultiplierLines<D> lines(*law, *mat);
+    AddBlocksInOrder(Size(), *mat, 20 * 1000 * 1000, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+      auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
+      lines.SetMultiplierBlock(m, normal, surfaces.jump->RowArea(m), projections[m].derivative);
+      if (points->area[m] == 0)
+        return;
+      MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
+      AddMotion(m, tractions[m], rim, rows, sum, lh);
+      lines.SetForceColumns(m, normal, rows);
+      Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+      lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows, sum);
+    });
+    return mat;
+  }
+
+  void Commit(FlatVector<> x, FlatArray<MacroState>, FlatArray<MacroState> states) override {
+    for (size_t m : Range(Size())) {
+      auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
+      Vec<D> slip = 0.0; // of all the step, what came before a touch included
+      if (points->area[m] > 0 && Slides(m))
+        slip = now->slip[m] - InnerProduct(now->slip[m], normal) * normal;
+      reference[m] = this->SlipBeforeTouch(states[m], last_gap[m] - states[m].gap, slip);
+      reference[m] += law->ElasticSlip(m, normal, x);
+      last_gap[m] = states[m].gap;
+    }
+    Accept();
+  }
+
+  void Restore() override {
+    surfaces = accepted.surfaces;
+    now = accepted.motion;
+    points = start->points;
+    path.Forget();
+  }
+
+private:
+  void Accept() {
+    start = make_shared<SlipStart<D>>(
+        SlipStart<D>{points, PartnersOf<D>(*points->pairing, now->scene.slave, now->scene.tool)});
+    FindSlip();
+    accepted = {surfaces, now};
+  }
+
+  void FindSlip() {
+    ParallelFor(Size(), [&](size_t m) {
+      if (points->area[m] > 0 && Slides(m))
+        now->slip[m] = ToolSlip<D>(now->scene, *start->points, start->partners, m);
+    });
+  }
+
+  bool Slides(size_t m) const {
+    return start && start->points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+  }
+
+  MacroTraction<D> Parts(size_t m, const Vec<D> & traction) const {
+    return {traction, now->mean[m]};
+  }
+
+  /// Of this step; what an approaching macro-element moves until it touches is no slip.
+  Vec<D> Slip(size_t m) const {
+    Vec<D> offset = reference[m];
+    if (L2Norm2(offset) > 0)
+      offset = Carried<D>(now->scene.slave, *start->points, m, offset);
+    return now->slip[m] - offset;
+  }
+
+  /// Faces and the unknowns of the tool; forces act on faces as those of a master do. The unknowns
+  /// have a diagonal whatever touches, where the solver may hold them.
+  Coupling CouplingOf(size_t m, bool pushes) const {
+    Coupling result;
+    pushes = pushes || path.Dofs().Size();
+    if (points->area[m] == 0 && !pushes)
+      return result;
+    Array<int> faces, dofs(path.Dofs());
+    for (int s : points->segments[m]) {
+      faces.Append(points->pairing->segments[s].slave);
+      dofs += shapes->Dofs(faces.Last());
+    }
+    std::sort(faces.begin(), faces.end());
+    std::sort(dofs.begin(), dofs.end());
+    dofs.SetSize(std::unique(dofs.begin(), dofs.end()) - dofs.begin());
+    result.dofs = dofs;
+    result.turning = dofs;
+    if (pushes)
+      result.masters = faces;
+    return result;
+  }
+
+  /// Derivatives of what moves with a macro-element, and of its forces under a fixed traction.
+  void AddMotion(size_t m, const Vec<D> & traction, Rim rim, MacroRows<D> & rows, BlockSum & sum,
+                 LocalHeap & lh) const {
+    auto & mean = now->mean[m];
+    auto parts = Parts(m, traction);
+    AddToolDerivatives<D>(now->scene, *points, m, mean, parts, rim == Rim::moves, rows, lh);
+    if (!parts.IsZero())
+      AddStiffness(mean.normal, traction, parts.pressure, rows, sum);
+    if (!Slides(m))
+      return;
+    AddToolSlip<D>(now->scene, *start->points, start->partners, m, rows, lh);
+    if (L2Norm2(reference[m]) > 0)
+      SubtractCarried<D>(*shapes, *start->points, m, reference[m], rows, lh);
+  }
+};
+} // namespace
+
+template <int D>
+unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
+                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
+  if (!setup.finite || setup.tied)
+    throw Exception("LACContact: a tool in space needs finite=True, and no tied surfaces");
+  return make_unique<ToolSliding<D>>(setup, space, u, law);
+}
+
+#define INSTANTIATE(D)                                                                             \
+  template unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup &, shared_ptr<LACSpace>,   \
+                                                     const ProxyInfo &, shared_ptr<MacroLaw<D>>);
+INSTANTIATE(2)
+INSTANTIATE(3)
+} // namespace ngslac

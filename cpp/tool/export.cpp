@@ -1,0 +1,133 @@
+#include "expression.hpp"
+#include "facets.hpp"
+#include "facetsof.hpp"
+#include "shapes.hpp"
+#include <python_comp.hpp>
+
+namespace ngslac {
+namespace py = pybind11;
+
+namespace {
+using Numbers = std::vector<double>;
+using Shape = shared_ptr<ToolShape>;
+
+template <int D>
+Vec<D> AsVec(const Numbers & x) {
+  Vec<D> result;
+  for (int k : Range(D))
+    result(k) = x.at(k);
+  return result;
+}
+
+template <int D>
+SomeTool<D> Of(const Shape & shape) {
+  return dynamic_pointer_cast<SignedDistance<D>>(shape);
+}
+
+/// f.template operator()<D>() for the dimension.
+template <typename F>
+Shape InDimension(int dim, F f) {
+  return dim == 2 ? f.template operator()<2>() : f.template operator()<3>();
+}
+
+template <int D>
+Shape MakeFacets(const Numbers & points, const std::vector<int> & corners, bool closed) {
+  FacetList<D> list;
+  for (size_t i = 0; i < points.size(); i += D)
+    list.points.Append(AsVec<D>(Numbers(points.begin() + i, points.begin() + i + D)));
+  for (size_t i = 0; i < corners.size(); i += D) {
+    std::array<int, D> facet;
+    std::copy(corners.begin() + i, corners.begin() + i + D, facet.begin());
+    list.corners.Append(facet);
+  }
+  return make_shared<Facets<D>>(std::move(list), closed);
+}
+
+/// Values (n), gradients (n, d) and Hessians (n, d, d) at points (n, d), as flat numbers.
+template <int D>
+std::tuple<Numbers, Numbers, Numbers> Evaluate(const SignedDistance<D> & tool,
+                                               const Numbers & points) {
+  std::tuple<Numbers, Numbers, Numbers> result;
+  auto & [values, gradients, hessians] = result;
+  for (size_t i = 0; i < points.size(); i += D) {
+    Vec<D> x = AsVec<D>(Numbers(points.begin() + i, points.begin() + i + D));
+    auto near = tool.At(x);
+    auto second = tool.Hessian(x);
+    values.push_back(near.distance);
+    for (int k : Range(D)) {
+      gradients.push_back(near.gradient(k));
+      for (int l : Range(D))
+        hessians.push_back(second(k, l));
+    }
+  }
+  return result;
+}
+template <int D>
+Numbers FacetNumbers(const Region & region, int divisions) {
+  Numbers result;
+  for (auto & x : FacetCorners<D>(Surface<D>(region, nullptr, 1), divisions))
+    result.insert(result.end(), x.Data(), x.Data() + D);
+  return result;
+}
+} // namespace
+
+void ExportTool(py::module & m) {
+  m.def("FacetCorners", [](const Region & region, int divisions) {
+    return region.Mesh()->GetDimension() == 2 ? FacetNumbers<2>(region, divisions)
+                                              : FacetNumbers<3>(region, divisions);
+  });
+  py::class_<ToolShape, Shape>(m, "ToolShape")
+      .def_property_readonly("dim", &ToolShape::Dim)
+      .def("Evaluate",
+           [](const Shape & self, const Numbers & points) {
+             return self->Dim() == 2 ? Evaluate(*Of<2>(self), points)
+                                     : Evaluate(*Of<3>(self), points);
+           })
+      .def_static("HalfSpace",
+                  [](const Numbers & point, const Numbers & normal) {
+                    return InDimension(point.size(), [&]<int D>() -> Shape {
+                      return make_shared<HalfSpace<D>>(AsVec<D>(point), AsVec<D>(normal));
+                    });
+                  })
+      .def_static("Ball",
+                  [](const Numbers & center, double radius, const Numbers & axis) {
+                    return InDimension(center.size(), [&]<int D>() -> Shape {
+                      return make_shared<Ball<D>>(AsVec<D>(center), radius, AsVec<D>(axis));
+                    });
+                  })
+      .def_static("Wedge", [](double angle) -> Shape { return make_shared<Wedge>(angle); })
+      .def_static("Revolution",
+                  [](const Shape & profile, const Numbers & point, const Numbers & axis) -> Shape {
+                    return make_shared<Revolution>(Of<2>(profile), AsVec<3>(point), AsVec<3>(axis));
+                  })
+      .def_static(
+          "Facets",
+          [](const Numbers & points, const std::vector<int> & corners, int dim, bool closed) {
+            return InDimension(
+                dim, [&]<int D>() -> Shape { return MakeFacets<D>(points, corners, closed); });
+          })
+      .def_static("Expression",
+                  [](shared_ptr<CoefficientFunction> function, int dim) {
+                    return InDimension(dim, [&]<int D>() -> Shape {
+                      return make_shared<Expression<D>>(function);
+                    });
+                  })
+      .def("Grown",
+           [](const Shape & self, double by) {
+             return InDimension(self->Dim(), [&]<int D>() -> Shape {
+               return make_shared<Grown<D>>(Of<D>(self), by);
+             });
+           })
+      .def("Complement",
+           [](const Shape & self) {
+             return InDimension(self->Dim(), [&]<int D>() -> Shape {
+               return make_shared<Complement<D>>(Of<D>(self));
+             });
+           })
+      .def("Together", [](const Shape & self, const Shape & other) {
+        return InDimension(self->Dim(), [&]<int D>() -> Shape {
+          return make_shared<Together<D>>(Of<D>(self), Of<D>(other));
+        });
+      });
+}
+} // namespace ngslac

@@ -1,0 +1,47 @@
+#pragma once
+#include "distance.hpp"
+
+namespace ngslac {
+/// Where a tool is: its point y is at  turn y + shift.
+template <int D>
+struct Placement {
+  Mat<D, D> turn = Id<D>();
+  Vec<D> shift = Vec<D>(0.0);
+
+  Vec<D> ToSpace(const Vec<D> & y) const { return turn * y + shift; }
+  Vec<D> ToTool(const Vec<D> & x) const { return Trans(turn) * (x - shift); }
+  /// This motion first, then a rotation about a point of the space, then a shift.
+  void Turn(const Mat<D, D> & by, const Vec<D> & about);
+  void Shift(const Vec<D> & by) { shift += by; }
+  bool operator==(const Placement & other) const;
+};
+
+/// By an angle about an axis (2D: any, it points to the viewer), and its derivative at 0.
+template <int D>
+Mat<D, D> Rotation(double angle, const Vec<3> & axis);
+template <int D>
+Mat<D, D> Spin(const Vec<3> & axis);
+
+/// A rotation about an axis through a point, and then a shift, as functions of Parameters.
+struct ToolMotion {
+  shared_ptr<CoefficientFunction> shift, angle; // null: none
+  Vec<3> center, axis;
+};
+
+/// Throws where a function has no value without a point of the space.
+void CheckParametric(CoefficientFunction & function, const string & name);
+/// Values of such a function.
+Vec<3> ValuesOf(const CoefficientFunction & function);
+
+/// Where motions lead, one after the other; each counts in the space.
+template <int D>
+Placement<D> Follow(const std::vector<ToolMotion> & motions);
+
+template <int D>
+Vec<D> FirstOf(const Vec<3> & x) {
+  Vec<D> result;
+  for (int k : Range(D))
+    result(k) = x(k);
+  return result;
+}
+} // namespace ngslac
