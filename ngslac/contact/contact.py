@@ -6,7 +6,6 @@ from ngsolve import BaseMatrix, GridFunction
 
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
-    BoundaryNames,
     CheckDistinct,
     CheckInstance,
     CheckMoves,
@@ -161,22 +160,6 @@ class LACContact:
                 CheckDistinct(self.space.slave, region, remedy)
         self._solution = self._accepted = None  # entries at the last evaluation, and `Commit`
         self._MakeFields()
-
-    def __repr__(self):
-        sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
-        names = [repr(BoundaryNames(side)) for side in sides]
-        given = self._state.setup
-        laws = {"tied": self.tied, "bilateral": self.bilateral}
-        laws |= {"Coulomb friction": given["friction"] is not None}
-        laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
-        words = [word for word, holds in laws.items() if holds]
-        return (
-            f"<LACContact: {self.space.nmacros} macro-elements of {names[0]} against "
-            f"{'an obstacle' if self.master is None else names[1]}, "
-            + ", ".join(words or ["frictionless"])
-            + ("" if self.active else ", switched off")
-            + (">" if self.form.paired else ", not paired yet>")
-        )
 
     @property
     def form(self) -> ContactForm:
@@ -394,6 +377,7 @@ class LACContact:
 
     Activate = switch.Activate
     Deactivate = switch.Deactivate
+    __repr__ = results.Describe
     Table = results.Table
     Force = results.Force
     Moment = results.Moment

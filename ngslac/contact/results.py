@@ -1,15 +1,33 @@
-"""Methods of `LACContact` that tell of it: resultants, operators, segments, a report."""
+"""Methods of `LACContact` that tell of it: its line, resultants, operators, segments, a report."""
 
 import numpy as np
 from ngsolve import BaseMatrix
 
 from ngslac._ngslac import Side
-from ngslac.arguments import CheckPoint
+from ngslac.arguments import BoundaryNames, CheckPoint
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
 from ngslac.recovery.recovered import Recovered
 
-__all__ = ["Check", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
+__all__ = ["Check", "Describe", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
+
+
+def Describe(self) -> str:
+    """In a line: both sides, the law, and whether it is paired."""
+    sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
+    names = [repr(BoundaryNames(side)) for side in sides]
+    given = self._state.setup
+    laws = {"tied": self.tied, "bilateral": self.bilateral}
+    laws |= {"Coulomb friction": given["friction"] is not None}
+    laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
+    words = [word for word, holds in laws.items() if holds]
+    return (
+        f"<LACContact: {self.space.nmacros} macro-elements of {names[0]} against "
+        f"{'an obstacle' if self.master is None else names[1]}, "
+        + ", ".join(words or ["frictionless"])
+        + ("" if self.active else ", switched off")
+        + (">" if self.form.paired else ", not paired yet>")
+    )
 
 
 def Table(self) -> dict[str, np.ndarray]:

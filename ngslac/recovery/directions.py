@@ -30,7 +30,10 @@ def FitMeans(surface, rough, density, means, chosen):
     -------
     (n, k)
     """
+    values = np.zeros((len(surface.vertices), means.shape[1]))
     touched = np.flatnonzero(surface.touches.T @ chosen > 0)
+    if not len(touched):
+        return values
     share = np.bincount(surface.macro, surface.weight * density, surface.nmacros) * chosen
     rows = surface.Means(density)[:, touched]
     inner = rough[:, touched]
@@ -44,6 +47,5 @@ def FitMeans(surface, rough, density, means, chosen):
     found = surface.OnVertices(means * chosen[:, None])[touched]
     for _ in range(REFINEMENTS):
         found = found + factor.solve(right - matrix @ found)
-    values = np.zeros((len(surface.vertices), means.shape[1]))
     values[touched] = found
     return values

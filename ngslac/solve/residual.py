@@ -12,6 +12,8 @@ __all__ = ["Measurement", "Residual"]
 
 # What a residual keeps from one solve to the next.
 REMEMBERED = ("converged", "forces", "reference", "multipliers", "tol")
+# Displacements that are less of the size of the mesh are rounding errors.
+NO_MOTION = 1e-12
 
 
 @dataclass
@@ -213,13 +215,15 @@ class Residual:
     def _Rounding(self, scale, pushed):
         """No residual gets below the rounding errors of the stiffness times the displacement.
 
-        Where nothing pushes, these may be none: then the rounding errors of positions count.
+        Where nothing pushes or moves, these may be none: the rounding errors of positions count.
         """
-        moved = 1e-14 * Norm((self.gf.vec.FV().NumPy() / scale)[~self.multipliers])
+        displacement = self.gf.vec.FV().NumPy()[~self.multipliers]
+        moved = 1e-14 * Norm(displacement / scale[~self.multipliers])
         if pushed:
             return moved
-        corners = np.asarray(self.gf.space.mesh.ngmesh.Coordinates())
-        size = np.ptp(corners, axis=0).max()
+        size = np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
+        if np.abs(displacement).max() > NO_MOTION * size:
+            return moved
         return max(moved, 1e-15 * Norm(size / scale[~self.multipliers]))
 
     def _CheckMultiplierLoads(self, scale):

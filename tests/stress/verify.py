@@ -57,7 +57,8 @@ class Verifier:
         bound = side.friction * np.maximum(pressure, 0)
         # The mean normal errs where points are cut off at the end of the other surface, or of any
         # face of it where its normals count, too.
-        allowed = np.where(state.whole & (not side.finite), ALGEBRA, WORK[side.dim])
+        exact = state.whole & state.even & (not side.finite)
+        allowed = np.where(exact, ALGEBRA, WORK[side.dim])
         beyond = ((shear - bound) / allowed)[known]
         Require(beyond.max(initial=0), 1, f"{side.name}: too much friction")
         if side.last is not None:

@@ -21,6 +21,7 @@ class State:
     slip: np.ndarray  # since the state before
     covered: np.ndarray  # part of the area that has a partner
     whole: np.ndarray  # do the corners of all faces have one, too?
+    even: np.ndarray  # do all points meet the same normal?
     jump: np.ndarray
     directions: np.ndarray  # in which the pressure acts there
     hits: object
@@ -135,12 +136,13 @@ class Side:
         else:
             distance, _ = self._Jump(self.faces.position, self.master.position, hits)
         moved, met = self._Jump(u1, u2, hits)
-        directions = normals
+        directions, even = normals, np.ones(len(self.area), dtype=bool)
         if self.master:  # turned by the same tilt all over a macro-element
             other = self._MasterNormals(u2 if self.finite else 0 * u2, hits)
             tilt = self.share * (normals + other) * met[..., None]
             tilt = self._Sum(tilt) / np.maximum(self._Sum(met.astype(float)), 1e-300)[:, None]
             directions = normals - tilt[self.macro][:, None]
+            even = self._Spread(other, met) < 1e-9
         area = self._Sum(met.astype(float))
         mean = 1 / np.maximum(area, 1e-300)
         normal = self._Sum(directions * met[..., None])
@@ -154,7 +156,16 @@ class Side:
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
         covered = area / self.area
         traction = self.faces.Values(self.lam)[np.unique(self.macro, return_index=True)[1], 0]
-        return State(traction, normal, gap, slip, covered, whole, jump, directions, hits)
+        return State(traction, normal, gap, slip, covered, whole, even, jump, directions, hits)
+
+    def _Spread(self, values, met):
+        """How far vectors at the points with a partner are from those at others."""
+        far, near = (np.full((len(self.area), self.dim), sign * np.inf) for sign in (-1, 1))
+        of_faces = np.where(met[..., None], values, np.nan)
+        with np.errstate(all="ignore"):
+            np.maximum.at(far, self.macro, np.nan_to_num(np.nanmax(of_faces, axis=1), nan=-np.inf))
+            np.minimum.at(near, self.macro, np.nan_to_num(np.nanmin(of_faces, axis=1), nan=np.inf))
+        return np.max(far - near, axis=1)
 
     @property
     def share(self):

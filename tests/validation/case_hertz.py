@@ -196,7 +196,7 @@ OTHERS = {
 
 
 def Sides(quick):
-    options = {"h": 0.5 if quick else 0.25, "steps": 10 if quick else 20}
+    options = {"h": 0.25, "steps": 10 if quick else 20}
     first = Pressed(**options).states[-1]
     other = {name: Pressed(**options, **change).states[-1] for name, change in OTHERS.items()}
     slope = Neglected((Exact().halfwidth / 50) ** 2, "(a/R)^2")

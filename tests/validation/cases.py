@@ -28,6 +28,7 @@ case_halfring
 case_rubber
 case_ironing
 case_twistblocks
+case_tools
 case_materials
 case_series
 case_dynamics

@@ -62,7 +62,7 @@ def Quadratic(residuals):
     relative to the forces at work. One of the last two falls must be, and the last one must be by
     100 at least or end in rounding (1e-12). Linear convergence by a factor above 1e-2 fails.
     """
-    falls = [*pairwise(residuals)][-2:]
+    falls = [(a, b) for a, b in pairwise(residuals) if a > 1e-12][-2:]  # rounding falls nowhere
     quadratic = any(b <= min(1000 * a**2, 1e-2 * a) for a, b in falls)
     return not falls or (quadratic and falls[-1][1] <= max(1e-2 * falls[-1][0], 1e-12))
 

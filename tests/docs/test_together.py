@@ -1,0 +1,97 @@
+"""What works together: the table of docs/limits.md, each of its cells tried."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from netgen.meshing import NgException
+from ngsolve import CF
+from press import press, solved
+
+from ngslac import AugmentedLagrangianSolver, LoadStepper, TimeStepper, tools
+
+LIMITS = Path(__file__).resolve().parents[2] / "docs" / "limits.md"
+FLOOR = {2: ((0, 0), (0, 1)), 3: ((0, 0, 0), (0, 0, 1))}
+
+
+def table():
+    """Rows and columns of its cells, and what they say."""
+    lines = [line for line in LIMITS.read_text().splitlines() if line.startswith("|")]
+    head, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
+    return {
+        (row[0], name): cell for row in rows for name, cell in zip(head[1:], row[1:], strict=True)
+    }
+
+
+def surroundings(column, dim):
+    """What the block is pressed on."""
+    return {
+        "small sliding": {},
+        "large sliding": {"finite": True},
+        "gap function": {"master": None, "obstacle": CF(0.0)},
+        "tool": {"master": None, "obstacle": tools.Plane(*FLOOR[dim]), "finite": True},
+    }[column]
+
+
+LAWS = {
+    "no friction": {},
+    "Coulomb's friction": {"friction": 0.3},
+    "Tresca's friction": {"tresca": 0.5},
+    "tied": {"tied": True},
+    "without separation": {"bilateral": True},
+    "clearance (`offset`)": {"offset": 0.001},
+    "adjusted start": {"adjust": 0.01},
+    "self-contact": {"master": "slave|master"},
+}
+
+
+def off_and_on(problem):
+    solved(problem)
+    problem.contact.Deactivate()
+    solved(problem)
+    assert not np.any(problem.contact.Table()["status"])
+    problem.gf.vec[:] = 0
+    problem.contact.Activate(problem.gf)
+    solved(problem)
+
+
+def recovered(problem):
+    solved(problem)
+    assert problem.contact.Recovered().pressure is not None
+
+
+USES = {
+    "`LoadStepper`": lambda p: LoadStepper(p.solver(), p.load).Integrate(2, printing=False),
+    "`TimeStepper`": lambda p: TimeStepper(p.solver(), 1.0, dt=0.05).Integrate(0.2, printing=False),
+    "`AugmentedLagrangianSolver`": lambda p: AugmentedLagrangianSolver(p.a, p.gf, p.contact).Solve(
+        printing=False
+    ),
+    "switched off and on": off_and_on,
+    "recovered pressure": recovered,
+}
+
+
+def run(row, column, dim):
+    given = {"dim": dim, "push": (0.002, -0.01) if dim == 2 else (0.002, 0.001, -0.01)}
+    given |= {"friction": 0.3} if row in USES else LAWS[row]
+    given = surroundings(column, dim) | given
+    problem = press(nonlinear=given.get("finite", False), **given)
+    if row in USES:
+        USES[row](problem)
+    else:
+        solved(problem)
+    assert np.any(problem.contact.Table()["status"])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize(("row", "column"), table())
+def test_cells(row, column, dim):
+    if table()[row, column] == "yes":
+        run(row, column, dim)
+        return
+    with pytest.raises((ValueError, TypeError, NgException)):
+        run(row, column, dim)
+
+
+def test_all_is_in_the_table():
+    assert {row for row, _ in table()} == {*LAWS, *USES}
