@@ -215,11 +215,12 @@ class Residual:
     def _Rounding(self, scale, pushed):
         """No residual gets below the rounding errors of the stiffness times the displacement.
 
-        Where nothing pushes or moves, these may be none: the rounding errors of positions count.
+        Where nothing pushes or moves these may be none: then the rounding errors of positions
+        count, which a nonlinear bulk has; loads of a linear one may be as small as they like.
         """
         displacement = self.gf.vec.FV().NumPy()[~self.multipliers]
         moved = 1e-14 * Norm(displacement / scale[~self.multipliers])
-        if pushed:
+        if pushed or self.bulk.islinear is not False:
             return moved
         size = np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
         if np.abs(displacement).max() > NO_MOTION * size:

@@ -161,11 +161,12 @@ def test_a_force_presses_a_tool_that_is_away(dim, gap):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_tool_comes_nearer_in_steps_before_it_touches(dim):
-    """Without any force there is nothing but rounding errors of the bulk."""
+    """Without any force there is nothing but rounding errors of the bulk, once it is nonlinear."""
     up = np.array(UP[dim])
     case = Pressed(dim, lambda t: ball(dim, gap=0.1).Moved(shift=tuple(0.2 * t * k for k in up)))
     steps = case.run(4)
-    assert [step.iterations for step in steps[:2]] == [0, 0]
+    assert steps[0].iterations <= 2
+    assert steps[1].iterations == 0
     assert case.contact.Force()[-1] > 1
 
 

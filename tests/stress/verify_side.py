@@ -161,10 +161,9 @@ class Side:
     def _Spread(self, values, met):
         """How far vectors at the points with a partner are from those at others."""
         far, near = (np.full((len(self.area), self.dim), sign * np.inf) for sign in (-1, 1))
-        of_faces = np.where(met[..., None], values, np.nan)
-        with np.errstate(all="ignore"):
-            np.maximum.at(far, self.macro, np.nan_to_num(np.nanmax(of_faces, axis=1), nan=-np.inf))
-            np.minimum.at(near, self.macro, np.nan_to_num(np.nanmin(of_faces, axis=1), nan=np.inf))
+        with_partner = met[..., None]
+        np.maximum.at(far, self.macro, np.where(with_partner, values, -np.inf).max(axis=1))
+        np.minimum.at(near, self.macro, np.where(with_partner, values, np.inf).min(axis=1))
         return np.max(far - near, axis=1)
 
     @property
