@@ -60,6 +60,10 @@ public:
   virtual void Follow(const BaseVector & x) = 0;
   /// Chooses c of every macro-element from the diagonal of the bulk matrix.
   virtual void SetStiffness(FlatVector<> diagonal, double factor) = 0;
+  /// Learns which body is the stiffer one: from such a diagonal, or from a form, which knows
+  /// nothing of condensation and inertia.
+  virtual void LearnStiffness(FlatVector<> diagonal) = 0;
+  virtual void LearnStiffness(const BilinearForm & bulk) = 0;
   virtual void SetConstant(double c) = 0;
   virtual void AddApply(const BaseVector & x, BaseVector & y) = 0;
   virtual void AssembleLinearization(const BaseVector & x) = 0;

@@ -53,6 +53,16 @@ void ExportContact(py::module & m) {
             self.SetStiffness(FlatVector<>(diagonal.Size(), diagonal.Data()), factor);
           },
           py::arg("bulk"), py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
+      .def(
+          "LearnStiffness",
+          [](ContactForm & self,
+             std::variant<shared_ptr<BilinearForm>, shared_ptr<BaseMatrix>> bulk) {
+            if (auto form = std::get_if<shared_ptr<BilinearForm>>(&bulk))
+              return self.LearnStiffness(**form);
+            auto diagonal = ScalarDiagonal(*std::get<1>(bulk));
+            self.LearnStiffness(FlatVector<>(diagonal.Size(), diagonal.Data()));
+          },
+          py::arg("bulk").none(false), py::call_guard<py::gil_scoped_release>())
       .def("SetConstant", &ContactForm::SetConstant, py::arg("c"))
       .def("Follow", &ContactForm::Follow, py::call_guard<py::gil_scoped_release>())
       .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())

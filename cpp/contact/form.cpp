@@ -1,5 +1,6 @@
 #include "form.hpp"
 #include "linear/eliminate.hpp"
+#include "linear/formdiagonal.hpp"
 
 namespace ngslac {
 namespace {
@@ -245,7 +246,31 @@ void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
   for (double & value : law->c)
     if (value == 0)
       value = paired ? sum / paired : factor;
+}
+
+template <int D>
+void Form<D>::LearnStiffness(FlatVector<> diagonal) {
+  CheckSize(diagonal.Size());
   kinematics->LearnStiffness(diagonal);
+}
+
+template <int D>
+void Form<D>::LearnStiffness(const BilinearForm & bulk) {
+  CheckSize(u.fes->GetDimension() * bulk.GetFESpace()->GetNDof());
+  auto & [slave, master, pairing, jump] = kinematics->Surfaces();
+  if (!master) // what is rigid is stiffer
+    return;
+  BitArray wanted(bulk.GetFESpace()->GetNDof());
+  wanted.Clear();
+  Array<DofId> dofs;
+  for (auto & surface : {slave, master})
+    for (size_t face : Range(surface->Size())) {
+      u.fes->GetDofNrs(ElementId(BND, surface->Element(face)), dofs);
+      for (DofId dof : dofs)
+        if (IsRegularDof(dof))
+          wanted.SetBit(dof);
+    }
+  kinematics->LearnStiffness(FormDiagonal(bulk, wanted));
 }
 
 template <int D>

@@ -11,6 +11,8 @@ public:
   void Update(shared_ptr<GridFunction> gf, const FormHistory * history) override;
   void Follow(const BaseVector & x) override;
   void SetStiffness(FlatVector<> diagonal, double factor) override;
+  void LearnStiffness(FlatVector<> diagonal) override;
+  void LearnStiffness(const BilinearForm & bulk) override;
   void SetConstant(double value) override { law->c = value; }
   void AddApply(const BaseVector & x, BaseVector & y) override;
   void AssembleLinearization(const BaseVector & x) override;

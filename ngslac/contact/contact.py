@@ -2,7 +2,7 @@
 
 from contextlib import contextmanager
 
-from ngsolve import BaseMatrix, GridFunction
+from ngsolve import BaseMatrix, BilinearForm, GridFunction
 
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
@@ -242,7 +242,7 @@ class LACContact:
         else:
             self.Update()
 
-    def Prepare(self, bulk) -> None:
+    def Prepare(self, bulk, *, form=None) -> None:
         """Pair if that was not done, and look at the stiffness of both bodies in the bulk's matrix.
 
         It sets the scale of the form and the contact direction, once after each `Update`; fields
@@ -252,10 +252,17 @@ class LACContact:
         ----------
         bulk : BaseMatrix
             On the product space.
+        form : BilinearForm, optional
+            The bulk without inertia. Its elements tell which body is the stiffer one, and so the
+            contact direction; a matrix tells the same unless something is condensed.
         """
         CheckInstance("bulk", bulk, BaseMatrix, "a matrix on the product space, such as a.mat")
+        if form is not None:
+            CheckInstance("form", form, BilinearForm, "the bulk as a BilinearForm")
+            if form.space != self.form.fes:
+                raise ValueError("form lives on another space than u and lam: take the bulk")
         self._PairOnce()
-        self._state.Scale(bulk)
+        self._state.Scale(bulk, form)
 
     def Follow(self, gf) -> None:
         """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.

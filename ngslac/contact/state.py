@@ -56,10 +56,11 @@ class FormState:
         form.Update(gf, history)
         self.form, self.scaled, self.paired = form, False, paired
 
-    def Scale(self, bulk):
-        """Take the scale from the bulk's matrix, once."""
+    def Scale(self, bulk, form):
+        """Take the scale from the bulk's matrix, and which body is stiffer from a form, once."""
         if not self.scaled:
             self.form.SetStiffness(bulk, self.stiffness)
+            self.form.LearnStiffness(bulk if form is None else form)
             self.scaled = True
 
     def Displacement(self, values):

@@ -68,6 +68,11 @@ class Bulk:
         return self.a.mat
 
     @property
+    def elastic(self):
+        """The form without inertia."""
+        return getattr(self.a, "elastic", self.a)
+
+    @property
     def load(self):
         """The loads that are not in the form, as array (n,)."""
         return LoadVector(self.rhs, self.gf.vec)

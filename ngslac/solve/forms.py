@@ -83,7 +83,7 @@ class FormSum:
         CheckVector("x", x, self.contacts[0].nscalars)
         AssembleBulk(self.a, x)
         for contact in self.contacts:
-            contact.Prepare(self.a.mat)
+            contact.Prepare(self.a.mat, form=self.a)
             contact.AssembleLinearization(x)
         self.mat = MergeMatrices(
             self.a.mat, [c.form for c in self.contacts], np.ones(self.contacts[0].nscalars)

@@ -213,7 +213,7 @@ class System:
         if bulk.Assemble():
             self.linear.NewBulk()
         for contact in self.contacts:
-            contact.Prepare(bulk.mat)
+            contact.Prepare(bulk.mat, form=bulk.elastic)
         if not self._apart:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             self._apart = True

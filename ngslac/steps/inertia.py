@@ -194,7 +194,7 @@ class DynamicForm:
     """
 
     def __init__(self, a, mass, scheme):
-        self.bulk, self.space, self.condense = a, a.space, a.condense
+        self.elastic, self.space, self.condense = a, a.space, a.condense
         self.share = scheme.share
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)

@@ -110,7 +110,7 @@ LACContact with another law | offset adjust tied bilateral finite
 LACContact with obstacle | obstacle friction offset | obstacle=0.01
 LACContact.Update | gf:solution?
 LACContact.Activate | gf:solution?
-LACContact.Prepare | bulk
+LACContact.Prepare | bulk form:bulk? | bulk=w.a.mat
 LACContact.Follow | gf
 LACContact.AddApply | x y | x=w.Vector(), y=w.Vector()
 LACContact.Apply | x y | x=w.Vector(), y=w.Vector()

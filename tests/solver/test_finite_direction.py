@@ -6,7 +6,7 @@ from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
 from ngsolve import CF, Grad, Id, Mesh, Parameter, Variation, ds, dx
 from press import press
 
-from ngslac import LoadStepper
+from ngslac import LoadStepper, TimeStepper
 from ngslac.materials import NeoHooke
 
 FRICTION = 0.2
@@ -81,3 +81,31 @@ def test_share_is_that_of_the_stiffness(stiffer, h):
 
 def test_a_prescribed_surface_is_rigid():
     assert share(fixed="bottom|master") == 1.0
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("finite", [False, True])
+def test_condensation_does_not_change_what_is_stiffer(dim, finite):
+    """It makes the diagonal of the matrix smaller, the more the higher the order is."""
+    shares, forces = [], []
+    for condense in (False, True):
+        problem = press(dim=dim, order=3, condense=condense, finite=finite, friction=FRICTION, h=0.5)
+        problem.solver().Solve(printing=False)
+        shares.append(problem.contact.State()["share"][0])
+        forces.append(problem.contact.Force())
+    assert shares[0] == pytest.approx(shares[1], rel=1e-12)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-8)
+
+
+@pytest.mark.parametrize("dt", [1e-2, 1e-4])
+def test_inertia_does_not_change_what_is_stiffer(dt):
+    problem = block()
+    TimeStepper(problem.solver(), 1.0, dt=dt).Integrate(dt, printing=False)
+    assert problem.contact.State()["share"][0] == pytest.approx(share(), rel=1e-12)
+
+
+def test_the_form_of_another_space_is_refused():
+    problem, other = block(), block()
+    problem.a.AssembleLinearization(problem.gf.vec)
+    with pytest.raises(ValueError, match="form lives on another space"):
+        problem.contact.Prepare(problem.a.mat, form=other.a)
