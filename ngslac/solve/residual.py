@@ -112,6 +112,7 @@ class Residual:
         for contact in self.contacts:
             self.multipliers[contact.form.MultiplierDofs()] = True
         self.reference, self.tol = self.converged, tol
+        self._farthest = np.abs(np.asarray(self.gf.space.mesh.ngmesh.Coordinates())).max()
         state = self.Measure(scale, honest=True)
         if state.finite:
             self._CheckMultiplierLoads(scale)
@@ -183,6 +184,7 @@ class Residual:
             )
         self.forces, self.scaled = forces, scaled
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
+        self._gaprounding = self._GapRounding(scale)
         state = self._StateOf(bulk, honest)
         if honest:
             self.bulk.Remember(residual, state.merit)
@@ -192,7 +194,8 @@ class Residual:
         """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
-        pressing = max(self.forces, self.reference, 0.1 * self.rounding / self.tol)
+        gaps = max(0.1 * self.rounding, self._gaprounding)
+        pressing = max(self.forces, self.reference, gaps / self.tol)
         equilibrium, constraint = (
             Norm(self.scaled[~self.multipliers]),
             Norm(self.scaled[self.multipliers]),
@@ -226,6 +229,17 @@ class Residual:
         if np.abs(displacement).max() > NO_MOTION * size:
             return moved
         return max(moved, 1e-15 * Norm(size / scale[~self.multipliers]))
+
+    def _GapRounding(self, scale):
+        """With large sliding gaps are means of differences of positions, which may hardly change."""
+        rows = [
+            scale[contact.form.MultiplierDofs()].reshape(len(area), -1) * area[:, None]
+            for contact in self.contacts
+            if contact.finite and len(area := contact.form.Scalars("area"))
+        ]
+        return (
+            0.1 * np.finfo(float).eps * self._farthest * Norm(np.concatenate(rows)) if rows else 0.0
+        )
 
     def _CheckMultiplierLoads(self, scale):
         """Once per solve: what depends on the iterate, the matrix shows."""

@@ -89,7 +89,9 @@ def test_condensation_does_not_change_what_is_stiffer(dim, finite):
     """It makes the diagonal of the matrix smaller, the more the higher the order is."""
     shares, forces = [], []
     for condense in (False, True):
-        problem = press(dim=dim, order=3, condense=condense, finite=finite, friction=FRICTION, h=0.5)
+        problem = press(
+            dim=dim, order=3, condense=condense, finite=finite, friction=FRICTION, h=0.5
+        )
         problem.solver().Solve(printing=False)
         shares.append(problem.contact.State()["share"][0])
         forces.append(problem.contact.Force())
@@ -97,7 +99,7 @@ def test_condensation_does_not_change_what_is_stiffer(dim, finite):
     assert forces[0] == pytest.approx(forces[1], rel=1e-8)
 
 
-@pytest.mark.parametrize("dt", [1e-2, 1e-4])
+@pytest.mark.parametrize("dt", [1e-2, 1e-6])
 def test_inertia_does_not_change_what_is_stiffer(dt):
     problem = block()
     TimeStepper(problem.solver(), 1.0, dt=dt).Integrate(dt, printing=False)
