@@ -231,7 +231,7 @@ class Residual:
         return max(moved, 1e-15 * Norm(size / scale[~self.multipliers]))
 
     def _GapRounding(self, scale):
-        """With large sliding gaps are means of differences of positions, which may hardly change."""
+        """With large sliding gaps are differences of positions, which may hardly change."""
         rows = [
             scale[contact.form.MultiplierDofs()].reshape(len(area), -1) * area[:, None]
             for contact in self.contacts
