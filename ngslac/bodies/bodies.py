@@ -199,7 +199,7 @@ class Bodies:
 
 def NullSpace(matrix, tolerance=TOLERANCE):
     """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
-    if not matrix.shape[0]:
+    if not matrix.size:
         return np.eye(matrix.shape[1])
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.linalg.qr(matrix, mode="r")

@@ -15,15 +15,18 @@ __all__ = ["Conservation"]
 ROUNDING = 1e-13
 # Resultant of forces that is zero, relative to their size.
 BALANCED = 1e-8
+# Part of a rigid motion along the normals that is no approach: deformed surfaces are not smooth.
+ALONG = 0.05
 
 
 class Conservation:
     """Takes energy out of velocities, of bodies that touch together, and leaves their momenta.
 
-    Bodies that touch share what they have won. Of all velocities with their linear and angular
-    momentum and with less energy the closest one, in the sense of the kinetic energy, is taken:
-    relative to the common rigid motion all velocities become smaller by one factor. What supports
-    hold has no momentum to keep.
+    Bodies that touch share what they have won. Of all velocities with less energy, and with the
+    momenta in all rigid motions of the bodies that supports and contact let them have, the closest
+    one, in the sense of the kinetic energy, is taken: relative to such motions all velocities
+    become smaller by one factor. So bodies keep their common momenta, linear and angular, and what
+    slides on something is not held up.
 
     Parameters
     ----------
@@ -134,14 +137,14 @@ class Conservation:
         touched = csr_matrix((np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape)
         return connected_components(touched.T @ touched, directed=False)[1]
 
-    def Settle(self, velocity, groups, impact, algorithmic, displacement):
+    def Settle(self, velocity, rows, impact, algorithmic, displacement):
         """The velocity without the energy that contact or time integration have brought in.
 
         Parameters
         ----------
         velocity : (n,) array
-        groups : (count,) array
-            Of `Groups`.
+        rows : sparse matrix
+            What contact prevents, see `ActiveRows`.
         impact, algorithmic : (count,) array
             What contact and time integration have taken from each body in this step: what contact
             brings in goes out at once, the account of the other is only kept from below zero.
@@ -159,22 +162,27 @@ class Conservation:
         self.account = self.account + algorithmic
         least = ROUNDING * self.Kinetic(velocity).sum()
         back = owed = 0.0
+        groups = self.Groups(rows)
         for group in np.unique(groups):
             bodies = groups == group
             by_contact = max(0.0, -impact[bodies].sum())
             by_time = max(0.0, -self.account[bodies].sum())
             if by_contact + by_time <= least:
                 continue
-            velocity, out = self._Slower(velocity, bodies, by_contact + by_time, displacement)
+            kept = self._Kept(bodies, rows, displacement)
+            velocity, out = self._Slower(velocity, bodies, by_contact + by_time, kept)
             brought = by_contact + max(0.0, -algorithmic[bodies].sum())
             owed += min(by_contact + by_time - out, brought)
             back += min(by_contact, out)
             self.account[bodies] += (out - by_contact) / bodies.sum()
         return velocity, back, owed
 
-    def _Slower(self, velocity, bodies, energy, displacement):
+    def _Slower(self, velocity, bodies, energy, kept):
         """Take the energy from some bodies, or as much as is there; returns it, too."""
-        relative = self._Relative(velocity, bodies, displacement)
+        relative = velocity * (self._Inside(bodies) & self.mass.free)
+        if kept.shape[1]:
+            momenta = np.stack([self.mass.Times(column) for column in kept.T], axis=1)
+            relative -= kept @ np.linalg.solve(momenta.T @ kept, momenta.T @ relative)
         pushed = self.mass.Times(relative)
         # velocity - f relative  has lost  f slope - f^2 most / 2.
         slope, most = float(velocity @ pushed), float(relative @ pushed)
@@ -185,15 +193,18 @@ class Conservation:
         factor = min(max(factor, 0.0), 1.0)
         return velocity - factor * relative, factor * slope - 0.5 * factor**2 * most
 
-    def _Relative(self, velocity, bodies, displacement):
-        """The free velocities of some bodies, less their common rigid motion."""
-        inside = self._Inside(bodies)
-        motions = self._Motions(displacement) * inside[:, None]
-        inside[self._own] &= self._used
-        motions = motions @ NullSpace(motions[inside & ~self.mass.free])
-        relative = velocity * (inside & self.mass.free)
-        if not motions.shape[1]:
-            return relative
-        momenta = np.stack([self.mass.Times(column) for column in motions.T], axis=1)
-        share = np.linalg.solve(momenta.T @ motions, momenta.T @ relative)
-        return relative - motions @ share
+    def _Kept(self, bodies, rows, displacement):
+        """Rigid motions (n, m) of each of some bodies, as far as supports and contact let them.
+
+        Those of all together are among them, whatever contact says.
+        """
+        motions, chosen = self._Motions(displacement), np.flatnonzero(bodies)
+        insides = [self._Inside(np.arange(self.count) == body)[:, None] for body in chosen]
+        each = np.concatenate([motions * inside for inside in insides], axis=1)
+        held = each[self._own][~self.mass.free[self._own] & self._used]
+        together = np.tile(np.eye(motions.shape[1]), (len(chosen), 1)) / np.sqrt(len(chosen))
+        together = together @ NullSpace(held @ together)
+        apart = NullSpace(held)
+        apart = apart @ NullSpace(together.T @ apart)
+        apart = apart @ NullSpace(rows @ (each @ apart), ALONG)
+        return each @ np.concatenate([together, apart], axis=1)
