@@ -72,11 +72,7 @@ Vec<D> MacroLaw<D>::Multiplier(size_t m, FlatVector<> x) const {
 template <int D>
 LawData<D> MacroLaw<D>::Data(size_t m, const MacroPlace<D> & place) const {
   bool paired = place.area > 0;
-  LawData<D> data{place.normal, c[m],           friction[m],
-                  threshold[m], tied && paired, bilateral && paired};
-  if (!place.slides) // it has just met its partner
-    data.friction = data.threshold = -1;
-  return data;
+  return {place.normal, c[m], friction[m], threshold[m], tied && paired, bilateral && paired};
 }
 
 template <int D>

@@ -12,7 +12,6 @@ struct MacroPlace {
   Vec<D> slip;          // of this step, perpendicular to the normal
   Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
   double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea
-  bool slides = true;   // is it known what it slid in this step?
 };
 
 /// The contact law of all macro-elements: multipliers, scales and coefficients.

@@ -291,7 +291,10 @@ class LoadStepper:
         if self._last is not None and self.predict and start == "predicted":
             increment, size = self._last
             merit = self.solver.Merit()
-            values[:] = last.FV().NumPy() + (step / size) * increment
+            values[:] = last.FV().NumPy()
+            # What has just closed need not press twice as much.
+            closed = self.solver.system.residual.multipliers & (values == increment)
+            values[:] += (step / size) * np.where(closed, 0.0, increment)
             if fixed is not None:
                 values[fixed] = wanted[fixed]
             # A larger residual is no harm as long as the status is a better guess.

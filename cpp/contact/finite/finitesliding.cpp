@@ -35,6 +35,7 @@ class FiniteSliding : public Kinematics<D> {
   Array<double> fullarea;                  // in the reference configuration
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
+  Array<Vec<D>> met;                       // see LookBack
   Array<double> last_gap;                  // at the last Commit
   SearchMargin searched;                   // in the last Follow
   shared_ptr<Motion<D>> now;               // of the last At
@@ -106,6 +107,8 @@ public:
     this->Take(paired);
     surfaces.jump->fullarea = fullarea;
     points = MakePoints<D>(surfaces.pairing, *surfaces.slave, *space, surfaces.jump->area);
+    if (start)
+      LookBack();
   }
 
   /// Finds rays and means, unless the configuration is still the same.
@@ -135,7 +138,7 @@ public:
       if (!same)
         now->mean[m] = MeanGap<D>(now->surfaces, *points, m, now->hits);
       if (Slides(m))
-        now->slip[m] = MeanSlip<D>(now->surfaces, *start, m);
+        now->slip[m] = MeanSlip<D>(now->surfaces, SlipPoints(m), m);
     });
   }
 
@@ -143,13 +146,13 @@ public:
     auto & jump = *surfaces.jump;
     Vec<D> none = 0.0;
     if (points->area[m] == 0)
-      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m), Slides(m)};
+      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m)};
     auto & mean = now->mean[m];
     Vec<D> slip = Slides(m) ? Slip(m) : none;
     slip -= InnerProduct(slip, mean.normal) * mean.normal;
     double gap = mean.gap + law->Clearance(m);
     Vec<D> vanishing = slip - gap * mean.normal;
-    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
+    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -177,8 +180,9 @@ public:
                                              FlatArray<Vec<D>> tractions, Rim rim) override {
     Array<Coupling> couplings(Size());
     ParallelFor(Size(), [&](size_t m) {
-      couplings[m] = CouplingOf<D>(*slave_shapes, *master_shapes, *points,
-                                   Slides(m) ? start.get() : nullptr, m, IsTraction(tractions[m]));
+      couplings[m] =
+          CouplingOf<D>(*slave_shapes, *master_shapes, *points,
+                        Slides(m) ? &SlipPoints(m) : nullptr, m, IsTraction(tractions[m]));
     });
     auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
     MultiplierLines<D> lines(*law, *mat);
@@ -200,8 +204,9 @@ public:
       auto & normal = Normal(m);
       double approach = last_gap[m] - states[m].gap;
       Vec<D> slip = 0.0; // of all the step, what came before a touch included
-      if (points->area[m] > 0 && Slides(m))
-        slip = now->slip[m] - InnerProduct(now->slip[m], normal) * normal;
+      if (Slides(m))
+        slip = HasMet(m) ? Slip(m) : now->slip[m];
+      slip -= InnerProduct(slip, normal) * normal;
       reference[m] = this->SlipBeforeTouch(states[m], approach, slip);
       reference[m] += law->ElasticSlip(m, normal, x);
       last_gap[m] = states[m].gap;
@@ -223,7 +228,23 @@ private:
   }
 
   bool Slides(size_t m) const {
-    return start->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+    return points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+  }
+
+  /// Did the master come over it from the side?
+  bool HasMet(size_t m) const { return start->area[m] == 0 && points->area[m] > 0; }
+  /// That slip counts of: pairs that faced each other at the last Commit, or do so now.
+  const MacroPoints<D> & SlipPoints(size_t m) const { return HasMet(m) ? *points : *start; }
+
+  /// How far those that have met the master were from their partners at the last Commit.
+  void LookBack() {
+    auto & before = accepted.motion->surfaces;
+    met.SetSize(Size());
+    ParallelFor(Size(), [&](size_t m) {
+      if (HasMet(m) && Slides(m))
+        met[m] =
+            Carried<D>(before.slave, *surfaces.slave, *points, m, MeanSlip<D>(before, *points, m));
+    });
   }
 
   /// The contact direction; without a partner that of the slave.
@@ -238,11 +259,13 @@ private:
     return parts;
   }
 
+  const Vec<D> & Offset(size_t m) const { return HasMet(m) ? met[m] : reference[m]; }
+
   /// Of this step; what an approaching macro-element moves until it touches is no slip.
   Vec<D> Slip(size_t m) const {
-    Vec<D> offset = reference[m];
+    Vec<D> offset = Offset(m);
     if (L2Norm2(offset) > 0)
-      offset = Carried<D>(now->surfaces.slave, *start, m, offset);
+      offset = Carried<D>(now->surfaces.slave, SlipPoints(m), m, offset);
     return now->slip[m] - offset;
   }
 
@@ -281,9 +304,9 @@ private:
       AddStiffness(mean.normal, traction, parts.pressure, rows, sum);
     if (!Slides(m))
       return;
-    AddSlip<D>(now->surfaces, *start, m, rows, lh);
-    if (L2Norm2(reference[m]) > 0)
-      SubtractCarried<D>(*slave_shapes, *start, m, reference[m], rows, lh);
+    AddSlip<D>(now->surfaces, SlipPoints(m), m, rows, lh);
+    if (L2Norm2(Offset(m)) > 0)
+      SubtractCarried<D>(*slave_shapes, SlipPoints(m), m, Offset(m), rows, lh);
   }
 };
 } // namespace

@@ -137,6 +137,10 @@ pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & 
 template <int D>
 Vec<D> Carried(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro,
                const Vec<D> & vector);
+/// The same from one configuration to another one.
+template <int D>
+Vec<D> Carried(const Surface<D> & before, const Surface<D> & slave, const MacroPoints<D> & points,
+               size_t macro, const Vec<D> & vector);
 /// Subtracts its derivative from that of the slip.
 template <int D>
 void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points, size_t macro,

@@ -93,14 +93,29 @@ void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_
   }
 }
 
+namespace {
+/// The tangents that vectors of a macro-element are carried with.
 template <int D>
-Vec<D> Carried(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro,
-               const Vec<D> & vector) {
+Mat<D, D - 1> TangentsOf(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro) {
   auto & segment = points.pairing->segments[points.segments[macro][0]];
   Vec<D> x;
   Mat<D, D - 1> dx;
   slave.Evaluate(segment.slave, points.pairing->points[segment.first].slave, x, dx);
-  return dx * Vec<D - 1>(Trans(points.dual[macro]) * vector);
+  return dx;
+}
+} // namespace
+
+template <int D>
+Vec<D> Carried(const Surface<D> & slave, const MacroPoints<D> & points, size_t macro,
+               const Vec<D> & vector) {
+  return TangentsOf(slave, points, macro) * Vec<D - 1>(Trans(points.dual[macro]) * vector);
+}
+
+template <int D>
+Vec<D> Carried(const Surface<D> & before, const Surface<D> & slave, const MacroPoints<D> & points,
+               size_t macro, const Vec<D> & vector) {
+  auto dual = DualBasis<D>(TangentsOf(before, points, macro));
+  return TangentsOf(slave, points, macro) * Vec<D - 1>(Trans(dual) * vector);
 }
 
 template <int D>
@@ -125,6 +140,8 @@ void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points,
 
 #define INSTANTIATE(D)                                                                             \
   template Vec<D> Carried(const Surface<D> &, const MacroPoints<D> &, size_t, const Vec<D> &);     \
+  template Vec<D> Carried(const Surface<D> &, const Surface<D> &, const MacroPoints<D> &, size_t,  \
+                          const Vec<D> &);                                                         \
   template void SubtractCarried(const FaceShapes<D> &, const MacroPoints<D> &, size_t,             \
                                 const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
   template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \

@@ -40,6 +40,8 @@ class ToolSliding : public Kinematics<D> {
   Array<double> fullarea;                  // in the reference configuration
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
   shared_ptr<const SlipStart<D>> start;    // of the last Commit
+  shared_ptr<const SlipStart<D>> facing;   // of the last Follow, if LookBack needs it
+  Array<Vec<D>> met;                       // see LookBack
   Array<double> last_gap;                  // at the last Commit
   shared_ptr<Now> now;                     // of the last At
   struct {
@@ -84,6 +86,8 @@ public:
     this->Take(Paired<D>{std::move(slave), nullptr, pairing, nullptr});
     surfaces.jump->fullarea = fullarea;
     points = MakePoints<D>(pairing, *surfaces.slave, *space, surfaces.jump->area);
+    if (start)
+      LookBack(path.At(x));
   }
 
   /// Finds distances and means, unless the configuration is still the same.
@@ -111,13 +115,13 @@ public:
     auto & jump = *surfaces.jump;
     Vec<D> none = 0.0;
     if (points->area[m] == 0)
-      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m), Slides(m)};
+      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m)};
     auto & mean = now->mean[m];
     Vec<D> slip = Slides(m) ? Slip(m) : none;
     slip -= InnerProduct(slip, mean.normal) * mean.normal;
     double gap = mean.gap + law->Clearance(m);
     Vec<D> vanishing = slip - gap * mean.normal;
-    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m), Slides(m)};
+    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -170,8 +174,9 @@ public:
     for (size_t m : Range(Size())) {
       auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
       Vec<D> slip = 0.0; // of all the step, what came before a touch included
-      if (points->area[m] > 0 && Slides(m))
-        slip = now->slip[m] - InnerProduct(now->slip[m], normal) * normal;
+      if (Slides(m))
+        slip = HasMet(m) ? Slip(m) : now->slip[m];
+      slip -= InnerProduct(slip, normal) * normal;
       reference[m] = this->SlipBeforeTouch(states[m], last_gap[m] - states[m].gap, slip);
       reference[m] += law->ElasticSlip(m, normal, x);
       last_gap[m] = states[m].gap;
@@ -196,24 +201,54 @@ private:
 
   void FindSlip() {
     ParallelFor(Size(), [&](size_t m) {
-      if (points->area[m] > 0 && Slides(m))
-        now->slip[m] = ToolSlip<D>(now->scene, *start->points, start->partners, m);
+      if (Slides(m))
+        now->slip[m] = SlipIn(now->scene, SlipPoints(m), m);
     });
   }
 
+  /// Nothing has slipped yet before the first Commit.
   bool Slides(size_t m) const {
-    return start && start->points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+    return start && points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
+  }
+
+  /// Did the tool come over it from the side?
+  bool HasMet(size_t m) const { return start->points->area[m] == 0 && points->area[m] > 0; }
+  /// That slip counts of: pairs that faced each other at the last Commit, or do so now.
+  const SlipStart<D> & SlipPoints(size_t m) const { return HasMet(m) ? *facing : *start; }
+  static Vec<D> SlipIn(const ToolScene<D> & scene, const SlipStart<D> & pairs, size_t m) {
+    return ToolSlip<D>(scene, *pairs.points, pairs.partners, m);
+  }
+
+  /// How far those that have met the tool were from their partners at the last Commit.
+  void LookBack(const ToolPosition<D> & tool) {
+    BitArray wanted(Size());
+    wanted.Clear();
+    for (size_t m : Range(Size()))
+      if (HasMet(m) && Slides(m))
+        wanted.SetBit(m);
+    facing = nullptr;
+    if (!wanted.NumSet())
+      return;
+    facing = make_shared<SlipStart<D>>(
+        SlipStart<D>{points, PartnersOf<D>(*points->pairing, *surfaces.slave, tool)});
+    auto & before = accepted.motion->scene;
+    met.SetSize(Size());
+    for (size_t m : Range(Size()))
+      if (wanted.Test(m))
+        met[m] = Carried<D>(before.slave, *surfaces.slave, *points, m, SlipIn(before, *facing, m));
   }
 
   MacroTraction<D> Parts(size_t m, const Vec<D> & traction) const {
     return {traction, now->mean[m]};
   }
 
+  const Vec<D> & Offset(size_t m) const { return HasMet(m) ? met[m] : reference[m]; }
+
   /// Of this step; what an approaching macro-element moves until it touches is no slip.
   Vec<D> Slip(size_t m) const {
-    Vec<D> offset = reference[m];
+    Vec<D> offset = Offset(m);
     if (L2Norm2(offset) > 0)
-      offset = Carried<D>(now->scene.slave, *start->points, m, offset);
+      offset = Carried<D>(now->scene.slave, *SlipPoints(m).points, m, offset);
     return now->slip[m] - offset;
   }
 
@@ -249,9 +284,10 @@ private:
       AddStiffness(mean.normal, traction, parts.pressure, rows, sum);
     if (!Slides(m))
       return;
-    AddToolSlip<D>(now->scene, *start->points, start->partners, m, rows, lh);
-    if (L2Norm2(reference[m]) > 0)
-      SubtractCarried<D>(*shapes, *start->points, m, reference[m], rows, lh);
+    auto & pairs = SlipPoints(m);
+    AddToolSlip<D>(now->scene, *pairs.points, pairs.partners, m, rows, lh);
+    if (L2Norm2(Offset(m)) > 0)
+      SubtractCarried<D>(*shapes, *pairs.points, m, Offset(m), rows, lh);
   }
 };
 } // namespace
