@@ -488,9 +488,9 @@ def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections
     ...
 def PolygonOverlap(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> bool:
     ...
-def RegionWithFaces(mesh: ngsolve.comp.Mesh, name: str, given: typing.Any) -> ngsolve.comp.Region:
+def RegionWithFaces(mesh: ngsolve.comp.Mesh, name: str, given: typing.Any, any: bool = False) -> ngsolve.comp.Region:
     """
-    The boundary region that a pattern or a Region stands for; raises where it has no faces
+    The boundary region that a pattern or a Region stands for; raises where it has no faces. any: a Region may be of any dimension
     """
 def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region, hexes: str = 'pyramids') -> ngsolve.comp.Mesh:
     """

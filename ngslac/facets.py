@@ -56,9 +56,21 @@ def Polygon(points, *, closed=True) -> Tool:
     least = 3 if CheckFlag("closed", closed) else 2
     if len(points) < least:
         raise ValueError(f"points must be at least {least} corners, got {len(points)}")
+    _CheckEncloses(points, closed)
     first = np.arange(len(points) if closed else len(points) - 1)
     edges = np.stack([first, (first + 1) % len(points)], axis=1)
     return _Facets(points, edges, closed)
+
+
+def _CheckEncloses(points, closed):
+    """Refuse corners on one line, and those of two loops that cancel."""
+    x, y = (points - points.mean(axis=0)).T
+    area = 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    if closed and area <= SAME * (np.ptp(x) ** 2 + np.ptp(y) ** 2):
+        raise ValueError(
+            "points enclose no area: give the corners in their order around the tool, or "
+            "closed=False for an open chain"
+        )
 
 
 def FromSTL(file, *, closed=True) -> Tool:

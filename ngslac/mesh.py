@@ -38,7 +38,8 @@ def SplitSlaveFaces(mesh, slave, *, hexes="pyramids") -> Mesh:
     Raises
     ------
     ValueError
-        If no boundary of the mesh matches `slave`, or `hexes` is unknown.
+        If no boundary of the mesh matches `slave`, it is a region of another mesh or of another
+        dimension than boundaries, or `hexes` is unknown.
     TypeError
         If `mesh` is no mesh, or `slave` neither a pattern nor a region.
     NgException

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from numbers import Real
+
 import numpy as np
 from ngsolve import CF, CoefficientFunction
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import PlacementOf, RigidTool, ToolDrive, ToolMotion, ToolShape
-from ngslac.arguments import CheckInstance, CheckNumber, CheckPoint, Coefficient, Wrong
+from ngslac.arguments import (
+    CheckInstance,
+    CheckNumber,
+    CheckPoint,
+    CheckValues,
+    Coefficient,
+    Shown,
+    Wrong,
+)
 
 __all__ = ["CheckPoints", "Direction", "Tool"]
 
@@ -71,11 +81,15 @@ class Tool:
         TypeError, ValueError
             No points of this dimension.
         """
-        points = CheckPoints("points", points, self.dim)
-        place = np.array(PlacementOf(list(self._motions), self.dim))
-        turn, shift = place[: -self.dim].reshape(self.dim, self.dim), place[-self.dim :]
+        points, (turn, shift) = CheckPoints("points", points, self.dim), self.placement
         values, *_ = self._shape.Evaluate(((points - shift) @ turn).ravel())
         return np.array(values)
+
+    @property
+    def placement(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where its path has led it: rotation (d, d), then shift (d,)."""
+        place = np.array(PlacementOf(list(self._motions), self.dim))
+        return place[: -self.dim].reshape(self.dim, self.dim), place[-self.dim :]
 
     # --- other tools ---------------------------------------------------------------------------
 
@@ -132,12 +146,15 @@ class Tool:
         Raises
         ------
         ValueError, TypeError, ngsolve.NgException
-            A function that depends on the place; no axis in 3D; a driven tool.
+            Neither of them; a function that depends on the place; no axis in 3D, or one in 2D; a
+            driven tool.
         """
+        if shift is None and angle is None:
+            raise ValueError("give shift= or angle=: how the tool moves")
         if self._drives:
             raise ValueError("the tool is driven already: give its path first, then Driven")
         motion = None if shift is None else _Vector("shift", shift, self.dim)
-        angle = Coefficient("angle", angle)
+        angle = CheckValues("angle", Coefficient("angle", angle))
         given = _Axis(center, axis, self.dim, angle is not None)
         return Tool(self._shape, [*self._motions, ToolMotion(motion, angle, *given)])
 
@@ -172,8 +189,8 @@ class Tool:
         Raises
         ------
         ValueError, TypeError, ngsolve.NgException
-            Nothing is unknown; a number of components that is not d; what is no trial function; no
-            axis in 3D; a tool that is driven already.
+            Nothing is unknown; a number of components that is not d; what is no trial function; a
+            load on what is known; no axis in 3D, or one in 2D; a tool that is driven already.
 
         Examples
         --------
@@ -193,6 +210,14 @@ class Tool:
             raise ValueError("the tool is driven already: give all in one call")
         travel = _Components("travel", [None] * self.dim if travel is None else travel, self.dim)
         loads = _Components("force", [0.0] * self.dim if force is None else force, self.dim)
+        for way, load in zip(travel, loads, strict=True):
+            if way is None and not (isinstance(load, Real) and load == 0):
+                raise ValueError(
+                    f"force = {Shown(force)} acts where travel = {Shown(travel)} is None: give 0 "
+                    "there, or an unknown"
+                )
+        if turn is None and moment is not None:
+            raise ValueError("moment acts on a tool that does not turn: give turn=, or no moment")
         middle = [0.0] * 3, [0.0] * 3
         drives = [
             ToolDrive(_Unknown("travel", way), Coefficient("force", load), k, *middle)
@@ -235,7 +260,7 @@ def _Vector(name, value, dim):
     """A vector of numbers and functions as one function."""
     if not isinstance(value, CoefficientFunction):
         parts = _Components(name, value, dim)
-        value = CF(tuple(Coefficient(name, part) for part in parts))
+        value = CF(tuple(CheckValues(name, Coefficient(name, part)) for part in parts))
     if value.dim != dim or value.is_complex:
         raise ValueError(f"{name} has {value.dim} components, the tool is in {dim}D, and real")
     return value
@@ -243,6 +268,8 @@ def _Vector(name, value, dim):
 
 def _Axis(center, axis, dim, turns):
     """A point and a direction, three numbers each."""
+    if dim == 2 and axis is not None:
+        raise ValueError("axis is for tools in 3D, in 2D all turn in the plane: leave it out")
     center = np.zeros(dim) if center is None else CheckPoint("center", center, dim)
     axis = Direction("axis", axis, 3) if dim == 3 and turns else (0.0, 0.0, 1.0)
     return [*center, 0.0][:3], list(axis)

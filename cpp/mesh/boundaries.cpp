@@ -20,7 +20,8 @@ string Text(py::handle given) {
 }
 } // namespace
 
-Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given) {
+Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+                      bool any) {
   if (py::isinstance<py::str>(given))
     return PatternRegion(mesh, name, py::cast<string>(given));
   string wrong = name + " = " + Text(given) +
@@ -29,16 +30,17 @@ Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::hand
   if (!py::isinstance<Region>(given))
     throw py::type_error(wrong);
   auto region = py::cast<Region>(given);
-  if (region.VB() != BND)
+  if (region.VB() != BND && !any)
     throw py::value_error(wrong);
   if (region.Mesh() != mesh)
     throw py::value_error(name + " is a region of another mesh: take one of the same mesh");
   return region;
 }
 
-Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given) {
-  auto region = BoundaryRegion(mesh, name, given);
-  if (Faces(region).Size() == 0)
+Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+                       bool any) {
+  auto region = BoundaryRegion(mesh, name, given, any);
+  if (region.VB() == BND && Faces(region).Size() == 0)
     throw py::value_error(
         name + "=" + Text(given) +
         " matches no boundary face; the boundaries are: " + BoundaryNames(Region(mesh, BND, true)));

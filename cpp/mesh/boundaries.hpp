@@ -4,10 +4,13 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// What users mean by a pattern of boundary names or a region; `name`: of function and argument.
-Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given);
-/// The same for the side of a contact, which has faces.
-Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given);
+/// What users mean by a pattern of boundary names or a region; `name`: of function and argument;
+/// `any`: a region may be of any dimension.
+Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+                      bool any = false);
+/// The same for what has faces, such as the side of a contact.
+Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+                       bool any = false);
 
 /// Quoted names, for messages.
 string BoundaryNames(const Region & region);

@@ -9,9 +9,9 @@ constexpr const char * coordinates[] = {"coordinate x", "coordinate y", "coordin
 void CheckLeaves(CoefficientFunction & function, int dim) {
   bool varies = false;
   function.TraverseTree([&](CoefficientFunction & node) {
-    if (node.InputCoefficientFunctions().Size() || IsNumber(node))
+    if (IsNumber(node) || (node.InputCoefficientFunctions().Size() && !IsByDomain(node)))
       return;
-    string name = node.GetDescription();
+    string name = NameOf(node);
     auto known = std::find(coordinates, coordinates + dim, name);
     if (known == coordinates + dim)
       throw Exception("signed distance: it holds '" + name +

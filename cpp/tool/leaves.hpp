@@ -10,4 +10,17 @@ inline bool IsNumber(const CoefficientFunction & leaf) {
          dynamic_cast<const ConstantCoefficientFunction *>(&leaf) ||
          leaf.GetDescription() == "ZeroCF";
 }
+
+/// Has every domain a function of its own? Away from the mesh there are no domains.
+inline bool IsByDomain(const CoefficientFunction & part) {
+  return string(typeid(part).name()).find("DomainWise") != string::npos;
+}
+
+/// What users may know a part of an expression by.
+inline string NameOf(const CoefficientFunction & part) {
+  string name = part.GetDescription(), type = typeid(part).name();
+  if (name != type)
+    return name;
+  return IsByDomain(part) ? "a function of each domain" : Demangle(type.c_str());
+}
 } // namespace ngslac

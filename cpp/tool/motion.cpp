@@ -34,8 +34,8 @@ Mat<D, D> Rotation(double angle, const Vec<3> & axis) {
 
 void CheckParametric(CoefficientFunction & function, const string & name) {
   function.TraverseTree([&](CoefficientFunction & node) {
-    if (node.InputCoefficientFunctions().Size() == 0 && !IsNumber(node))
-      throw Exception("tool: " + name + " holds '" + node.GetDescription() +
+    if (IsByDomain(node) || (node.InputCoefficientFunctions().Size() == 0 && !IsNumber(node)))
+      throw Exception("tool: " + name + " holds '" + NameOf(node) +
                       "'; a rigid motion may depend on numbers and Parameters only");
   });
 }

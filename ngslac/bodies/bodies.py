@@ -7,7 +7,7 @@ from scipy.sparse import csr_matrix, vstack
 from ngslac.bodies.constraints import ActiveRows, ToolDofs
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
-from ngslac.bodies.rigidmotions import RigidMotions
+from ngslac.bodies.rigidmotions import RigidMotions, Turned
 
 __all__ = ["Bodies"]
 
@@ -53,6 +53,13 @@ class Bodies:
             for dofs, combinations in self._WithoutForces(allowed, forces, sizes)
         ]
         self.name = BodyNames(space, self.part, sizes > 0, self.motions)
+
+    @classmethod
+    def Heavy(cls):
+        """Bodies with mass, however small: nothing floats but tools, which have none."""
+        bodies = object.__new__(cls)
+        bodies.floating, bodies.names, bodies.motions = [], ["unknown"], None
+        return bodies
 
     def _Allowed(self, used, free):
         """Parts that their constrained dofs let move: dofs, combinations of motions as columns."""
@@ -123,7 +130,7 @@ class Bodies:
         number = (body - len(self.floating)) * len(self.names) + k
         return f"the tool floats (unknown {number + 1} of its motion)"
 
-    def AreIdle(self, contacts, holds, forces, least):
+    def AreIdle(self, contacts, holds, forces, least, displacement=None):
         """Do no forces push along the motions that contact leaves? Then bodies may stay.
 
         Parameters
@@ -134,6 +141,8 @@ class Bodies:
             Scaled, and what they have to be multiplied with.
         least : float
             Norm of scaled forces that are none.
+        displacement : (n,) array, optional
+            Bodies turn where they are then, not where they were.
         """
         tools = ToolDofs(contacts)
         if not self.floating and not len(tools):
@@ -143,15 +152,21 @@ class Bodies:
         if len(tools) and not left.shape[1]:
             return False
         weights, at = np.zeros((len(scaled), left.shape[1])), 0
+        motions = self.motions if displacement is None else self._Displaced(displacement)
         for part, combinations in self.floating:
             inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
-            moved = self.motions[inside] @ (combinations @ left[at : at + count])
+            moved = motions[inside] @ (combinations @ left[at : at + count])
             weights[self.first + inside], at = moved, at + count
         weights[tools] = left[at:]
         weights *= factors[:, None]
         works, gross = np.abs(scaled @ weights), np.abs(scaled) @ np.abs(weights)
         none = least * np.linalg.norm(weights, axis=0)
         return bool(np.all(works <= np.maximum(1e-8 * gross, none)))
+
+    def _Displaced(self, displacement):
+        """The rigid motions of the displaced bodies."""
+        own = displacement[self.first : self.first + self.count]
+        return self.motions + Turned(self.space, own, self.size)
 
     def _Left(self, contacts, holds):
         """The motions that contact leaves: columns of weights of all motions, and of tools."""

@@ -65,13 +65,13 @@ def _AtWork(contact, table, holds):
 
 
 def ActiveRates(contact, rates):
-    """What `ActiveRows` times the velocity is, if each mean gap changes with its obstacle alone.
+    """What `ActiveRows` times the velocity is, if bodies go with the obstacle.
 
     Parameters
     ----------
     contact : LACContact
-    rates : (m,) array
-        By which the obstacle opens the mean gaps (length per time).
+    rates : (m, d) array
+        Mean velocity of the obstacle at each macro-element.
 
     Returns
     -------
@@ -80,8 +80,8 @@ def ActiveRates(contact, rates):
     """
     table = contact.Table()
     stick, slip = _AtWork(contact, table, "now")
-    rates = rates * table["area"] / table["fullarea"].mean()
-    return np.concatenate([(rates[:, None] * table["normal"])[stick].ravel(), rates[slip]])
+    rates = rates * (table["area"] / table["fullarea"].mean())[:, None]
+    return np.concatenate([rates[stick].ravel(), np.sum(rates * table["normal"], axis=1)[slip]])
 
 
 def ToolDofs(contacts):

@@ -99,6 +99,7 @@ class LACContact:
         not known for ``finite=True`` without friction), contact direction out of the slave.
     space : LACSpace
     master : Region or None
+    tool : Tool or None
 
     Raises
     ------
@@ -143,7 +144,7 @@ class LACContact:
         law |= {"tied": tied, "bilateral": bilateral}
         search = {"maxdist": maxdist, "penetration": penetration}
         search |= {"adjust": adjust, "finite": finite}
-        setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
+        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral = tied, bilateral

@@ -2,11 +2,13 @@
 
 import math
 
+from ngsolve import CoefficientFunction
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import (
     CheckFlag,
+    CheckInstance,
     CheckOnMesh,
     CheckPositive,
     Coefficient,
@@ -33,7 +35,7 @@ def CheckedSetup(
     maxdist,
     penetration,
 ):
-    """The arguments of a ContactForm, as a dict; those here are as in LACContact."""
+    """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
     for name, proxy in {"u": u, "lam": lam}.items():
         if not isinstance(proxy, ProxyFunction):
             raise Wrong(TypeError, name, proxy, "a trial function of a product space")
@@ -66,11 +68,13 @@ def CheckedSetup(
         for name, value in functions.items()
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
-    return {"u": u, "lam": lam, "master": region, "tool": tool} | functions | flags | lengths
+    compiled = None if tool is None else tool.compiled
+    setup = {"u": u, "lam": lam, "master": region, "tool": compiled}
+    return tool, setup | functions | flags | lengths
 
 
 def _ToolOf(obstacle, dim, flags):
-    """The compiled tool; None for a gap function of small sliding, or no obstacle."""
+    """The tool; None for a gap function of small sliding, or no obstacle."""
     if obstacle is None or not (flags["finite"] or isinstance(obstacle, Tool)):
         return None
     if not flags["finite"]:
@@ -78,7 +82,9 @@ def _ToolOf(obstacle, dim, flags):
     if flags["tied"]:
         raise ValueError("a tool with finite=True cannot be tied: drop tied, or mesh the tool")
     if not isinstance(obstacle, Tool):
+        wanted = "a tool of ngslac.tools, or a signed distance as a function of x, y, z"
+        CheckInstance("obstacle", obstacle, CoefficientFunction, wanted + ", with finite=True")
         obstacle = SignedDistance(obstacle, dim=dim)
     if obstacle.dim != dim:
         raise ValueError(f"obstacle is a tool in {obstacle.dim}D, the mesh is in {dim}D")
-    return obstacle.compiled
+    return obstacle

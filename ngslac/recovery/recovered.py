@@ -21,12 +21,13 @@ NEAREST = 1e-9  # of the largest pressure: less is none
 class Recovered:
     """Continuous pressure and traction with the resultants of the multipliers.
 
-    `LACContact.Recovered` makes it.
+    `LACContact.Recovered` makes it. Resultants are sums over the points of the contact; where the
+    pressure ends within a face, `Integrate` with other points differs by what they miss of its end.
 
     Attributes
     ----------
     pressure : CoefficientFunction
-        On the slave side, stress units; never negative, except for tied surfaces.
+        On the slave side, stress units; never negative, except where contact cannot separate.
     traction : CoefficientFunction
         Vector (d,), on the slave body.
     normal : CoefficientFunction
@@ -40,7 +41,8 @@ class Recovered:
         self._SetUnit()
         self._SetNormals()
         pressure = self._table["pressure"]
-        if contact.tied:
+        self._pulls = contact.tied or contact.bilateral
+        if self._pulls:
             closed = surface.area > 0
         else:
             closed = (self._table["status"] > 0) & (surface.area > 0)
@@ -48,8 +50,8 @@ class Recovered:
         self._patches = Patches(surface, closed)
         if not closed.any():
             self.pressure, self.traction = CF(0), CF((0,) * self._mesh.dim)
-        elif contact.tied:
-            self._SetTied(closed)
+        elif self._pulls:
+            self._SetPulling(closed)
         else:
             self._SetUnilateral(closed, displacement)
 
@@ -150,9 +152,9 @@ class Recovered:
         np.minimum.at(bound, surface.faces[given], least[owner])
         return bound
 
-    # --- tied ------------------------------------------------------------------------------------
+    # --- what may pull ---------------------------------------------------------------------------
 
-    def _SetTied(self, closed):
+    def _SetPulling(self, closed):
         surface = self._surface
         ones = np.ones(len(surface.weight))
         vectors = FitMeans(surface, self._rough, ones, self._table["traction"], closed)
@@ -168,7 +170,7 @@ class Recovered:
         forces, moments = (form.Vectors(name) / self._unit for name in ("force", "moment"))
         given = forces.reshape(-1, d), moments.reshape(-1, 3)
         base = -_Units(self._surface.shapes @ normals)
-        if self._contact.tied:
+        if self._pulls:
             base, normals = 0 * base, 0 * normals
         balance = Balance(self._surface, self._patches, density, stretch, base, *given)
         extra, found, error = balance.Solve(slip, normals, slack)

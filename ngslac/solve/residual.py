@@ -1,6 +1,7 @@
 """The residual of bulk plus contact, and how large it is."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from netgen.meshing import NgException
@@ -83,14 +84,15 @@ class Residual:
         follows.
     scaled : (n,)
         The residual measured last times the factors of the rows.
-    forces, reference, rounding : float
-        What counts as zero: of the loads and reactions, of earlier solves, and rounding errors.
+    forces, first, reference, rounding, places : float
+        What counts as zero: of the loads and reactions, now and where the solve began, of earlier
+        solves, and rounding errors, in the rows of multipliers those of positions.
     """
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.converged = 0.0  # largest forces of a converged state
-        self.forces = self.reference = 0.0
+        self.forces = self.first = self.reference = 0.0
 
     @property
     def drowned(self):
@@ -112,11 +114,11 @@ class Residual:
         for contact in self.contacts:
             self.multipliers[contact.form.MultiplierDofs()] = True
         self.reference, self.tol = self.converged, tol
-        self._farthest = np.abs(np.asarray(self.gf.space.mesh.ngmesh.Coordinates())).max()
         state = self.Measure(scale, honest=True)
         if state.finite:
             self._CheckMultiplierLoads(scale)
         # A body that moves without touching feels nothing but the jump of its Dirichlet values.
+        self.first = self.forces
         self.reference = max(self.converged, 1e-5 * self.forces)
         return state
 
@@ -184,7 +186,7 @@ class Residual:
             )
         self.forces, self.scaled = forces, scaled
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
-        self._gaprounding = self._GapRounding(scale)
+        self.places = self._RoundingOfPlaces(scale)
         state = self._StateOf(bulk, honest)
         if honest:
             self.bulk.Remember(residual, state.merit)
@@ -194,7 +196,7 @@ class Residual:
         """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
-        gaps = max(0.1 * self.rounding, self._gaprounding)
+        gaps = max(0.1 * self.rounding, self.places)
         pressing = max(self.forces, self.reference, gaps / self.tol)
         equilibrium, constraint = (
             Norm(self.scaled[~self.multipliers]),
@@ -218,28 +220,37 @@ class Residual:
     def _Rounding(self, scale, pushed):
         """No residual gets below the rounding errors of the stiffness times the displacement.
 
-        Where nothing pushes or moves these may be none: then the rounding errors of positions
-        count, which a nonlinear bulk has; loads of a linear one may be as small as they like.
+        A nonlinear bulk has those of the positions in each element, too, and of the whole mesh
+        where nothing pushes or moves; loads of a linear one may be as small as they like.
         """
+        factors = scale[~self.multipliers]
         displacement = self.gf.vec.FV().NumPy()[~self.multipliers]
-        moved = 1e-14 * Norm(displacement / scale[~self.multipliers])
-        if pushed or self.bulk.islinear is not False:
+        moved = 1e-14 * Norm(displacement / factors)
+        if self.bulk.islinear is not False:
             return moved
-        size = np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
-        if np.abs(displacement).max() > NO_MOTION * size:
-            return moved
-        return max(moved, 1e-15 * Norm(size / scale[~self.multipliers]))
+        mesh, size = self.gf.space.mesh, self._size
+        if not pushed and np.abs(displacement).max() <= NO_MOTION * size:
+            return max(moved, 1e-15 * Norm(size / factors))
+        return max(moved, 3e-16 * Norm(size * mesh.ne ** (-1 / mesh.dim) / factors))
 
-    def _GapRounding(self, scale):
-        """With large sliding gaps are differences of positions, which may hardly change."""
+    @cached_property
+    def _size(self):
+        """Of the mesh."""
+        return np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
+
+    def _RoundingOfPlaces(self, scale):
+        """Gaps and slip of large sliding are differences of positions, wherever these are."""
         rows = [
-            scale[contact.form.MultiplierDofs()].reshape(len(area), -1) * area[:, None]
-            for contact in self.contacts
-            if contact.finite and len(area := contact.form.Scalars("area"))
+            scale[c.form.MultiplierDofs()] * c.Table()["area"].repeat(c.mesh.dim)
+            for c in self.contacts
+            if c.finite
         ]
-        return (
-            0.1 * np.finfo(float).eps * self._farthest * Norm(np.concatenate(rows)) if rows else 0.0
-        )
+        return np.finfo(float).eps * self._size * Norm(np.concatenate(rows)) if rows else 0.0
+
+    def IsRounding(self, forces, scale):
+        """Are forces (n,) of bulk and loads nothing but rounding errors?"""
+        free = self.free & ~self.multipliers
+        return Norm((scale * forces)[free]) <= 10 * self.rounding
 
     def _CheckMultiplierLoads(self, scale):
         """Once per solve: what depends on the iterate, the matrix shows."""

@@ -227,7 +227,9 @@ class ContactSolver:
             if not (unsolved or isinstance(error, ContactConvergenceError)):
                 raise
             known = newton.failure.Error(error, floating, self.history)
-            raise known from (None if known is error else error)
+            if known is error:
+                raise  # with what it came from, such as the error of the other method
+            raise known from error
         finally:
             self._running, self.stuck = False, newton.stuck
 

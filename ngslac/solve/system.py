@@ -330,9 +330,15 @@ class System:
     def AreIdle(self, holds):
         """Does nothing push the bodies that float? Then nothing has to hold them."""
         residual = self.residual
-        least = max(IDLE * residual.reference, 10 * residual.rounding)
-        forces = residual.scaled, 1 / self.scale
-        return self.bodies.AreIdle(self.contacts, holds, forces, least)
+        # Loads may be in balance: then the springs that hold bodies leave a part of them.
+        forces = max(residual.reference, residual.first)
+        least = max(IDLE * forces, 10 * residual.rounding)
+        given = self.contacts, holds, (residual.scaled, 1 / self.scale), least
+        if self.bodies.AreIdle(*given):
+            return True
+        # Forces within a body that knows finite rotations do not turn it where it is now.
+        turns = bool(self.bodies.floating) and self.bulk.islinear is False
+        return turns and self.bodies.AreIdle(*given, self.values)
 
     def Inverted(self):
         """Which elements are inside out, where the determinant of the deformation has a meaning."""

@@ -61,6 +61,12 @@ class Conservation:
         own = self._own
         return np.bincount(self._body, weights=a[own] * b[own], minlength=self.count)
 
+    def OfMacros(self, contact, works):
+        """What is given (m,) to the macro-elements of a contact, summed up body by body."""
+        block = contact.form.fes.dim
+        cores = np.array([contact.space.CoreDofs(m)[0] for m in range(len(works))])
+        return np.bincount(self._body[cores * block], weights=works, minlength=self.count)
+
     def Kinetic(self, velocity):
         """Kinetic energies of the bodies."""
         return 0.5 * self.Products(velocity, self.mass.Times(velocity))

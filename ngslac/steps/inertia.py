@@ -21,7 +21,10 @@ from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import AsBits
 from ngslac.linear.factor import Cholesky, Factor
 
-__all__ = ["CheckEnergy", "DynamicForm", "Inert", "Mass", "Scheme"]
+__all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
+
+# Velocities against constraints, relative to those that tools without mass follow, that are none.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,8 @@ class Mass:
 
         Closed macro-elements keep no normal velocity relative to the other side, sticking ones
         none at all. The change is orthogonal with respect to the mass: in a frame that moves with
-        the other side it can only take energy away.
+        the other side it can only take energy away. Tools that forces move have no mass: they take
+        no impulse, and go along.
 
         Parameters
         ----------
@@ -165,8 +169,9 @@ class Mass:
         -------
         (n,) array
         """
-        rate = rows @ velocity - rates
-        if not np.any(rate):
+        loose, wrong = self._WithoutMass(rows), rows @ velocity - rates
+        rate = wrong - loose @ (loose.T @ wrong)
+        if np.linalg.norm(rate) <= ROUNDING * np.linalg.norm(wrong):
             return velocity
         transposed = rows.T.tocsr()
         # Conjugate gradients for the impulses: as well conditioned as the mass matrix.
@@ -181,9 +186,17 @@ class Mass:
             step = square / (direction @ image)
             change += step * motion
             residual -= step * image
+            residual -= loose @ (loose.T @ residual)
             before, square = square, residual @ residual
             direction = residual + square / before * direction
         return velocity - change
+
+    def _WithoutMass(self, rows):
+        """An orthonormal basis, as columns, of what constraints see of motions without mass."""
+        seen = rows[:, np.flatnonzero(~self.rows)]
+        seen = seen[:, np.flatnonzero(abs(seen).sum(axis=0))].toarray()
+        basis, sizes, _ = np.linalg.svd(seen, full_matrices=False)
+        return basis[:, sizes > 1e-8 * sizes.max(initial=0)]
 
 
 class DynamicForm:
@@ -264,21 +277,6 @@ def DefinedOn(space):
         one[k] = True
         found[k] = space.GetDofs(Region(mesh, VOL, one)).NumSet() > 0
     return Region(mesh, VOL, found)
-
-
-class Inert:
-    """In place of `Bodies`: what has mass does not float, however small the mass is."""
-
-    floating = ()
-
-    def Floating(self, contacts, holds="now"):
-        return []
-
-    def AreIdle(self, contacts, holds, forces, least):
-        return False
-
-    def Lost(self, values):
-        return []
 
 
 def Displacement(space, form):

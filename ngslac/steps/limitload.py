@@ -11,7 +11,7 @@ __all__ = ["LimitLoad"]
 # Part of the tangent's motion for which the resistance is looked at, how often it is shortened,
 # and how far the resistance at its beginning may be from that which the tangent says.
 SHORT, ROUNDS, STRAIGHT = 2.0**-6, 4, 0.2
-# Residual of a load, relative to the forces at work, that moves nothing.
+# Residual of a load, relative to the forces at work, that moves nothing; of constraints, too.
 IDLE = 1e-6
 # Part of the way to the limit that a step goes, and of the step asked for that is near to it.
 SAFE, NEAR = 0.7, 1 / 48
@@ -66,6 +66,9 @@ class LimitLoad:
         values = self.system.values
         before = values.copy()
         try:
+            self.load.Set(goal)
+            if self._LeadsWhatTouches():
+                return
             if failed and self.solver.stuck is not None:
                 self._LookAtFold()
             values[:] = before
@@ -102,6 +105,11 @@ class LimitLoad:
             f"{self._place}. Prescribe a displacement in place of a force, or follow the motion "
             "with a TimeStepper"
         )
+
+    def _LeadsWhatTouches(self):
+        """Does the load move a tool or change gaps, rather than push? Such a load has no limit."""
+        self.system.residual.Follow()
+        return self.system.MeasureHonestly().constraint > IDLE
 
     # --- from a converged state ------------------------------------------------------------------
 

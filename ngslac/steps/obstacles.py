@@ -1,12 +1,17 @@
-"""How fast gaps change by functions of their own: obstacles and offsets with a Parameter."""
+"""How fast what is no body moves: obstacles, tools, and offsets with a Parameter."""
 
 import numpy as np
+
+from ngslac.bodies.constraints import ToolRows
 
 __all__ = ["Obstacles"]
 
 
 class Obstacles:
-    """How fast obstacles and offsets open the mean gaps, from what they did in the last steps.
+    """How fast obstacles move where macro-elements see them, from what they did in the last steps.
+
+    An obstacle that is a function, and an offset, move along the normal; a tool moves as a rigid
+    body does, along the slave as well.
 
     Parameters
     ----------
@@ -17,43 +22,63 @@ class Obstacles:
     def __init__(self, contacts):
         self.contacts = contacts
         self.state = None  # rates of the last step, of all macro-elements, and its length
-        self._before, self.opening = None, None
+        self._start, self._before, self.ways = None, None, None
 
     def Begin(self, gf):
         """Before the time is set to the end of the step; `gf` is where the step begins."""
-        self._before = self._Gaps(gf)
+        self._start = gf.vec.FV().NumPy().copy()
+        self._before = [self._Of(contact, gf) for contact in self.contacts]
 
     def Move(self, gf):
-        """After that; `gf` is the same. `opening`: change of each mean gap by its obstacle."""
-        after = self._Gaps(gf)
-        self.opening = [b - a for a, b in zip(self._before, after, strict=True)]
-
-    def _Gaps(self, gf):
-        return [self._Of(contact, gf) for contact in self.contacts]
+        """After that; `gf` is the same. `ways`: how far the obstacle moves each macro-element."""
+        self.ways = [
+            self._Way(contact, gf, before)
+            for contact, before in zip(self.contacts, self._before, strict=True)
+        ]
 
     def _Of(self, contact, gf):
+        """Mean gaps, and where the points of a tool are that are at the macro-elements."""
         if not contact.gap_is_driven:
-            return np.zeros(contact.space.nmacros)
+            return None
         contact.Evaluate(gf)
-        return contact.Table()["gap"].copy()
+        table = contact.Table()
+        places = np.zeros_like(table["x"])
+        if contact.tool is not None:
+            turn, shift = contact.tool.placement
+            places = (table["x"] - shift) @ turn
+        return table["gap"].copy(), places
+
+    def _Way(self, contact, gf, before):
+        now = self._Of(contact, gf)
+        if now is None:
+            return np.zeros((contact.space.nmacros, contact.mesh.dim))
+        normal = contact.Table()["normal"]
+        way = np.zeros_like(normal)
+        if contact.tool is not None:
+            turn, _ = contact.tool.placement
+            way = (before[1] - now[1]) @ turn.T
+        along = np.sum(way * normal, axis=1)
+        return way + (now[0] - before[0] - along)[:, None] * normal
 
     def Rates(self, dt):
-        """Rates at the end of a step of the length `dt`, from backward differences."""
-        rates = np.concatenate(self.opening) / dt
+        """Velocities at the end of a step of the length `dt`, from backward differences."""
+        rates = np.concatenate(self.ways) / dt
         before, last = self.state or (rates, dt)
-        if len(before) != len(rates):  # the mesh was refined
+        if before.shape != rates.shape:  # the mesh was refined
             before = rates
         self.state = rates, dt
         rates = rates + dt / (dt + last) * (rates - before)
-        return np.split(rates, np.cumsum([len(part) for part in self.opening])[:-1])
+        return np.split(rates, np.cumsum([len(part) for part in self.ways])[:-1])
 
-    def Work(self):
-        """Of the moved obstacles on the bodies, after `Evaluate` at the end of the step."""
-        return sum(map(self._WorkOf, self.contacts, self.opening))
+    def Works(self, gf):
+        """Of the moved obstacles on each macro-element, after `Evaluate` of `gf`, the solution."""
+        motion = gf.vec.FV().NumPy() - self._start
+        return [self._WorkOf(*pair, motion) for pair in zip(self.contacts, self.ways, strict=True)]
 
-    def _WorkOf(self, contact, opening):
-        if not np.any(opening):
-            return 0.0
+    @staticmethod
+    def _WorkOf(contact, way, motion):
         table = contact.Table()
-        pressure = -np.sum(table["traction"] * table["normal"], axis=1)
-        return -float((table["area"] * pressure) @ opening)
+        way = table["area"][:, None] * way
+        if len(contact.form.ToolDofs()):  # forces move it, too
+            way = way - (ToolRows(contact) @ motion).reshape(way.shape)
+        return np.sum(table["traction"] * way, axis=1)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from numbers import Real
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction, Region
+from ngsolve import CoefficientFunction, GridFunction
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
@@ -48,7 +48,7 @@ class Prescribed:
         fixed = ~AsNumPy(ScalarDofs(space.FreeDofs(), space))
         self.values = {key: Displacement(key, values[key], space.mesh.dim) for key in values}
         for key in values:
-            region = RegionOf(space.mesh, key)
+            region = RegionWithFaces(space.mesh, "prescribe: region", key, any=True)
             dofs = fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
             if not np.any(dofs):
                 raise ValueError(
@@ -73,15 +73,6 @@ class Prescribed:
                     f"prescribe: the value of {key!r} is NaN or infinite somewhere there"
                 )
             vec[self.first + dofs] = field[dofs]
-
-
-def RegionOf(mesh, key):
-    """The region that a key of `prescribe` stands for."""
-    if not isinstance(key, Region):
-        return RegionWithFaces(mesh, "prescribe: region", key)
-    if key.mesh != mesh:
-        raise ValueError("prescribe: a region is one of another mesh than that of the displacement")
-    return key
 
 
 def Displacement(key, value, dim):

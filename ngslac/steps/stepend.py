@@ -192,7 +192,8 @@ class StepEnd:
         reaction = balance.FV().NumPy() + sum(forces) - self.Load().FV().NumPy()
         given = reaction * ~self.mass.free + loads
         resistance = sum(weight * force for weight, _, force in way)
-        pushed = self.obstacles.Work()
+        pushes = self.obstacles.Works(self.gf)
+        pushed = sum(map(np.sum, pushes))
         works = {"external": float(given @ motion) + pushed}
         works["internal"] = float(resistance @ motion)
         works |= {"friction": friction, "impact": pushed - work - friction}
@@ -200,5 +201,8 @@ class StepEnd:
         algorithmic += conservation.Products(given - sum(forces) - resistance, motion)
         finite = sum(f for f, c in zip(forces, self.contacts, strict=True) if c.finite)
         impact = conservation.Products(finite + np.zeros(len(motion)), motion)
+        for contact, push in zip(self.contacts, pushes, strict=True):
+            if contact.finite and np.any(push):
+                impact += conservation.OfMacros(contact, push)
         taken = {"impact": impact, "algorithmic": algorithmic}
         return works, taken, -sum(forces) * self.mass.rows

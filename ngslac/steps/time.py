@@ -16,13 +16,14 @@ from ngslac.arguments import (
     CheckState,
     FillVector,
 )
+from ngslac.bodies.bodies import Bodies
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, OnBulk
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.directions import Directions
-from ngslac.steps.inertia import CheckEnergy, DynamicForm, Inert, Mass, Scheme
+from ngslac.steps.inertia import CheckEnergy, DynamicForm, Mass, Scheme
 from ngslac.steps.prescribed import Prescribed
 from ngslac.steps.stepend import StepEnd
 
@@ -130,7 +131,7 @@ class TimeStepper:
         self.prescribe = prescribe
         self.velocity = GridFunction(solver.gf.space, name="velocity")
         self._end = StepEnd(solver, self.form, self.mass, self.scheme, self.velocity)
-        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._end.Load), Inert())
+        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._end.Load), Bodies.Heavy())
         self._journal = Journal(self, "time", self.time)
         self.balance, self.steps = None, []
         self._directions = Directions(solver.contacts)

@@ -215,11 +215,15 @@ def test_a_grid_function_of_another_space(mesh, verb):
         ({"obstacle": np.inf, "master": None}, "obstacle = inf must be a finite number"),
         ({"tresca": -1}, "tresca = -1 must be a finite number >= 0"),
         ({"finite": True, "obstacle": 1 + 0 * x, "master": None}, "does not depend on"),
+        (
+            {"finite": True, "obstacle": "plane", "master": None},
+            "obstacle = .plane. must be a",
+        ),
         ({"master": "slave"}, "finite=True"),  # a surface on itself
     ],
 )
 def test_what_a_contact_cannot_be_made_of(mesh, flags, words):
-    with pytest.raises((ValueError, NgException), match=words):
+    with pytest.raises((ValueError, TypeError, NgException), match=words):
         fresh(mesh, **flags)
 
 

@@ -36,7 +36,9 @@ def tool_form(dim, tool, law="coulomb", *, driven=False, order=2, kind=None, n=N
     tool = tool.Moved(shift=shift, angle=0.5 * time, **given)
     if driven:
         travel = (numbers[0], None, numbers[1])[3 - dim :]
-        tool = tool.Driven(travel=travel, turn=numbers[2], force=(1, 2, 3)[:dim], moment=4, **given)
+        tool = tool.Driven(
+            travel=travel, turn=numbers[2], force=(1, 0, 3)[3 - dim :], moment=4, **given
+        )
     contact = LACContact(u, lam, obstacle=tool, finite=True, **LAWS[law])
     contact.Update()
     contact.form.SetConstant(C)

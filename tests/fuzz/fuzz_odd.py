@@ -25,6 +25,14 @@ def Contact(u, lam, **flags):
     return lac.LACContact(u, lam, **({"master": "master"} | flags))
 
 
+def Disc():
+    return lac.tools.Sphere((0.5, -2), 1)
+
+
+def Against(w, tool, **flags):
+    return w.Contact(master=None, obstacle=tool, finite=True, **flags)
+
+
 def Steps(w, **flags):
     return lac.LoadStepper(w.solver, w.load, **flags)
 
@@ -178,6 +186,46 @@ SaveState into a device | SaveState("/dev/null", w.solver)
 LoadState of another tool | LoadState(w.file, w.times)
 [mesh]
 LoadState of another mesh | LoadState(w.file, w.other.solver)
+
+[normal]
+a plane tool without a normal | lac.tools.Plane((0, 0), (0, 0))
+[radius]
+a tool of no size | lac.tools.Sphere((0, 0), 0)
+[half_angle]
+a tool as blunt as a plane | lac.tools.Cone((0, 0, 0), (0, 0, 1), 2)
+[points]
+a tool that encloses nothing | lac.tools.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])
+[file]
+a tool of no file | lac.tools.FromSTL(Written(w, b"solid"))
+[boundary]
+a tool of no boundary | lac.tools.FromMesh(w.mesh, "nowhere")
+[surface]
+a tool with a rim | lac.tools.FromMesh(w.mesh, "top")
+[signed distance]
+a tool that is nowhere | lac.tools.SignedDistance(w.load)
+a tool of a field | lac.tools.SignedDistance(ngs.x + w.gf.components[0][0], dim=2)
+[shift]
+a tool led nowhere | Disc().Moved()
+a tool led by a trial function | Disc().Moved(shift=(0, w.u[0]))
+a tool led by the place | Disc().Moved(shift=(ngs.x, 0))
+[axis]
+a tool in 2D with an axis | Disc().Moved(angle=1, axis=(0, 0, 1))
+[travel]
+a tool driven by nothing | Disc().Driven(force=(0, 1))
+a tool driven by the displacement | Against(w, Disc().Driven(travel=(None, w.u[1])))
+a tool that is led and pushed | Disc().Driven(travel=(w.u, None), force=(0, 1))
+[driven]
+a tool driven twice | Disc().Driven(travel=(w.u, None)).Driven(travel=(w.u, None))
+[moves]
+a tool combined too late | -Disc().Moved(shift=(1, 0))
+[finite]
+a tool with small sliding | w.Contact(master=None, obstacle=Disc())
+[tied]
+a tool glued on | Against(w, Disc(), tied=True)
+[obstacle]
+a tool in another dimension | Against(w, lac.tools.Sphere((0, 0, 0), 1))
+a number as tool | Against(w, 0.5)
+a word as tool | Against(w, "plane")
 
 []
 contacts as a tuple | Solve(w, contacts=(w.contact,))

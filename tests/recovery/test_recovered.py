@@ -63,7 +63,7 @@ def test_constant_pressure_and_traction_are_exact(flags):
 
 
 LAWS = [{}, {"friction": 0.3}, {"friction": 0.3, "finite": True}, {"finite": True}]
-LAWS += [{"tresca": 0.02}, {"tied": True}]
+LAWS += [{"tresca": 0.02}, {"tied": True}, {"bilateral": True, "friction": 0.3}]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
@@ -76,7 +76,7 @@ def test_resultants_of_solved_problems(dim, law, order):
     solved(problem)
     contact = problem.contact
     keeps_resultants(contact)
-    if not law.get("tied"):
+    if not (law.get("tied") or law.get("bilateral")):
         never_pulls(contact)
 
 
@@ -108,10 +108,11 @@ def test_slip_all_over_stays_slip():
 
 
 @elements
-def test_tied_surfaces_may_pull(flags):
+@pytest.mark.parametrize("law", ["tied", "bilateral"])
+def test_surfaces_that_do_not_separate_may_pull(flags, law):
     exact = lambda points: points[:, 0] - 0.5  # noqa: E731
-    given = {"n": (7, 4), "h": 0.1} | flags
-    check_linear(carrying(pressing(exact), tied=True, **given), exact)
+    given = {"n": (7, 4), "h": 0.1, law: True} | flags
+    check_linear(carrying(pressing(exact), **given), exact)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -196,3 +196,11 @@ def test_newton_is_quadratic():
 
     motion.run(0.2, callback=callback, tol=1e-12)
     assert motion.contact.Force()[1] > 0
+
+
+def test_bodies_that_meet_where_the_mesh_has_them():
+    """The step ends as the gap closes: gaps and slip are rounding errors, nothing has moved."""
+    motion = two_bars(0.1, dt=0.01, finite=True, friction=0.3)
+    motion.run(0.06)
+    assert len(motion.steps) == 6
+    assert motion.stepper.balance.total == pytest.approx(0.5, rel=0.01)

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 from loaded import loaded
-from ngsolve import CF, x, y
-from press import numpy
+from ngsolve import CF, Grad, Integrate, Sym, Trace, dx, x, y
+from press import LAME, MU, linear, neo_hooke, numpy, press
 
 from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
 from ngslac.arrays import AsNumPy, ScalarDofs
@@ -180,3 +180,40 @@ def test_a_load_beyond_friction_ends_after_few_systems(finite):
     assert error.value.exhausted
     assert error.value.certain != finite
     assert sum(systems) < (150 if finite else 30)
+
+
+# --- loads that are in balance -------------------------------------------------------------------
+
+
+def stretched(dim, nonlinear, *, sign=1, **law):
+    """A loose block stretched, or squeezed, by stresses that are the same everywhere."""
+
+    def bulk(u, v, load):
+        rest = [neo_hooke(u) if nonlinear else linear(u, v)]
+        return [*rest, -0.5 * sign * load * Trace(Grad(v)) * dx("upper")]
+
+    return press(dim=dim, spring=0, bulk=bulk, **law)
+
+
+@pytest.mark.pairwise
+@pytest.mark.parametrize("offset", [None, 0.01])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("friction", [None, 0.3])
+@pytest.mark.parametrize("nonlinear", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_loose_block_under_loads_in_balance(dim, nonlinear, sign, friction, finite, offset):
+    """Nothing pushes it: it keeps its shape under the stress, wherever it stays, in each step."""
+    law = {"friction": friction, "finite": finite, "offset": offset}
+    problem = stretched(dim, nonlinear, sign=sign, **law)
+    problem.load.Set(0)
+    steps = stepper(problem).Integrate(steps=3, printing=False)
+    assert sum(step.cuts for step in steps) == 0
+    strain = Sym(Grad(problem.gf.components[0]))
+    if nonlinear:
+        strain += 0.5 * Grad(problem.gf.components[0]).trans * Grad(problem.gf.components[0])
+    upper = problem.mesh.Materials("upper")
+    mean = Integrate(Trace(strain), upper) / Integrate(1, upper)
+    expected = 0.5 * dim * sign / (2 * MU + dim * LAME)
+    assert mean == pytest.approx(expected, rel=0.05 if nonlinear else 1e-6)
+    assert np.abs(problem.contact.Force()).max() < 1e-6

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bricks import brick
+from netgen.meshing import NgException
 from netgen.occ import Circle, Compound, OCCGeometry, Rectangle
 from ngsolve import (
     CF,
@@ -211,6 +212,11 @@ def test_a_driven_tool_belongs_to_one_contact():
         ContactSolver(BilinearForm(X), GridFunction(X), contacts)
 
 
+def test_two_motions_of_a_tool_are_two_unknowns():
+    with pytest.raises(NgException, match="two motions of a tool are one unknown"):
+        Pressed(2, lambda t, q: ball(2).Driven(travel=(q, q), force=(0, 1)), numbers=1)
+
+
 def test_a_tool_that_nothing_pushes_stays_where_it_is():
     def make(load, number):
         return ball(2, gap=0.1).Driven(travel=(None, number))
@@ -258,6 +264,17 @@ def test_edges_and_corners(tool, n):
     assert case.contact.Force()[1] > 2
     assert np.isfinite(table["traction"]).all()
     assert np.all(table["gap"][table["area"] > 0] > -1e-9)
+
+
+def test_a_tool_on_a_path_has_no_limit_load():
+    """What fails is the number of iterations allowed, and nothing else is said."""
+    punch = tools.Polygon([(0.2, -1), (0.8, -1), (0.8, -0.05), (0.2, -0.05)]).Grown(0.05)
+    case = Pressed(2, lambda t: punch.Moved(shift=(0.3 * t, 0.1 * t)), friction=0.3)
+    case.stepper.Integrate(0.25, steps=2, printing=False)
+    with pytest.raises(ContactConvergenceError, match="no convergence in 2 iterations"):
+        case.stepper.Integrate(1.0, steps=1, maxit=2, printing=False)
+    assert case.load.Get() == 0.25
+    case.stepper.Integrate(0.5, steps=1, printing=False)
 
 
 def test_a_run_that_goes_on_from_a_file(tmp_path):

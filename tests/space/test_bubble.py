@@ -17,11 +17,13 @@ from bricks import (
     slave_faces,
     unstructured,
 )
+from netgen.meshing import NgException
 from ngsolve import (
     BND,
     CF,
     VOL,
     BilinearForm,
+    FESpace,
     Grad,
     GridFunction,
     InnerProduct,
@@ -297,3 +299,27 @@ def test_bubbles_keep_the_condition_number_and_split_faces_raise_it(kind, order)
     for hexes, factor in limits.items():
         split = SplitSlaveFaces(mesh, "bottom", hexes=hexes)
         assert condition(VectorH1, split, order) < factor * plain
+
+
+def test_by_its_name_among_the_spaces():
+    """As NGSolve makes spaces by name: a pattern, or the numbers of boundaries, counted from 1."""
+    mesh = brick("tet", 2)
+    wanted = BubbleVectorH1(mesh, order=1, slave="bottom|top")
+    numbers = [k for k, name in enumerate(mesh.GetBoundaries(), 1) if name in ("bottom", "top")]
+    for slave in ("bottom|top", numbers):
+        space = FESpace("bubblevectorh1", mesh, order=1, slave=slave)
+        assert space.ndof == wanted.ndof > VectorH1(mesh, order=1).ndof
+        assert is_consistent(space)
+
+
+@pytest.mark.parametrize(
+    ("slave", "words"),
+    [
+        ({}, "say which boundaries get bubbles"),
+        ({"slave": "nowhere"}, "pattern 'nowhere' matches none of the boundaries"),
+        ({"slave": [99]}, "given region matches none of the boundaries .*'bottom'"),
+    ],
+)
+def test_by_name_without_a_slave(slave, words):
+    with pytest.raises(NgException, match=words):
+        FESpace("bubblevectorh1", brick("tet", 2), order=1, **slave)

@@ -5,7 +5,20 @@ import struct
 import numpy as np
 import pytest
 from netgen.occ import Box, OCCGeometry, Sphere
-from ngsolve import H1, GridFunction, IfPos, Mesh, Norm, Parameter, floor, sqrt, x, y, z
+from ngsolve import (
+    H1,
+    GridFunction,
+    IfPos,
+    Mesh,
+    Norm,
+    NumberSpace,
+    Parameter,
+    floor,
+    sqrt,
+    x,
+    y,
+    z,
+)
 
 from ngslac import tools
 from ngslac.facets import _Facets
@@ -181,10 +194,11 @@ def refused():
     mesh = Mesh(OCCGeometry(Box((0, 0, 0), (1, 1, 1))).GenerateMesh(maxh=1))
     field = GridFunction(H1(mesh, order=1))
     still, t = tools.Sphere((0, 0), 1), Parameter(0)
+    number = NumberSpace(mesh).TrialFunction()
     return {
         "no coordinates": (lambda: tools.SignedDistance(t - 1), "does not depend on the coord"),
         "z in 2D": (lambda: tools.SignedDistance(x + z, dim=2), "coordinate z"),
-        "a field": (lambda: tools.SignedDistance(x + field), "away from the mesh"),
+        "a field": (lambda: tools.SignedDistance(x + field), "GridFunction.*away from the mesh"),
         "no derivative": (lambda: tools.SignedDistance(floor(x)), "not differentiable"),
         "no number": (lambda: tools.SignedDistance(Norm(x) + Parameter(np.nan)).Distance(POINTS),
                       "it is nan at"),
@@ -203,6 +217,16 @@ def refused():
         "one force": (lambda: still.Driven(turn=t, force=5), "force = 5 must be a list or tuple"),
         "one travel": (lambda: still.Driven(travel=t), "must be a list or tuple of 2"),
         "travel": (lambda: still.Driven(travel=(t, None)), "trial function of a NumberSpace"),
+        "no motion": (lambda: still.Moved(), "give shift= or angle="),
+        "axis in 2D": (lambda: still.Moved(angle=t, axis=(0, 0, 1)), "axis is for tools in 3D"),
+        "a proxy": (lambda: still.Moved(shift=(0, H1(mesh).TrialFunction())), "trial or test"),
+        "led, not driven": (lambda: still.Driven(travel=(None, number), force=(5, 1)),
+                            r"force = \(5, 1\) acts where"),
+        "idle moment": (lambda: still.Driven(travel=(None, number), moment=1), "does not turn"),
+        "on a line": (lambda: tools.Polygon([(0, 0), (1, 0), (2, 0)]), "enclose no area"),
+        "bow tie": (lambda: tools.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)]), "enclose no area"),
+        "by domain": (lambda: tools.SignedDistance(x * mesh.MaterialCF({"default": 1})),
+                      "a function of each domain"),
         "profile": (lambda: tools.Revolved(tools.Sphere((0, 0, 0), 1), (0, 0, 0), (0, 0, 1)),
                     "tool in 2D"),
     }  # fmt: skip

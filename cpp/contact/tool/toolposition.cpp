@@ -36,6 +36,9 @@ ToolPath<D>::ToolPath(const RigidTool & tool, const ProxyInfo & u)
       throw Exception("LACContact: the travel of a tool must be a trial function of a NumberSpace "
                       "in the product space of u and lam");
     dofs.Append(unknown.offset * u.fes->GetDimension());
+    if (dofs.Pos(dofs.Last()) + 1 < dofs.Size())
+      throw Exception("LACContact: two motions of a tool are one unknown: give each a trial "
+                      "function of a NumberSpace of its own");
     drives.Append(Drive{drive, dofs.Last()});
     functions.Append(drive.load);
   }
