@@ -113,7 +113,8 @@ class Recovered:
         # The scale is that of elements, macro-elements are softer, the wider.
         count = np.asarray(surface.touches.sum(axis=1)).ravel()
         spacing = surface.touches @ surface.share / count
-        wide = np.divide(surface.area, spacing, out=np.ones_like(count), where=spacing > 0)
+        paired = (surface.area > 0) & (spacing > 0)  # the others have no points
+        wide = np.divide(surface.area, spacing, out=np.ones_like(count), where=paired)
         scale = GAP_SHARE * contact.form.Scalars("c") / contact.stiffness / np.sqrt(wide)
         return scale[surface.macro] / self._unit * self._Gaps(displacement)
 

@@ -13,6 +13,8 @@ __all__ = ["Holding"]
 PUSHED = 1e-4
 # How often bodies may be held by closing what the iteration opens again.
 MOST_CLOSINGS = 5
+# Gap over the size of a macro-element that touches.
+TOUCHING = 1e-6
 
 
 class Holding:
@@ -86,14 +88,16 @@ class Holding:
 def CloseNearest(system):
     """Close macro-elements, the nearest first, until no body floats; False if that does not help.
 
-    Farther contacts are left alone where the nearest ones hold all bodies.
+    Farther contacts are left alone where the nearest ones hold all bodies, and so is what does not
+    touch where that does which touches: a sheet between two tools that are round beside it would be
+    torn apart.
     """
     for count in range(len(system.contacts)):
-        for distance in (0.05, 0.1, 0.2, 0.4, 0.8):
+        for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
             for contact in sorted(system.contacts, key=SmallestGap)[: count + 1]:
                 # Without friction the tilted normals of distant macro-elements would only hide a
                 # motion that is free.
-                reach = distance if contact.holds_tangentially else 0.05
+                reach = distance if contact.holds_tangentially else min(distance, 0.05)
                 contact.form.Close(NearestMacros(contact, reach), system.gf.vec)
                 contact.Evaluate(system.gf)
             if not system.WhatFloats():
@@ -109,9 +113,13 @@ def SmallestGap(contact):
 
 
 def NearestMacros(contact, distance):
-    """Macro-elements whose gap exceeds the smallest one by at most `distance` times their size."""
+    """Macro-elements whose gap exceeds the smallest one by at most `distance` times their size.
+
+    With the distance 0 those that touch, if any do.
+    """
     table = contact.Table()
     paired = table["area"] > 0
     size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
     nearest = table["gap"][paired].min(initial=np.inf)
-    return AsBits(paired & (table["gap"] <= nearest + distance * size))
+    limit = nearest + distance * size if distance else TOUCHING * size
+    return AsBits(paired & (table["gap"] <= limit))

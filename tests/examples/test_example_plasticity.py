@@ -10,7 +10,7 @@ from indentation import PRANDTL, Cycle, Depths, OnsetPressure
 from indenter import Indenter
 from netgen.occ import OCCGeometry
 from ngsolve.meshes import MakeStructured2DMesh
-from plasticity import J2Plasticity
+from plasticity import J2Plasticity, LogStrain
 
 from ngslac import ContactConvergenceError
 from ngslac.materials import Stress
@@ -190,6 +190,29 @@ def test_stress_state_and_energy_of_the_law(law):
         wanted = [*np.diag(exact.plastic), exact.plastic[0, 1], exact.a]
         np.testing.assert_allclose(state, np.outer(wanted, np.ones(state.shape[1])), atol=1e-12)
     assert exact.a > 1e-3
+
+
+@pytest.mark.parametrize(("size", "error"), [(0.1, 1e-12), (0.3, 1e-8), (0.5, 1e-5)])
+def test_the_logarithmic_strain_in_3d(size, error):
+    """Of a turned and stretched cube, with its exact volume; in plane strain as in 2D."""
+    axes = np.linalg.qr([[1.0, 0.3, 0.2], [0.1, 1.0, -0.5], [-0.4, 0.2, 1.0]])[0]
+    turn = np.linalg.qr([[0.2, 1.0, 0.3], [-1.0, 0.4, 0.2], [0.1, 0.5, 1.0]])[0]
+    stretches = size * np.array([1.0, -0.3, -0.9])
+    F = turn @ axes @ np.diag(np.exp(stretches)) @ axes.T
+    mesh = MakeStructured2DMesh(quads=False, nx=1, ny=1)
+    point = mesh(0.3, 0.3)
+
+    def Strain(F):
+        shape = F.shape
+        gradient = ngs.CF(tuple((F - np.eye(len(F))).ravel()), dims=shape)
+        return np.reshape(LogStrain(gradient)(point), (3, 3))
+
+    found = Strain(F)
+    np.testing.assert_allclose(found, axes @ np.diag(stretches) @ axes.T, rtol=0, atol=error)
+    assert np.trace(found) == approx(stretches.sum(), abs=1e-13)
+    plane = np.eye(3)
+    plane[:2, :2] += size * np.array([[0.3, 0.2], [-0.4, 0.1]])
+    np.testing.assert_allclose(Strain(plane), Strain(plane[:2, :2]), rtol=0, atol=error)
 
 
 @pytest.mark.parametrize(

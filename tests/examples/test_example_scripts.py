@@ -98,6 +98,23 @@ RUNS = [
         "ratio ratio_exact": lambda ratio, exact: ratio == approx(exact, rel=0.02),
         "ratio_exact": approx(1.60198, abs=1e-5),
     }, "T2/T1", "belt.png belt_drum.vtu"),
+    ("carter", "--h 0.4 --way 2", {
+        "share share_exact": lambda *shares: shares[0] == approx(shares[1], abs=0.06),
+        "stick": lambda found: found == sorted(found, reverse=True),
+        "halfwidth": approx(1, abs=0.05),
+    }, "Q/(mu P)", "carter.png carter.vtu"),
+    ("flatpunch", "--h 0.125 --friction 1", {
+        "prandtl": approx(2.9685, abs=1e-4), "pressure": approx(2.9685, rel=0.04),
+        "growth": approx(0, abs=1e-3), "curve": lambda curve: curve == sorted(curve),
+    }, "Prandtl 2.9685", "flatpunch.png flatpunch_top.vtu"),
+    ("upsetting", "--n 2 --friction 0 --depth 4 --steps 4", {
+        "force_ratio": lambda found: found == approx([1, 1, 1, 1], abs=1e-6),
+        "bulge": approx(0, abs=1e-9), "volume": approx(1, abs=3e-3),
+    }, "without friction", "upsetting.png upsetting.vtu"),
+    ("upsetting", "--n 2 --depth 1 --steps 2 --quiet", {
+        "force_ratio": lambda found: 1.005 < min(found) < max(found) < 1.05,
+        "bulge": lambda bulge: bulge > 0.1,
+    }, "", ""),
     ("rolling", "--h 0.25 --steps 6", {
         "thickness": lambda found: found == approx([0.75, 0.5], abs=0.02),
         "volume": approx(1, abs=5e-3), "length": lambda length: length > 4.5,
@@ -106,6 +123,10 @@ RUNS = [
         "cone_ratio outer_cone_ratio": lambda *ratios: ratios == approx((1, 1), abs=0.06),
         "pyramid_ratio": lambda ratio: 1.1 < ratio < 1.25,
     }, "over Sneddon's", "pyramid.png pyramid_top.vtu"),
+    pytest.param("cup", "--h 0.2 --depth 0.01 --steps 2", {
+        "holder_force": approx(3, rel=1e-6), "balance": approx(0, abs=1e-6),
+        "volume": approx(1, abs=1e-3), "draw_in punch_force": lambda *values: min(values) > 0,
+    }, "draw-in", "cup.png cup_blank.png cup_die.vtu", marks=pytest.mark.slow),
     ("drawing", "--depth 0.03 --steps 6", {
         "holder_force": approx(10, rel=1e-6), "balance": approx(0, abs=1e-6),
         "draw_in punch_force": lambda *values: min(values) > 0,
@@ -151,8 +172,12 @@ HELP = [
     ("bouncing", 0.17, "--h 0; --thickness 1.5: must be less than the radius; "
      "--velocity 1 0.5: downwards; --end 0.02 --h 0.5 --quiet: in the air until the time 0.02"),
     ("belt", 180.0, "--wrap 0; --friction -1; --thickness none; --h 0"),
+    ("carter", 0.125, "--h 0; --way -1; --shares 0.5 0.7 1: would slide; --start 0"),
+    ("flatpunch", 0.0625, "--h 0; --friction -1; --depth 0; --steps 0"),
+    ("upsetting", 3.0, "--n 0; --friction -1; --depth 0; --steps 0; --depth 7: less than 6"),
     ("rolling", 0.167, "--h 0; --steps 0; --friction -1"),
     ("pyramid", 0.25, "--h 0"),
+    ("cup", 0.25, "--h 0; --depth 0; --steps 0; --friction -1; --force 0"),
     ("drawing", 0.04, "--h 0; --depth 0; --steps 0; --friction -1; --force 0"),
 ]  # fmt: skip
 

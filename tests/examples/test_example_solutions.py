@@ -1,6 +1,8 @@
 """What the examples compute, beyond the numbers that they print, and the meshes of their own."""
 
+import belt
 import bouncing
+import carter
 import flatring
 import hertz
 import hertz3d
@@ -57,6 +59,29 @@ def test_bouncing_without_friction():
     assert abs(figures["friction_ratio"]) < 0.02
     assert figures["largest_contact_gain"] < 5e-4 * figures["energy_start"]
     assert figures["friction"] == approx(0, abs=1e-12)
+
+
+# --- the belt ------------------------------------------------------------------------------------
+
+
+def test_only_the_inner_side_of_the_belt_is_slave():
+    mesh = belt.BeltMesh(180, 0.02, 0.05)
+    lengths = [Integrate(CF(1), mesh.Boundaries(name)) for name in ("drum", "free")]
+    inner, outer = np.pi * belt.RADIUS + 2 * belt.TAIL, np.pi * (belt.RADIUS + 0.02)
+    assert lengths == approx([inner, outer + 2 * belt.TAIL], rel=1e-4)
+
+
+# --- Carter's rollers ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("start", [0.7, 1.2])
+def test_rolling_forgets_how_it_began(start):
+    """The law of creep holds while the tangential force is still on its way."""
+    figures = carter.Run(shares=(0.5,), h=0.25, start=start)
+    assert abs(figures["share"][0] - 0.5) > 0.05
+    assert figures["share"] == approx(figures["share_exact"], abs=0.03)
+    exact = np.sqrt(1 - figures["share_exact"][0])
+    assert figures["stick"][0] == approx(exact, abs=0.125)  # one macro-element
 
 
 # --- the flat ring -------------------------------------------------------------------------------

@@ -202,6 +202,15 @@ def test_not_paired_yet_and_unpaired_part():
     keeps_resultants(contact)
 
 
+def test_solved_with_an_unpaired_part_divides_by_no_area():
+    problem = press(mesh_flags={"overhang": -0.4, "aligned": False})
+    solved(problem)
+    assert not problem.contact.Table()["area"].all()
+    with np.errstate(all="raise", under="ignore"):
+        problem.contact.Recovered()
+    keeps_resultants(problem.contact)
+
+
 def test_two_patches_keep_their_own_resultants():
     """Two punches of very different size of pressure do not see each other."""
 

@@ -293,3 +293,26 @@ def test_a_run_that_goes_on_from_a_file(tmp_path):
     again.stepper.Integrate(1.0, steps=2, printing=False)
     assert again.contact.Force() == pytest.approx(whole.contact.Force(), rel=1e-8)
     assert again.travel() == pytest.approx(whole.travel(), rel=1e-8)
+
+
+def test_a_sheet_between_round_tools_starts_where_they_touch():
+    """What is as near as 5 % of a macro-element but open on both sides would tear the sheet."""
+    mesh = brick("quad", 10)
+    V = VectorH1(mesh, order=2, dirichletx="left")
+    X = V * LACSpace(V, slave="bottom") * LACSpace(V, slave="top") * NumberSpace(mesh)
+    u, below, above, travel = X.TrialFunction()
+    a, load, round_ = BilinearForm(X), Parameter(0), 0.4
+    a += Variation(NeoHooke(Id(2) + Grad(u), 100, 0.3).Compile() * dx)
+    left, right = -4.0, 0.25  # from the middle of the third face on the tools are round
+    die = tools.Polygon([(left, -4), (right, -4), (right, -round_), (left, -round_)])
+    high = [(left, 1 + round_), (right, 1 + round_), (right, 4), (left, 4)]
+    holder = tools.Polygon(high).Grown(round_).Driven(travel=(None, travel), force=(0, -load))
+    contacts = [
+        LACContact(u, lam, obstacle=tool, finite=True, friction=0.1)
+        for lam, tool in ((below, die.Grown(round_)), (above, holder))
+    ]
+    solver = ContactSolver(a, GridFunction(X), contacts)
+    LoadStepper(solver, load).Integrate(steps=1, printing=False)
+    first = solver.history[0]
+    assert first.stick + first.slip == 4
+    assert contacts[0].Force()[1] == pytest.approx(1, rel=1e-9)

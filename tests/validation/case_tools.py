@@ -1,4 +1,4 @@
-"""Rigid tools that are no meshes: belt, rolling, indentation by a pyramid, deep drawing."""
+"""Rigid tools that are no meshes: belt, rolling, a pyramid, deep drawing; and rollers."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import math
 from functools import partial
 
 import belt
+import carter
 import drawing
+import flatpunch
 import pyramid
 import rolling
-from report_bounds import Neglected, Step, Tolerance
+import upsetting
+from report_bounds import Element, Meshes, Neglected, Step, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import FromFolder
 
@@ -28,6 +31,21 @@ def Belt(quick):
     return Outcome(rows, draw, "Pressure along the arc, against the tension over the radius.")
 
 
+def Carter(quick):
+    options = {"shares": (0.5,), "h": 0.25} if quick else {}
+    figures, h = carter.Run(**options), options.get("h", 0.125)
+    half = Element(h / 4, "half an edge over the width 2a")
+    rows = []
+    columns = (figures[name] for name in ("creep", "share", "share_exact", "stick"))
+    for creep, share, exact, stick in zip(*columns, strict=True):
+        rows += [
+            Row(f"creep {creep:.5f}: Q/(mu P)", share, exact, half),
+            Row("stick zone over the width", stick, math.sqrt(1 - exact), Element(h / 2)),
+        ]
+    draw = FromFolder(partial(_Draw, carter, **options), "carter.png")
+    return Outcome(rows, draw, "The tangential force on the way, and the tractions at its end.")
+
+
 def Rolling(quick):
     options = {"h": 0.25, "steps": 6} if quick else {}
     figures = rolling.Run(**options)
@@ -39,6 +57,34 @@ def Rolling(quick):
     rows.append(Row("volume over that before", figures["volume"], 1))
     draw = FromFolder(partial(_Draw, rolling, **options), "rolling.png")
     return Outcome(rows, draw, "The plate between both passes, and the force on the roll.")
+
+
+def FlatPunch(quick):
+    h = 0.125 if quick else 0.0625
+    rows = []
+    for friction, name in ((0.0, "smooth"), (1.0, "friction 1")):
+        fine, coarse = (flatpunch.Run(k * h, friction)["pressure"] for k in (1, 2))
+        bound = Meshes(fine, coarse, 2)
+        rows.append(Row(f"{name}: mean pressure over Y", fine, flatpunch.PRANDTL, bound))
+    draw = FromFolder(partial(_Draw, flatpunch, h), "flatpunch.png")
+    caption = "Mean pressure on the way down, pressure at its end, and plastic strain (smooth)."
+    return Outcome(rows, draw, caption)
+
+
+def Upsetting(quick):
+    options = {"n": 2, "depth": 2.0, "steps": 4} if quick else {}
+    smooth = upsetting.Run(friction=0.0, **options)
+    rough = upsetting.Run(**options)
+    strains = Neglected(1e-6, "rational form of the logarithm")
+    rows = [
+        Row("smooth: force over that of the law", smooth["force_ratio"][-1], 1, strains),
+        Row("smooth: bulge over the radius", smooth["bulge"] / upsetting.RADIUS, 0, Tolerance()),
+        Row("friction 0.2: force over that without", rough["force_ratio"][-1], 1),
+        Row("friction 0.2: bulge [mm]", rough["bulge"], 0),
+        Row("volume over that before", rough["volume"], 1),
+    ]
+    draw = FromFolder(partial(_Draw, upsetting, **options), "upsetting.png")
+    return Outcome(rows, draw, "With friction: force on the way, and the side of the billet.")
 
 
 def Pyramid(quick):
@@ -81,12 +127,38 @@ CASES = [
         Belt,
     ),
     Case(
+        "carter",
+        "Rollers that creep",
+        "Two equal rollers are pressed together, and one turns a little faster: friction holds "
+        "where the surfaces come in, and slips behind. Creep is that of the surfaces: of that of "
+        "the hubs what still winds the rollers up does not count.",
+        "Carter, Proc. R. Soc. Lond. A 112 (1926); Johnson, Contact Mechanics (1985), section 8.3.",
+        "python tutorials/examples/carter.py",
+        Carter,
+    ),
+    Case(
         "rolling",
         "A plate is rolled in two passes",
         "Large plastic strains, friction, a roll on a path that turns: from 1 to 0.75 and to 0.5.",
         "The gap between the rolls; the volume does not change in plastic flow.",
         "python tutorials/examples/rolling.py",
         Rolling,
+    ),
+    Case(
+        "upsetting",
+        "A billet is upset",
+        "An eighth of a cylinder in 3D under a flat die, smooth or rough; large plastic strains.",
+        "Smooth: the force of a cylinder that stays one, from the law of the material.",
+        "python tutorials/examples/upsetting.py",
+        Upsetting,
+    ),
+    Case(
+        "flatpunch",
+        "The limit load of a flat punch",
+        "Plane strain, von Mises without hardening; the punch is a polygon with sharp corners.",
+        "Prandtl (1920); Hill (1950): (2 + pi) times the shear yield stress, smooth or rough.",
+        "python tutorials/examples/flatpunch.py",
+        FlatPunch,
     ),
     Case(
         "pyramid",

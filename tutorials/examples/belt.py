@@ -52,7 +52,9 @@ def BeltMesh(wrap, thickness, h):
     belt = plane.Rotate(90).Line(thickness, "held").Face()
     for edge in belt.edges:
         if edge.name is None:
-            inner = math.hypot(edge.center.x, edge.center.y) < RADIUS + thickness / 2
+            start, end = edge.parameter_interval
+            middle = edge.Value((start + end) / 2)  # the center of an arc lies off it
+            inner = math.hypot(middle.x, middle.y) < RADIUS + thickness / 2
             edge.name = "drum" if inner else "free"
     return Mesh(OCCGeometry(belt, dim=2).GenerateMesh(maxh=h)).Curve(3)
 
