@@ -59,7 +59,8 @@ def SphereOnBlock(
         Largest size of elements, by default ``radius / 2``.
     order, grading, scale, rotation
         See `ngslac.meshes`. With the default grading the quarter model with twelve elements along
-        the contact radius has about 28,000 displacements of order 2.
+        the contact radius has about 28,000 displacements of order 2. For order 1 a grading of 0.2
+        is better: elements that grow fast with the depth are too stiff.
 
     Returns
     -------

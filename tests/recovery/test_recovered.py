@@ -10,6 +10,7 @@ from obstacles import block_on_obstacle
 from press import mixed_press, press, solved
 
 from ngslac import LACContact, LACSpace, SplitSlaveFaces
+from ngslac.recovery.surface import SlaveSurface
 
 PAIRS3D = [("hex", "prism"), ("prism", "hex"), ("tet", "hex")]
 ELEMENTS = [{"dim": 2, "order": order} for order in (1, 2, 3)]
@@ -313,6 +314,31 @@ def test_convergence_where_contact_ends():
     assert errors[0] < 0.1
     inside = [l2_error(contact, hertz, inside=0.2) for contact in contacts]
     assert rates(inside).mean() > 1.7
+
+
+def with_means(exact, n, order, kinds):
+    """A contact of a block in 3D whose multipliers are the means of a pressure."""
+
+    def given(table):
+        surface = SlaveSurface(contact)
+        sums = np.bincount(surface.macro, surface.weight * exact(surface.position))
+        return -(sums / surface.area)[:, None] * table["normal"]
+
+    contact = carrying(lambda table: 0 * table["normal"], dim=3, n=n, order=order, kinds=kinds)
+    return carry(contact, given)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_second_order_inside_in_three_dimensions(order):
+    """On stars of triangles and on pairs of them; the sizes of faces are halved."""
+
+    def smooth(at):
+        return 2 + np.sin(3 * at[:, 0]) * np.cos(2 * at[:, 1])
+
+    sizes = (6, 5), (12, 11), (24, 23)
+    errors = [l2_error(with_means(smooth, n, order, PAIRS3D[2]), smooth) for n in sizes]
+    assert rates(errors).mean() > 1.8
+    assert errors[-1] < 6e-3
 
 
 @pytest.mark.parametrize("change", [{"scale": 1e-6}, {"angle": 40.0}], ids=str)
