@@ -148,24 +148,38 @@ template <int D>
 typename FaceShapes<D>::Values FaceShapes<D>::Calc(size_t face, Vec<D - 1> xi,
                                                    LocalHeap & lh) const {
   auto & e = functions[face];
-  int n = e.Height(), m = e.Width();
-  Values result(m, lh);
+  Values result{FlatVector<>(e.Width(), lh), FlatMatrix<>(D - 1, e.Width(), lh)};
   HeapReset hr(lh);
-  FlatVector<> basis(n, lh);
-  FlatMatrixFixWidth<D - 1> derivative(n, lh);
-  CalcBernstein<D - 1>(types[face], degree, xi, basis, derivative);
-  result.value = 0.0;
-  result.derivative = 0.0;
-  for (int i : Range(n)) {
-    const double * row = &e(i, 0);
-    for (int j : Range(m))
-      result.value(j) += basis(i) * row[j];
-    for (int a : Range(D - 1))
-      for (int j : Range(m))
-        result.derivative(a, j) += derivative(i, a) * row[j];
-  }
+  Values basis{FlatVector<>(e.Height(), lh), FlatMatrix<>(D - 1, e.Height(), lh)};
+  CalcBasis(face, xi, basis.value, basis.derivative);
+  result.value = Trans(e) * basis.value;
+  result.derivative = basis.derivative * e;
   return result;
 }
+
+template <int D>
+void FaceShapes<D>::CalcBasis(size_t face, Vec<D - 1> xi, FlatVector<> value,
+                              FlatMatrix<> derivative) const {
+  ArrayMem<double, 72> memory((D - 1) * value.Size());
+  FlatMatrixFixWidth<D - 1> by_function(value.Size(), memory.Data());
+  CalcBernstein<D - 1>(types[face], degree, xi, value, by_function);
+  for (int a : Range(D - 1))
+    for (int i : Range(value))
+      derivative(a, i) = by_function(i, a);
+}
+
+template <int D>
+void FaceShapes<D>::CalcBasis(size_t face, Vec<D - 1> xi, FlatVector<> value) const {
+  CalcBernstein<D - 1>(types[face], degree, xi, value);
+}
+
+namespace {
+/// y += factor * x, written so that it is vectorised.
+inline void Add(double factor, const double * __restrict x, double * __restrict y, int n) {
+  for (int i = 0; i < n; i++)
+    y[i] += factor * x[i];
+}
+} // namespace
 
 template <int D>
 void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum,
@@ -174,22 +188,19 @@ void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVec
   auto & e = functions[face];
   FlatVector<> basis(e.Height(), lh);
   CalcBernstein<D - 1>(types[face], degree, xi, basis);
-  for (int i : Range(e.Height())) {
-    const double * row = &e(i, 0);
-    double value = factor * basis(i);
-    for (int j : Range(e.Width()))
-      sum(j) += value * row[j];
-  }
+  for (int i : Range(e.Height()))
+    Add(factor * basis(i), &e(i, 0), sum.Data(), e.Width());
 }
 
 template <int D>
 void FaceShapes<D>::AddForces(size_t face, FlatMatrixFixWidth<D> forces, Scatter & y,
                               LocalHeap & lh) const {
-  FlatVector<> by_dofs = forces.AsVector();
-  if (!IsPlain(face)) {
-    by_dofs.AssignMemory(dofs[face].Size(), lh);
+  FlatVector<> by_dofs(dofs[face].Size(), lh);
+  if (IsPlain(face)) {
+    FlatMatrixFixWidth<D> by_functions(Size(face), by_dofs.Data());
+    by_functions = Trans(functions[face]) * forces;
+  } else
     by_dofs = Trans(conversion[face]) * forces.AsVector();
-  }
   for (int j : Range(dofs[face]))
     y.Add(dofs[face][j], by_dofs(j));
 }

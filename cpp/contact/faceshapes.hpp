@@ -31,12 +31,16 @@ public:
   struct Values {
     FlatVector<> value;
     FlatMatrix<> derivative;
-    Values(int n, LocalHeap & lh) : value(n, lh), derivative(D - 1, n, lh) {}
   };
   Values Calc(size_t face, Vec<D - 1> xi, LocalHeap & lh) const;
+  /// The same of the Bernstein polynomials, which are as many as rows of Functions.
+  void CalcBasis(size_t face, Vec<D - 1> xi, FlatVector<> value, FlatMatrix<> derivative) const;
+  void CalcBasis(size_t face, Vec<D - 1> xi, FlatVector<> value) const;
+  /// The scalar functions of a face, a column each, by Bernstein polynomials.
+  const Matrix<> & Functions(size_t face) const { return functions[face]; }
   /// Adds a factor times the values of the scalar functions.
   void AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum, LocalHeap & lh) const;
-  /// Adds forces on the scalar functions of a face to those on its dofs.
+  /// Adds forces on the Bernstein polynomials of a face to those on its dofs.
   void AddForces(size_t face, FlatMatrixFixWidth<D> forces, Scatter & y, LocalHeap & lh) const;
 
 private:

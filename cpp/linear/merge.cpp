@@ -90,13 +90,14 @@ struct RowMerger {
     for (int j : bulk.GetRowIndices(row / block))
       for (int l : Range(block))
         cols.Append(block * j + l);
-    if (!HasContact(row))
-      return;
     for (auto & c : contacts)
-      for (int j : c->GetRowIndices(row))
-        cols.Append(j);
-    QuickSort(cols);
-    cols.SetSize(std::unique(cols.begin(), cols.end()) - cols.begin());
+      if (auto others = c->GetRowIndices(row); others.Size()) { // both are sorted
+        Array<int> all(cols.Size() + others.Size());
+        all.SetSize(
+            std::set_union(cols.begin(), cols.end(), others.begin(), others.end(), all.begin()) -
+            all.begin());
+        Swap(cols, all);
+      }
   }
 
   void Fill(size_t i, FlatArray<int> row, FlatVector<> values) const {

@@ -75,23 +75,38 @@ Matrix<> ControlFromValues(ELEMENT_TYPE type, int degree) {
 }
 
 namespace {
+/// Calls f with the degree: the frequent ones as constants, by which loops are unrolled.
+template <typename F>
+void WithDegree(int degree, F f) {
+  switch (degree) {
+  case 1:
+    return f(std::integral_constant<int, 1>());
+  case 2:
+    return f(std::integral_constant<int, 2>());
+  default:
+    f(degree);
+  }
+}
+
 /// All B^n_i(s) = binomial(n, i) s^i (1 - s)^(n - i), by their recursion.
-void CalcLine(int degree, double s, FlatVector<> b) {
-  b(0) = 1;
+template <typename INT>
+void CalcLine(INT degree, double s, double * b) {
+  b[0] = 1;
   for (int n = 1; n <= degree; n++) {
-    b(n) = s * b(n - 1);
+    b[n] = s * b[n - 1];
     for (int i = n - 1; i > 0; i--)
-      b(i) = (1 - s) * b(i) + s * b(i - 1);
-    b(0) *= 1 - s;
+      b[i] = (1 - s) * b[i] + s * b[i - 1];
+    b[0] *= 1 - s;
   }
 }
 
 /// Derivatives from the polynomials of one degree less.
-void CalcLineDerivative(int degree, double s, FlatVector<> db) {
+template <typename INT>
+void CalcLineDerivative(INT degree, double s, double * db) {
   ArrayMem<double, 12> lower(degree);
-  CalcLine(degree - 1, s, FlatVector<>(degree, lower.Data()));
-  for (int i : Range(degree + 1))
-    db(i) = degree * ((i > 0 ? lower[i - 1] : 0) - (i < degree ? lower[i] : 0));
+  CalcLine(int(degree) - 1, s, lower.Data());
+  for (int i = 0; i <= degree; i++)
+    db[i] = degree * ((i > 0 ? lower[i - 1] : 0) - (i < degree ? lower[i] : 0));
 }
 
 /// Second derivatives from the polynomials of two degrees less.
@@ -100,7 +115,7 @@ void CalcLineSecondDerivative(int degree, double s, FlatVector<> ddb) {
   if (degree < 2)
     return;
   ArrayMem<double, 12> lower(degree - 1);
-  CalcLine(degree - 2, s, FlatVector<>(degree - 1, lower.Data()));
+  CalcLine(degree - 2, s, lower.Data());
   for (int i : Range(degree - 1))
     for (auto [k, factor] : {pair(i, 1), pair(i + 1, -2), pair(i + 2, 1)})
       ddb(k) += factor * degree * (degree - 1) * lower[i];
@@ -153,28 +168,29 @@ void CalcTrigDerivative(int degree, Vec<2> xi, FlatMatrixFixWidth<2> db) {
 
 template <>
 void CalcBernstein(ELEMENT_TYPE, int degree, Vec<1> xi, FlatVector<> basis) {
-  CalcLine(degree, xi(0), basis);
+  CalcLine(degree, xi(0), basis.Data());
 }
 
 template <>
 void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<2> xi, FlatVector<> basis) {
   if (type == ET_TRIG)
     return CalcTrig(degree, xi, basis);
-  int n = degree + 1;
-  ArrayMem<double, 24> memory(2 * n);
-  FlatVector<> s(n, &memory[0]), t(n, &memory[n]);
-  CalcLine(degree, xi(0), s);
-  CalcLine(degree, xi(1), t);
-  for (int j : Range(n))
-    for (int i : Range(n))
-      basis(j * n + i) = s(i) * t(j);
+  WithDegree(degree, [&](auto degree) {
+    ArrayMem<double, 12> s(degree + 1), t(degree + 1);
+    CalcLine(degree, xi(0), s.Data());
+    CalcLine(degree, xi(1), t.Data());
+    double * b = basis.Data();
+    for (int j = 0; j <= degree; j++)
+      for (int i = 0; i <= degree; i++)
+        *b++ = s[i] * t[j];
+  });
 }
 
 template <>
 void CalcBernstein(ELEMENT_TYPE, int degree, Vec<1> xi, FlatVector<> basis,
                    FlatMatrixFixWidth<1> derivative) {
-  CalcLine(degree, xi(0), basis);
-  CalcLineDerivative(degree, xi(0), derivative.AsVector());
+  CalcLine(degree, xi(0), basis.Data());
+  CalcLineDerivative(degree, xi(0), derivative.Data());
 }
 
 template <>
@@ -185,19 +201,20 @@ void CalcBernstein(ELEMENT_TYPE type, int degree, Vec<2> xi, FlatVector<> basis,
     CalcTrigDerivative(degree, xi, derivative);
     return;
   }
-  int n = degree + 1;
-  ArrayMem<double, 48> memory(4 * n);
-  FlatVector<> s(n, &memory[0]), t(n, &memory[n]), ds(n, &memory[2 * n]), dt(n, &memory[3 * n]);
-  CalcLine(degree, xi(0), s);
-  CalcLine(degree, xi(1), t);
-  CalcLineDerivative(degree, xi(0), ds);
-  CalcLineDerivative(degree, xi(1), dt);
-  for (int j : Range(n))
-    for (int i : Range(n)) {
-      basis(j * n + i) = s(i) * t(j);
-      derivative(j * n + i, 0) = ds(i) * t(j);
-      derivative(j * n + i, 1) = s(i) * dt(j);
-    }
+  WithDegree(degree, [&](auto degree) {
+    ArrayMem<double, 12> s(degree + 1), t(degree + 1), ds(degree + 1), dt(degree + 1);
+    CalcLine(degree, xi(0), s.Data());
+    CalcLine(degree, xi(1), t.Data());
+    CalcLineDerivative(degree, xi(0), ds.Data());
+    CalcLineDerivative(degree, xi(1), dt.Data());
+    double *b = basis.Data(), *db = derivative.Data();
+    for (int j = 0; j <= degree; j++)
+      for (int i = 0; i <= degree; i++) {
+        *b++ = s[i] * t[j];
+        *db++ = ds[i] * t[j];
+        *db++ = s[i] * dt[j];
+      }
+  });
 }
 
 template <>
@@ -239,33 +256,36 @@ void EvaluateTrig(int degree, FlatArray<Vec<3>> control, Vec<2> xi, Vec<3> & x, 
   dx.Col(1) = degree * (b[2] - b[0]);
 }
 
-void EvaluateQuad(int degree, FlatArray<Vec<3>> control, Vec<2> xi, Vec<3> & x, Mat<3, 2> & dx) {
+template <typename INT>
+void EvaluateQuad(INT degree, const Vec<3> * control, Vec<2> xi, Vec<3> & x, Mat<3, 2> & dx) {
   double s = xi(0), t = xi(1);
   ArrayMem<Vec<3>, 12> row(degree + 1), left(degree + 1), right(degree + 1);
-  for (int j : Range(degree + 1)) {
-    row = control.Range(j * (degree + 1), (j + 1) * (degree + 1));
+  for (int j = 0; j <= degree; j++) {
+    for (int i = 0; i <= degree; i++)
+      row[i] = *control++;
     for (int level = degree; level > 1; level--)
-      for (int i : Range(level))
+      for (int i = 0; i < level; i++)
         row[i] = (1 - s) * row[i] + s * row[i + 1];
     left[j] = row[0], right[j] = row[1];
   }
   for (int level = degree; level > 1; level--)
-    for (int j : Range(level)) {
+    for (int j = 0; j < level; j++) {
       left[j] = (1 - t) * left[j] + t * left[j + 1];
       right[j] = (1 - t) * right[j] + t * right[j + 1];
     }
   Vec<3> across0 = right[0] - left[0], across1 = right[1] - left[1];
   x = (1 - t) * (left[0] + s * across0) + t * (left[1] + s * across1);
-  dx.Col(0) = degree * ((1 - t) * across0 + t * across1);
-  dx.Col(1) = degree * ((1 - s) * (left[1] - left[0]) + s * (right[1] - right[0]));
+  dx.Col(0) = int(degree) * ((1 - t) * across0 + t * across1);
+  dx.Col(1) = int(degree) * ((1 - s) * (left[1] - left[0]) + s * (right[1] - right[0]));
 }
 } // namespace
 
 template <>
 void EvaluateBernstein(ELEMENT_TYPE type, int degree, FlatArray<Vec<3>> control, Vec<2> xi,
                        Vec<3> & x, Mat<3, 2> & dx) {
-  type == ET_TRIG ? EvaluateTrig(degree, control, xi, x, dx)
-                  : EvaluateQuad(degree, control, xi, x, dx);
+  if (type == ET_TRIG)
+    return EvaluateTrig(degree, control, xi, x, dx);
+  WithDegree(degree, [&](auto degree) { EvaluateQuad(degree, control.Data(), xi, x, dx); });
 }
 
 template <>
@@ -302,8 +322,8 @@ Mat<2, 2> QuadHessian(int degree, FlatVector<> control, Vec<2> xi) {
   ArrayMem<double, 72> memory(6 * n);
   FlatMatrix<> s(3, n, &memory[0]), t(3, n, &memory[3 * n]); // of each derivative
   for (auto [line, at] : {pair(s, xi(0)), pair(t, xi(1))}) {
-    CalcLine(degree, at, line.Row(0));
-    CalcLineDerivative(degree, at, line.Row(1));
+    CalcLine(degree, at, &line(0, 0));
+    CalcLineDerivative(degree, at, &line(1, 0));
     CalcLineSecondDerivative(degree, at, line.Row(2));
   }
   auto sum = [&](int k, int l) {

@@ -11,6 +11,7 @@ import pairing
 import phases
 import pytest
 import scaling
+import sliding
 from benchmark_frame import Growth, InProcess
 from benchmark_problems import SIZES, Refined
 from ngsolve import CF, Integrate, ds
@@ -71,6 +72,20 @@ def test_phases(tmp_path, monkeypatch, capsys):
     assert files["png"].stat().st_size > 10_000
     _, _, head, line, *_ = capsys.readouterr().out.splitlines()
     assert (len(line), line.count("%")) == (len(head), len(phases.PHASES))
+
+
+def test_sliding(tmp_path, monkeypatch, capsys):
+    """The whole slave is paired, and the calls do what they are named after."""
+    monkeypatch.setattr(sliding, "CASES", {"hex 1": ("hex", 1, 4, 5), "tet 2": ("tet", 2, 3, 5)})
+    file = tmp_path / "rows.json"
+    sliding.main(["--cases", "tet 2", "--repeat", "2", "--json", str(file)])
+    (row,) = json.loads(file.read_text()).values()
+    assert row["area"] == pytest.approx(1, rel=1e-10)
+    assert row["faces"] == 18
+    assert set(row["milliseconds"]) == set(sliding.CALLS)
+    assert min(row["milliseconds"].values()) > 0
+    head, line = capsys.readouterr().out.splitlines()
+    assert len(head) == len(line)
 
 
 def test_inner_phase_stops_the_outer_clock(monkeypatch):

@@ -17,15 +17,38 @@ Array<int> DofsOf(const FaceShapes<D> & shapes, Array<int> & faces) {
     dofs += shapes.Dofs(face);
   return dofs;
 }
+
+/// Do its forces act, and which faces face each other, now and where slip counts from?
+template <int D>
+Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
+                 bool pushes) {
+  Array<int> key;
+  if (points.area[macro] == 0)
+    return key;
+  key.Append(pushes);
+  for (auto * from : {&points, start})
+    if (from) {
+      key.Append(from->segments[macro].Size());
+      for (int s : from->segments[macro]) {
+        key.Append(from->pairing->segments[s].slave);
+        key.Append(from->pairing->segments[s].master);
+      }
+    }
+  return key;
+}
 } // namespace
 
 template <int D>
-Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
+bool UpdateCoupling(const FaceShapes<D> & slave, const FaceShapes<D> & master,
                     const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
-                    bool pushes) {
-  Coupling result;
+                    bool pushes, Coupling & coupling) {
+  auto key = KeyOf(points, start, macro, pushes);
+  if (key == coupling.key)
+    return false;
+  coupling = Coupling();
+  coupling.key = std::move(key);
   if (points.area[macro] == 0)
-    return result;
+    return true;
   Array<int> slaves, masters;
   auto add = [&](const MacroPoints<D> & from) {
     for (int s : from.segments[macro]) {
@@ -34,17 +57,17 @@ Coupling CouplingOf(const FaceShapes<D> & slave, const FaceShapes<D> & master,
     }
   };
   add(points);
-  result.turning = DofsOf(slave, slaves);
-  result.turning += DofsOf(master, masters);
-  SortUnique(result.turning);
+  coupling.turning = DofsOf(slave, slaves);
+  coupling.turning += DofsOf(master, masters);
+  SortUnique(coupling.turning);
   if (pushes)
-    result.masters = masters;
+    coupling.masters = masters;
   if (start)
     add(*start);
-  result.dofs = DofsOf(slave, slaves);
-  result.dofs += DofsOf(master, masters);
-  SortUnique(result.dofs);
-  return result;
+  coupling.dofs = DofsOf(slave, slaves);
+  coupling.dofs += DofsOf(master, masters);
+  SortUnique(coupling.dofs);
+  return true;
 }
 
 namespace {
@@ -177,8 +200,9 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template Coupling CouplingOf(const FaceShapes<D> &, const FaceShapes<D> &,                       \
-                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool);      \
+  template bool UpdateCoupling(const FaceShapes<D> &, const FaceShapes<D> &,                       \
+                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool,       \
+                               Coupling &);                                                        \
   template shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling>, const FaceShapes<D> &,   \
                                                      FlatArray<int>, size_t);
 INSTANTIATE(2)

@@ -38,13 +38,16 @@ class FiniteSliding : public Kinematics<D> {
   Array<Vec<D>> met;                       // see LookBack
   Array<double> last_gap;                  // at the last Commit
   SearchMargin searched;                   // in the last Follow
+  BitArray closed;                         // in the last Follow, for self-contact
   shared_ptr<Motion<D>> now;               // of the last At
   double share = 0.5;                      // of the master in the stiffness of both bodies
+  Couplings<D> couplings;                  // of the last Linearize
   Array<Vec<D>> lean;                      // of the pressures of macro-elements; empty: none
   struct {
     Paired<D> surfaces;
     shared_ptr<Motion<D>> motion;
     SearchMargin searched;
+    BitArray closed;
   } accepted; // at the last Commit
 
 public:
@@ -95,14 +98,16 @@ public:
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
     auto margin = law->Margin();
-    if (IsPairedIn(*slave, *master) && margin == searched)
+    auto closed_now = finder.IsSelfContact() ? Closed(x) : BitArray(0);
+    if (IsPairedIn(*slave, *master) && margin == searched && closed_now == closed)
       return;
     slave->CheckFinite();
     master->CheckFinite();
     auto paired = finder.Pair(std::move(slave), std::move(master), margin);
     searched = margin;
+    closed = closed_now;
     if (finder.IsSelfContact())
-      KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, Closed(x));
+      KeepOneSide<D>(*paired.pairing, *paired.slave, *paired.master, *space, along, closed);
     CountReferenceAreas(*slave_reference, *paired.slave, *paired.pairing);
     this->Take(paired);
     surfaces.jump->fullarea = fullarea;
@@ -178,13 +183,12 @@ public:
 
   shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
                                              FlatArray<Vec<D>> tractions, Rim rim) override {
-    Array<Coupling> couplings(Size());
-    ParallelFor(Size(), [&](size_t m) {
-      couplings[m] =
-          CouplingOf<D>(*slave_shapes, *master_shapes, *points,
-                        Slides(m) ? &SlipPoints(m) : nullptr, m, IsTraction(tractions[m]));
-    });
-    auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
+    auto update = [&](size_t m, Coupling & coupling) {
+      return UpdateCoupling<D>(*slave_shapes, *master_shapes, *points,
+                               Slides(m) ? &SlipPoints(m) : nullptr, m, IsTraction(tractions[m]),
+                               coupling);
+    };
+    auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
     MultiplierLines<D> lines(*law, *mat);
     AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
       lines.SetMultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), projections[m].derivative);
@@ -218,12 +222,13 @@ public:
     surfaces = accepted.surfaces;
     now = accepted.motion;
     searched = accepted.searched;
+    closed = accepted.closed;
     points = start;
   }
 
 private:
   void Accept() {
-    accepted = {surfaces, now, searched};
+    accepted = {surfaces, now, searched, closed};
     start = points;
   }
 
@@ -269,9 +274,8 @@ private:
     return now->slip[m] - offset;
   }
 
-  /// The same configuration has the same pairing; of self-contact it depends on more.
   bool IsPairedIn(const Surface<D> & slave, const Surface<D> & master) const {
-    return surfaces.jump && !finder.IsSelfContact() && surfaces.slave->HasShapeOf(slave) &&
+    return surfaces.jump && surfaces.slave->HasShapeOf(slave) &&
            surfaces.master->HasShapeOf(master);
   }
 

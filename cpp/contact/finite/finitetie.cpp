@@ -26,6 +26,7 @@ class FiniteTie : public Kinematics<D> {
   unique_ptr<Surface<D>> slave_reference, master_reference;
   unique_ptr<FaceShapes<D>> slave_shapes, master_shapes;
   shared_ptr<const MacroPoints<D>> points;
+  Couplings<D> couplings;            // of the last Linearize
   shared_ptr<TieMotion<D>> now;      // of the last At
   shared_ptr<TieMotion<D>> accepted; // at the last Commit
 
@@ -81,7 +82,7 @@ public:
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
     if (points->area[m] == 0 || !IsTraction(traction))
       return;
-    auto coupling = CouplingAt(m, false);
+    auto coupling = CouplingAt(m);
     auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
     for (int j : Range(rows.dofs))
       y.Add(rows.dofs[j], -points->area[m] * InnerProduct(traction, Vec<D>(rows.slip.Col(j))));
@@ -95,9 +96,11 @@ public:
 
   shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
                                              FlatArray<Vec<D>> tractions, Rim) override {
-    Array<Coupling> couplings(Size());
-    ParallelFor(Size(), [&](size_t m) { couplings[m] = CouplingAt(m, IsTraction(tractions[m])); });
-    auto mat = MatrixOf<D>(couplings, *master_shapes, law->dofs, x.Size());
+    auto update = [&](size_t m, Coupling & coupling) {
+      return UpdateCoupling<D>(*slave_shapes, *master_shapes, *points, nullptr, m,
+                               IsTraction(tractions[m]), coupling);
+    };
+    auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
     AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
       auto & derivative = projections[m].derivative;
       auto by_lam =
@@ -131,7 +134,7 @@ public:
     ParallelForRange(Size(), [&](IntRange range) {
       LocalHeap lh = heap.Split();
       for (auto m : range) {
-        auto coupling = CouplingAt(m, false);
+        auto coupling = CouplingAt(m);
         if (points->area[m] == 0)
           continue;
         auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
@@ -151,8 +154,10 @@ public:
   void Load(const FormHistory &) override { accepted = now; }
 
 private:
-  Coupling CouplingAt(size_t m, bool pushes) const {
-    return CouplingOf<D>(*slave_shapes, *master_shapes, *points, nullptr, m, pushes);
+  Coupling CouplingAt(size_t m) const {
+    Coupling coupling;
+    UpdateCoupling<D>(*slave_shapes, *master_shapes, *points, nullptr, m, false, coupling);
+    return coupling;
   }
 
   MacroRows<D> RowsAt(size_t m, const Coupling & coupling, const Vec<D> & traction,

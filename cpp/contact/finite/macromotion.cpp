@@ -1,4 +1,5 @@
 #include "facepair.hpp"
+#include "pointsums.hpp"
 
 namespace ngslac {
 template <int D>
@@ -51,12 +52,6 @@ MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points
 }
 
 namespace {
-/// y += factor * x, written so that it is vectorised.
-inline void Add(double factor, const double * __restrict x, double * __restrict y, int n) {
-  for (int i = 0; i < n; i++)
-    y[i] += factor * x[i];
-}
-
 /// Calls f with the segments of every pair of faces: divided faces have many, whose forces act on
 /// the same dofs.
 template <int D, typename F>
@@ -73,77 +68,36 @@ void ForFacePairs(const MacroPoints<D> & points, size_t macro, F f) {
 }
 
 /// Adds what the points between two faces contribute to the derivatives, by scalar functions.
-///
-/// What is a sum of products over the points is collected and multiplied by matrices.
 template <int D>
 class FacePairDerivative {
-  static constexpr int most_points = 16;
   const MovingSurfaces<D> & now;
   const MacroTraction<D> & traction;
   MacroRows<D> & rows;
   FacePair<D> faces;
   bool loaded, has_rim = false;
   int n1, n; // columns of the slave, of both
-  int npoints = 0;
+  PointSums<D> sums;
   // as in MacroRows, but the sums of both normals in place of normal and tilt
   FlatMatrix<> columns;
-  FlatMatrix<> pressed; // forces by the dofs of the slave, since pressure turns with its normals
-  FlatMatrix<> moved;   // forces on the master, which move along it
-  FlatMatrix<> rim;     // forces at the end of the master
-  // Of the collected points, a row each: weighted jumps and derivatives of the normals ...
-  FlatMatrix<> jumps, turns;
-  // ... and, D - 1 rows each: derivatives of master functions, and of their coordinates times force
-  FlatMatrix<> slopes, shifts;
+  FlatMatrix<> rim; // forces at the end of the master
 
 public:
   FacePairDerivative(const MovingSurfaces<D> & anow, const Segment & segment,
                      const MacroTraction<D> & atraction, MacroRows<D> & arows, LocalHeap & lh)
       : now(anow), traction(atraction), rows(arows), faces(now, segment, rows, lh),
         loaded(!traction.IsZero()), n1(D * faces.slaves), n(faces.Size()),
-        columns(3 * D + 2, n, lh), pressed(faces.slaves + faces.masters, D * n1, lh),
-        moved(faces.masters, D * n, lh), rim(0, 0, lh),
-        jumps(most_points, faces.slaves + faces.masters, lh), turns(most_points, D * n1, lh),
-        slopes((D - 1) * most_points, faces.masters, lh), shifts((D - 1) * most_points, D * n, lh) {
-    columns = 0.0, pressed = 0.0, moved = 0.0;
+        sums({now.slave_shapes, segment.slave, lh}, {now.master_shapes, segment.master, lh}, loaded,
+             lh),
+        columns(3 * D + 2, n, lh), rim(0, 0, lh) {
+    columns = 0.0;
   }
 
-  void Add(const PairPoint<D> & p, const RayHit<D> & hit, LocalHeap & lh) {
-    if (npoints == most_points)
-      Multiply();
+  void Add(const PairPoint<D> & p, const RayHit<D> & hit) {
     auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
     Ray<D> ray(now.slave, slave, now.master, master, p, hit);
-    auto on_slave = now.slave_shapes.Calc(slave, p.slave, lh);
-    auto on_master = now.master_shapes.Calc(master, ray.eta, lh);
-    auto gradients = Gradients<D>(ray.dx, on_slave, lh);
-    auto turn = turns.Row(npoints), jump = jumps.Row(npoints);
-    for (int l : Range(D))
-      for (int i : Range(faces.slaves))
-        for (int k : Range(D))
-          turn(l * n1 + D * i + k) = -ray.normal(k) * gradients(i, l);
-    double w = p.weight;
-    jump.Range(0, faces.slaves) = w * on_slave.value;
-    jump.Range(faces.slaves, jump.Size()) = -w * on_master.value;
-    FlatMatrix<> response(D, n, lh);
-    Respond(ray, on_slave.value, on_master.value, gradients, response);
-    for (int l : Range(D))
-      ngslac::Add(w, &turn(l * n1), &columns(l, 0), n1);
-    TurnMaster(ray, Gradients<D>(ray.dy, on_master, lh), response, w);
-    ngslac::Add(w, &response(D - 1, 0), &columns(2 * D, 0), n);
-    for (int i : Range(jump.Size()))
-      for (int k : Range(D)) {
-        columns(D + k, D * i + k) += jump(i);
-        columns(2 * D + 1, D * i + k) += jump(i) * ray.normal(k);
-      }
-    if (!loaded)
-      return;
-    Vec<D> force = w * traction.At(ray.normal);
-    for (int a : Range(D - 1)) {
-      int row = (D - 1) * npoints + a;
-      slopes.Row(row) = on_master.derivative.Row(a);
-      for (int k : Range(D))
-        shifts.Row(row).Range(k * n, (k + 1) * n) = force(k) * response.Row(a);
-    }
-    npoints++;
+    Vec<D> normal = now.master.Normal(master, ray.dy);
+    sums.Add(p.slave, {ray, p.weight, p.weight * traction.At(ray.normal), normal,
+                       now.master.Hessian(master, ray.eta, normal)});
   }
 
   /// The overlap grows where the image of the master's end moves outwards; where the master goes on
@@ -194,6 +148,7 @@ public:
 
   void AddToRows(const MasterBlock & add, LocalHeap & lh) {
     auto & at = faces.at;
+    sums.AddTo(columns);
     auto of_dofs = faces.OfDofs(columns, lh);
     for (int row : Range(of_dofs.Height()))
       for (int j : Range(at))
@@ -202,13 +157,13 @@ public:
       return;
     auto by_dofs = faces.BlockOfDofs(Block(lh), lh);
     auto slaves = faces.SlaveDofs(), masters = faces.MasterDofs();
-    IntRange slave(0, slaves.Size()), master(slaves.Size(), at.Size());
-    for (int j : slave)
-      for (int i : Range(at))
-        rows.stiffness(at[i], rows.TurningPosition(slaves[j])) += by_dofs(i, j);
-    for (int j : Range(has_rim ? masters.Size() : 0))
-      for (int i : slave)
-        rows.stiffness(at[i], rows.TurningPosition(masters[j])) += by_dofs(i, master.First() + j);
+    IntRange master(slaves.Size(), at.Size());
+    FlatArray<int> turning(at.Size(), lh);
+    for (int j : Range(at))
+      turning[j] = rows.TurningPosition(j < slaves.Size() ? slaves[j] : masters[j - slaves.Size()]);
+    for (int i : Range(at))
+      for (int j : Range(has_rim && i < slaves.Size() ? at.Size() : slaves.Size()))
+        rows.stiffness(at[i], turning[j]) += by_dofs(i, j);
     FlatMatrix<> own(masters.Size(), masters.Size(), lh);
     own = by_dofs.Rows(master).Cols(master);
     add(masters, own);
@@ -222,57 +177,14 @@ private:
     return now.master.Normal(face, dy);
   }
 
-  /// Adds the derivative of the master's normal where the ray meets it, times a factor.
-  void TurnMaster(const Ray<D> & ray, FlatMatrixFixWidth<D> gradients, FlatMatrix<> response,
-                  double factor) {
-    Vec<D> normal = now.master.Normal(faces.segment.master, ray.dy);
-    auto turn = columns.Rows(2 * D + 2, 3 * D + 2);
-    for (int i : Range(faces.masters))
-      for (int l : Range(D))
-        for (int k : Range(D))
-          turn(l, n1 + D * i + k) -= factor * normal(k) * gradients(i, l);
-    // Along the master its normal turns with the curvature.
-    Mat<D - 1, D - 1> bend = now.master.Hessian(faces.segment.master, ray.eta, normal);
-    Mat<D, D - 1> by_eta = factor * Mat<D, D - 1>(DualBasis<D>(ray.dy) * bend);
-    turn -= by_eta * response.Rows(0, D - 1);
-  }
-
-  void Multiply() {
-    auto points = Range(npoints), directions = Range((D - 1) * npoints);
-    pressed += Trans(jumps.Rows(points)) * turns.Rows(points);
-    moved += Trans(slopes.Rows(directions)) * shifts.Rows(directions);
-    npoints = 0;
-  }
-
   /// Derivative of the forces, rows and columns by function and component.
   FlatMatrix<> Block(LocalHeap & lh) {
-    Multiply();
     FlatMatrix<> block(n, n, lh);
     block = 0.0;
-    // Row i of the products holds one row after the other for the components of function i.
-    block.Cols(0, n1) = traction.pressure * FlatMatrix<>(n, n1, pressed.Data());
-    block.Rows(n1, n) += FlatMatrix<>(n - n1, n, moved.Data());
+    sums.AddTo(traction.pressure, block);
     if (has_rim)
       block += rim;
     return block;
-  }
-
-  /// Derivatives of (eta, gap).
-  void Respond(const Ray<D> & ray, FlatVector<> on_slave, FlatVector<> on_master,
-               FlatMatrixFixWidth<D> gradients, FlatMatrix<> response) const {
-    for (int a : Range(D)) {
-      Vec<D> by_turn = ray.gap * ray.response.Row(a);
-      if (a == D - 1)
-        by_turn += ray.miss;
-      for (int i : Range(on_slave)) {
-        double turning = InnerProduct(by_turn, gradients.Row(i));
-        for (int k : Range(D))
-          response(a, D * i + k) = ray.response(a, k) * on_slave(i) - turning * ray.normal(k);
-      }
-      for (int i : Range(on_master))
-        for (int k : Range(D))
-          response(a, n1 + D * i + k) = -ray.response(a, k) * on_master(i);
-    }
   }
 };
 } // namespace
@@ -287,10 +199,8 @@ void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points
     HeapReset hr(lh);
     FacePairDerivative<D> derivative(now, pairing.segments[segments[0]], traction, rows, lh);
     for (int s : segments)
-      for (size_t i : pairing.Points(s)) {
-        HeapReset hr(lh);
-        derivative.Add(pairing.points[i], hits[i], lh);
-      }
+      for (size_t i : pairing.Points(s))
+        derivative.Add(pairing.points[i], hits[i]);
     for (int r : points.rim[macro])
       if (moving_rim && segments.Contains(pairing.rim[r].segment))
         derivative.AddRim(pairing.rim[r], mean, lh);
@@ -306,19 +216,18 @@ void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, s
   ForFacePairs(points, macro, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[segments[0]];
-    FlatVector<> on_slave(now.slave_shapes.Size(segment.slave), lh);
-    FlatVector<> on_master(now.master_shapes.Size(segment.master), lh);
+    FlatVector<> on_slave(now.slave_shapes.Functions(segment.slave).Height(), lh);
+    FlatVector<> on_master(now.master_shapes.Functions(segment.master).Height(), lh);
     FlatMatrixFixWidth<D> slave(on_slave.Size(), lh), master(on_master.Size(), lh);
     slave = 0.0, master = 0.0;
     for (int s : segments)
       for (size_t i : points.pairing->Points(s)) {
         auto & p = points.pairing->points[i];
         Vec<D> force = p.weight * traction.At(hits[i].normal);
-        on_slave = 0.0, on_master = 0.0;
-        now.slave_shapes.AddValues(segment.slave, p.slave, -1, on_slave, lh);
-        now.master_shapes.AddValues(segment.master, hits[i].eta, 1, on_master, lh);
+        now.slave_shapes.CalcBasis(segment.slave, p.slave, on_slave);
+        now.master_shapes.CalcBasis(segment.master, hits[i].eta, on_master);
         for (int j : Range(on_slave))
-          slave.Row(j) += on_slave(j) * force;
+          slave.Row(j) -= on_slave(j) * force;
         for (int j : Range(on_master))
           master.Row(j) += on_master(j) * force;
       }

@@ -1,3 +1,4 @@
+#include "collectedshapes.hpp"
 #include "facepair.hpp"
 
 namespace ngslac {
@@ -24,31 +25,63 @@ struct OldPair {
   Vec<D> Slip() const { return direction.Across() * apart; }
 };
 
-/// Adds a factor times the derivative of the slip by the scalar functions of one side: they move
-/// the points apart by `moves` times their value, and by `swings` times the turn of the side's
-/// normal; that has the factor `turns` in the contact direction.
+/// The derivative of the slip by the scalar functions of one side: they move the points apart by
+/// `moves` times their value, and by `swings` times the turn of the side's normal; that has the
+/// factor `turns` in the contact direction.
 template <int D>
-struct SlipSide {
-  double moves, swings, turns;
-  const Vec<D> & normal;
-  const Mat<D, D - 1> & tangents;
+class SlipSide {
+  static constexpr int R = D - 1;
+  CollectedShapes<D> shapes;
+  double moves;
+  FlatMatrix<> by_value, by_derivative; // factors: a row for each point, and for its derivatives
+  FlatMatrix<> sums;                    // row D l + k: of component l by component k
 
-  void Add(const OldPair<D> & old, const typename FaceShapes<D>::Values & shapes, double factor,
-           FlatMatrix<> columns, LocalHeap & lh) const {
-    auto gradients = Gradients<D>(tangents, shapes, lh);
+public:
+  SlipSide(const FaceShapes<D> & all, int face, double amoves, LocalHeap & lh)
+      : shapes(all, face, lh), moves(amoves), by_value(shapes.most_points, D * D, lh),
+        by_derivative(R * shapes.most_points, D * D, lh), sums(D * D, shapes.Size(), lh) {
+    sums = 0.0;
+  }
+
+  void Add(Vec<R> xi, const OldPair<D> & old, double weight, double turns, double swings,
+           const Vec<D> & normal, const Mat<D, R> & tangents) {
+    int i = shapes.NPoints();
+    shapes.Add(xi);
     auto & n = old.direction.normal;
     Mat<D, D> across = old.direction.Across();
-    double along = InnerProduct(n, old.apart);
-    for (int i : Range(shapes.value)) {
-      // the normal turns by  -g  times the component of the displacement along it
-      Vec<D> turn = turns * Vec<D>(across * Vec<D>(gradients.Row(i)));
-      Vec<D> turning = along * turn + InnerProduct(turn, old.apart) * n;
-      turning -= swings * Vec<D>(across * Vec<D>(gradients.Row(i)));
+    // the normal turns by  -g  times the component of the displacement along it
+    Mat<D, R> turn = across * DualBasis<D>(tangents);
+    Vec<R> apart = Trans(turn) * old.apart;
+    Mat<D, R> turning = turns * (InnerProduct(n, old.apart) * turn + n * Trans(apart));
+    turning -= swings * turn;
+    for (int l : Range(D))
+      for (int k : Range(D)) {
+        by_value(i, D * l + k) = weight * moves * across(l, k);
+        for (int c : Range(R))
+          by_derivative(R * i + c, D * l + k) = weight * turning(l, c) * normal(k);
+      }
+    if (shapes.IsFull())
+      Multiply();
+  }
+
+  /// Columns by function and component.
+  void AddTo(FlatMatrix<> columns, int first) {
+    Multiply();
+    for (int i : Range(sums.Width()))
       for (int l : Range(D))
         for (int k : Range(D))
-          columns(l, D * i + k) +=
-              factor * (moves * across(l, k) * shapes.value(i) + turning(l) * normal(k));
-    }
+          columns(l, first + D * i + k) += sums(D * l + k, i);
+  }
+
+private:
+  void Multiply() {
+    int npoints = shapes.NPoints();
+    if (npoints == 0)
+      return;
+    shapes.Evaluate();
+    sums += Trans(by_value.Rows(0, npoints)) * shapes.Values();
+    sums += Trans(by_derivative.Rows(0, R * npoints)) * shapes.Derivatives();
+    shapes.Clear();
   }
 };
 } // namespace
@@ -70,22 +103,19 @@ void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[s];
     FacePair<D> faces(now, segment, rows, lh);
-    FlatMatrix<> slave(D, D * faces.slaves, lh), master(D, D * faces.masters, lh);
-    slave = 0.0, master = 0.0;
+    SlipSide<D> of_slave(now.slave_shapes, segment.slave, 1, lh);
+    SlipSide<D> of_master(now.master_shapes, segment.master, -1, lh);
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
-      HeapReset hr(lh);
       OldPair<D> old(now, segment, p);
       auto & d = old.direction;
-      SlipSide<D> of_slave{1, old.gap, d.of_slave, old.slave_normal, old.dx};
-      SlipSide<D> of_master{-1, 0, d.of_master, old.master_normal, old.dy};
-      of_slave.Add(old, now.slave_shapes.Calc(segment.slave, p.slave, lh), mean * p.weight, slave,
-                   lh);
-      of_master.Add(old, now.master_shapes.Calc(segment.master, p.master, lh), mean * p.weight,
-                    master, lh);
+      double w = mean * p.weight;
+      of_slave.Add(p.slave, old, w, d.of_slave, old.gap, old.slave_normal, old.dx);
+      of_master.Add(p.master, old, w, d.of_master, 0, old.master_normal, old.dy);
     }
     FlatMatrix<> columns(D, faces.Size(), lh);
-    columns.Cols(0, D * faces.slaves) = slave;
-    columns.Cols(D * faces.slaves, faces.Size()) = master;
+    columns = 0.0;
+    of_slave.AddTo(columns, 0);
+    of_master.AddTo(columns, D * faces.slaves);
     auto of_dofs = faces.OfDofs(columns, lh);
     for (int l : Range(D))
       for (int j : Range(faces.at))

@@ -72,7 +72,9 @@ bool Ray<D>::Shoot(const Surface<D> & master, int face, double size) {
     gap -= step(D - 1);
     // Far from the origin positions, and with them the steps, are known to so many digits only.
     double known = max(tolerance, rounding * (L2Norm(x) + L2Norm(y)) / size);
-    if (length < 1e-14 || (length < known && fabs(step(D - 1)) < known * size)) {
+    if (length < 1e-14) // y and dy are those of this point
+      return true;
+    if (length < known && fabs(step(D - 1)) < known * size) {
       master.Evaluate(face, eta, y, dy);
       return true;
     }

@@ -112,7 +112,7 @@ void AddToolTraction(const ToolScene<D> & now, const MacroPoints<D> & points, si
   for (int s : points.segments[macro]) {
     HeapReset hr(lh);
     int face = points.pairing->segments[s].slave;
-    FlatVector<> values(now.shapes.Size(face), lh);
+    FlatVector<> values(now.shapes.Functions(face).Height(), lh);
     FlatMatrixFixWidth<D> forces(values.Size(), lh);
     forces = 0.0;
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
@@ -122,10 +122,9 @@ void AddToolTraction(const ToolScene<D> & now, const MacroPoints<D> & points, si
       Mat<D, D - 1> dx;
       now.slave.Evaluate(face, p.slave, x, dx);
       Vec<D> force = p.weight * traction.At(now.slave.Normal(face, dx));
-      values = 0.0;
-      now.shapes.AddValues(face, p.slave, -1, values, lh);
+      now.shapes.CalcBasis(face, p.slave, values);
       for (int i : Range(values))
-        forces.Row(i) += values(i) * force;
+        forces.Row(i) -= values(i) * force;
       for (auto & own : now.tool.dofs)
         y.Add(own.dof, InnerProduct(force, own.At(now.InSpace(x))));
     }
