@@ -256,6 +256,11 @@ class LACContact:
         form : BilinearForm, optional
             The bulk without inertia. Its elements tell which body is the stiffer one, and so the
             contact direction; a matrix tells the same unless something is condensed.
+
+        Raises
+        ------
+        TypeError, ValueError
+            `bulk` is no matrix; `form` is no BilinearForm, or lives on another space.
         """
         CheckInstance("bulk", bulk, BaseMatrix, "a matrix on the product space, such as a.mat")
         if form is not None:

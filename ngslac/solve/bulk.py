@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BaseVector, BitArray
+from ngsolve import BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.loads import CheckRhs, LoadVector
@@ -69,8 +69,9 @@ class Bulk:
 
     @property
     def elastic(self):
-        """The form without inertia."""
-        return getattr(self.a, "elastic", self.a)
+        """The BilinearForm without inertia; None: unknown."""
+        form = getattr(self.a, "elastic", self.a)
+        return form if isinstance(form, BilinearForm) else None
 
     @property
     def load(self):

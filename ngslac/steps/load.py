@@ -17,6 +17,7 @@ from ngslac.bodies.messages import OverloadMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
+from ngslac.solve.problem import MultiplierRows
 from ngslac.solve.solver import ContactSolver
 from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.limitload import LimitLoad
@@ -291,10 +292,8 @@ class LoadStepper:
         if self._last is not None and self.predict and start == "predicted":
             increment, size = self._last
             merit = self.solver.Merit()
-            values[:] = last.FV().NumPy()
-            # What has just closed need not press twice as much.
-            closed = self.solver.system.residual.multipliers & (values == increment)
-            values[:] += (step / size) * np.where(closed, 0.0, increment)
+            now = last.FV().NumPy()
+            values[:] = now + (step / size) * self._Steady(now, increment)
             if fixed is not None:
                 values[fixed] = wanted[fixed]
             # A larger residual is no harm as long as the status is a better guess.
@@ -305,6 +304,12 @@ class LoadStepper:
             for contact in self.solver.contacts:
                 values[contact.form.MultiplierDofs()] = 0
         return {} if fixed is None else {"motion": wanted - last.FV().NumPy()}
+
+    def _Steady(self, last, increment):
+        """The increment less that of what has just closed, beside what was closed before."""
+        multipliers = MultiplierRows(self.solver.contacts)
+        fresh = multipliers & (last == increment)
+        return np.where(fresh, 0.0, increment) if np.any(last[multipliers & ~fresh]) else increment
 
     def _Balanced(self, least):
         """The largest load between the present one and one without balance that has a balance."""

@@ -193,7 +193,7 @@ class StepEnd:
         given = reaction * ~self.mass.free + loads
         resistance = sum(weight * force for weight, _, force in way)
         pushes = self.obstacles.Works(self.gf)
-        pushed = sum(map(np.sum, pushes))
+        pushed = float(sum(map(np.sum, pushes)))
         works = {"external": float(given @ motion) + pushed}
         works["internal"] = float(resistance @ motion)
         works |= {"friction": friction, "impact": pushed - work - friction}

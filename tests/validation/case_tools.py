@@ -7,6 +7,7 @@ from functools import partial
 
 import belt
 import carter
+import cup
 import drawing
 import flatpunch
 import pyramid
@@ -112,6 +113,20 @@ def Drawing(quick):
     return Outcome(rows, draw, "The sheet, and the forces of punch, die and holder.")
 
 
+def Cup(quick):
+    options = {"h": 0.2, "depth": 0.01, "steps": 2} if quick else {}
+    figures = cup.Run(**options)
+    rows = [
+        Row("force of the holder", figures["holder_force"], 3.0, Tolerance(1e-6, kind="relative")),
+        Row("sum of all forces over that of the die", figures["balance"], 0, Tolerance(1e-6)),
+        Row("volume over that before", figures["volume"], 1),
+        Row("draw-in", figures["draw_in"], 0),
+        Row("spread of the rim over the draw-in", figures["rim_spread"] / figures["draw_in"], 0),
+    ]
+    draw = FromFolder(partial(_Draw, cup, **options), "cup.png")
+    return Outcome(rows, draw, "The cup, the forces, and the thickness along the radius.")
+
+
 def _Draw(example, *given, **options):
     *given, folder = given
     example.Run(*given, out=folder, **options)
@@ -175,5 +190,14 @@ CASES = [
         "The balance of forces.",
         "python tutorials/examples/drawing.py --depth 0.08 --steps 16",
         Drawing,
+    ),
+    Case(
+        "cup",
+        "Deep drawing of a round cup",
+        "A quarter of the blank in 3D, large plastic strains, friction on die, punch and a holder "
+        "that a force moves.",
+        "The balance of forces, and symmetry: the rim of a round cup is round.",
+        "python tutorials/examples/cup.py",
+        Cup,
     ),
 ]
