@@ -29,9 +29,11 @@ void AddIntegrals(const FaceShapes<D> & shapes, const Surface<D> & surface, int 
     }
 }
 
-/// The mean of the diagonal over the components of each node, which no rotation changes.
+} // namespace
+
 template <int D>
-Vector<> OfNodes(const FaceShapes<D> & shapes, const Surface<D> & surface, FlatVector<> diagonal) {
+Vector<> DiagonalOfNodes(const FaceShapes<D> & shapes, const Surface<D> & surface,
+                         FlatVector<> diagonal) {
   Vector<> means(diagonal);
   for (size_t face : Range(surface.Size()))
     if (auto dofs = shapes.Dofs(face); shapes.IsPlain(face))
@@ -45,6 +47,7 @@ Vector<> OfNodes(const FaceShapes<D> & shapes, const Surface<D> & surface, FlatV
   return means;
 }
 
+namespace {
 /// How the body behind a surface gives way, up to a factor that does not depend on the mesh. What
 /// is prescribed does not give way.
 template <int D>
@@ -57,7 +60,7 @@ double BodyCompliance(const ProxyInfo & u, SurfaceShapes<D> side, FlatVector<> d
     AddIntegrals(side.shapes, side.surface, face, integrals, lh);
   }
   auto free = u.fes->GetFreeDofs();
-  auto stiffness = OfNodes(side.shapes, side.surface, diagonal);
+  auto stiffness = DiagonalOfNodes<D>(side.shapes, side.surface, diagonal);
   double compliance = 0, squares = 0, sum = 0;
   for (size_t i : Range(stiffness)) {
     double square = L2Norm2(integrals.Col(i));
@@ -82,6 +85,8 @@ double MasterShare(const ProxyInfo & u, SurfaceShapes<D> slave, SurfaceShapes<D>
   return of_slave + of_master > 0 ? of_slave / (of_slave + of_master) : 0.5;
 }
 
+template Vector<> DiagonalOfNodes(const FaceShapes<2> &, const Surface<2> &, FlatVector<>);
+template Vector<> DiagonalOfNodes(const FaceShapes<3> &, const Surface<3> &, FlatVector<>);
 template double MasterShare(const ProxyInfo &, SurfaceShapes<2>, SurfaceShapes<2>, FlatVector<>);
 template double MasterShare(const ProxyInfo &, SurfaceShapes<3>, SurfaceShapes<3>, FlatVector<>);
 } // namespace ngslac

@@ -9,6 +9,11 @@ struct SurfaceShapes {
   const Surface<D> & surface;
 };
 
+/// The mean of the diagonal over the components of each node, which no rotation changes.
+template <int D>
+Vector<> DiagonalOfNodes(const FaceShapes<D> & shapes, const Surface<D> & surface,
+                         FlatVector<> diagonal);
+
 /// The share of the master in the stiffness of both bodies, from the diagonal of their matrix: 1
 /// where it is rigid, half where nothing is known. The size of elements has no part in it.
 template <int D>

@@ -17,6 +17,7 @@ struct ContactSetup {
   bool tied = false;
   bool bilateral = false; // surfaces slide, but do not separate
   bool finite = false;    // sliding and deformation may be large
+  bool edges = false;     // pressure goes to where contact ends inside of macro-elements
   double adjust = 0;      // gaps of the start up to this count as zero
   double maxdist = 0;     // 0: chosen from the size of the surfaces
   double penetration = 0; // 0: chosen from the size of the surfaces
@@ -76,6 +77,9 @@ public:
   /// Finite sliding: a traction with the pressure p gets  -p times the vector of its macro-element
   /// in addition, in what is computed from now on; empty: none.
   virtual void Lean(FlatArray<double> vectors) = 0;
+  /// Pressures are even on whole macro-elements, also where contact ends inside of them, until that
+  /// is taken back: for methods that know means only.
+  virtual void SetEven(bool even) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
   /// Pairing, motion and states as at the last Commit, or Update if none came after it.

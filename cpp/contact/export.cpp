@@ -25,18 +25,18 @@ void ExportContact(py::module & m) {
                        shared_ptr<CoefficientFunction> friction,
                        shared_ptr<CoefficientFunction> tresca,
                        shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool,
-                       bool tied, bool bilateral, bool finite, double adjust, double maxdist,
-                       double penetration, bool active) {
+                       bool tied, bool bilateral, bool finite, bool edges, double adjust,
+                       double maxdist, double penetration, bool active) {
              return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                     offset, tool, tied, bilateral, finite, adjust,
-                                                     maxdist, penetration, active});
+                                                     offset, tool, tied, bilateral, finite, edges,
+                                                     adjust, maxdist, penetration, active});
            }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
            py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
            py::arg("tool") = nullptr, py::arg("tied") = false, py::arg("bilateral") = false,
-           py::arg("finite") = false, py::arg("adjust") = 0.0, py::arg("maxdist") = 0.0,
-           py::arg("penetration") = 0.0, py::arg("active") = true)
+           py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
+           py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true)
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
@@ -107,6 +107,7 @@ void ExportContact(py::module & m) {
             self.Lean(FlatArray<double>(vectors.size(), const_cast<double *>(vectors.data())));
           },
           py::arg("vectors"))
+      .def("SetEven", &ContactForm::SetEven, py::arg("even"))
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {

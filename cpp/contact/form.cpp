@@ -20,7 +20,9 @@ unique_ptr<Kinematics<D>> MakeKinematics(const ContactSetup & setup, shared_ptr<
 template <int D>
 Form<D>::Form(const ContactSetup & asetup)
     : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
-      kinematics(MakeKinematics<D>(setup, space, u, law)) {}
+      kinematics(MakeKinematics<D>(setup, space, u, law)) {
+  law->has_ends = setup.active;
+}
 
 template <int D>
 void Form<D>::Update(shared_ptr<GridFunction> gf, const FormHistory * history) {
@@ -68,13 +70,14 @@ MacroPlace<D> Form<D>::Place(size_t m, FlatVector<> x) const {
   if (!setup.active) {
     place.gap = place.area = 0;
     place.slip = place.jump = 0.0;
+    place.ends = nullptr;
   }
   return place;
 }
 
 template <int D>
 void Form<D>::SetActive(bool active) {
-  setup.active = active;
+  setup.active = law->has_ends = active;
   for (auto * table : {&states, &accepted.states})
     for (auto & state : *table)
       if (!active)
@@ -150,6 +153,7 @@ shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
     throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
                     ToString(states.Size()) + " macro-elements");
   auto x = bx.FV<double>();
+  EvenPressures even(*law);
   Array<Projection<D>> projections(states.Size());
   ParallelFor(states.Size(), [&](size_t m) {
     auto & p = projections[m] = Sticking(law->Multiplier(m, x));
@@ -206,7 +210,8 @@ void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
       continue;
     // just enough for a positive trial pressure
     double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
-    double pressure = law->c[m] * (fabs(place.gap) + 1e-6 * size);
+    double c = max(law->c[m], law->end_c[m]);
+    double pressure = c * (fabs(place.gap) + 1e-6 * size);
     Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
     pressure /= 1 - InnerProduct(given, place.normal);
     for (int k : Range(D))
@@ -246,6 +251,7 @@ void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
   for (double & value : law->c)
     if (value == 0)
       value = paired ? sum / paired : factor;
+  law->end_c = law->c; // until more is learnt
 }
 
 template <int D>

@@ -13,13 +13,14 @@ public:
   void SetStiffness(FlatVector<> diagonal, double factor) override;
   void LearnStiffness(FlatVector<> diagonal) override;
   void LearnStiffness(const BilinearForm & bulk) override;
-  void SetConstant(double value) override { law->c = value; }
+  void SetConstant(double value) override { law->c = law->end_c = value; }
   void AddApply(const BaseVector & x, BaseVector & y) override;
   void AssembleLinearization(const BaseVector & x) override;
   void AssembleStep(const BaseVector & x, BaseVector & residual) override;
   void BeginSolve() override { law->BeginSolve(); }
   void Evaluate(const BaseVector & x) override;
   void Lean(FlatArray<double> vectors) override;
+  void SetEven(bool even) override { law->has_ends = setup.active && !even; }
   void Commit(const BaseVector & x) override;
   void Restore() override;
   FormHistory History() const override;

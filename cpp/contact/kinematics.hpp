@@ -41,6 +41,8 @@ public:
   virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
   /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
   virtual void Lean(FlatArray<double> /* vectors */) {}
+  /// How far contact ends inside of each macro-element, see EndShares; empty: that is not known.
+  virtual Array<double> Ends() const { return Array<double>(); }
   /// Subtracts loads that act on the other body.
   virtual void AddLoads(FlatVector<> /* y */) const {}
   /// Unknown motions of a rigid master, and the integral of one of them over a macro-element.

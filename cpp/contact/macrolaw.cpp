@@ -30,8 +30,8 @@ void MacroLaw<D>::Reset() {
   Reevaluate();
   c.SetSize(space->NMacros()), direction.SetSize(space->NMacros());
   c = 0.0;
-  adjusted.SetSize(space->NMacros());
-  adjusted = 0.0;
+  adjusted.SetSize(space->NMacros()), end_c.SetSize(space->NMacros());
+  adjusted = 0.0, end_c = 0.0;
   BeginSolve();
 }
 
@@ -80,7 +80,25 @@ Vec<D> MacroLaw<D>::Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x)
   if (place.area == 0)
     return place.normal;
   Vec<D> traction = Multiplier(m, x);
-  return traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+  Vec<D> trial = traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+  if (!place.ends)
+    return trial;
+  double mean = Spread(m, *place.ends).mean;
+  if (mean <= 0)
+    return place.normal; // open, whatever rounding does
+  return trial - (InnerProduct(trial, place.normal) + mean) * place.normal;
+}
+
+template <int D>
+double MacroLaw<D>::GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const {
+  Vec<D> traction = Multiplier(m, x);
+  return -InnerProduct(normal, traction - ComplianceOf(m).At(normal) * traction);
+}
+
+template <int D>
+ngbla::Mat<D, D> MacroLaw<D>::EndFactor(size_t m, const Vec<D> & normal) const {
+  double more = augmented ? 0 : c[m] / end_c[m] - 1;
+  return Id<D>() + more * normal * Trans(normal);
 }
 
 template <int D>
@@ -103,6 +121,8 @@ template <int D>
 void MacroLaw<D>::AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
                               FlatVector<> x, FlatVector<> y) const {
   Vec<D> residual = (place.rowarea / c[m]) * (p.traction - Multiplier(m, x));
+  if (place.ends)
+    residual = EndFactor(m, place.normal) * residual;
   for (int k : Range(D))
     y(dofs[D * m + k]) += residual(k);
 }
@@ -112,6 +132,16 @@ ngbla::Mat<D, D> MacroLaw<D>::MultiplierBlock(size_t m, const Vec<D> & normal, d
                                               const ngbla::Mat<D, D> & projection) const {
   ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(normal);
   return (rowarea / c[m]) * (by_trial - Id<D>());
+}
+
+template <int D>
+ngbla::Mat<D, D> MacroLaw<D>::EndBlock(size_t m, const Vec<D> & normal, double rowarea,
+                                       const ngbla::Mat<D, D> & projection,
+                                       const EndPressure & spread) const {
+  ngbla::Mat<D, D> trial = Id<D>() - ComplianceOf(m).At(normal);
+  trial += (spread.by_multiplier - 1) * normal * Trans(Vec<D>(Trans(trial) * normal));
+  ngbla::Mat<D, D> by_trial = projection * trial;
+  return (rowarea / c[m]) * EndFactor(m, normal) * (by_trial - Id<D>());
 }
 
 template <int D>

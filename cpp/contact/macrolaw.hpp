@@ -1,6 +1,7 @@
 #pragma once
 #include "coefficients.hpp"
 #include "compliance.hpp"
+#include "endlaw.hpp"
 #include "pairfinder.hpp"
 
 namespace ngslac {
@@ -12,6 +13,7 @@ struct MacroPlace {
   Vec<D> slip;          // of this step, perpendicular to the normal
   Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
   double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea
+  const EndPoints * ends = nullptr; // where contact ends inside of it
 };
 
 /// The contact law of all macro-elements: multipliers, scales and coefficients.
@@ -29,6 +31,8 @@ public:
   Array<double> friction, threshold; // means over the macro-elements, -1: none
   Array<double> offset;              // of the gap, means over the macro-elements
   Array<double> adjusted;            // minus the gaps of the start that count as zero
+  Array<double> end_c;               // of points where contact ends inside, whatever c is
+  bool has_ends = true;              // else pressures are even everywhere
   Array<int> dofs;                   // of the multipliers, D for each
 
   MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam);
@@ -50,6 +54,15 @@ public:
   SearchMargin Margin() const;
 
   Vec<D> Multiplier(size_t m, FlatVector<> x) const;
+  /// The pressure that it stands for before the projection, at rest.
+  double GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const;
+  /// How the pressure spreads over the points of a macro-element that contact ends in.
+  EndPressure Spread(size_t m, const EndPoints & points) const {
+    return augmented ? EndPressure::Step(points, end_c[m], c[m])
+                     : EndPressure::Of(points, end_c[m]);
+  }
+  /// Factor of the multiplier's rows that makes the matrix symmetric where contact ends.
+  ngbla::Mat<D, D> EndFactor(size_t m, const Vec<D> & normal) const;
   Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }
   Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return Project(Data(m, place), Trial(m, place, x));
@@ -62,6 +75,9 @@ public:
   /// Derivative of a multiplier's rows by the multiplier, from that of the projection.
   ngbla::Mat<D, D> MultiplierBlock(size_t m, const Vec<D> & normal, double rowarea,
                                    const ngbla::Mat<D, D> & projection) const;
+  /// The same where contact ends inside of the macro-element.
+  ngbla::Mat<D, D> EndBlock(size_t m, const Vec<D> & normal, double rowarea,
+                            const ngbla::Mat<D, D> & projection, const EndPressure & spread) const;
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;
 
@@ -69,9 +85,13 @@ private:
   LawData<D> Data(size_t m, const MacroPlace<D> & place) const;
   /// The traction before the projection. Macro-elements without a partner stay open.
   Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const;
+
+  template <int>
+  friend class Augmentation;
+  bool augmented = false; // do projections make steps of the method of multipliers?
 };
 
-/// Makes the scales of a law larger while it lives.
+/// Makes the scales of a law larger while it lives, for the method of multipliers.
 template <int D>
 class Augmentation {
   MacroLaw<D> & law;
@@ -81,7 +101,24 @@ public:
   Augmentation(MacroLaw<D> & alaw, double factor) : law(alaw), before(alaw.c) {
     for (double & value : law.c)
       value *= factor;
+    law.augmented = true;
   }
-  ~Augmentation() { law.c = before; }
+  ~Augmentation() {
+    law.c = before;
+    law.augmented = false;
+  }
+};
+
+/// Pressures are even everywhere while it lives.
+template <int D>
+class EvenPressures {
+  MacroLaw<D> & law;
+  bool before;
+
+public:
+  explicit EvenPressures(MacroLaw<D> & alaw) : law(alaw), before(alaw.has_ends) {
+    law.has_ends = false;
+  }
+  ~EvenPressures() { law.has_ends = before; }
 };
 } // namespace ngslac

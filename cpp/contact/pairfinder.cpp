@@ -40,11 +40,10 @@ template <int D>
 Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
                               SearchMargin margin) const {
   auto pairing = make_shared<Pairing<D>>();
-  auto degree = [&](int highest) { return highest + 2 * (slave->Degree() - 1); };
   if (setup.obstacle) {
-    *pairing = PairWithObstacle<D>(*slave, 2 * degree(u.Order(*slave)));
+    *pairing = PairWithObstacle<D>(*slave, 2 * Degree(*slave, u.Order(*slave)));
   } else {
-    int order = degree(max(u.Order(*slave), u.Order(*master)));
+    int order = Degree(*slave, max(u.Order(*slave), u.Order(*master)));
     auto options = Options(*slave, *master, (D == 2 ? 2 : 1) * order, margin);
     if (selfcontact)
       LimitToOthers(*slave, *master, options);
@@ -53,6 +52,15 @@ Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D
       ThrowNoPair(*slave, *master, options, margin);
   }
   return {std::move(slave), std::move(master), pairing, nullptr};
+}
+
+template <int D>
+Pairing<D> PairFinder<D>::PairFiner(const Surface<D> & slave, const Surface<D> & master,
+                                    SearchMargin margin, const BitArray & faces) const {
+  int order = Degree(slave, max(u.Order(slave), u.Order(master)));
+  auto options = Options(slave, master, (D == 2 ? 6 : 2) * order, margin);
+  options.maypair = [&](int face, int) { return faces.Test(face); };
+  return ngslac::Pair<D>(slave, master, options);
 }
 
 template <int D>

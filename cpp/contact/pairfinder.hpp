@@ -39,6 +39,9 @@ public:
   /// Throws where they never meet.
   Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
                  SearchMargin margin) const;
+  /// Some faces of the slave once more, with more points.
+  Pairing<D> PairFiner(const Surface<D> & slave, const Surface<D> & master, SearchMargin margin,
+                       const BitArray & faces) const;
   /// How deep macro-elements lie behind the master that is too deep for the search; else 0.
   Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master,
                          SearchMargin margin) const;
@@ -46,6 +49,8 @@ public:
 private:
   unique_ptr<Surface<D>> SurfaceOf(const Region & region,
                                    shared_ptr<CoefficientFunction> displacement) const;
+  /// Degree of the functions that are integrated over a slave face.
+  int Degree(const Surface<D> & slave, int order) const { return order + 2 * (slave.Degree() - 1); }
   PairingOptions Options(const Surface<D> & slave, const Surface<D> & master, int order,
                          SearchMargin margin) const;
   /// One surface is slave and master.

@@ -1,6 +1,6 @@
 #include "bodycompliance.hpp"
 #include "direction.hpp"
-#include "kinematics.hpp"
+#include "macroends.hpp"
 
 namespace ngslac {
 namespace {
@@ -19,9 +19,12 @@ class SmallSliding : public Kinematics<D> {
   Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
   Array<Vec<D>> tied; // mean of x1 - x2 at the last Start, which tied surfaces keep
   Array<int> loaded;  // rows of the displacements that have forces
+  Vector<> paired_at; // displacements that gaps are counted from
+  MacroEnds<D> ends;  // macro-elements that contact ends in
   struct {
     shared_ptr<Pairing<D>> pairing;
     Array<Vec<D>> gapvector;
+    Array<double> ends;
   } accepted; // at the last committed step
 
 public:
@@ -41,6 +44,10 @@ public:
       master_normal = jump.MasterNormals(*surfaces.master, *surfaces.pairing);
       gapvector = jump.GapVectors(*surfaces.pairing);
     }
+    paired_at.SetSize(x.Size());
+    paired_at = displacement ? 1.0 : 0.0;
+    for (size_t i : Range(x))
+      paired_at(i) *= x(i);
     SetDirections();
     Reevaluate();
     committed.SetSize(jump.Size());
@@ -53,11 +60,16 @@ public:
     for (size_t m : Range(tied))
       tied[m] += gapvector[m];
     this->AdjustStart(x);
+    At(x);
     Accept();
-    mat = ContactGraph(jump, law->dofs, x.Size());
+    mat = ContactGraph(jump, law->dofs, x.Size(), ends.Dofs(jump.Size()));
     SetForces();
     return mat;
   }
+
+  Array<double> Ends() const override { return Array<double>(ends.Shares()); }
+
+  void At(FlatVector<> x) override { ends.Look(*law, direction, x); }
 
   /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is
   /// made, since the last committed one is kept.
@@ -78,16 +90,23 @@ public:
     slip -= InnerProduct(slip, n) * n;
     double gap = law->Clearance(m) - InnerProduct(n, apart);
     Vec<D> vanishing = setup.tied ? Vec<D>(apart - tied[m]) : Vec<D>(slip - gap * n);
-    return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m)};
+    return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m), EndsOf(m)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap &) const override {
+    bool spread = EndsOf(m);
     for (auto & e : surfaces.jump->Row(m))
-      y.Add(e.dof, -InnerProduct(traction, e.integral));
+      y.Add(e.dof, -InnerProduct(spread ? Across(m, traction) : traction, e.integral));
+    if (spread)
+      ends.AddForces(m, *law, y);
   }
 
   /// By the matrix, row by row, so that threads do not meet.
   void AddAllForces(FlatVector<> x, FlatVector<> y) const override {
+    if (!ends.Empty()) {
+      Base::AddAllForces(x, y);
+      return;
+    }
     ParallelFor(loaded.Size(), [&](size_t i) {
       int row = loaded[i];
       auto columns = mat->GetRowIndices(row);
@@ -100,12 +119,23 @@ public:
   }
 
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
-    return {surfaces.jump->area[m] * traction, Moment(surfaces.jump->moment[m], traction)};
+    auto & jump = *surfaces.jump;
+    if (!EndsOf(m))
+      return {jump.area[m] * traction, Moment(jump.moment[m], traction)};
+    Vec<D> along = Across(m, traction), press = -1 * direction[m];
+    return {jump.area[m] * traction,
+            Moment(jump.moment[m], along) + Moment(ends.MomentOf(m, *law), press)};
   }
 
   shared_ptr<SparseMatrix<double>> Linearize(FlatVector<>, FlatArray<Projection<D>> projections,
                                              FlatArray<Vec<D>>, Rim) override {
+    ends.Clear(law->dofs, *mat);
     ParallelFor(projections.Size(), [&](size_t m) { SetRows(m, projections[m].derivative); });
+    for (size_t m : ends.Numbers())
+      if (EndsOf(m))
+        ends.SetLines(m, *law, *surfaces.jump, direction[m], projections[m].derivative, *mat);
+      else
+        SetForcesOf(m);
     return mat;
   }
 
@@ -127,6 +157,7 @@ public:
   void Restore() override {
     surfaces.pairing = accepted.pairing;
     gapvector = accepted.gapvector;
+    ends.Load(accepted.ends);
     watch_obstacle.Forget();
   }
 
@@ -137,13 +168,23 @@ public:
       return FaceShapes<D>(u, side, max(1, u.Order(side)));
     };
     auto & [slave, master, pairing, jump] = surfaces;
-    share = MasterShare<D>(u, {shapes(*slave), *slave}, {shapes(*master), *master}, diagonal);
+    auto on_slave = shapes(*slave), on_master = shapes(*master);
+    share = MasterShare<D>(u, {on_slave, *slave}, {on_master, *master}, diagonal);
+    if (setup.edges) {
+      auto of_slave = DiagonalOfNodes<D>(on_slave, *slave, diagonal);
+      SetEndStiffness(DiagonalOfNodes<D>(on_master, *master, of_slave));
+    }
     SetDirections();
   }
 
   void Save(FormHistory & history) const override {
     SaveVectors(history["memory"], committed);
     history["share"].Append(share);
+    if (setup.edges) {
+      history["end_c"] = law->end_c;
+      history["ends"] = ends.Save();
+      history["accepted_ends"] = accepted.ends;
+    }
     if (setup.tied && setup.obstacle) // which has moved since
       SaveVectors(history["tied"], tied);
   }
@@ -153,6 +194,11 @@ public:
     if (setup.tied && setup.obstacle)
       LoadVectors(history.at("tied"), tied);
     SetDirections();
+    if (setup.edges) {
+      law->end_c = history.at("end_c");
+      ends.Load(history.at("ends"));
+      accepted.ends = history.at("accepted_ends");
+    }
   }
 
 private:
@@ -163,11 +209,41 @@ private:
     for (size_t m : Range(setup.obstacle ? 0 : jump.Size()))
       if (jump.area[m] > 0)
         direction[m] = ContactDirection<D>(slave_normal[m], master_normal[m], share).normal;
+    if (setup.edges)
+      ends = MacroEnds<D>(*this->space, u, surfaces, FinerPoints(), direction, paired_at);
+  }
+
+  std::function<Pairing<D>(const BitArray &)> FinerPoints() const {
+    return [this](const BitArray & faces) {
+      return this->finder.PairFiner(*surfaces.slave, *surfaces.master, law->Margin(), faces);
+    };
+  }
+
+  /// Of the points where contact ends: stiff enough for the surfaces to meet nearly at points, and
+  /// soft enough for Newton's method. As the scale of a macro-element, but the same in any frame,
+  /// and it does not grow as the part shrinks that is paired.
+  void SetEndStiffness(FlatVector<> diagonal) {
+    auto & jump = *surfaces.jump;
+    for (size_t m : Range(jump.Size())) {
+      double compliance = 0;
+      for (auto & e : jump.Row(m))
+        if (diagonal(e.dof) > 0)
+          compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
+      if (compliance > 0)
+        law->end_c[m] = 3 * sqr(jump.area[m]) / (jump.fullarea[m] * compliance);
+    }
+  }
+
+  const EndPoints * EndsOf(size_t m) const { return law->has_ends ? ends.PointsOf(m) : nullptr; }
+
+  Vec<D> Across(size_t m, const Vec<D> & traction) const {
+    return traction - InnerProduct(traction, direction[m]) * direction[m];
   }
 
   void Accept() {
     accepted.pairing = surfaces.pairing;
     accepted.gapvector = gapvector;
+    accepted.ends = ends.Save();
   }
 
   /// The columns of the multipliers, which hold the forces of unit multipliers, do not change until
@@ -177,17 +253,21 @@ private:
     BitArray has_forces(mat->Height());
     has_forces.Clear();
     ParallelFor(this->Size(), [&](size_t m) {
-      for (auto & e : jump.Row(m)) {
+      for (auto & e : jump.Row(m))
         has_forces.SetBitAtomic(e.dof);
-        for (int k : Range(D))
-          if (e.integral(k) != 0)
-            (*mat)(e.dof, law->dofs[D * m + k]) = -e.integral(k);
-      }
+      SetForcesOf(m);
     });
     loaded.SetSize0();
     for (size_t i : Range(mat->Height()))
       if (has_forces.Test(i))
         loaded.Append(i);
+  }
+
+  void SetForcesOf(size_t m) {
+    for (auto & e : this->Jump().Row(m))
+      for (int k : Range(D))
+        if (e.integral(k) != 0)
+          (*mat)(e.dof, law->dofs[D * m + k]) = -e.integral(k);
   }
 
   void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {

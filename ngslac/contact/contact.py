@@ -80,6 +80,11 @@ class LACContact:
         those of the current configuration and follow the displacement in every iteration. `lam` is
         the traction per area of the reference configuration. False: pairs, weights and directions
         stay those of the last `Update`. A boundary may be slave and master at once.
+    edges : bool
+        Sharp ends of a surface, such as the end of a beam that lies on another one, press inside of
+        macro-elements: there the pressure is distributed over points, and a coarse mesh bends as a
+        fine one. Small sliding on a master only. `pressure` still is the mean, and so is the bound
+        of friction; Newton's method takes some more steps.
     maxdist : float
         Farthest opening at which faces pair. Default: the diameter of both surfaces.
     penetration : float
@@ -134,6 +139,7 @@ class LACContact:
         tied=False,
         bilateral=False,
         finite=False,
+        edges=False,
         maxdist=None,
         penetration=None,
         stiffness=1.0,
@@ -143,7 +149,7 @@ class LACContact:
         law = {"friction": friction, "tresca": tresca, "offset": offset}
         law |= {"tied": tied, "bilateral": bilateral}
         search = {"maxdist": maxdist, "penetration": penetration}
-        search |= {"adjust": adjust, "finite": finite}
+        search |= {"adjust": adjust, "finite": finite, "edges": edges}
         self.tool, setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite

@@ -31,6 +31,7 @@ def CheckedSetup(
     tied,
     bilateral,
     finite,
+    edges,
     adjust,
     maxdist,
     penetration,
@@ -41,12 +42,17 @@ def CheckedSetup(
             raise Wrong(TypeError, name, proxy, "a trial function of a product space")
     if (master is None) == (obstacle is None):
         raise ValueError("give either master= or obstacle=, not both and not none")
-    flags = {"tied": tied, "bilateral": bilateral, "finite": finite}
+    flags = {"tied": tied, "bilateral": bilateral, "finite": finite, "edges": edges}
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
     if tied and (offset is not None or bilateral):
         raise ValueError("tied surfaces keep their distance: drop offset and bilateral, or tied")
+    if edges and (finite or tied or bilateral or master is None):
+        raise ValueError(
+            "edges need small sliding on a master: drop edges, or what is given of finite, tied, "
+            "bilateral and obstacle"
+        )
     if tied and adjust is not None:
         raise ValueError(
             "tied surfaces keep their distance: drop adjust; maxdist says how far a tie reaches"

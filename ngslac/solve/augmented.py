@@ -7,6 +7,7 @@ from netgen.meshing import NgException
 
 from ngslac.arguments import CheckPositive
 from ngslac.linear.primal import PrimalSolver
+from ngslac.solve.interior import EvenPressures
 from ngslac.solve.iteration import Iteration
 from ngslac.solve.problem import CheckInverse
 from ngslac.solve.solver import ContactSolver
@@ -202,25 +203,34 @@ class Augmented:
 
     def Linearize(self, system, state):
         """Residual and matrices of the displacements, with the multipliers of this iteration."""
-        vec, values, rows = system.gf.vec, system.values, system.residual.multipliers
+        rows = system.residual.multipliers
         system.linear.Leave(rows)
-        residual = vec.CreateVector()
+        residual = system.gf.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
-        pull = None if self._pull is None else self.factor * self._pull[rows]
-        if pull is not None:
-            values[rows] = self._fixed + pull
-        system.linear.contacts = [
-            contact.form.AssembleAugmented(vec, residual, self._FactorOf(contact))
-            for contact in system.contacts
-        ]
-        if pull is not None:  # the force is that of its penalty
-            values[rows] = -pull
-            for contact in system.contacts:
-                contact.AddApply(vec, residual)
-            values[rows] = self._fixed
+        if self._pull is None:
+            self._Assemble(system, residual)
+        else:
+            with EvenPressures(system.contacts):  # whose forces are linear
+                self._AssemblePull(system, residual, self.factor * self._pull[rows])
             self._pull = None
         residual.FV().NumPy()[rows] = 0
         return residual
+
+    def _Assemble(self, system, residual):
+        system.linear.contacts = [
+            contact.form.AssembleAugmented(system.gf.vec, residual, self._FactorOf(contact))
+            for contact in system.contacts
+        ]
+
+    def _AssemblePull(self, system, residual, pull):
+        """With the matrix of what is pulled together, whose force is that of its penalty."""
+        vec, values, rows = system.gf.vec, system.values, system.residual.multipliers
+        values[rows] = self._fixed + pull
+        self._Assemble(system, residual)
+        values[rows] = -pull
+        for contact in system.contacts:
+            contact.AddApply(vec, residual)
+        values[rows] = self._fixed
 
     def Matrices(self, system):
         """What the contacts add to the bulk's matrix."""

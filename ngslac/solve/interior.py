@@ -1,5 +1,7 @@
 """The contact status by an interior point method, where Newton's method with active set fails."""
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from ngslac.arrays import Multiply
@@ -9,7 +11,7 @@ from ngslac.linear.primal import PrimalSolver
 from ngslac.solve.barrier import Barrier, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
-__all__ = ["InteriorPoint"]
+__all__ = ["EvenPressures", "InteriorPoint"]
 
 # How often a step is halved until there is a residual.
 HALVINGS = 12
@@ -32,6 +34,11 @@ class InteriorPoint:
         Its solution is where to start, and moves along.
     state : Measurement
         Of the start.
+
+    Attributes
+    ----------
+    approximates : bool
+        Does contact end inside of macro-elements? On the way their pressures are even.
     """
 
     def __init__(self, system, state):
@@ -41,6 +48,7 @@ class InteriorPoint:
         self.linear = PrimalSolver(system.linear, wanted if wanted in CHOLESKY else None)
         self.linear.Leave(self.multipliers)
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
+        self.approximates = any(np.any(c.form.Scalars("ends") > 0) for c in system.contacts)
         pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
             raise ContactConvergenceError("nothing presses where the surfaces face each other")
@@ -144,6 +152,18 @@ class InteriorPoint:
             spring.law.Take(step, part)
         self.system.Moved(state, trial, motion, part)
         return trial, part
+
+
+@contextmanager
+def EvenPressures(contacts, even=True):
+    """Pressures of the contacts are even where contact ends; or not, inside of such a context."""
+    for contact in contacts:
+        contact.form.SetEven(even)
+    try:
+        yield
+    finally:
+        for contact in contacts:
+            contact.form.SetEven(not even)
 
 
 class Springs:

@@ -5,7 +5,7 @@ import numpy as np
 from ngslac.bodies.messages import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.linear.solver import LinearSolveError
-from ngslac.solve.interior import InteriorPoint
+from ngslac.solve.interior import EvenPressures, InteriorPoint
 
 __all__ = ["StatusSearch"]
 
@@ -13,6 +13,8 @@ FAILURES = (ContactConvergenceError, LinearSolveError)
 # Residual from which Newton's method may end what the other one began, how many steps it gets for
 # that, and how much nearer it has to be the next time.
 NEAR, POLISH, NEARER = 1e-3, 8, 1e-2
+# The same where it began with even pressures.
+POLISH_ENDS = 20
 # Number of residuals that are those of some steps before, up to a relative difference.
 STALLED, PERIOD, SAME = 8, 4, 1e-3
 # Part of a step so short that there is no way on, and how many of these are the end.
@@ -40,7 +42,8 @@ class StatusSearch:
         system.Assemble()
         system.residual.Follow()
         try:
-            last = self._Follow(InteriorPoint(system, system.Measure()))
+            with EvenPressures(system.contacts):
+                last = self._Follow(InteriorPoint(system, system.Measure()))
             self._CheckLost(error)
             return last
         except FAILURES as another:
@@ -56,13 +59,16 @@ class StatusSearch:
             tiny = tiny + 1 if damping < TINY else 0
             state = newton.Confirmed(state)
             newton.Record(state, damping)
-            if newton.Converged(state):
+            converged = newton.Converged(state)
+            if converged and not path.approximates:
                 return newton.Accept()
             if self.system.motion is None and max(state.equilibrium, state.constraint) < near:
                 near *= NEARER
-                if last := self._Polish(state):
+                if last := self._Polish(state, path.approximates):
                     return last
                 state = self.system.Measure()
+            if converged:
+                break
             self.system.Assemble()
         raise newton.NotConverged(state)
 
@@ -76,11 +82,15 @@ class StatusSearch:
         before = (sizes[PERIOD - p : len(sizes) - p] for p in range(1, PERIOD + 1))
         return any(np.all(np.abs(now - old) <= SAME * now.max(axis=0)) for old in before)
 
-    def _Polish(self, state):
+    def _Polish(self, state, was_even):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         before = self.system.Place()
         try:
-            return self.newton.Iterate(state, POLISH)
+            if not was_even:
+                return self.newton.Iterate(state, POLISH)
+            with EvenPressures(self.system.contacts, even=False):
+                self.system.Assemble()
+                return self.newton.Iterate(self.system.Measure(), POLISH_ENDS)
         except FAILURES:
             self.system.GoTo(before)
             self.system.residual.Follow()

@@ -41,6 +41,7 @@ LAWS = {
     "without separation": {"bilateral": True},
     "clearance (`offset`)": {"offset": 0.001},
     "adjusted start": {"adjust": 0.01},
+    "sharp edges (`edges`)": {"edges": True},
     "self-contact": {"master": "slave|master"},
 }
 

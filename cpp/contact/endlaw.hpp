@@ -1,0 +1,62 @@
+#pragma once
+#include <bla.hpp>
+
+namespace ngslac {
+using namespace ngbla;
+
+/// The points of a macro-element that contact ends in, where it was looked at last.
+struct EndPoints {
+  Array<double> area; // of each point
+  Array<double> gap;  // of each point, with its clearance
+  double given = 0;   // pressure of the multiplier
+};
+
+/// The pressure of a macro-element that contact ends in: the mean of projections at points,
+///   p = sum A_k p_k / A,   p_k = max(0, q - c g_k),
+/// with q = p. One multiplier remains, but the pressure goes to where the surfaces meet. It belongs
+/// to the potential  sum A_k/(2c) (max(0, p - c g_k)^2 - p^2),  and is exact for a constant
+/// pressure, whatever c is.
+struct EndPressure {
+  double base;          // q
+  double mean;          // of the p_k, for which the contact law is
+  double by_multiplier; // derivative of the mean
+  double by_gap;        // that by the gap of all pressed points, times -A over their area
+  double c;
+
+  double At(double gap) const { return max(0.0, base - c * gap); }
+  bool Presses(double gap) const { return base > c * gap; }
+
+  /// At a multiplier.
+  static EndPressure Of(const EndPoints & points, double c) {
+    auto [mean, share] = Mean(points, points.given, c);
+    return {points.given, mean, share, c, c};
+  }
+
+  /// With the multiplier that maximises the potential less  A/(2 r) (p - p0)^2:  the step from p0
+  /// of the method of multipliers.
+  static EndPressure Step(const EndPoints & points, double c, double r) {
+    double p = points.given, share = 0;
+    for (int i = 0; i < 100; i++) { // convex and piecewise linear: ends by itself
+      auto [mean, now] = Mean(points, p, c);
+      double change = (p + r / c * (p - mean) - points.given) / (1 + r / c * (1 - now));
+      p -= change, share = now;
+      if (fabs(change) <= 1e-15 * fabs(p))
+        break;
+    }
+    return {p, p, 1 / (1 + r / c * (1 - share)), r / (1 + r / c * (1 - share)), c};
+  }
+
+private:
+  /// Mean pressure, and the share of the area that is pressed.
+  static std::pair<double, double> Mean(const EndPoints & points, double q, double c) {
+    double sum = 0, pressed = 0, area = 0;
+    for (size_t k : Range(points.area)) {
+      double p = q - c * points.gap[k];
+      area += points.area[k];
+      if (p > 0)
+        sum += points.area[k] * p, pressed += points.area[k];
+    }
+    return {sum / area, pressed / area};
+  }
+};
+} // namespace ngslac

@@ -1,0 +1,46 @@
+#pragma once
+#include "endrows.hpp"
+#include "ends.hpp"
+#include "kinematics.hpp"
+
+namespace ngslac {
+/// The macro-elements of small sliding that contact ends in.
+template <int D>
+class MacroEnds {
+  Array<EndRows<D>> rows;
+  Array<size_t> numbers; // of their macro-elements
+  Array<int> place;      // of each macro-element in `rows`, or -1
+  Array<double> shares;  // see EndShares
+
+public:
+  MacroEnds() = default;
+  /// `points`: pairs the slave faces that are set; gaps are counted from the displacements `x`.
+  MacroEnds(const LACSpace & space, const ProxyInfo & u, const Paired<D> & surfaces,
+            std::function<Pairing<D>(const BitArray &)> points, FlatArray<Vec<D>> direction,
+            FlatVector<> x);
+
+  bool Empty() const { return rows.Size() == 0; }
+  FlatArray<double> Shares() const { return shares; }
+  FlatArray<size_t> Numbers() const { return numbers; }
+  const EndPoints * PointsOf(size_t m) const {
+    return place.Size() && place[m] >= 0 ? &rows[place[m]].points : nullptr;
+  }
+  /// Of each macro-element the dofs that couple by the points.
+  Array<FlatArray<int>> Dofs(size_t nmacros) const;
+  void Look(const MacroLaw<D> & law, FlatArray<Vec<D>> direction, FlatVector<> x);
+  /// Adds the virtual work of the pressure.
+  void AddForces(size_t m, const MacroLaw<D> & law, Scatter & y) const;
+  Vec<D> MomentOf(size_t m, const MacroLaw<D> & law) const;
+
+  /// Sets to zero what `SetLines` sets.
+  void Clear(FlatArray<int> multipliers, SparseMatrix<double> & mat) const;
+  /// Rows and columns of the multipliers, and the stiffness of the points.
+  void SetLines(size_t m, const MacroLaw<D> & law, const MacroJump<D> & jump,
+                const Vec<D> & direction, const ngbla::Mat<D, D> & projection,
+                SparseMatrix<double> & mat) const;
+
+  /// What was looked at, as numbers.
+  Array<double> Save() const;
+  void Load(FlatArray<double> saved);
+};
+} // namespace ngslac
