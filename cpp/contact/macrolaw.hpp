@@ -16,6 +16,13 @@ struct MacroPlace {
   const EndPoints * ends = nullptr; // where contact ends inside of it
 };
 
+/// Of surfaces that slide; the slip may have a part along the normal.
+template <int D>
+MacroPlace<D> PlaceAt(const Vec<D> & normal, double gap, Vec<D> slip, double area, double rowarea) {
+  slip -= InnerProduct(slip, normal) * normal;
+  return {normal, gap, slip, slip - gap * normal, area, rowarea};
+}
+
 /// The contact law of all macro-elements: multipliers, scales and coefficients.
 template <int D>
 class MacroLaw {

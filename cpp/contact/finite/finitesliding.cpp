@@ -148,16 +148,12 @@ public:
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
-    auto & jump = *surfaces.jump;
-    Vec<D> none = 0.0;
-    if (points->area[m] == 0)
-      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m)};
+    double area = points->area[m], rowarea = surfaces.jump->RowArea(m);
+    if (area == 0)
+      return PlaceAt(surfaces.jump->normal[m], 0, Vec<D>(0.0), 0, rowarea);
     auto & mean = now->mean[m];
-    Vec<D> slip = Slides(m) ? Slip(m) : none;
-    slip -= InnerProduct(slip, mean.normal) * mean.normal;
-    double gap = mean.gap + law->Clearance(m);
-    Vec<D> vanishing = slip - gap * mean.normal;
-    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m)};
+    Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+    return PlaceAt(mean.normal, mean.gap + law->Clearance(m), slip, area, rowarea);
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -190,7 +186,8 @@ public:
     };
     auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
     MultiplierLines<D> lines(*law, *mat);
-    AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+    size_t heap = BlockHeap<D>(surfaces.slave->Degree());
+    AddBlocksInOrder(Size(), *mat, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
       lines.SetMultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), projections[m].derivative);
       if (points->area[m] == 0)
         return;
@@ -286,12 +283,6 @@ private:
       if (L2Norm2(law->Multiplier(m, x)) > 0)
         closed.SetBit(m);
     return closed;
-  }
-
-  /// Heap for blocks of the dofs of two faces: their size grows with the order.
-  size_t BlockHeap() const {
-    size_t functions = D * size_t(pow(surfaces.slave->Degree() + 1, D - 1));
-    return 20 * 1000 * 1000 + 300 * sqr(functions);
   }
 
   /// Derivatives of what moves with a macro-element, and of its forces under a fixed traction.

@@ -1,6 +1,7 @@
 #include "contact/kinematics.hpp"
 #include "couplings.hpp"
-#include "linear/blocksum.hpp"
+#include "forceblocks.hpp"
+#include "multiplierlines.hpp"
 #include "referenceareas.hpp"
 #include "tiemotion.hpp"
 
@@ -101,14 +102,12 @@ public:
                                IsTraction(tractions[m]), coupling);
     };
     auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
-    AddBlocksInOrder(Size(), *mat, BlockHeap(), [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+    MultiplierLines<D> lines(*law, *mat);
+    size_t heap = BlockHeap<D>(surfaces.slave->Degree());
+    AddBlocksInOrder(Size(), *mat, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
       auto & derivative = projections[m].derivative;
-      auto by_lam =
-          law->MultiplierBlock(m, Place(m, x).normal, surfaces.jump->RowArea(m), derivative);
       auto own = law->dofs.Range(D * m, D * (m + 1));
-      for (int k : Range(D))
-        for (int l : Range(D))
-          (*mat)(own[k], own[l]) = by_lam(k, l);
+      lines.SetMultiplierBlock(m, Place(m, x).normal, surfaces.jump->RowArea(m), derivative);
       if (points->area[m] == 0)
         return;
       auto rows = RowsAt(m, couplings[m], tractions[m], lh);
@@ -130,7 +129,7 @@ public:
   /// it.
   MacroJump<D> & JumpWithRows() const override {
     Array<Array<JumpEntry<D>>> entries(Size());
-    LocalHeap heap(BlockHeap(), "ngslac-tie", true);
+    LocalHeap heap(BlockHeap<D>(surfaces.slave->Degree()), "ngslac-tie", true);
     ParallelForRange(Size(), [&](IntRange range) {
       LocalHeap lh = heap.Split();
       for (auto m : range) {
@@ -168,10 +167,6 @@ private:
   }
 
   /// Heap for blocks of the dofs of two faces: their size grows with the order.
-  size_t BlockHeap() const {
-    size_t functions = D * size_t(pow(surfaces.slave->Degree() + 1, D - 1));
-    return 20 * 1000 * 1000 + 300 * sqr(functions);
-  }
 };
 } // namespace
 

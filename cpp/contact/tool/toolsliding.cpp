@@ -112,16 +112,12 @@ public:
   }
 
   MacroPlace<D> Place(size_t m, FlatVector<>) const override {
-    auto & jump = *surfaces.jump;
-    Vec<D> none = 0.0;
-    if (points->area[m] == 0)
-      return {jump.normal[m], 0, none, none, 0, jump.RowArea(m)};
+    double area = points->area[m], rowarea = surfaces.jump->RowArea(m);
+    if (area == 0)
+      return PlaceAt(surfaces.jump->normal[m], 0, Vec<D>(0.0), 0, rowarea);
     auto & mean = now->mean[m];
-    Vec<D> slip = Slides(m) ? Slip(m) : none;
-    slip -= InnerProduct(slip, mean.normal) * mean.normal;
-    double gap = mean.gap + law->Clearance(m);
-    Vec<D> vanishing = slip - gap * mean.normal;
-    return {mean.normal, gap, slip, vanishing, points->area[m], jump.RowArea(m)};
+    Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+    return PlaceAt(mean.normal, mean.gap + law->Clearance(m), slip, area, rowarea);
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
@@ -156,17 +152,20 @@ public:
     ParallelFor(Size(), [&](size_t m) { couplings[m] = CouplingOf(m, IsTraction(tractions[m])); });
     auto mat = MatrixOf<D>(couplings, *shapes, law->dofs, x.Size());
     MultiplierLines<D> lines(*law, *mat);
-    AddBlocksInOrder(Size(), *mat, 20 * 1000 * 1000, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
-      lines.SetMultiplierBlock(m, normal, surfaces.jump->RowArea(m), projections[m].derivative);
-      if (points->area[m] == 0)
-        return;
-      MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
-      AddMotion(m, tractions[m], rim, rows, sum, lh);
-      lines.SetForceColumns(m, normal, rows);
-      Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
-      lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows, sum);
-    });
+    AddBlocksInOrder(
+        Size(), *mat, BlockHeap<D>(surfaces.slave->Degree()),
+        [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+          auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
+          lines.SetMultiplierBlock(m, normal, surfaces.jump->RowArea(m), projections[m].derivative);
+          if (points->area[m] == 0)
+            return;
+          MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
+          AddMotion(m, tractions[m], rim, rows, sum, lh);
+          lines.SetForceColumns(m, normal, rows);
+          Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+          lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows,
+                               sum);
+        });
     return mat;
   }
 
