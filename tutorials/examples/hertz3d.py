@@ -43,11 +43,12 @@ def Mesh(shape, h, *, model="quarter", order=2):
     # Linear elements that grow fast with the depth make both bodies too stiff: ten per cent in the
     # contact modulus, which shows as a peak six per cent too high. A coarse, soft master of them
     # deforms with kinks that the pressures follow.
-    finer = {"ratio": 0.6, "grading": 0.2} if order == 1 else {"ratio": 1.2}
-    options = dict(radius=RADIUS, model=model, zone=1.3 * Radius(Hertz(shape))) | finer
+    ratio = 0.6 if order == 1 else 1.2
+    options = dict(radius=RADIUS, model=model, ratio=ratio, zone=1.3 * Radius(Hertz(shape)))
     if shape == "cylinder":
         return CylinderOnBlock(h, **options)
-    return SphereOnBlock(h, order=max(2, order), **options)
+    grading = {"grading": 0.2} if order == 1 else {}
+    return SphereOnBlock(h, order=max(2, order), **options, **grading)
 
 
 def Elastic(mesh, u):
