@@ -1,4 +1,5 @@
 #include "faceshapes.hpp"
+#include "linear/addscaled.hpp"
 #include "surface/bernstein.hpp"
 
 namespace ngslac {
@@ -173,14 +174,6 @@ void FaceShapes<D>::CalcBasis(size_t face, Vec<D - 1> xi, FlatVector<> value) co
   CalcBernstein<D - 1>(types[face], degree, xi, value);
 }
 
-namespace {
-/// y += factor * x, written so that it is vectorised.
-inline void Add(double factor, const double * __restrict x, double * __restrict y, int n) {
-  for (int i = 0; i < n; i++)
-    y[i] += factor * x[i];
-}
-} // namespace
-
 template <int D>
 void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVector<> sum,
                               LocalHeap & lh) const {
@@ -189,7 +182,7 @@ void FaceShapes<D>::AddValues(size_t face, Vec<D - 1> xi, double factor, FlatVec
   FlatVector<> basis(e.Height(), lh);
   CalcBernstein<D - 1>(types[face], degree, xi, basis);
   for (int i : Range(e.Height()))
-    Add(factor * basis(i), &e(i, 0), sum.Data(), e.Width());
+    AddScaled(factor * basis(i), &e(i, 0), sum.Data(), e.Width());
 }
 
 template <int D>

@@ -141,16 +141,6 @@ const IntegrationRule & AreaRule(ELEMENT_TYPE type, bool flat) {
   static const IntegrationRule quad[] = {{ET_QUAD, curved}, {ET_QUAD, 2}};
   return (type == ET_SEGM ? segm : type == ET_TRIG ? trig : quad)[flat];
 }
-
-/// The faces that a pairing uses on one side.
-template <int D>
-BitArray Used(const Pairing<D> & pairing, size_t nfaces, int Segment::* face) {
-  BitArray used(nfaces);
-  used.Clear();
-  for (size_t s : Range(pairing.Size()))
-    used.SetBit(pairing.segments[s].*face);
-  return used;
-}
 } // namespace
 
 template <int D>
@@ -215,11 +205,11 @@ void MacroJump<D>::SetRows(const ProxyInfo & u, const Surface<D> & slave, const 
   static Timer timer("ngslac::MacroJump - rows");
   RegionTimer reg(timer);
   size_t n = Size();
-  auto used = Used<D>(pairing, slave.Size(), &Segment::slave);
+  auto used = pairing.UsedFaces(slave.Size(), &Segment::slave);
   FaceShapes<D> slave_shapes(u, slave, max(1, u.Order(slave)), &used);
   unique_ptr<FaceShapes<D>> master_shapes;
   if (master && side != Side::slave) {
-    used = Used<D>(pairing, master->Size(), &Segment::master);
+    used = pairing.UsedFaces(master->Size(), &Segment::master);
     master_shapes = make_unique<FaceShapes<D>>(u, *master, max(1, u.Order(*master)), &used);
   }
   LocalHeap heap(1000 * 1000, "ngslac-jump", true);

@@ -1,28 +1,7 @@
 #include "macroends.hpp"
+#include "macrotables.hpp"
 
 namespace ngslac {
-namespace {
-template <int D>
-Table<int> SegmentsOfMacros(const LACSpace & space, const Surface<D> & slave,
-                            const Pairing<D> & pairing) {
-  TableCreator<int> creator(space.NMacros());
-  for (; !creator.Done(); creator++)
-    for (size_t s : Range(pairing.Size()))
-      creator.Add(space.MacroOfFace()[slave.Element(pairing.segments[s].slave)], s);
-  return creator.MoveTable();
-}
-
-/// The faces of one side that a pairing uses.
-template <int D>
-BitArray FacesOf(const Pairing<D> & pairing, size_t n, int Segment::* face) {
-  BitArray faces(n);
-  faces.Clear();
-  for (size_t s : Range(pairing.Size()))
-    faces.SetBit(pairing.segments[s].*face);
-  return faces;
-}
-} // namespace
-
 template <int D>
 MacroEnds<D>::MacroEnds(const LACSpace & space, const ProxyInfo & u, const Paired<D> & surfaces,
                         std::function<Pairing<D>(const BitArray &)> points,
@@ -45,10 +24,10 @@ MacroEnds<D>::MacroEnds(const LACSpace & space, const ProxyInfo & u, const Paire
     if (place[space.MacroOfFace()[slave.Element(f)]] >= 0)
       faces.SetBit(f);
   auto pairing = points(faces);
-  auto segments = SegmentsOfMacros(space, slave, pairing);
-  faces = FacesOf(pairing, master.Size(), &Segment::master);
+  auto segments = SegmentsOfMacros<D>(space, slave, pairing);
+  faces = pairing.UsedFaces(master.Size(), &Segment::master);
   FaceShapes<D> master_shapes(u, master, max(1, u.Order(master)), &faces);
-  faces = FacesOf(pairing, slave.Size(), &Segment::slave);
+  faces = pairing.UsedFaces(slave.Size(), &Segment::slave);
   FaceShapes<D> slave_shapes(u, slave, max(1, u.Order(slave)), &faces);
   rows.SetSize(numbers.Size());
   ParallelFor(numbers.Size(), [&](size_t i) {

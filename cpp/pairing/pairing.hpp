@@ -71,6 +71,14 @@ struct Pairing {
   IntRange Corners(size_t segment) const {
     return IntRange(segments[segment].first_corner, segments[segment + 1].first_corner);
   }
+  /// The faces that it uses on one side, out of so many.
+  BitArray UsedFaces(size_t nfaces, int Segment::* face) const {
+    BitArray used(nfaces);
+    used.Clear();
+    for (size_t s : Range(Size()))
+      used.SetBit(segments[s].*face);
+    return used;
+  }
 };
 
 /// Cuts every slave face into segments, each facing the nearest master face along the slave normal.

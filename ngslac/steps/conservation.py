@@ -143,12 +143,14 @@ class Conservation:
         touched = csr_matrix((np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape)
         return connected_components(touched.T @ touched, directed=False)[1]
 
-    def Settle(self, velocity, rows, impact, algorithmic, displacement):
+    def Settle(self, velocity, groups, rows, impact, algorithmic, displacement):
         """The velocity without the energy that contact or time integration have brought in.
 
         Parameters
         ----------
         velocity : (n,) array
+        groups : (count,) array
+            Of `Groups`.
         rows : sparse matrix
             What contact prevents, see `ActiveRows`.
         impact, algorithmic : (count,) array
@@ -168,7 +170,6 @@ class Conservation:
         self.account = self.account + algorithmic
         least = ROUNDING * self.Kinetic(velocity).sum()
         back = owed = 0.0
-        groups = self.Groups(rows)
         for group in np.unique(groups):
             bodies = groups == group
             by_contact = max(0.0, -impact[bodies].sum())

@@ -118,11 +118,11 @@ class StepEnd:
             contact.Commit(self.gf)
         rows = vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
         velocity = self._Arrest(rows, velocity, dt, works, taken)
+        groups = self._conservation.Groups(rows)
         if not linear and all(contact.finite for contact in self.contacts):
-            groups = self._conservation.Groups(rows)
             velocity = self._Restore(velocity, groups, motion, dt, loads, way, pushed, taken)
         self._balanced, self._momentum = forces, momentum
-        return self._Settle(rows, velocity, before, now, works, taken)
+        return self._Settle(groups, rows, velocity, before, now, works, taken)
 
     def _NewVelocity(self, motion, force, dt):
         """Velocity and `_momentum` at the end of the step, by the time integration."""
@@ -159,12 +159,12 @@ class StepEnd:
         taken["algorithmic"] += conservation.Kinetic(velocity) - conservation.Kinetic(restored)
         return restored
 
-    def _Settle(self, rows, velocity, before, now, works, taken):
+    def _Settle(self, groups, rows, velocity, before, now, works, taken):
         """Take back what contact and time integration have brought in; see `Accept`."""
         conservation = self._conservation
         won = before.After(now, self.mass.Energy(velocity), **works).Won(before)
-        place = self.gf.vec.FV().NumPy()
-        velocity, back, owed = conservation.Settle(velocity, rows, displacement=place, **taken)
+        taken = taken | {"displacement": self.gf.vec.FV().NumPy()}
+        velocity, back, owed = conservation.Settle(velocity, groups, rows, **taken)
         works["impact"] += back
         self.velocity.vec.FV().NumPy()[:] = velocity
         after = before.After(now, self.mass.Energy(velocity), **works)

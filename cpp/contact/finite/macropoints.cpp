@@ -1,25 +1,13 @@
+#include "contact/macrotables.hpp"
 #include "macromotion.hpp"
 
 namespace ngslac {
-namespace {
-/// Numbers of things that belong to slave faces, macro-element by macro-element.
-template <int D, typename FACE>
-Table<int> OfMacros(size_t n, FACE face, const Surface<D> & slave, const LACSpace & space) {
-  TableCreator<int> creator(space.NMacros());
-  for (; !creator.Done(); creator++)
-    for (int i : Range(n))
-      creator.Add(space.MacroOfFace()[slave.Element(face(i))], i);
-  return creator.MoveTable();
-}
-} // namespace
-
 template <int D>
 shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
                                       const Surface<D> & slave, const LACSpace & space,
                                       FlatArray<double> area) {
   auto & segments = pairing->segments;
-  auto of_segments =
-      OfMacros<D>(pairing->Size(), [&](int i) { return segments[i].slave; }, slave, space);
+  auto of_segments = SegmentsOfMacros<D>(space, slave, *pairing);
   auto of_rim = OfMacros<D>(
       pairing->rim.Size(), [&](int i) { return segments[pairing->rim[i].segment].slave; }, slave,
       space);

@@ -1,12 +1,8 @@
 #include "pointsums.hpp"
+#include "linear/addscaled.hpp"
 
 namespace ngslac {
 namespace {
-/// y += factor * x, written so that it is vectorised.
-inline void Add(double factor, const double * __restrict x, double * __restrict y, int n) {
-  for (int i = 0; i < n; i++)
-    y[i] += factor * x[i];
-}
 inline void Set(double factor, const double * __restrict x, double * __restrict y, int n) {
   for (int i = 0; i < n; i++)
     y[i] = factor * x[i];
@@ -94,7 +90,7 @@ void PointSums<D>::SetTurns(int i, const Mat<D, R> & dual) {
   for (int l : Range(D)) {
     Set(dual(l, 0), slave.Derivative(i, 0), &gradients(l, 0), n1);
     for (int c = 1; c < R; c++)
-      ngslac::Add(dual(l, c), slave.Derivative(i, c), &gradients(l, 0), n1);
+      AddScaled(dual(l, c), slave.Derivative(i, c), &gradients(l, 0), n1);
   }
   for (int k : Range(D))
     Set(-points[i].weight * points[i].ray.normal(k), gradients.Data(), &turns(i, k * D * n1),
@@ -109,7 +105,7 @@ void PointSums<D>::SetShifts(int i, const Mat<D, R> & turning) {
       double * shift = &shift_of(k, 0);
       Set(ray.response(a, k), slave.Value(i), shift, n1);
       for (int c : Range(R))
-        ngslac::Add(-ray.normal(k) * turning(a, c), slave.Derivative(i, c), shift, n1);
+        AddScaled(-ray.normal(k) * turning(a, c), slave.Derivative(i, c), shift, n1);
       Set(-ray.response(a, k), master.Value(i), shift + n1, n - n1);
     }
     for (int k : Range(D))
