@@ -429,6 +429,11 @@ class Condensation(ngsolve.la.BaseMatrix):
         """
     def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
         ...
+    def NodeBlocks(self, nodes: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
+        """
+        The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.
+        -1 stands for no dof; what is not free is a row of the identity.
+        """
     @property
     def constraints(self) -> numpy.typing.NDArray[numpy.int32]:
         """
@@ -447,9 +452,10 @@ class Condensation(ngsolve.la.BaseMatrix):
 class TwoLevel(ngsolve.la.BaseMatrix):
     """
     Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The correction
-    is by `inverse`, that of the part `coarse` of the system, which belongs to `dofs`.
+    is by the operator `coarse`, on a space whose functions are the columns of a sparse matrix: the
+    rows (starts, columns, values) belong to the free `dofs`, and others are empty.
     """
-    def __init__(self, system: Condensation, coarse: ngsolve.la.BaseMatrix, inverse: ngsolve.la.BaseMatrix, dofs: pyngcore.pyngcore.BitArray) -> None:
+    def __init__(self, system: Condensation, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
         ...
 class TwoLevelProduct(ngsolve.la.BaseMatrix):
     """
@@ -498,7 +504,7 @@ def SplitSlaveFaces(mesh: ngsolve.comp.Mesh, slave: ngsolve.comp.Region, hexes: 
     """
     New mesh with the slave faces split; see ngslac.SplitSlaveFaces
     """
-def VertexDofs(fes: ngsolve.comp.FESpace) -> pyngcore.pyngcore.BitArray:
+def VertexDofs(fes: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
     """
-    The dofs of a space that belong to vertices of the mesh.
+    Dofs (nv, k) of a space on each vertex of the mesh, -1 behind the last.
     """

@@ -1,4 +1,5 @@
 #include "condense.hpp"
+#include "nodeblocks.hpp"
 #include "twolevel.hpp"
 #include <comp.hpp>
 #include <python_comp.hpp>
@@ -13,6 +14,21 @@ FlatVector<> View(const Numbers & values, const Condensation & self) {
   if (values.size() != self.VHeight())
     throw Exception("Condensation: a vector needs one entry per row of the matrix");
   return FlatVector<>(values.size(), const_cast<double *>(values.data()));
+}
+
+template <typename T>
+using Entries = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+template <typename T>
+Array<T> Copied(const Entries<T> & entries) {
+  Array<T> copy(entries.size());
+  std::copy_n(entries.data(), entries.size(), copy.begin());
+  return copy;
+}
+
+template <typename T>
+Entries<T> Exported(FlatArray<T> values) {
+  return Entries<T>(values.Size(), values.Data());
 }
 } // namespace
 
@@ -43,6 +59,23 @@ void ExportLinear(py::module & m) {
           },
           py::arg("dofs") = nullptr,
           "Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.")
+      .def(
+          "NodeBlocks",
+          [](const Condensation & self, const Entries<int> & nodes) {
+            if (nodes.ndim() != 2 || nodes.shape(1) < 1)
+              throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
+            auto list = Copied(nodes);
+            BlockRows rows;
+            {
+              py::gil_scoped_release release;
+              rows = NodeBlocks(self, list, nodes.shape(1));
+            }
+            return py::make_tuple(Exported<int>(rows.starts), Exported<int>(rows.columns),
+                                  Exported<double>(rows.values));
+          },
+          py::arg("nodes"),
+          "The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.\n"
+          "-1 stands for no dof; what is not free is a row of the identity.")
       .def_property_readonly(
           "constraints",
           [](const Condensation & self) {
@@ -77,14 +110,19 @@ void ExportLinear(py::module & m) {
       m, "TwoLevel",
       "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The "
       "correction\n"
-      "is by `inverse`, that of the part `coarse` of the system, which belongs to `dofs`.")
+      "is by the operator `coarse`, on a space whose functions are the columns of a sparse matrix: "
+      "the\n"
+      "rows (starts, columns, values) belong to the free `dofs`, and others are empty.")
       .def(py::init([](const Condensation & system, shared_ptr<BaseMatrix> coarse,
-                       shared_ptr<BaseMatrix> inverse, const BitArray & dofs) {
+                       const Entries<int> & dofs, const Entries<int> & starts,
+                       const Entries<int> & columns, const Entries<float> & values) {
+             SparseRows rows{Copied(starts), Copied(columns), Copied(values)};
+             auto list = Copied(dofs);
              py::gil_scoped_release release;
-             return make_shared<TwoLevel>(system, coarse, inverse, dofs);
+             return make_shared<TwoLevel>(system, coarse, rows, list);
            }),
-           py::arg("system"), py::arg("coarse").none(false), py::arg("inverse").none(false),
-           py::arg("dofs"));
+           py::arg("system"), py::arg("coarse").none(false), py::arg("dofs"), py::arg("starts"),
+           py::arg("columns"), py::arg("values"));
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
       m, "TwoLevelProduct",
       "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")

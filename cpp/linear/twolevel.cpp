@@ -2,19 +2,11 @@
 
 namespace ngslac {
 TwoLevel::TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> acoarse,
-                   shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs)
-    : SquareOperator(system), order(system), coarse(acoarse), coarseinverse(inverse) {
+                   const SparseRows & rows, FlatArray<int> dofs)
+    : SquareOperator(system), order(system), coarse(acoarse),
+      prolongation(rows, dofs, order.slot, acoarse->VHeight()) {
   static Timer timer("ngslac::TwoLevel - setup");
   RegionTimer reg(timer);
-  if (coarsedofs.Size() != order.slot.Size() ||
-      coarseinverse->VHeight() != int(coarsedofs.NumSet()))
-    throw Exception("TwoLevel: the coarse system does not fit its dofs, or these the whole system");
-  for (int i : Range(order.slot))
-    if (coarsedofs.Test(i)) {
-      if (order.slot[i] < 0)
-        throw Exception("TwoLevel: dof " + ToString(i) + " of the coarse system is not free");
-      coarseslots.Append(order.slot[i]);
-    }
   AllocateTriangles();
   std::atomic<bool> singular = false;
   ParallelForRange(order.Size(), [&](IntRange range) {
@@ -134,15 +126,22 @@ auto TwoLevel::Solved(size_t row, Node right, const Node & product) const -> Nod
 
 /// After a sweep  (L + D) z = b  what is left is  - U z.
 void TwoLevel::Correct(FlatArray<Node> z) const {
-  auto rhs = coarseinverse->CreateColVector(), solution = coarseinverse->CreateRowVector();
-  auto left = rhs.FV<double>(), correction = solution.FV<double>();
-  ParallelFor(coarseslots.Size(), [&](size_t i) {
-    int s = coarseslots[i];
-    left(i) = -upper.Times(s / width, z)[s % width];
+  auto slots = prolongation.Slots();
+  Array<float> left(slots.Size());
+  ParallelFor(slots.Size(), [&](size_t i) {
+    bool repeated = i && slots[i] / width == slots[i - 1] / width;
+    if (repeated)
+      return;
+    Node product = upper.Times(slots[i] / width, z);
+    for (size_t j = i; j < slots.Size() && slots[j] / width == slots[i] / width; j++)
+      left[j] = -product[slots[j] % width];
   });
-  coarseinverse->Mult(rhs, solution);
-  for (int i : Range(coarseslots))
-    z[coarseslots[i] / width][coarseslots[i] % width] += float(correction(i));
+  auto rhs = coarse->CreateColVector(), solution = coarse->CreateRowVector();
+  prolongation.Restrict(left, rhs.FV<double>());
+  coarse->Mult(rhs, solution);
+  prolongation.Add(solution.FV<double>(), [&](int slot, float value) {
+    z[slot / width][slot % width] += value;
+  });
 }
 
 void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const {

@@ -1,5 +1,6 @@
 #pragma once
 #include "indexmap.hpp"
+#include "prolongation.hpp"
 #include "sweeporder.hpp"
 
 namespace ngslac {
@@ -10,10 +11,9 @@ namespace ngslac {
 /// traffic: the triangles are copied to blocks in single precision.
 class TwoLevel : public SquareOperator {
 public:
-  /// The part `coarse` of the system, which belongs to `coarsedofs`, only is kept alive for its
-  /// inverse.
+  /// The coarse operator takes what the residual is on a coarse space, and returns the correction.
   TwoLevel(const Condensation & system, shared_ptr<BaseMatrix> coarse,
-           shared_ptr<BaseMatrix> inverse, const BitArray & coarsedofs);
+           const SparseRows & prolongation, FlatArray<int> dofs);
 
   void Mult(const BaseVector & x, BaseVector & y) const override { Apply(x, y, nullptr); }
   /// y = M^-1 x, and A y where `image` is given, to single precision: what the last sweep leaves.
@@ -39,8 +39,8 @@ private:
   void Correct(FlatArray<Node> z) const;
 
   SweepOrder order;
-  shared_ptr<BaseMatrix> coarse, coarseinverse;
-  Array<int> coarseslots;
+  shared_ptr<BaseMatrix> coarse;
+  Prolongation prolongation;
   Array<Block> diagonal; // inverses
   Triangle lower, upper;
 };

@@ -23,6 +23,31 @@ static py::array_t<int> BoundaryVertices(const MeshAccess & ma) {
   return table;
 }
 
+/// Dofs of a space on each vertex, -1 behind the last.
+static py::array_t<int> VertexDofs(const FESpace & fes) {
+  size_t count = fes.GetMeshAccess()->GetNV(), most = 0;
+  Array<DofId> dofs;
+  auto get = [&](size_t v) {
+    fes.GetDofNrs(NodeId(NT_VERTEX, v), dofs);
+    size_t regular = 0;
+    for (auto dof : dofs)
+      if (IsRegularDof(dof))
+        dofs[regular++] = dof;
+    dofs.SetSize(regular);
+    return regular;
+  };
+  for (size_t v : Range(count))
+    most = max(most, get(v));
+  py::array_t<int> table({count, most});
+  auto entries = table.mutable_unchecked<2>();
+  for (size_t v : Range(count)) {
+    get(v);
+    for (size_t k : Range(most))
+      entries(v, k) = k < dofs.Size() ? int(dofs[k]) : -1;
+  }
+  return table;
+}
+
 /// What spaces, forms and functions of NGSolve know, but do not tell Python.
 void ExportQueries(py::module & m) {
   m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
@@ -36,21 +61,8 @@ void ExportQueries(py::module & m) {
   m.def("HoldsProxy", &HoldsProxy, py::arg("function"),
         "Does a function hold a trial or test function, which has no values?");
 
-  m.def(
-      "VertexDofs",
-      [](const FESpace & fes) {
-        auto bits = make_shared<BitArray>(fes.GetNDof());
-        bits->Clear();
-        Array<DofId> dofs;
-        for (size_t v : Range(fes.GetMeshAccess()->GetNV())) {
-          fes.GetDofNrs(NodeId(NT_VERTEX, v), dofs);
-          for (auto dof : dofs)
-            if (IsRegularDof(dof))
-              bits->SetBit(dof);
-        }
-        return bits;
-      },
-      py::arg("fes"), "The dofs of a space that belong to vertices of the mesh.");
+  m.def("VertexDofs", &VertexDofs, py::arg("fes"),
+        "Dofs (nv, k) of a space on each vertex of the mesh, -1 behind the last.");
 
   m.def("BoundaryVertices", &BoundaryVertices, py::arg("mesh"),
         "Vertices (n, 4) of the boundary elements of a mesh, -1 behind the last of each.");

@@ -1,9 +1,9 @@
 """The way of solving linear systems that suits a problem."""
 
-from ngslac._ngslac import VertexDofs
 from ngslac.arguments import CheckChoice, CheckFunction
-from ngslac.arrays import ScalarDofs
+from ngslac.linear.iterative import Multigrid
 from ngslac.linear.solver import LinearSolver
+from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["ChooseSolver"]
 
@@ -20,21 +20,20 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
         wanted = "iterative"
     if wanted is not None:
         CheckChoice("solver", wanted, ("direct", "iterative", "saddle"))
-    space = a.space
-    coarse = ScalarDofs(VertexDofs(space), space) & freedofs
-    free, vertices = freedofs.NumSet(), coarse.NumSet()
-    suits = 0 < vertices < free / 3  # else the coarse problem is nearly the whole one
+    dim, free = a.space.mesh.dim, freedofs.NumSet()
+    nodes = VertexNodes.Of(contacts[0].form, freedofs)
+    suits = nodes is not None and nodes.count > 0
     if wanted == "iterative" and not suits and not preconditioner:
         raise ValueError(
-            f"solver='iterative' corrects on the {vertices} dofs of the vertices, which must be "
-            f"less than a third of the {free} free ones: take a displacement of order 2 or higher"
+            f"solver='iterative' needs {dim} free displacements on the vertices of the mesh, which "
+            "this space does not have: take solver='direct'"
         )
     reason = "as asked for"
     if wanted is None:
-        large = free >= LARGE[space.mesh.dim]
         small_sliding = not any(contact.finite for contact in contacts)
-        reason = f"{free} free dofs in {space.mesh.dim}D"
-        iterates = suits and large and not inverse
+        reason = f"{free} free dofs in {dim}D"
+        iterates = suits and free >= LARGE[dim] and not inverse
         wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
-    given = freedofs, inverse, wanted, space.mesh.dim, coarse, reason, preconditioner
+    multigrid = Multigrid(nodes, 3 * nodes.count >= free) if suits else None
+    given = freedofs, inverse, wanted, dim, multigrid, reason, preconditioner
     return LinearSolver(*given)

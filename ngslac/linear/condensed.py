@@ -42,6 +42,7 @@ class Condensed:
     def __init__(self, freedofs, bits, dim, inverse=None):
         self.free, self.bits, self.dim, self.inverse = freedofs, bits, dim, inverse
         self.factorisations = self.krylov = 0
+        self.scale = None  # of the system, set by who has it
         self.NewBulk()
         self.Forget()
 

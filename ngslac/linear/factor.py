@@ -1,4 +1,4 @@
-"""Sparse factorisations and a two-level method, as preconditioners of the condensed system."""
+"""Sparse factorisations, as preconditioners of the condensed system."""
 
 import ctypes
 import importlib.metadata
@@ -8,9 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ngslac._ngslac import TwoLevel
-
-__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError", "OnVertices"]
+__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError"]
 
 # Pardiso's own ordering is no match for nested dissection in three dimensions, and its own
 # refinement, of every solution, costs more than ours.
@@ -94,23 +92,3 @@ def IsSymmetric(mat):
     size = x.Norm() * image.Norm()
     image.data = mat * x
     return abs(y.InnerProduct(image) - product) <= 1e-13 * size
-
-
-def OnVertices(system, vertices, inverse):
-    """Gauss-Seidel sweeps around a direct solution on the vertices.
-
-    In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
-    the coarse matrix is a part of the given one. This takes a fraction of the memory of a
-    factorisation, and its quality does not depend on the mesh size.
-
-    Parameters
-    ----------
-    system : Condensation
-    vertices : BitArray
-        The dofs of the vertices.
-    inverse : str
-        Direct solver on these.
-    """
-    dofs = vertices & system.freedofs
-    coarse = system.Part(dofs)
-    return TwoLevel(system, coarse, Factor(coarse, None, inverse), dofs)

@@ -31,8 +31,8 @@ class LinearSolver:
     method : {"saddle", "direct", "iterative"}
     dim : int
         Of the mesh.
-    coarse : BitArray
-        Dofs of the vertices, for "iterative".
+    multigrid : Multigrid
+        For "iterative".
     reason : str
         Why this method, for people.
     preconditioner : callable, optional
@@ -59,7 +59,7 @@ class LinearSolver:
         inverse=None,
         method="saddle",
         dim=3,
-        coarse=None,
+        multigrid=None,
         reason="",
         preconditioner=None,
     ):
@@ -71,7 +71,7 @@ class LinearSolver:
         direct = DirectCondensed(self.free, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
-            given = self.free, self.bits, dim, inverse, coarse, preconditioner
+            given = self.free, self.bits, dim, inverse, multigrid, preconditioner
             iterative = IterativeCondensed(*given)
             self._methods.insert(0, ("iterative", iterative))
         self._used = list(self._methods)
@@ -85,9 +85,8 @@ class LinearSolver:
 
     def __str__(self):
         factor = f"{Cholesky(self.wanted)}, or {LU(self.wanted)} where unsymmetric"
-        vertices = f"on the vertices with {factor}"
         ways = {
-            "iterative": "iterative, " + ("as given" if self._preconditioner else vertices),
+            "iterative": "iterative, " + ("as given" if self._preconditioner else "multigrid"),
             "direct": f"condensed, with {factor}",
             "saddle": f"saddle point, with {self.inverse}",
         }
@@ -127,7 +126,7 @@ class LinearSolver:
         mat, self.nearly_singular = self._Merge(bulk, forms, scale, shift), False
         b = scale * rhs * self.free
         errors, best = [], (None, np.inf)
-        for name, solve in self._Attempts(mat, forms, b, accuracy):
+        for name, solve in self._Attempts(mat, forms, scale, b, accuracy):
             try:
                 x, error = solve()
             except (LinearSolveError, NgException) as failure:
@@ -164,12 +163,13 @@ class LinearSolver:
             AddToDiagonal(mat, shift)
         return mat
 
-    def _Attempts(self, mat, forms, b, accuracy):
+    def _Attempts(self, mat, forms, scale, b, accuracy):
         """Names and functions that return a solution and its relative residual."""
         if self._methods:
             dofs = np.concatenate([form.MultiplierDofs() for form in forms])
             args = mat, dofs, b, accuracy
             for name, method in list(self._methods):
+                method.scale = scale
                 yield name, lambda method=method: method.Solve(*args)
                 if name == "iterative":
                     self._failures += 1

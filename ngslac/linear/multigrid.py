@@ -1,0 +1,199 @@
+"""Algebraic multigrid by smoothed aggregation of nodes, whose setup serves again."""
+
+import numpy as np
+from ngsolve import BaseMatrix, CreateVVector
+from pyamg.aggregation.aggregate import standard_aggregation
+from pyamg.aggregation.tentative import fit_candidates
+from pyamg.relaxation.relaxation import block_gauss_seidel
+from pyamg.strength import symmetric_strength_of_connection
+from pyamg.util.utils import get_block_diag
+from scipy.sparse import bsr_matrix, diags_array
+from scipy.sparse.linalg import splu
+
+from ngslac.linear.factor import LinearSolveError
+
+__all__ = ["Hierarchy", "VCycle"]
+
+# Smallest coupling of two nodes of an aggregate, relative to their own stiffness.
+STRONG = 0.03
+# Unknowns that are left to a factorisation.
+COARSEST = 1000
+MOST_LEVELS = 12
+# Vectors are empty where they are smaller than this part of their size before.
+EMPTY = 1e-8
+
+
+class Hierarchy:
+    """Smoothed aggregation (Vanek, Mandel, Brezina 1996) on blocks of nodes.
+
+    Rigid motions are functions of each level. Aggregates and prolongations are learnt from one
+    matrix; the matrices of all levels follow from any other one with the same rows.
+
+    Parameters
+    ----------
+    mat : bsr_matrix
+        Of the finest level, a block for each pair of nodes.
+    modes : (n, m) array
+        What it takes to nearly nothing.
+    fewest : int
+        Levels below the finest one that are to be made however small that is.
+    """
+
+    def __init__(self, mat, modes, fewest=0):
+        self.prolongations, self._first = [], None
+        while len(self.prolongations) < MOST_LEVELS and (
+            mat.shape[0] > COARSEST or len(self.prolongations) < fewest
+        ):
+            found, modes = Prolongation(mat, modes)
+            if not 0 < found.shape[1] < 0.8 * mat.shape[0]:
+                break
+            self.prolongations.append(found)
+            mat = Coarsened(mat, found) if self._first else self._Second(mat)
+
+    def Matrices(self, mat):
+        """Of all levels, the finest one first."""
+        matrices = [mat]
+        for level, prolongation in enumerate(self.prolongations):
+            coarsened = self._Second(mat) if level == 0 else Coarsened(matrices[-1], prolongation)
+            matrices.append(coarsened)
+        return matrices
+
+    def _Second(self, mat):
+        """The matrix below the finest one: only rows that are not those of the first matrix cost.
+
+        Images of a random vector tell which these are.
+        """
+        prolongation, probe = self.prolongations[0], Probe(mat.shape[1])
+        image = (mat @ probe).reshape(-1, mat.blocksize[0])
+        if self._first is None:
+            product = mat @ prolongation
+            self._first = image, product, Restricted(prolongation, product)
+        former, product, coarse = self._first
+        rows = np.flatnonzero(np.any(image != former, axis=1))
+        if len(rows):
+            change = Rows(mat, rows) @ prolongation - Rows(product, rows)
+            coarse = coarse + Restricted(Rows(prolongation, rows), change)
+        return Filled(coarse)
+
+
+def Prolongation(mat, modes):
+    """From aggregates to nodes, smoothed, and the modes of the aggregates."""
+    strength = symmetric_strength_of_connection(mat, STRONG)
+    aggregates, _ = standard_aggregation(strength)
+    tentative, coarse = fit_candidates(aggregates, modes, tol=EMPTY)
+    inverse = BlockDiagonal(mat)
+    omega = 4 / 3 / SpectralRadius(mat, inverse)
+    return bsr_matrix(tentative - omega * (inverse @ (mat @ tentative))), coarse
+
+
+def BlockDiagonal(mat):
+    """The inverse of the blocks on the diagonal, as matrix."""
+    blocks = get_block_diag(mat, mat.blocksize[0], inv_flag=True)
+    count = len(blocks)
+    return bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=mat.shape)
+
+
+def SpectralRadius(mat, inverse):
+    """Of the inverse times the matrix, by power iteration: up to some per cent too small."""
+    x, radius = Probe(mat.shape[0]), 1.0
+    for _ in range(10):
+        x = inverse @ (mat @ (x / np.linalg.norm(x)))
+        radius = np.linalg.norm(x)
+    return 1.1 * radius
+
+
+def Coarsened(mat, prolongation):
+    """P^T A P, with a unit where an aggregate is too small for all of the modes."""
+    return Filled(Restricted(prolongation, mat @ prolongation))
+
+
+def Restricted(prolongation, product):
+    """P^T times a matrix."""
+    return prolongation.T.tobsr(blocksize=prolongation.blocksize[::-1]) @ product
+
+
+def Filled(mat):
+    """The matrix with a unit where its diagonal is empty."""
+    diagonal = mat.diagonal()
+    empty = diagonal <= EMPTY * np.max(diagonal, initial=0.0)
+    if not np.any(empty):
+        return mat
+    return mat + diags_array(empty.astype(float)).tobsr(blocksize=mat.blocksize)
+
+
+def Rows(mat, rows):
+    """Some rows of blocks of a bsr_matrix."""
+    first, count = mat.indptr[rows], np.diff(mat.indptr)[rows]
+    starts = np.concatenate([[0], np.cumsum(count)])
+    places = np.arange(starts[-1]) + np.repeat(first - starts[:-1], count)
+    shape = len(rows) * mat.blocksize[0], mat.shape[1]
+    return bsr_matrix((mat.data[places], mat.indices[places], starts), shape=shape)
+
+
+def Probe(size):
+    """A random vector."""
+    return np.random.default_rng(0).standard_normal(size)
+
+
+class VCycle(BaseMatrix):
+    """Gauss-Seidel sweeps by nodes on each level, a factorisation on the coarsest one.
+
+    Parameters
+    ----------
+    matrices : list[bsr_matrix]
+        Of the levels, the finest one first.
+    prolongations : list[bsr_matrix]
+        To each of them but the last from the one below.
+
+    Raises
+    ------
+    LinearSolveError
+        A matrix is singular.
+    """
+
+    def __init__(self, matrices, prolongations):
+        super().__init__()
+        self.size = matrices[0].shape[0]
+        self._levels = [
+            (mat, prolongation, prolongation.T.tocsr(), Inverses(mat))
+            for mat, prolongation in zip(matrices, prolongations, strict=False)
+        ]
+        options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
+        try:
+            coarsest = matrices[-1].tocsc()
+            self._coarsest = splu(coarsest, options={"SymmetricMode": True}, **options)
+        except RuntimeError as error:
+            raise LinearSolveError(f"multigrid: {error}") from error
+
+    def IsComplex(self):
+        return False
+
+    def Height(self):
+        return self.size
+
+    def Width(self):
+        return self.size
+
+    def CreateColVector(self):
+        return CreateVVector(self.size)
+
+    CreateRowVector = CreateColVector
+
+    def Mult(self, x, y):
+        y.FV().NumPy()[:] = self._Cycle(0, x.FV().NumPy())
+
+    def _Cycle(self, level, rhs):
+        if level == len(self._levels):
+            return self._coarsest.solve(rhs)
+        mat, prolongation, restriction, inverses = self._levels[level]
+        smooth = {"blocksize": mat.blocksize[0], "Dinv": inverses}
+        x = np.zeros_like(rhs)
+        block_gauss_seidel(mat, x, rhs, sweep="forward", **smooth)
+        x += prolongation @ self._Cycle(level + 1, restriction @ (rhs - mat @ x))
+        block_gauss_seidel(mat, x, rhs, sweep="backward", **smooth)
+        return x
+
+
+def Inverses(mat):
+    """(n, k, k) array: of the blocks on the diagonal."""
+    return get_block_diag(mat, mat.blocksize[0], inv_flag=True)

@@ -1,0 +1,67 @@
+"""Dofs of first order: those of the vertices, and the rigid motions on them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ngslac._ngslac import VertexDofs
+from ngslac.arrays import AsNumPy
+
+__all__ = ["VertexNodes"]
+
+
+@dataclass(frozen=True)
+class VertexNodes:
+    """The vertices with free displacements.
+
+    Attributes
+    ----------
+    dofs : (n, d) int
+        Scalar dofs of each vertex.
+    free : (n, d) bool
+        Of these.
+    motions : (n, d, m) array
+        The rigid motions, rotations about the middle and divided by the size of the mesh.
+    """
+
+    dofs: np.ndarray
+    free: np.ndarray
+    motions: np.ndarray
+
+    @classmethod
+    def Of(cls, form, freedofs):
+        """Those of the displacement of a contact form; None where it has other dofs there."""
+        space, d = form.component, form.component.mesh.dim
+        dofs = VertexDofs(space)
+        if space.dim > 1:
+            dofs = (dofs[:, :, None] * space.dim + np.arange(space.dim)).reshape(len(dofs), -1)
+        if dofs.shape[1] != d:
+            return None
+        dofs = np.where(dofs < 0, -1, dofs + form.offset * form.fes.dim)
+        free = AsNumPy(freedofs)[dofs] & (dofs >= 0)
+        used = free.any(axis=1)
+        points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), :d]
+        return cls(dofs[used], free[used], RigidMotions(points[used]))
+
+    @property
+    def count(self):
+        """Of the free dofs."""
+        return int(self.free.sum())
+
+    def Modes(self, scale):
+        """The rigid motions (n d, m) in scaled variables, zero where nothing is free."""
+        factor = np.where(self.free, 1 / scale[self.dofs], 0.0)
+        return (factor[:, :, None] * self.motions).reshape(self.dofs.size, -1)
+
+
+def RigidMotions(points):
+    """At points (n, d): an (n, d, m) array."""
+    d = points.shape[1]
+    arms = points - points.mean(axis=0) if len(points) else points
+    arms = arms / max(np.abs(arms).max(initial=0.0), np.finfo(float).tiny)
+    planes = [(0, 1)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
+    motions = np.zeros((len(points), d, d + len(planes)))
+    motions[:, range(d), range(d)] = 1
+    for k, (i, j) in enumerate(planes, d):
+        motions[:, i, k], motions[:, j, k] = -arms[:, j], arms[:, i]
+    return motions

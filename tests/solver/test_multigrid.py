@@ -1,0 +1,174 @@
+"""Multigrid of all orders: as exact as the direct solver, and as many iterations on any mesh."""
+
+import numpy as np
+import pytest
+from ngsolve import ds
+from press import linear, numpy, press3d, same, solved
+from scipy.sparse import bsr_matrix
+
+from ngslac import BubbleVectorH1
+from ngslac.linear.multigrid import COARSEST, Hierarchy, Prolongation, Rows, VCycle
+from ngslac.linear.vertices import RigidMotions
+
+FIRST = {"order": 1, "friction": 0.1, "n": (4, 3)}
+CASES = {
+    "tets": {"kinds": ("tet", "tet")},
+    "hexes": {"kinds": ("hex", "hex")},
+    "prisms": {"kinds": ("prism", "hex")},
+    "bubbles": {"space": BubbleVectorH1, "flags": {"dirichlet": "bottom", "slave": "slave"}},
+    "order 3": {"order": 3, "n": (2, 1)},
+    "interleaved": {"flags": {"dirichlet": "bottom", "interleaved": True}},
+    "in two directions": {"flags": {"dirichletx": "bottom", "dirichletz": "bottom"}},
+    "held by contact": {"flags": {"dirichlet": "bottom"}, "spring": 0.0, "push": None},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_as_the_direct_solver(case):
+    given = FIRST | CASES[case]
+    if case == "held by contact":
+        given |= {"bulk": pressed}
+    problem, reference = press3d(**given), press3d(**given)
+    linear = solved(problem, solver="iterative").linear
+    solved(reference, solver="direct")
+    assert (linear.method, linear.factorisations) == ("iterative", 0)
+    same(problem, reference, 1e-8)
+
+
+def pressed(u, v, load):
+    """Forces on the upper block, which nothing holds but contact."""
+    return [linear(u, v), load * (4 * v[2] - 0.2 * v[0]) * ds("top")]
+
+
+def iterations(**given):
+    """Krylov iterations of each linear system."""
+    problem = press3d(**(FIRST | given))
+    solver = solved(problem, solver="iterative")
+    return solver.linear.krylov / (len(solver.history) - 1)
+
+
+def test_iterations_do_not_grow_with_the_mesh():
+    """Eight times the dofs, and one level more."""
+    flags = {"kinds": ("hex", "hex"), "mesh_flags": {"layers": (4, 4)}}
+    coarse = iterations(n=(5, 4), **flags)
+    fine = iterations(n=(10, 9), kinds=("hex", "hex"), mesh_flags={"layers": (8, 8)})
+    assert fine < 1.5 * coarse
+
+
+def test_a_setup_serves_again():
+    problem = press3d(**FIRST)
+    solver = problem.solver(solver="iterative")
+    multigrid, learnt = solver.linear._methods[0][1].multigrid, []
+    make = multigrid.Preconditioner
+
+    def Preconditioner(*given):
+        result = make(*given)
+        learnt.append(multigrid.learnt)
+        return result
+
+    multigrid.Preconditioner = Preconditioner
+    solver.Solve(printing=False)
+    assert learnt[0]
+    assert 1 <= sum(learnt) < len(learnt)
+    multigrid._best, multigrid._hierarchy = 10, multigrid._hierarchy or object()
+    multigrid.Watch(14)
+    assert multigrid._hierarchy is not None
+    multigrid.Watch(16)  # more than half as many again
+    assert multigrid._hierarchy is None
+
+
+# --- the hierarchy of a lattice of springs --------------------------------------------------------
+
+
+def lattice(n, seed=0):
+    """A block of n^3 nodes that springs join, held at the bottom: matrix, points, free dofs."""
+    rng = np.random.default_rng(seed)
+    index = np.arange(n**3).reshape(n, n, n)
+    points = np.stack(np.unravel_index(index.ravel(), index.shape), axis=1).astype(float)
+    ends = [(index[:-1], index[1:]), (index[:, :-1], index[:, 1:])]
+    ends += [(index[..., :-1], index[..., 1:]), (index[:-1, :-1], index[1:, 1:])]
+    ends += [(index[:-1, :, :-1], index[1:, :, 1:]), (index[:, :-1, :-1], index[:, 1:, 1:])]
+    ends += [(index[1:, :-1], index[:-1, 1:]), (index[1:, :, :-1], index[:-1, :, 1:])]
+    one, two = (np.concatenate([pair[k].ravel() for pair in ends]) for k in (0, 1))
+    along = points[two] - points[one]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    blocks = rng.uniform(1, 2, len(one))[:, None, None] * along[:, :, None] * along[:, None, :]
+    rows, columns = np.concatenate([one, two, one, two]), np.concatenate([one, two, two, one])
+    entries = np.concatenate([blocks, blocks, -blocks, -blocks])
+    places = np.broadcast_to(3 * rows[:, None, None] + np.arange(3)[:, None], entries.shape)
+    others = np.broadcast_to(3 * columns[:, None, None] + np.arange(3), entries.shape)
+    whole = (entries.ravel(), (places.ravel(), others.ravel()))
+    free = np.repeat(points[:, 2] > 0, 3)
+    mat = bsr_matrix(whole, shape=(3 * n**3,) * 2, blocksize=(3, 3)).toarray()
+    mat[~free] = mat[:, ~free] = 0
+    mat[~free, ~free] = 1
+    return bsr_matrix(mat, blocksize=(3, 3)), points, free
+
+
+def modes(points, free):
+    return RigidMotions(points).reshape(-1, 6) * free[:, None]
+
+
+@pytest.fixture(scope="module")
+def block():
+    mat, points, free = lattice(9)
+    return mat, modes(points, free), Hierarchy(mat, modes(points, free))
+
+
+def test_matrices_of_a_changed_matrix(block):
+    """Only its changed rows are multiplied, which gives the product all the same."""
+    mat, _, hierarchy = block
+    assert mat.shape[0] > COARSEST
+    assert len(hierarchy.prolongations) >= 1
+    P = hierarchy.prolongations[0].toarray()
+    other = mat.copy()
+    changed = slice(other.indptr[40], other.indptr[44])
+    other.data[changed] *= 1 + np.random.default_rng(1).random(other.data[changed].shape)
+    for given in (mat, other, mat):
+        expected, found = P.T @ given.toarray() @ P, hierarchy.Matrices(given)[1].toarray()
+        filled = np.diag(expected) == 0
+        expected[filled, filled] = 1
+        assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+
+
+def test_rows_of_blocks(block):
+    mat, *_ = block
+    rows = np.array([3, 0, 17])
+    expected = mat.toarray().reshape(-1, 3, mat.shape[1])[rows].reshape(9, -1)
+    assert np.array_equal(Rows(mat, rows).toarray(), expected)
+
+
+def test_cycle_is_symmetric_and_converges(block):
+    mat, _, hierarchy = block
+    cycle = VCycle(hierarchy.Matrices(mat), hierarchy.prolongations)
+    x, y, image = (cycle.CreateRowVector() for _ in range(3))
+    for seed, vec in enumerate((x, y)):
+        vec.FV().NumPy()[:] = np.random.default_rng(seed).standard_normal(mat.shape[0])
+    image.data = cycle * y
+    product = x.InnerProduct(image)
+    image.data = cycle * x
+    assert y.InnerProduct(image) == pytest.approx(product, abs=1e-10 * x.Norm() * image.Norm())
+    left = numpy(x)
+    sizes = []
+    for _ in range(12):
+        x.FV().NumPy()[:] = left
+        image.data = cycle * x
+        left = left - mat @ numpy(image)
+        sizes.append(np.linalg.norm(left))
+    assert sizes[-1] < 0.7**8 * sizes[3]
+
+
+@pytest.mark.parametrize(("turn", "factor", "shift"), [(0.7, 1.0, 0.0), (0.0, 1e3, 1e3)])
+def test_rigid_motions_are_kept_by_each_level(block, turn, factor, shift):
+    """In any position and unit, but where nodes are held."""
+    mat, points, free = lattice(9)
+    Q = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    blocks = Q @ mat.data @ Q.T
+    turned = bsr_matrix((blocks, mat.indices, mat.indptr), shape=mat.shape)
+    given = modes(factor * points @ Q.T + shift, free)
+    levels = Hierarchy(turned, given).Matrices(turned)
+    assert [m.shape for m in levels] == [m.shape for m in block[2].Matrices(mat)]
+    prolongation, coarse = Prolongation(turned, given)
+    inner = np.repeat(points[:, 2] > 1, 3)
+    image = (prolongation @ coarse)[inner]
+    assert image == pytest.approx(given[inner], abs=1e-10 * np.abs(given).max())
