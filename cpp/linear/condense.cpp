@@ -1,15 +1,7 @@
 #include "condense.hpp"
-#include "indexmap.hpp"
 
 namespace ngslac {
 namespace {
-Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
-  Vector<> values(dofs.Size());
-  for (int i : Range(dofs))
-    values(i) = x(dofs[i]);
-  return values;
-}
-
 void Subtract(FlatVector<> x, FlatArray<int> dofs, const Vector<> & values) {
   for (int i : Range(dofs))
     x(dofs[i]) -= values(i);
@@ -28,58 +20,31 @@ void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & fr
                       ToString(n) + " rows");
 }
 
-/// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
-template <typename F>
-void ForEach(size_t count, F f) {
-  ParallelForRange(count, [&](IntRange range) {
-    RowSum sum;
-    for (auto i : range)
-      f(i, sum);
-  });
-}
-
-/// The sum; starts the next one.
-SparseRow Take(RowSum & sum) {
-  SparseRow row{Array<int>(sum.Columns()), Array<double>(sum.Values())};
-  sum.Clear();
-  return row;
-}
 } // namespace
 
 Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int> multipliers, int d,
-                           const BitArray & afree, bool symmetric)
+                           const BitArray & afree)
     : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)) {
-  static Timer timer("ngslac::Condense");
-  RegionTimer reg(timer);
   CheckGiven(mat->Height(), multipliers, d, *free);
   Supports(multipliers, d);
-  auto inner = [&](int dof) { return free->Test(dof) && touching[dof].Size() == 1; };
-  std::atomic<bool> fails = false;
-  ParallelFor(blocks.Size(), [&](size_t m) {
-    try {
-      FillBlock(blocks[m], *mat, symmetric, inner);
-    } catch (const Exception &) {
-      fails = true;
-    }
-  });
-  if (fails)
-    throw Exception("ngslac: a macro-element has no displacement of its own to be eliminated");
-  pivotblock.SetSize(mat->Height());
-  pivotblock = -1;
-  for (int m : Range(blocks))
-    if (blocks[m].NConstraints())
-      for (int p : blocks[m].pivots)
-        pivotblock[blocks[m].dofs[p]] = m;
-
-  auto carried = Carried();
-  auto changed = ChangedRows();
   place.SetSize(mat->Height());
   place = -1;
+}
+
+void Condensation::NumberConstraints() {
+  first.SetSize(blocks.Size() + 1);
+  first[0] = 0;
+  for (int m : Range(blocks))
+    first[m + 1] = first[m] + blocks[m].NConstraints();
+}
+
+void Condensation::StoreRows(FlatArray<int> changed,
+                             const function<void(int, RowSum &)> & sum_row) {
   rows.SetSize(changed.Size());
-  ForEach(changed.Size(), [&](size_t c, RowSum & sum) {
+  ForEachSum(changed.Size(), [&](size_t c, RowSum & sum) {
     place[changed[c]] = c;
-    SumRow(changed[c], carried, sum);
-    rows[c] = Take(sum);
+    sum_row(changed[c], sum);
+    rows[c] = TakeRow(sum);
   });
 }
 
@@ -126,7 +91,6 @@ void Condensation::Supports(FlatArray<int> multipliers, int d) {
   touching = creator.MoveTable();
 }
 
-/// Adds a row of  K - sum GL E1.
 void Condensation::AddRow(int row, double factor, RowSum & sum) const {
   auto columns = mat->GetRowIndices(row);
   auto values = mat->GetRowValues(row);
@@ -143,78 +107,6 @@ void Condensation::AddRow(int row, double factor, RowSum & sum) const {
         for (int j : Range(block.dofs))
           if (block.E1(q, j) != 0)
             sum.Add(block.dofs[j], -force * block.E1(q, j));
-  }
-}
-
-/// Multiplies by P from the right.
-void Condensation::Project(RowSum & sum) const {
-  ArrayMem<int, 20> found;
-  for (int column : sum.Columns())
-    if (int m = pivotblock[column]; m >= 0 && !found.Contains(m))
-      found.Append(m);
-  for (int m : found) {
-    auto & block = blocks[m];
-    Vector<> reaction(block.NConstraints());
-    reaction = 0.0;
-    for (int p : Range(block.pivots))
-      reaction += sum[block.dofs[block.pivots[p]]] * block.B.Row(p);
-    for (int k : Range(reaction))
-      for (int j : Range(block.dofs))
-        if (double e = block.E2(k, j); e != 0)
-          sum.Add(block.dofs[j], -reaction(k) * e);
-  }
-}
-
-/// Rows  Bl^T K P  of each macro-element: what the reactions carry to the other rows.
-Array<Array<SparseRow>> Condensation::Carried() const {
-  Array<Array<SparseRow>> carried(blocks.Size());
-  ForEach(blocks.Size(), [&](size_t m, RowSum & sum) {
-    auto & block = blocks[m];
-    carried[m].SetSize(block.NConstraints());
-    for (int k : Range(block.NConstraints())) {
-      for (int p : Range(block.pivots))
-        AddRow(block.dofs[block.pivots[p]], block.Bl(p, k), sum);
-      Project(sum);
-      carried[m][k] = Take(sum);
-    }
-  });
-  return carried;
-}
-
-/// Displacements on which a multiplier acts, or with a pivot among their columns.
-Array<int> Condensation::ChangedRows() const {
-  size_t n = mat->Height();
-  Array<bool> changes(n);
-  ParallelFor(n, [&](size_t i) {
-    changes[i] = !ismultiplier[i] && touching[i].Size();
-    if (!ismultiplier[i])
-      for (int j : mat->GetRowIndices(i))
-        changes[i] = changes[i] || pivotblock[j] >= 0;
-  });
-  Array<int> rows;
-  for (size_t i : Range(n))
-    if (changes[i])
-      rows.Append(i);
-  return rows;
-}
-
-/// Sums up a row of A.
-void Condensation::SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum & sum) const {
-  AddRow(row, 1, sum);
-  Project(sum);
-  for (int m : touching[row]) {
-    auto & block = blocks[m];
-    int pos = block.Position(row);
-    for (int k : Range(block.NConstraints()))
-      if (double force = block.G2(pos, k); force != 0) {
-        auto & [columns, values] = carried[m][k];
-        for (int j : Range(columns))
-          sum.Add(columns[j], -force * values[j]);
-      }
-    for (int p : Range(block.complement.Height()))
-      if (block.pivots[p] == pos)
-        for (int q : Range(block.pivots))
-          sum.Add(block.dofs[block.pivots[q]], block.complement(p, q));
   }
 }
 
@@ -270,19 +162,30 @@ shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const
   return part;
 }
 
-void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
-  static Timer timer("ngslac::Condensation - Mult");
-  RegionTimer reg(timer);
-  auto from = x.FV<double>();
-  auto to = y.FV<double>();
+void Condensation::AddProduct(double s, FlatVector<> x, FlatVector<> y) const {
   ParallelFor(mat->Height(), [&](size_t i) {
     auto columns = Columns(i);
     auto values = Values(i);
     double sum = 0;
     for (size_t j : Range(columns))
-      sum += values(j) * from(columns[j]);
-    to(i) += s * sum;
+      sum += values(j) * x(columns[j]);
+    y(i) += s * sum;
   });
+}
+
+Vector<> Condensation::Jumps(FlatVector<> u) const {
+  Vector<> jumps(first.Last());
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    if (blocks[m].NConstraints())
+      jumps.Range(ConstraintsOf(m)) = blocks[m].E2 * Gather(blocks[m].dofs, u);
+  });
+  return jumps;
+}
+
+void Condensation::SubtractReactions(FlatVector<> reactions, FlatVector<> forces) const {
+  for (int m : Range(blocks))
+    if (blocks[m].NConstraints())
+      Subtract(forces, blocks[m].dofs, blocks[m].G2 * reactions.Range(ConstraintsOf(m)));
 }
 
 /// K (u of x) on the displacements, with the local terms.
@@ -304,25 +207,21 @@ Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
   return left;
 }
 
-/// Displacements of the pivots alone with  E2 u = r2.
+/// Displacements of the lifts alone with  E2 u = r2.
 Vector<> Condensation::Particular(FlatVector<> rhs) const {
-  Vector<> u(rhs.Size());
+  Vector<> u(rhs.Size()), r2(first.Last());
   u = 0.0;
-  for (auto & block : blocks)
-    if (block.NConstraints()) {
-      Vector<> r2 = Matrix<>(block.B * block.U2) * Gather(block.multipliers, rhs);
-      for (int p : Range(block.pivots))
-        u(block.dofs[block.pivots[p]]) = r2(p);
-    }
+  for (int m : Range(blocks))
+    if (auto & block = blocks[m]; block.NConstraints())
+      r2.Range(ConstraintsOf(m)) = block.U2 * Gather(block.multipliers, rhs);
+  AddLift(1, r2, u);
   return u;
 }
 
 void Condensation::Reduce(FlatVector<> rhs, FlatVector<> reduced) const {
   Vector<> left = Left(rhs, Particular(rhs));
   reduced = left;
-  for (auto & block : blocks)
-    if (block.NConstraints())
-      Subtract(reduced, block.dofs, block.G2 * block.Reactions(left));
+  SubtractReactions(Reactions(left), reduced);
   for (size_t i : Range(reduced))
     if (!free->Test(i))
       reduced(i) = 0;
@@ -330,19 +229,15 @@ void Condensation::Reduce(FlatVector<> rhs, FlatVector<> reduced) const {
 
 void Condensation::Expand(FlatVector<> rhs, FlatVector<> w, FlatVector<> x) const {
   x = Particular(rhs) + w;
-  for (auto & block : blocks)
-    if (block.NConstraints()) {
-      Vector<> local = block.B * Vector<>(block.E2 * Gather(block.dofs, w));
-      for (int p : Range(block.pivots))
-        x(block.dofs[block.pivots[p]]) -= local(p);
-    }
-  Vector<> left = Left(rhs, x);
-  for (auto & block : blocks) {
+  AddLift(-1, Jumps(w), x);
+  Vector<> reactions = Reactions(Left(rhs, x));
+  for (int m : Range(blocks)) {
+    auto & block = blocks[m];
     Vector<> told = block.U1 * Gather(block.multipliers, rhs);
     told -= block.E1 * Gather(block.dofs, x);
     Vector<> lam = block.told * told;
     if (block.NConstraints())
-      lam += block.V2 * block.Reactions(left);
+      lam += block.V2 * reactions.Range(ConstraintsOf(m));
     for (int k : Range(lam))
       x(block.multipliers[k]) = lam(k);
   }

@@ -1,5 +1,6 @@
-#include "condense.hpp"
 #include "nodeblocks.hpp"
+#include "orthogonal.hpp"
+#include "pivots.hpp"
 #include "twolevel.hpp"
 #include <comp.hpp>
 #include <python_comp.hpp>
@@ -30,6 +31,17 @@ template <typename T>
 Entries<T> Exported(FlatArray<T> values) {
   return Entries<T>(values.Size(), values.Data());
 }
+
+std::pair<shared_ptr<SparseMatrix<double>>, Array<int>>
+Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
+  auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
+  if (!sparse)
+    throw Exception("Condensation: the matrix must be sparse, real and scalar");
+  Array<int> dofs(multipliers.size());
+  for (int i : Range(dofs))
+    dofs[i] = multipliers[i];
+  return {sparse, std::move(dofs)};
+}
 } // namespace
 
 void ExportLinear(py::module & m) {
@@ -40,14 +52,11 @@ void ExportLinear(py::module & m) {
       "displacement are eliminated exactly. `symmetric` takes slip for frictionless.")
       .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
                        const BitArray & free, bool symmetric) {
-             auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
-             if (!sparse)
-               throw Exception("Condensation: the matrix must be sparse, real and scalar");
-             Array<int> dofs(multipliers.size());
-             for (int i : Range(dofs))
-               dofs[i] = multipliers[i];
+             auto [sparse, dofs] = Given(mat, multipliers);
              py::gil_scoped_release release;
-             return make_shared<Condensation>(sparse, dofs, dim, free, symmetric);
+             shared_ptr<Condensation> system =
+                 make_shared<PivotCondensation>(sparse, dofs, dim, free, symmetric);
+             return system;
            }),
            py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"),
            py::arg("symmetric") = false)
@@ -106,6 +115,17 @@ void ExportLinear(py::module & m) {
             return x;
           },
           py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
+  py::class_<OrthogonalCondensation, shared_ptr<OrthogonalCondensation>, Condensation>(
+      m, "OrthogonalCondensation",
+      "The same by lifts of least energy, whatever the stiffnesses, for preconditioned iterations.\n"
+      "`Part` is of a sparse matrix that is equivalent to the product.")
+      .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
+                       const BitArray & free) {
+             auto [sparse, dofs] = Given(mat, multipliers);
+             py::gil_scoped_release release;
+             return make_shared<OrthogonalCondensation>(sparse, dofs, dim, free);
+           }),
+           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"));
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
       "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The "
@@ -126,6 +146,7 @@ void ExportLinear(py::module & m) {
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
       m, "TwoLevelProduct",
       "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
-      .def(py::init<shared_ptr<TwoLevel>>(), py::arg("preconditioner").none(false));
+      .def(py::init<shared_ptr<TwoLevel>, shared_ptr<Condensation>>(),
+           py::arg("preconditioner").none(false), py::arg("system").none(false));
 }
 } // namespace ngslac

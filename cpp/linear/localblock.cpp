@@ -30,32 +30,6 @@ Entries Read(const LocalBlock & block, const SparseMatrix<double> & mat) {
   return entries;
 }
 
-/// Inner dofs on which the tractions act in independent directions, the strongest first.
-Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G,
-                        const function<bool(int)> & inner) {
-  Array<int> candidates, pivots;
-  for (int i : Range(dofs))
-    if (inner(dofs[i]))
-      candidates.Append(i);
-  Matrix<> rest = G.Rows(candidates);
-  double largest = L2Norm(G);
-  while (pivots.Size() < G.Width() && candidates.Size()) {
-    int best = 0;
-    for (int i : Range(candidates))
-      if (L2Norm2(rest.Row(i)) > (1 + 1e-8) * L2Norm2(rest.Row(best)))
-        best = i;
-    Vector<> direction = rest.Row(best);
-    double size = L2Norm(direction);
-    if (size <= least_pivot * largest)
-      break;
-    pivots.Append(candidates[best]);
-    direction /= size;
-    for (int i : Range(candidates))
-      rest.Row(i) -= InnerProduct(rest.Row(i), direction) * direction;
-  }
-  return pivots;
-}
-
 /// Eigenvalues, ascending, and eigenvectors as rows.
 std::pair<Vector<>, Matrix<>> Eigensystem(const Matrix<> & symmetric) {
   size_t n = symmetric.Height();
@@ -134,13 +108,37 @@ void Symmetrize(LocalBlock & block) {
 }
 } // namespace
 
-void FillBlock(LocalBlock & block, const SparseMatrix<double> & mat, bool symmetric,
-               const function<bool(int)> & inner) {
+Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G,
+                        const function<bool(int)> & inner) {
+  Array<int> candidates, pivots;
+  for (int i : Range(dofs))
+    if (inner(dofs[i]))
+      candidates.Append(i);
+  Matrix<> rest = G.Rows(candidates);
+  double largest = L2Norm(G);
+  while (pivots.Size() < G.Width() && candidates.Size()) {
+    int best = 0;
+    for (int i : Range(candidates))
+      if (L2Norm2(rest.Row(i)) > (1 + 1e-8) * L2Norm2(rest.Row(best)))
+        best = i;
+    Vector<> direction = rest.Row(best);
+    double size = L2Norm(direction);
+    if (size <= least_pivot * largest)
+      break;
+    pivots.Append(candidates[best]);
+    direction /= size;
+    for (int i : Range(candidates))
+      rest.Row(i) -= InnerProduct(rest.Row(i), direction) * direction;
+  }
+  return pivots;
+}
+
+void SplitBlock(LocalBlock & block, const SparseMatrix<double> & mat,
+                const function<Array<int>(const Matrix<> & G)> & lifts) {
   auto [E, G, F] = Read(block, mat);
   size_t d = F.Height();
-  block.pivots = ChoosePivots(block.dofs, G, inner);
-  double size = 0; // of the forces at the pivots
-  for (int i : block.pivots)
+  double size = 0; // of the forces on the dofs of lifts
+  for (int i : lifts(G))
     size += L2Norm2(G.Row(i));
   size = sqrt(size);
 
@@ -158,6 +156,9 @@ void FillBlock(LocalBlock & block, const SparseMatrix<double> & mat, bool symmet
   block.slides = L2Norm(block.E1) > 1e-13 * L2Norm(G);
   block.E2 = block.U2 * E;
   block.G2 = G * block.V2;
+}
+
+void FillPivots(LocalBlock & block, bool symmetric) {
   if (symmetric)
     Symmetrize(block);
   if (block.NConstraints() == 0)

@@ -24,20 +24,30 @@ struct LocalBlock {
   int Position(int dof) const {
     return std::lower_bound(dofs.begin(), dofs.end(), dof) - dofs.begin();
   }
-  /// What the constraints have to carry of forces on all dofs.
-  Vector<> Reactions(FlatVector<> forces) const {
-    Vector<> sum(NConstraints());
-    sum = 0.0;
-    for (int p : Range(pivots))
-      sum += forces(dofs[pivots[p]]) * Bl.Row(p);
-    return sum;
-  }
 };
 
-/// Fills a block, whose dofs and multipliers are set.
+/// Entries of a vector.
+inline Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
+  Vector<> values(dofs.Size());
+  for (int i : Range(dofs))
+    values(i) = x(dofs[i]);
+  return values;
+}
+
+/// Positions of inner dofs on which the tractions act in independent directions, the strongest
+/// first.
 ///
-/// `inner(dof)`: free, and touched by this macro-element alone. Throws where these cannot carry the
+/// `inner(dof)`: free, and touched by this macro-element alone.
+Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G,
+                        const function<bool(int)> & inner);
+
+/// Splits a block, whose dofs and multipliers are set; `lifts` are the positions that may carry the
 /// constraints.
-void FillBlock(LocalBlock & block, const SparseMatrix<double> & mat, bool symmetric,
-               const function<bool(int)> & inner);
+void SplitBlock(LocalBlock & block, const SparseMatrix<double> & mat,
+                const function<Array<int>(const Matrix<> & G)> & lifts);
+
+/// Lifts on the pivots of a block that is split; throws where these cannot carry the constraints.
+///
+/// The symmetric variant takes slip for frictionless, and for sticking where that is stiffer.
+void FillPivots(LocalBlock & block, bool symmetric);
 } // namespace ngslac

@@ -201,5 +201,6 @@ void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) c
 void TwoLevelProduct::Mult(const BaseVector & x, BaseVector & y) const {
   auto z = CreateRowVector();
   pre->Apply(x, z, &y);
+  system->ToImage(z.FV<double>(), y.FV<double>());
 }
 } // namespace ngslac

@@ -48,10 +48,12 @@ private:
 /// A M^-1  for this preconditioner M of a matrix A, to single precision.
 class TwoLevelProduct : public SquareOperator {
 public:
-  explicit TwoLevelProduct(shared_ptr<TwoLevel> pre) : SquareOperator(*pre), pre(pre) {}
+  TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<Condensation> system)
+      : SquareOperator(*pre), pre(pre), system(system) {}
   void Mult(const BaseVector & x, BaseVector & y) const override;
 
 private:
   shared_ptr<TwoLevel> pre;
+  shared_ptr<Condensation> system;
 };
 } // namespace ngslac

@@ -35,6 +35,7 @@ class Condensed:
         Of matrices of full size, and iterations, since this was made.
     """
 
+    system = Condensation  # which variant
     rounds = 3
     exact = 1e-13  # where nothing less is asked for
     best = 1e-14  # relative residual that a Krylov method can reach
@@ -76,7 +77,7 @@ class Condensed:
             The matrix is singular, or the iteration does not converge.
         """
         given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
-        system = Condensation(*given)
+        system = self.system(*given)
         frictionless = system if self._IsSymmetric(system) else self._Frictionless(given)
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import bsr_matrix, eye_array
 
-from ngslac._ngslac import TwoLevel, TwoLevelProduct
+from ngslac._ngslac import OrthogonalCondensation, TwoLevel, TwoLevelProduct
 from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
 from ngslac.linear.multigrid import Hierarchy, VCycle
 
@@ -24,6 +24,7 @@ class IterativeCondensed(Condensed):
         Takes the place of the multigrid method: see ContactSolver.
     """
 
+    system = OrthogonalCondensation
     most_iterations = 250
     best = 1e-5  # in single precision; the rounds do the rest
 
@@ -74,7 +75,7 @@ class IterativeCondensed(Condensed):
 
     def _Iterate(self, system, _, inverse, rhs, tol, iterations):
         own = isinstance(inverse, TwoLevel)
-        product = TwoLevelProduct(inverse) if own else system @ inverse
+        product = TwoLevelProduct(inverse, system) if own else system @ inverse
         given = product, inverse, rhs, system.freedofs
         krylov, solution = RightGMRes(*given, tol=tol, maxiter=iterations)
         if own:

@@ -1,0 +1,27 @@
+#pragma once
+#include "indexmap.hpp"
+
+namespace ngslac {
+/// Columns and values.
+struct SparseRow {
+  Array<int> columns;
+  Array<double> values;
+};
+
+/// Calls f(i, sum) for all i, in parallel, with one RowSum per range.
+template <typename F>
+void ForEachSum(size_t count, F f) {
+  ParallelForRange(count, [&](IntRange range) {
+    RowSum sum;
+    for (auto i : range)
+      f(i, sum);
+  });
+}
+
+/// The sum; starts the next one.
+inline SparseRow TakeRow(RowSum & sum) {
+  SparseRow row{Array<int>(sum.Columns()), Array<double>(sum.Values())};
+  sum.Clear();
+  return row;
+}
+} // namespace ngslac
