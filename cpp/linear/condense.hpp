@@ -24,6 +24,8 @@ public:
   const SparseMatrix<double> & Whole() const { return *mat; }
   /// Are forces and constraints of each macro-element the same combinations?
   bool HasSymmetricContact() const;
+  /// Does its row differ from that of the given matrix?
+  bool Changes(size_t row) const { return place[row] >= 0; }
   /// the free displacements
   shared_ptr<BitArray> Free() const { return free; }
   /// eliminated directions of each macro-element

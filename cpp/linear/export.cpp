@@ -1,3 +1,4 @@
+#include "gmres.hpp"
 #include "nodeblocks.hpp"
 #include "orthogonal.hpp"
 #include "pivots.hpp"
@@ -41,6 +42,13 @@ Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
   for (int i : Range(dofs))
     dofs[i] = multipliers[i];
   return {sparse, std::move(dofs)};
+}
+
+/// Throws what a signal raised, such as the user's Ctrl-C.
+void LookForSignals() {
+  py::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals())
+    throw py::error_already_set();
 }
 } // namespace
 
@@ -126,27 +134,55 @@ void ExportLinear(py::module & m) {
              return make_shared<OrthogonalCondensation>(sparse, dofs, dim, free);
            }),
            py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"));
+  py::class_<StarSweeps, shared_ptr<StarSweeps>>(
+      m, "StarSweeps",
+      "Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of\n"
+      "which are solved for at once.")
+      .def(py::init([](const Condensation & system, const BitArray & dofs,
+                       const Table<int> & stars, int dim) {
+             py::gil_scoped_release release;
+             return make_shared<StarSweeps>(system, dofs, stars, dim);
+           }),
+           py::arg("system"), py::arg("dofs"), py::arg("stars"), py::arg("dim"))
+      .def("Update", &StarSweeps::Update, py::call_guard<py::gil_scoped_release>(),
+           py::arg("system"), "Takes over a system with the same bulk.");
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
-      "Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The "
-      "correction\n"
-      "is by the operator `coarse`, on a space whose functions are the columns of a sparse matrix: "
-      "the\n"
-      "rows (starts, columns, values) belong to the free `dofs`, and others are empty.")
-      .def(py::init([](const Condensation & system, shared_ptr<BaseMatrix> coarse,
-                       const Entries<int> & dofs, const Entries<int> & starts,
-                       const Entries<int> & columns, const Entries<float> & values) {
+      "Preconditioner: a sweep forward, a correction, a sweep backward. The correction is by the\n"
+      "operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows\n"
+      "(starts, columns, values) belong to the free `dofs`, and others are empty.")
+      .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
+                       shared_ptr<BaseMatrix> coarse, const Entries<int> & dofs,
+                       const Entries<int> & starts, const Entries<int> & columns,
+                       const Entries<float> & values) {
              SparseRows rows{Copied(starts), Copied(columns), Copied(values)};
              auto list = Copied(dofs);
              py::gil_scoped_release release;
-             return make_shared<TwoLevel>(system, coarse, rows, list);
+             return make_shared<TwoLevel>(system, sweeps, coarse, rows, list);
            }),
-           py::arg("system"), py::arg("coarse").none(false), py::arg("dofs"), py::arg("starts"),
-           py::arg("columns"), py::arg("values"));
+           py::arg("system"), py::arg("sweeps").none(false), py::arg("coarse").none(false),
+           py::arg("dofs"), py::arg("starts"), py::arg("columns"), py::arg("values"));
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
       m, "TwoLevelProduct",
       "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
       .def(py::init<shared_ptr<TwoLevel>, shared_ptr<Condensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
+  m.def(
+      "GMRes",
+      [](shared_ptr<BaseMatrix> mat, shared_ptr<BaseVector> rhs, const BitArray & free, double tol,
+         int maxiter, int patience) {
+        GMResSolution found;
+        {
+          py::gil_scoped_release release;
+          found = GMRes(*mat, *rhs, free, {tol, maxiter, patience}, LookForSignals);
+        }
+        py::array_t<double> residuals(found.residuals.Size(), found.residuals.Data());
+        return py::make_tuple(found.x, residuals, found.converged);
+      },
+      py::arg("mat").none(false), py::arg("rhs").none(false), py::arg("freedofs"), py::arg("tol"),
+      py::arg("maxiter"), py::arg("patience") = 0,
+      "GMRES from zero without restart: solution of least residual, norms of the residuals before\n"
+      "the first product and after each, and whether the last is at most `tol` times the first.\n"
+      "Ends where `patience` products, if not 0, did not halve it.");
 }
 } // namespace ngslac

@@ -14,7 +14,7 @@ struct SparseRows {
   SparseRows Transposed(size_t width) const;
 };
 
-/// From a coarse space to some slots of a SweepOrder, and back.
+/// From a coarse space to some slots of a NodeOrder, and back.
 class Prolongation {
 public:
   /// Row i of `rows` belongs to dofs[i]; `slot` is that of each dof.

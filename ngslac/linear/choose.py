@@ -1,7 +1,7 @@
 """The way of solving linear systems that suits a problem."""
 
 from ngslac.arguments import CheckChoice, CheckFunction
-from ngslac.linear.iterative import Multigrid
+from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.vertices import VertexNodes
 
@@ -34,6 +34,6 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
         reason = f"{free} free dofs in {dim}D"
         iterates = suits and free >= LARGE[dim] and not inverse
         wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
-    multigrid = Multigrid(nodes, 3 * nodes.count >= free) if suits else None
+    multigrid = Multigrid(nodes, 3 * nodes.count >= free, a.space) if suits else None
     given = freedofs, inverse, wanted, dim, multigrid, reason, preconditioner
     return LinearSolver(*given)

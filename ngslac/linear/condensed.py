@@ -1,14 +1,28 @@
 """Solution of the Newton system without multipliers, by a Krylov method."""
 
-import numpy as np
-from ngsolve import Projector
-from ngsolve.krylovspace import GMResSolver
+from dataclasses import dataclass
 
-from ngslac._ngslac import Condensation
+import numpy as np
+
+from ngslac._ngslac import Condensation, GMRes
 from ngslac.arrays import Multiply
 from ngslac.linear.factor import IsSymmetric, LinearSolveError
 
-__all__ = ["Condensed", "IsNear", "RightGMRes"]
+__all__ = ["Condensed", "IsNear", "Krylov", "RightGMRes"]
+
+
+@dataclass(frozen=True)
+class Krylov:
+    """What an iteration came to.
+
+    Attributes
+    ----------
+    iterations : int
+    converged : bool
+    """
+
+    iterations: int
+    converged: bool
 
 
 class Condensed:
@@ -113,19 +127,18 @@ class Condensed:
         for inverse, iterations in self._Preconditioners(system, frictionless, reduced):
             krylov, w = self._Iterate(system, frictionless, inverse, reduced, tol, iterations)
             self.krylov += krylov.iterations
-            # With an exact inverse NGSolve's GMRES ends before it has seen a small residual.
-            if krylov.iterations < iterations:
+            if krylov.converged:
                 return system.Expand(rhs, w.FV().NumPy())
         raise LinearSolveError("the condensed system could not be solved")
 
 
-def RightGMRes(product, inverse, rhs, freedofs, **options):
+def RightGMRes(product, inverse, rhs, freedofs, *, tol, maxiter):
     """GMRES preconditioned from the right, so that it is the residual that gets small.
 
-    `product` is the matrix times `inverse`. Returns the iteration, and the solution.
+    `product` is the matrix times `inverse`. Returns the Krylov iteration, and the solution.
     """
-    krylov = GMResSolver(mat=product, pre=Projector(freedofs, True), **options)
-    return krylov, (inverse * krylov.Solve(rhs=rhs)).Evaluate()
+    found, residuals, converged = GMRes(product, rhs, freedofs, tol, maxiter)
+    return Krylov(len(residuals) - 1, converged), (inverse * found).Evaluate()
 
 
 def IsNear(system, other):

@@ -7,7 +7,7 @@ from ngsolve import BaseMatrix
 from ngsolve.krylovspace import CGSolver
 
 from ngslac._ngslac import Condensation
-from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
+from ngslac.linear.condensed import Condensed, IsNear, Krylov, RightGMRes
 from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, LinearSolveError
 
 __all__ = ["DirectCondensed"]
@@ -87,7 +87,8 @@ class DirectCondensed(Condensed):
             return RightGMRes(*given, tol=tol, maxiter=iterations)
         # Conjugate gradients look at another norm of the residual, whose size is adapted.
         krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * tol, maxiter=iterations)
-        return krylov, krylov.Solve(rhs=rhs)
+        solution = krylov.Solve(rhs=rhs)
+        return Krylov(krylov.iterations, krylov.iterations < iterations), solution
 
     def _Serves(self, near):
         if self._wait:

@@ -1,13 +1,11 @@
 """Condensed Newton systems by a preconditioned iteration, which needs little memory."""
 
 import numpy as np
-from scipy.sparse import bsr_matrix, eye_array
 
 from ngslac._ngslac import OrthogonalCondensation, TwoLevel, TwoLevelProduct
 from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
-from ngslac.linear.multigrid import Hierarchy, VCycle
 
-__all__ = ["IterativeCondensed", "Multigrid"]
+__all__ = ["IterativeCondensed"]
 
 
 class IterativeCondensed(Condensed):
@@ -56,7 +54,7 @@ class IterativeCondensed(Condensed):
             self._kept = system, *self._Make(system)
         yield self._kept[1], self.most_iterations
         if self.preconditioner is None and not self.multigrid.learnt:
-            self.multigrid.Forget()
+            self.multigrid.Relearn()
             self._kept = None
             self._kept = system, *self._Make(system)
             yield self._kept[1], self.most_iterations
@@ -81,63 +79,3 @@ class IterativeCondensed(Condensed):
         if own:
             self.multigrid.Watch(krylov.iterations / -np.log10(tol))
         return krylov, solution
-
-
-class Multigrid:
-    """Sweeps over all dofs around a V-cycle on the vertices, whose setup serves again.
-
-    In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
-    their matrix is a part of the given one. Where they are nearly all functions, the sweeps are
-    those of the finest level.
-
-    Parameters
-    ----------
-    nodes : VertexNodes
-    most : bool
-        Are most dofs those of the vertices?
-
-    Attributes
-    ----------
-    learnt : bool
-        Was the setup made for the last matrix?
-    """
-
-    growth = 1.5  # of the iterations, from which on a new setup is made
-
-    def __init__(self, nodes, most):
-        self.nodes, self.most = nodes, most
-        self.Forget()
-
-    def Forget(self):
-        """Make another setup for the next matrix."""
-        self._hierarchy, self._best, self.learnt = None, np.inf, False
-
-    def Preconditioner(self, system, scale):
-        """A TwoLevel for a Condensation of the matrix that has got the factors `scale` (n,)."""
-        mat = Blocks(system, self.nodes.dofs)
-        self.learnt = self._hierarchy is None
-        if self.learnt:
-            self._hierarchy = Hierarchy(mat, self.nodes.Modes(scale), fewest=int(self.most))
-        matrices, prolongations = self._hierarchy.Matrices(mat), self._hierarchy.prolongations
-        skipped = int(self.most and bool(prolongations))
-        first = prolongations[0].tocsr() if skipped else eye_array(mat.shape[0], format="csr")
-        cycle = VCycle(matrices[skipped:], prolongations[skipped:])
-        free = self.nodes.free.ravel()
-        rows = first[free]
-        dofs = self.nodes.dofs.ravel()[free]
-        return TwoLevel(system, cycle, dofs, rows.indptr, rows.indices, rows.data)
-
-    def Watch(self, iterations):
-        """Tell how many `iterations` each digit took: where they grow the setup is made anew."""
-        if iterations > self.growth * self._best:
-            self.Forget()
-        else:
-            self._best = min(self._best, iterations)
-
-
-def Blocks(system, nodes):
-    """The part of nodes (n, d) of dofs of a Condensation, as bsr_matrix."""
-    starts, columns, values = system.NodeBlocks(nodes)
-    width = nodes.shape[1]
-    blocks = values.reshape(-1, width, width)
-    return bsr_matrix((blocks, columns, starts), shape=(nodes.size, nodes.size))

@@ -1,0 +1,71 @@
+#include "blockedrows.hpp"
+#include "indexmap.hpp"
+
+namespace ngslac {
+bool BlockedRows::Fill(const Condensation & system, const NodeOrder & order, size_t row) {
+  IndexMap places;
+  places.Position(row);
+  auto dofs = order.dofs.Range(width * row, width * (row + 1));
+  auto each = [&](auto f) {
+    for (int k : Range(width))
+      if (dofs[k] >= 0) {
+        auto columns = system.Columns(dofs[k]);
+        for (int j : Range(columns))
+          if (int s = order.slot[columns[j]]; s >= 0)
+            f(k, j, s);
+      }
+  };
+  each([&](int, int, int s) { places.Position(s / width); });
+  Array<int> columns(places.Indices());
+  Array<float> blocks(width * width * columns.Size() + 1);
+  blocks = 0.0f;
+  each([&](int k, int j, int s) {
+    size_t first = width * width * places.Find(s / width);
+    blocks[first + width * (s % width) + k] = float(system.Values(dofs[k])(j));
+  });
+  for (int k : Range(width))
+    if (dofs[k] < 0)
+      blocks[width * k + k] = 1;
+  bool differs = columns != rows[row].columns || blocks != rows[row].blocks;
+  rows[row] = {std::move(columns), std::move(blocks)};
+  return differs;
+}
+
+namespace {
+/// Rows are short: the processor's own prefetcher starts anew with each and comes too late. What is
+/// `ahead` of a block, in numbers, is fetched in time.
+constexpr size_t ahead = 1024;
+
+void Prefetch([[maybe_unused]] const float * address) {
+#ifdef __GNUC__ // and clang
+  __builtin_prefetch(address);
+#endif
+}
+} // namespace
+
+auto BlockedRows::Times(size_t row, FlatArray<Node> z) const -> Node {
+  constexpr int lanes = std::tuple_size<Node>();
+  auto & [columns, blocks] = rows[row];
+  float sum[2 * width][lanes] = {}; // for each column, by turns: none waits for the others
+  auto add = [&](size_t j, auto * sum) {
+    const float * block = blocks.Data() + width * width * j;
+    Prefetch(block + ahead);
+    const Node & value = z[columns[j]];
+    for (int l : Range(width))
+      for (int k : Range(lanes))
+        sum[l][k] += block[width * l + k] * value[l];
+  };
+  size_t j = 0, end = columns.Size();
+  for (; j + 1 < end; j += 2) {
+    add(j, sum);
+    add(j + 1, sum + width);
+  }
+  if (j < end)
+    add(j, sum);
+  Node total;
+  static_assert(width == 3);
+  for (int k : Range(lanes))
+    total[k] = (sum[0][k] + sum[3][k]) + (sum[1][k] + sum[4][k]) + (sum[2][k] + sum[5][k]);
+  return total;
+}
+} // namespace ngslac

@@ -1,0 +1,27 @@
+#pragma once
+#include <la.hpp>
+
+namespace ngslac {
+using namespace ngla;
+
+/// When GMRES ends.
+struct GMResLimits {
+  double tol;   // relative residual that is small enough
+  int maxiter;  // products with the matrix
+  int patience; // so many that do not halve the residual together are a stall; 0: there is none
+};
+
+struct GMResSolution {
+  shared_ptr<BaseVector> x; // with the smallest residual
+  Array<double> residuals;  // before the first product and after each
+  bool converged;
+};
+
+/// GMRES without restart from zero for  mat x = rhs  on the free dofs: norm of the residual itself.
+///
+/// A basis vector that the projection left with less than half its length is projected twice
+/// (Daniel, Gragg, Kaufman and Stewart 1976). `look` is called before each product; what it throws
+/// ends the iteration. Saad and Schultz 1986.
+GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArray & free,
+                    const GMResLimits & limits, const function<void()> & look);
+} // namespace ngslac

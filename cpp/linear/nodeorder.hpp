@@ -1,0 +1,17 @@
+#pragma once
+#include "condense.hpp"
+
+namespace ngslac {
+/// Some dofs of a system, gathered to nodes that follow each other in a breadth-first search.
+struct NodeOrder {
+  static constexpr int width = 3; // at most so many dofs to a node
+
+  Array<int> slot; // of each dof: width * (position of its node) + number there, or -1
+  Array<int> dofs; // of each slot, -1 where a node has fewer
+
+  /// Those in `which`: dofs with equal rows, multipliers aside, make a node.
+  NodeOrder(const Condensation & system, const BitArray & which);
+
+  size_t Size() const { return dofs.Size() / width; }
+};
+} // namespace ngslac

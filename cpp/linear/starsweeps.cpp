@@ -1,0 +1,183 @@
+#include "starsweeps.hpp"
+#include "indexmap.hpp"
+#include "levels.hpp"
+
+namespace ngslac {
+StarSweeps::StarSweeps(const Condensation & system, const BitArray & which,
+                       FlatTable<int> given, int dim)
+    : order(system, which), rows(order.Size()) {
+  static Timer timer("ngslac::StarSweeps - setup");
+  RegionTimer reg(timer);
+  condensed = Changed(system);
+  ParallelFor(order.Size(), [&](size_t row) { rows.Fill(system, order, row); });
+  FindStars(given, dim);
+  Arrange();
+  ParallelFor(stars.Size(), [&](size_t s) { Invert(stars[s]); });
+}
+
+void StarSweeps::Update(const Condensation & system) {
+  static Timer timer("ngslac::StarSweeps - update");
+  RegionTimer reg(timer);
+  auto now = Changed(system);
+  Array<bool> differs(order.Size());
+  ParallelFor(order.Size(), [&](size_t row) {
+    differs[row] = (now[row] || condensed[row]) && rows.Fill(system, order, row);
+  });
+  condensed = std::move(now);
+  IndexMap found;
+  for (size_t node : Range(differs))
+    if (differs[node])
+      for (int star : holding[node])
+        found.Position(star);
+  auto some = found.Indices();
+  if (!IsArranged(some))
+    Arrange();
+  ParallelFor(some.Size(), [&](size_t i) { Invert(stars[some[i]]); });
+}
+
+/// Nodes with a row that the condensation changed.
+Array<bool> StarSweeps::Changed(const Condensation & system) const {
+  Array<bool> changed(order.Size());
+  ParallelFor(changed.Size(), [&](size_t row) {
+    changed[row] = false;
+    for (int dof : order.dofs.Range(width * row, width * (row + 1)))
+      changed[row] = changed[row] || (dof >= 0 && system.Changes(dof));
+  });
+  return changed;
+}
+
+void StarSweeps::FindStars(FlatTable<int> given, int dim) {
+  Array<bool> alone(order.Size());
+  alone = true;
+  for (auto dofs : given) {
+    IndexMap nodes;
+    for (int dof : dofs)
+      for (int k : Range(dim))
+        if (int s = order.slot[dim * dof + k]; s >= 0)
+          nodes.Position(s / width);
+    for (int node : nodes.Indices())
+      alone[node] = false;
+    if (nodes.Indices().Size())
+      stars.Append(Star{Array<int>(nodes.Indices()), Array<float>()});
+  }
+  for (int node : Range(alone))
+    if (alone[node])
+      stars.Append(Star{Array<int>{node}, Array<float>()});
+  TableCreator<int> creator(order.Size());
+  for (; !creator.Done(); creator++)
+    for (int s : Range(stars))
+      for (int node : stars[s].nodes)
+        creator.Add(node, s);
+  holding = creator.MoveTable();
+}
+
+/// Stars with a node in the rows of this one.
+Array<int> StarSweeps::Neighbours(int star) const {
+  IndexMap others;
+  for (int node : stars[star].nodes)
+    for (int column : rows.Columns(node))
+      for (int other : holding[column])
+        if (other != star)
+          others.Position(other);
+  return Array<int>(others.Indices());
+}
+
+/// The order of the stars, and which are swept at the same time: all even chunks, then all odd ones.
+void StarSweeps::Arrange() {
+  Array<Array<int>> neighbours(stars.Size());
+  ParallelFor(stars.Size(), [&](size_t s) { neighbours[s] = Neighbours(s); });
+  Levels levels(neighbours);
+  sequence.SetSize0();
+  chunk.SetSize(stars.Size());
+  for (int colour : Range(2)) {
+    chunks[colour].SetSize0();
+    for (size_t c = colour; c < levels.chunks.Size(); c += 2) {
+      chunks[colour].Append(sequence.Size() + IntRange(0, levels.chunks[c].Size()));
+      for (int s : levels.nodes.Range(levels.chunks[c])) {
+        sequence.Append(s);
+        chunk[s] = c;
+      }
+    }
+  }
+}
+
+/// Are these stars coupled to the chunks beside theirs only?
+bool StarSweeps::IsArranged(FlatArray<int> some) const {
+  std::atomic<bool> near = true;
+  ParallelFor(some.Size(), [&](size_t i) {
+    for (int other : Neighbours(some[i]))
+      if (std::abs(chunk[other] - chunk[some[i]]) > 1)
+        near = false;
+  });
+  return near;
+}
+
+void StarSweeps::Invert(Star & star) const {
+  size_t n = width * star.nodes.Size();
+  Matrix<> dense(n, n);
+  dense = 0.0;
+  IndexMap places;
+  for (int node : star.nodes)
+    places.Position(node);
+  for (int i : Range(star.nodes)) {
+    auto columns = rows.Columns(star.nodes[i]);
+    for (size_t j : Range(columns))
+      if (int column = places.Find(columns[j]); column >= 0)
+        for (int l : Range(width))
+          for (int k : Range(width))
+            dense(width * i + k, width * column + l) =
+                rows.Block(star.nodes[i], j)[width * l + k];
+  }
+  CalcInverse(dense);
+  star.inverse.SetSize(n * n);
+  for (size_t j : Range(n))
+    for (size_t i : Range(n))
+      star.inverse[n * j + i] = float(dense(i, j));
+}
+
+void StarSweeps::Solve(const Star & star, FlatArray<Node> b, FlatArray<Node> z) const {
+  size_t n = width * star.nodes.Size();
+  ArrayMem<float, 256> left(n), step(n);
+  for (int i : Range(star.nodes)) {
+    Node product = rows.Times(star.nodes[i], z);
+    for (int k : Range(width))
+      left[width * i + k] = b[star.nodes[i]][k] - product[k];
+  }
+  step = 0.0f;
+  for (size_t j : Range(n)) {
+    const float * column = &star.inverse[n * j];
+    for (size_t i = 0; i < n; i++)
+      step[i] += column[i] * left[j];
+  }
+  for (int i : Range(star.nodes))
+    for (int k : Range(width))
+      z[star.nodes[i]][k] += step[width * i + k];
+}
+
+void StarSweeps::Sweep(FlatArray<Node> b, FlatArray<Node> z, bool back) const {
+  for (int colour : {int(back), int(!back)})
+    ParallelJob(
+        [&](TaskInfo info) {
+          auto range = chunks[colour][info.task_nr];
+          for (size_t i : Range(range.Size()))
+            Solve(stars[sequence[back ? range.Next() - 1 - i : range.First() + i]], b, z);
+        },
+        chunks[colour].Size());
+}
+
+void StarSweeps::Gather(FlatVector<> values, FlatArray<Node> nodes) const {
+  ParallelFor(nodes.Size(), [&](size_t row) {
+    nodes[row].fill(0);
+    for (int k : Range(width))
+      if (int dof = order.dofs[width * row + k]; dof >= 0)
+        nodes[row][k] = float(values(dof));
+  });
+}
+
+void StarSweeps::Scatter(FlatArray<Node> nodes, FlatVector<> values) const {
+  ParallelFor(values.Size(), [&](size_t i) {
+    int s = order.slot[i];
+    values(i) = s >= 0 ? nodes[s / width][s % width] : 0;
+  });
+}
+} // namespace ngslac

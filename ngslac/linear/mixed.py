@@ -1,0 +1,86 @@
+"""Preconditioner of bulks with a pressure of their own, as for incompressible materials."""
+
+import numpy as np
+from ngsolve import BaseMatrix
+
+from ngslac.arrays import AsNumPy
+
+__all__ = ["Mixed", "PressureRows"]
+
+# Diagonal entries that are rounding errors of zero.
+ZERO = 1e-12
+
+
+def PressureRows(system):
+    """The free rows (n,) bool of a Condensation whose diagonal is not positive.
+
+    They belong to the pressure of a mixed form, or to another multiplier in the bulk: the matrix is
+    scaled so that rows of displacements have the diagonal 1.
+    """
+    rows, cols, vals = Entries(system)
+    own = rows == cols
+    diagonal = np.bincount(rows[own], vals[own], minlength=system.height)
+    return AsNumPy(system.freedofs) & (diagonal < ZERO)
+
+
+class Mixed(BaseMatrix):
+    """Block triangular: displacements first, then what is left for the pressure.
+
+    Where displacements and pressure satisfy an inf-sup condition the pressure's Schur complement
+    ``C + B K^-1 B^T`` is like a mass matrix, and so like ``diag(C + B diag(K)^-1 B^T)``, whatever
+    the bulk modulus is (Elman, Silvester, Wathen, Finite Elements and Fast Iterative Solvers,
+    chapter 4).
+
+    Parameters
+    ----------
+    system : Condensation
+        Of displacements and pressures.
+    inverse : BaseMatrix
+        Preconditioner of its displacements, zero on the pressures.
+    pressures : (n,) bool
+    """
+
+    def __init__(self, system, inverse, pressures):
+        super().__init__()
+        self.system, self.inverse, self.pressures = system, inverse, pressures
+        self._compliance = Compliance(system, pressures)[pressures]
+        self._left = system.CreateColVector()
+
+    def Mult(self, x, y):
+        """Y = M^-1 x."""
+        y.data = self.inverse * x
+        self._left.data = x - self.system * y
+        left, values = self._left.FV().NumPy(), y.FV().NumPy()
+        values[self.pressures] = -left[self.pressures] / self._compliance
+
+    def Height(self):
+        """Rows."""
+        return self.system.height
+
+    def Width(self):
+        """Columns."""
+        return self.system.width
+
+    def CreateColVector(self):
+        """A vector of `Height`."""
+        return self.system.CreateColVector()
+
+    def CreateRowVector(self):
+        """A vector of `Width`."""
+        return self.system.CreateRowVector()
+
+
+def Entries(system):
+    """Rows, columns and values of the entries of a Condensation."""
+    mat = system.Part()  # whose memory the views below are
+    values, columns, starts = (np.array(part) for part in mat.CSR())
+    return np.repeat(np.arange(system.height), np.diff(starts.astype(int))), columns, values
+
+
+def Compliance(system, pressures):
+    """Diagonal of C + B B^T on the rows of pressures (n,); that of K is 1."""
+    rows, cols, vals = Entries(system)
+    own = rows == cols
+    counts = pressures[rows] & (own | (AsNumPy(system.freedofs) & ~pressures)[cols])
+    terms = np.where(own, -vals, vals**2)
+    return np.bincount(rows[counts], terms[counts], minlength=system.height)
