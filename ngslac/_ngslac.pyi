@@ -475,11 +475,12 @@ def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Se
     ...
 def FacetCorners(arg0: ngsolve.comp.Region, arg1: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
     ...
-def GMRes(mat: ngsolve.la.BaseMatrix, rhs: ngsolve.la.BaseVector, freedofs: pyngcore.pyngcore.BitArray, tol: typing.SupportsFloat | typing.SupportsIndex, maxiter: typing.SupportsInt | typing.SupportsIndex, patience: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[ngsolve.la.BaseVector, numpy.typing.NDArray[numpy.float64], bool]:
+def GMRes(mat: ngsolve.la.BaseMatrix, rhs: ngsolve.la.BaseVector, freedofs: pyngcore.pyngcore.BitArray, tol: typing.SupportsFloat | typing.SupportsIndex, maxiter: typing.SupportsInt | typing.SupportsIndex, patience: typing.SupportsInt | typing.SupportsIndex = 0, inverse: ngsolve.la.BaseMatrix | None = None) -> tuple[ngsolve.la.BaseVector, numpy.typing.NDArray[numpy.float64], bool]:
     """
     GMRES from zero without restart: solution of least residual, norms of the residuals before
     the first product and after each, and whether the last is at most `tol` times the first.
     Ends where `patience` products, if not 0, did not halve it.
+    With an `inverse` as preconditioner from the right, of any precision: flexible GMRES.
     """
 def HoldsProxy(function: ngsolve.fem.CoefficientFunction) -> bool:
     """

@@ -170,19 +170,20 @@ void ExportLinear(py::module & m) {
   m.def(
       "GMRes",
       [](shared_ptr<BaseMatrix> mat, shared_ptr<BaseVector> rhs, const BitArray & free, double tol,
-         int maxiter, int patience) {
+         int maxiter, int patience, shared_ptr<BaseMatrix> inverse) {
         GMResSolution found;
         {
           py::gil_scoped_release release;
-          found = GMRes(*mat, *rhs, free, {tol, maxiter, patience}, LookForSignals);
+          found = GMRes(*mat, *rhs, free, {tol, maxiter, patience}, LookForSignals, inverse.get());
         }
         py::array_t<double> residuals(found.residuals.Size(), found.residuals.Data());
         return py::make_tuple(found.x, residuals, found.converged);
       },
       py::arg("mat").none(false), py::arg("rhs").none(false), py::arg("freedofs"), py::arg("tol"),
-      py::arg("maxiter"), py::arg("patience") = 0,
+      py::arg("maxiter"), py::arg("patience") = 0, py::arg("inverse") = nullptr,
       "GMRES from zero without restart: solution of least residual, norms of the residuals before\n"
       "the first product and after each, and whether the last is at most `tol` times the first.\n"
-      "Ends where `patience` products, if not 0, did not halve it.");
+      "Ends where `patience` products, if not 0, did not halve it.\n"
+      "With an `inverse` as preconditioner from the right, of any precision: flexible GMRES.");
 }
 } // namespace ngslac

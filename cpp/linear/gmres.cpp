@@ -12,6 +12,14 @@ void ForChunks(size_t n, F f) {
               [&](size_t k) { f(IntRange(k * chunk, min(n, (k + 1) * chunk)), k); });
 }
 
+/// Adds a combination of the first vectors.
+void Combine(FlatArray<shared_ptr<BaseVector>> vectors, const Vector<> & factors, FlatVector<> w) {
+  ForChunks(w.Size(), [&](IntRange range, size_t) {
+    for (size_t i : Range(factors))
+      w.Range(range) += factors(i) * vectors[i]->FV<double>().Range(range);
+  });
+}
+
 /// Orthonormal vectors on the free dofs.
 class Basis {
   Array<shared_ptr<BaseVector>> vectors;
@@ -74,12 +82,7 @@ public:
   }
 
   /// Adds a combination of the first vectors.
-  void AddTo(FlatVector<> w, const Vector<> & factors) const {
-    ForChunks(w.Size(), [&](IntRange range, size_t) {
-      for (size_t i : Range(factors))
-        w.Range(range) += factors(i) * vectors[i]->FV<double>().Range(range);
-    });
-  }
+  void AddTo(FlatVector<> w, const Vector<> & factors) const { Combine(vectors, factors, w); }
 };
 
 /// Least squares problem of GMRES, turned to a triangle by Givens's rotations.
@@ -131,17 +134,22 @@ bool Stalls(FlatArray<double> residuals, size_t patience) {
   size_t n = residuals.Size();
   return patience && n > patience && residuals.Last() > 0.5 * residuals[n - 1 - patience];
 }
+
+void CheckSizes(const BaseVector & x, const BaseVector & image, const BaseVector & rhs,
+                const BitArray & free) {
+  size_t n = x.FV<double>().Size();
+  if (image.FV<double>().Size() != n || rhs.FV<double>().Size() != n || free.Size() != n)
+    throw Exception("GMRes: the matrix, the right hand side and the free dofs differ in size");
+}
 } // namespace
 
 GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArray & free,
-                    const GMResLimits & limits, const function<void()> & look) {
+                    const GMResLimits & limits, const function<void()> & look,
+                    const BaseMatrix * inverse) {
   static Timer timer("ngslac::GMRes");
   RegionTimer reg(timer);
   shared_ptr<BaseVector> x = mat.CreateRowVector(), start = mat.CreateColVector();
-  if (x->FV<double>().Size() != start->FV<double>().Size() ||
-      rhs.FV<double>().Size() != start->FV<double>().Size() ||
-      free.Size() != x->FV<double>().Size())
-    throw Exception("GMRes: the matrix, the right hand side and the free dofs differ in size");
+  CheckSizes(*x, *start, rhs, free);
   *x = 0.0;
   *start = rhs;
   Basis basis(free);
@@ -152,10 +160,15 @@ GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArr
     return found;
   basis.Append(start, norm);
   Triangle triangle(norm);
+  Array<shared_ptr<BaseVector>> moves; // M^-1 q
   for (int k = 0; k < limits.maxiter && !found.converged; k++) {
     look();
     shared_ptr<BaseVector> next = mat.CreateColVector();
-    mat.Mult(basis.Last(), *next);
+    if (inverse) {
+      moves.Append(mat.CreateRowVector());
+      inverse->Mult(basis.Last(), *moves.Last());
+    }
+    mat.Mult(inverse ? *moves.Last() : basis.Last(), *next);
     auto w = next->FV<double>();
     basis.Restrict(w);
     Vector<> h(k + 2);
@@ -168,7 +181,10 @@ GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArr
       break;
     basis.Append(next, h(k + 1));
   }
-  basis.AddTo(x->FV<double>(), triangle.Solution());
+  if (inverse)
+    Combine(moves, triangle.Solution(), x->FV<double>());
+  else
+    basis.AddTo(x->FV<double>(), triangle.Solution());
   return found;
 }
 } // namespace ngslac

@@ -7,6 +7,7 @@ namespace {
 constexpr double penalty = 3;
 /// Error of a product with a lift, relative: constraints that depend on each other leave more.
 constexpr double inexact = 1e-6;
+const char * dependent = "ngslac: constraints of macro-elements depend on each other";
 
 Vector<> Times(const BaseMatrix & mat, FlatVector<> r) {
   Vector<> y(r.Size());
@@ -46,6 +47,14 @@ shared_ptr<SparseMatrix<double>> Gram(FlatArray<LocalBlock> blocks, FlatArray<Ma
   return gram;
 }
 
+Array<int> Where(FlatArray<bool> set) {
+  Array<int> found;
+  for (size_t i : Range(set))
+    if (set[i])
+      found.Append(i);
+  return found;
+}
+
 /// Cholesky factorisation; throws where the matrix is singular.
 shared_ptr<BaseMatrix> Inverse(const SparseMatrix<double> & gram) {
   gram.SetInverseType("sparsecholesky");
@@ -55,7 +64,7 @@ shared_ptr<BaseMatrix> Inverse(const SparseMatrix<double> & gram) {
     x(i) = 1 + 0.5 * cos(double(i));
   Vector<> error = Times(gram, Times(*inverse, x)) - x;
   if (!(L2Norm(error) <= inexact * L2Norm(x)))
-    throw Exception("ngslac: constraints of macro-elements depend on each other");
+    throw Exception(dependent);
   return inverse;
 }
 } // namespace
@@ -69,10 +78,17 @@ OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> 
   E.SetSize(blocks.Size());
   Gt.SetSize(blocks.Size());
   penalised.SetSize(blocks.Size());
+  std::atomic<bool> fails = false;
   ParallelFor(blocks.Size(), [&](size_t m) {
-    SplitBlock(blocks[m], *mat, [&](const Matrix<> &) { return FreeDofs(m); });
-    FillLocal(m);
+    try {
+      SplitBlock(blocks[m], *mat, [&](const Matrix<> &) { return FreeDofs(m); });
+      FillLocal(m);
+    } catch (const Exception &) {
+      fails = true;
+    }
   });
+  if (fails)
+    throw Exception(dependent);
   NumberConstraints();
   if (first.Last()) {
     gram = Gram(blocks, E, first, touching);
@@ -80,24 +96,27 @@ OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> 
     gramleft = HasSymmetricContact() ? gram : Gram(blocks, Gt, first, touching);
     inverseleft = gramleft == gram ? inverse : Inverse(*gramleft);
   }
-  auto holds = [&](int dof) {
-    for (int m : touching[dof])
-      if (blocks[m].NConstraints())
-        return true;
-    return false;
-  };
-  auto changes = [&](int dof) {
-    for (int m : touching[dof])
-      if (blocks[m].NConstraints() || blocks[m].slides)
-        return true;
-    return false;
-  };
-  Array<int> changed;
-  for (size_t i : Range(touching))
-    if (!ismultiplier[i] && (touching[i].Size() && changes(i)))
-      changed.Append(i);
-  StoreRows(changed, [&](int row, RowSum & sum) { SumRow(row, sum); });
-  near = RowsWith(holds);
+  FillRows();
+}
+
+void OrthogonalCondensation::FillRows() {
+  size_t n = mat->Height();
+  Array<bool> held(n), changes(n), isnear(n);
+  ParallelFor(n, [&](size_t i) {
+    held[i] = changes[i] = false;
+    if (!ismultiplier[i])
+      for (int m : touching[i]) {
+        held[i] = held[i] || blocks[m].NConstraints();
+        changes[i] = changes[i] || blocks[m].NConstraints() || blocks[m].slides;
+      }
+  });
+  StoreRows(Where(changes), [&](int row, RowSum & sum) { SumRow(row, sum); });
+  ParallelFor(n, [&](size_t i) {
+    isnear[i] = false;
+    for (int j : Columns(i))
+      isnear[i] = isnear[i] || held[j];
+  });
+  near = Where(isnear);
 }
 
 /// Positions.
@@ -126,23 +145,6 @@ void OrthogonalCondensation::FillLocal(int m) {
   Matrix<> product = Gt[m] * Trans(E[m]);
   Matrix<> stiffness = penalty * left * Matrix<>(product * right);
   penalised[m] = stiffness * block.E2;
-}
-
-/// Free displacements, and others, with an entry in a column that is told.
-Array<int> OrthogonalCondensation::RowsWith(const function<bool(int)> & holds) const {
-  size_t n = mat->Height();
-  Array<bool> held(n), found(n);
-  ParallelFor(n, [&](size_t i) { held[i] = holds(i); });
-  ParallelFor(n, [&](size_t i) {
-    found[i] = false;
-    for (int j : Columns(i))
-      found[i] = found[i] || held[j];
-  });
-  Array<int> rows;
-  for (size_t i : Range(n))
-    if (found[i])
-      rows.Append(i);
-  return rows;
 }
 
 /// Sums up a row of  K + G2 S E2.
@@ -195,6 +197,10 @@ void OrthogonalCondensation::ToImage(FlatVector<> z, FlatVector<> image) const {
       image(near[k]) += values(j) * lifted(columns[j]);
   });
   SubtractReactions(Reactions(image), image);
+  ParallelFor(image.Size(), [&](size_t i) {
+    if (!free->Test(i))
+      image(i) = 0;
+  });
 }
 
 void OrthogonalCondensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {

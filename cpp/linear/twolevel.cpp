@@ -20,9 +20,8 @@ void TwoLevel::Correct(FlatArray<Node> b, FlatArray<Node> z) const {
   auto rhs = coarse->CreateColVector(), solution = coarse->CreateRowVector();
   prolongation.Restrict(left, rhs.FV<double>());
   coarse->Mult(rhs, solution);
-  prolongation.Add(solution.FV<double>(), [&](int slot, float value) {
-    z[slot / width][slot % width] += value;
-  });
+  prolongation.Add(solution.FV<double>(),
+                   [&](int slot, float value) { z[slot / width][slot % width] += value; });
 }
 
 void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const {

@@ -18,7 +18,8 @@ def ToCSR(mat):
     values, columns, starts = (np.array(a) for a in mat.CSR())
     if block == 1:
         return csr_matrix((values, columns, starts), shape=mat.shape)
-    return bsr_matrix((values.reshape(-1, block, block), columns, starts)).tocsr()
+    shape = block * mat.height, block * mat.width
+    return bsr_matrix((values.reshape(-1, block, block), columns, starts), shape=shape).tocsr()
 
 
 def ActiveRows(contact, holds="now"):

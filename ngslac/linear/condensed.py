@@ -100,11 +100,15 @@ class Condensed:
             x = x + self._Step(system, frictionless, left, 0.9 * accuracy * size)
             left = (b - Multiply([mat], x)) * self.free
             error = float(np.linalg.norm(left)) / size
+            self._Learn(error, accuracy)
             if error < best[1]:  # not so where it is NaN
                 best = x, error
             if not accuracy < error < np.inf:
                 break
         return best if size else (x, 0.0)
+
+    def _Learn(self, error, accuracy):
+        """See what a round came to that was to reach an accuracy."""
 
     def _Frictionless(self, given):
         """The system in which slip is frictionless, if that serves and is symmetric."""

@@ -3,9 +3,12 @@
 import numpy as np
 
 from ngslac._ngslac import OrthogonalCondensation, TwoLevel, TwoLevelProduct
-from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
+from ngslac.linear.condensed import Condensed, FlexibleGMRes, IsNear, RightGMRes
 
 __all__ = ["IterativeCondensed"]
+
+# Residual of a round, in units of what was asked for, that rounding errors have left.
+ROUGH = 5
 
 
 class IterativeCondensed(Condensed):
@@ -29,6 +32,7 @@ class IterativeCondensed(Condensed):
     def __init__(self, freedofs, bits, dim, inverse, multigrid, preconditioner=None):
         self.multigrid, self.preconditioner = multigrid, preconditioner
         super().__init__(freedofs, bits, dim, inverse)
+        self._rounds_off = False  # are products in single precision too rough?
 
     def Forget(self):
         """Keep no preconditioner for the next system."""
@@ -44,6 +48,10 @@ class IterativeCondensed(Condensed):
 
     def _Accuracy(self, wanted):
         return max(wanted, self.exact)
+
+    def _Learn(self, error, accuracy):
+        if error > ROUGH * max(accuracy, self.best):
+            self._rounds_off = True
 
     def _Frictionless(self, _):
         return None
@@ -72,6 +80,8 @@ class IterativeCondensed(Condensed):
         return inverse, mat
 
     def _Iterate(self, system, _, inverse, rhs, tol, iterations):
+        if self._rounds_off:
+            return FlexibleGMRes(system, inverse, rhs, tol, iterations)
         own = isinstance(inverse, TwoLevel)
         product = TwoLevelProduct(inverse, system) if own else system @ inverse
         given = product, inverse, rhs, system.freedofs

@@ -63,15 +63,15 @@ class ContactSolver:
         of its displacement are eliminated, the rest is factored; where something slips in 3D, the
         system without friction is, and preconditions GMRES. The factorisation serves again while
         few macro-elements change. "iterative": GMRES on the same system, preconditioned by
-        Gauss-Seidel sweeps and a direct solution on the vertices: least memory, for order 2 and
-        higher. "saddle": LU of the whole system. Default: "iterative" from 5,000 free dofs in 3D
-        and 25,000 in 2D on, for small sliding and order 2 or higher, if neither `inverse` nor
-        condensation of the bulk is asked for; else "direct".
+        Gauss-Seidel sweeps and algebraic multigrid on the vertices: least memory. "saddle": LU of
+        the whole system. Default: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, for
+        small sliding, if neither `inverse` nor condensation of the bulk is asked for; else
+        "direct".
     preconditioner : callable, optional
-        For "iterative", of any order: ``preconditioner(mat, freedofs)`` returns an operator of the
-        same size, which approximates the inverse of a sparse matrix on the free dofs, as an
-        algebraic multigrid method does. Called for each new matrix; the numbers of the scalar dofs
-        are those of the product space, and the rows of the multipliers are empty.
+        For "iterative", in place of its own: ``preconditioner(mat, freedofs)`` returns an operator
+        of the same size, which approximates the inverse of a sparse matrix on the free dofs. Called
+        for each new matrix; the numbers of the scalar dofs are those of the product space, and the
+        rows of the multipliers are empty.
     initial : {"gap", "none"}
         Which macro-elements start closed when a body is held by contact alone: those nearest to the
         master, or none (then such a body is an error).

@@ -18,8 +18,8 @@ from ngsolve import (
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
-from ngslac.arrays import AsBits
-from ngslac.linear.factor import Cholesky, Factor
+from ngslac.bodies.constraints import ToCSR
+from ngslac.linear.parts import PartsInverse
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
 
@@ -85,11 +85,9 @@ class Mass:
         Mass per reference volume.
     free : (n,) bool
         Free scalar dofs.
-    inverse : str, optional
-        Name of the NGSolve solver for the mass matrix, as in ContactSolver.
     """
 
-    def __init__(self, contact, density, free, inverse=None):
+    def __init__(self, contact, density, free):
         form = contact.form
         space = form.fes
         self.u, self.v = Displacement(space, form)
@@ -102,7 +100,8 @@ class Mass:
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
         self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
-        self._inverse, self._solver = None, Cholesky(inverse)
+        self._entries, self._inverse = ToCSR(self.mat), None
+        self._entries.eliminate_zeros()  # which stand where components would be coupled
 
     def _CheckPositive(self, order):
         """The masses of the materials, all finite and > 0."""
@@ -130,20 +129,13 @@ class Mass:
 
     def Times(self, values):
         """M times a numpy vector."""
-        x, y = self.mat.CreateRowVector(), self.mat.CreateColVector()
-        x.FV().NumPy()[:] = values
-        y.data = self.mat * x
-        return y.FV().NumPy().copy()
+        return self._entries @ values
 
     def Solve(self, forces):
         """The accelerations of the free dofs under forces; 0 elsewhere."""
         if self._inverse is None:
-            free = self.free.reshape(self.mat.height, -1).all(axis=1)
-            self._inverse = Factor(self.mat, AsBits(free), self._solver)
-        x, y = self.mat.CreateRowVector(), self.mat.CreateColVector()
-        y.FV().NumPy()[:] = forces * self.free
-        x.data = self._inverse * y
-        return x.FV().NumPy() * self.free
+            self._inverse = PartsInverse(self._entries, self.free)
+        return self._inverse.Solve(forces)
 
     def Energy(self, velocity):
         """Kinetic energy."""

@@ -108,7 +108,7 @@ class StepEnd:
         loads = 0.5 * (self._balanced[1] + forces[1])
         way = self._forces.OnTheWay(motion, self._balanced, forces, linear)
         velocity, momentum = self._NewVelocity(motion, forces[0], dt)
-        works, taken, pushed = self._Works(motion, loads, way, velocity)
+        works, taken, pushed = self._Works(motion, forces[0], loads, way, velocity)
         if energy is not None:
             works["internal"] = energy - before.internal
         if linear:  # the method is stable by itself
@@ -184,12 +184,14 @@ class StepEnd:
         velocity[fixed] = (rate + dt / (dt + last) * (rate - before))[fixed]
         return self.mass.Energy(velocity) - energy
 
-    def _Works(self, motion, loads, way, velocity):
+    def _Works(self, motion, force, loads, way, velocity):
         """Works of all forces before the commit, what they took from bodies; forces of contact."""
         forces, work, friction = ContactWorks(self.contacts, self.gf, motion)
-        conservation, balance = self._conservation, self.gf.vec.CreateVector()
-        self.form.Apply(self.gf.vec, balance)
-        reaction = balance.FV().NumPy() + sum(forces) - self.Load().FV().NumPy()
+        conservation, form, end = self._conservation, self.form, self.gf.vec.FV().NumPy()
+        load = self.static.system.bulk.load * self.mass.rows
+        inertia = 2 / form.dt**2 * self.mass.Times(end - form.start.vec.FV().NumPy())
+        balance = form.share * (force + load) + inertia
+        reaction = balance + sum(forces) - self.Load().FV().NumPy()
         given = reaction * ~self.mass.free + loads
         resistance = sum(weight * force for weight, _, force in way)
         pushes = self.obstacles.Works(self.gf)

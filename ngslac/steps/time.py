@@ -125,7 +125,7 @@ class TimeStepper:
         CheckInstance("time", self.time, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
         self.energy = CheckEnergy(energy)
         free = solver.system.residual.free
-        self.mass = Mass(solver.contacts[0], density, free, solver.linear.wanted)
+        self.mass = Mass(solver.contacts[0], density, free)
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.prescribe = prescribe

@@ -18,7 +18,12 @@ from press import mixed_press, mixed_press3d, numpy, press, press3d, same, solve
 from refused import calls, check_refused
 
 from ngslac import BubbleVectorH1, _ngslac
-from ngslac._ngslac import Condensation, MergeMatrices, TwoLevelProduct
+from ngslac._ngslac import (
+    Condensation,
+    MergeMatrices,
+    OrthogonalCondensation,
+    TwoLevelProduct,
+)
 from ngslac.arrays import AsBits, AsNumPy, Multiply
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.direct import DirectCondensed
@@ -227,11 +232,11 @@ def test_what_cannot_be_factored(monkeypatch):
 # --- the preconditioner --------------------------------------------------------------------------
 
 
-def two_level(friction=5.0, kinds=("tet", "tet")):
+def two_level(friction=5.0, kinds=("tet", "tet"), variant=Condensation):
     """Condensed system of the last step, and its preconditioner."""
     problem = press3d(friction=friction, kinds=kinds)
     given, _ = system(problem)
-    condensed = Condensation(*given)
+    condensed = variant(*given)
     multigrid = problem.solver(solver="iterative").linear._methods[0][1].multigrid
     return condensed, multigrid.Preconditioner(condensed, np.ones(condensed.height))
 
@@ -265,16 +270,17 @@ def test_two_level_preconditioner_is_symmetric_and_positive_in_any_number_of_thr
     assert np.array_equal(*images)
 
 
+@pytest.mark.parametrize("variant", [Condensation, OrthogonalCondensation])
 @pytest.mark.parametrize("friction", [0.0, 0.05, 5.0])
-def test_two_level_product(friction):
+def test_two_level_product(friction, variant):
     """The last sweep leaves the product with the matrix, also where that has slip."""
     with TaskManager():
-        condensed, inverse = two_level(friction, ("tet", "hex"))
+        condensed, inverse = two_level(friction, ("tet", "hex"), variant)
         assert condensed.has_symmetric_contact == (friction != 0.05)
         (x,) = random_vectors(condensed, 1)
         on_free = Projector(condensed.freedofs, True)
         expected = (on_free * (condensed * (inverse * x))).Evaluate()
-        product = (TwoLevelProduct(inverse) * x).Evaluate()
+        product = (TwoLevelProduct(inverse, condensed) * x).Evaluate()
     error = (product - expected).Evaluate().Norm()
     assert error < IterativeCondensed.best * expected.Norm()
 

@@ -154,13 +154,15 @@ def test_what_is_not_finite_ends_the_iteration(wrong, value):
 class Product(BaseMatrix):
     """In Python, as a preconditioner may be."""
 
-    def __init__(self, values, act=lambda: None):
+    def __init__(self, values, act=lambda: None, digits=None):
         super().__init__()
-        self.mat, self.act = matrix(values), act
+        self.mat, self.act, self.digits = matrix(values), act, digits
 
     def Mult(self, x, y):
         self.act()
         y.data = self.mat * x
+        if self.digits:
+            y.FV().NumPy()[:] = np.round(y.FV().NumPy(), self.digits)
 
     def CreateVector(self, col):
         return self.mat.CreateColVector() if col else self.mat.CreateRowVector()
@@ -173,6 +175,21 @@ class Product(BaseMatrix):
 
     def IsComplex(self):
         return False
+
+
+def test_preconditioner_from_the_right():
+    """The residuals of the product; a preconditioner that rounds does not limit them."""
+    values, rhs = given(shift=3.0)
+    pre = np.linalg.inv(values + np.diag(np.linspace(0, 5, N)))
+    expected = run(values @ pre, rhs)[1]
+    x, residuals, converged = run(values, rhs, inverse=matrix(pre))
+    assert converged
+    assert residuals == pytest.approx(expected, rel=1e-6, abs=1e-12 * residuals[0])
+    assert np.linalg.norm(values @ x - rhs) <= 1.01e-10 * residuals[0]
+    rounded = Product(pre, digits=3)
+    x, residuals, converged = run(values, rhs, tol=1e-12, inverse=rounded)
+    assert converged
+    assert np.linalg.norm(values @ x - rhs) <= 1.01e-12 * residuals[0]
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from ngsolve import ds
+from ngsolve import BitArray, ds
 from press import linear, numpy, press3d, same, solved
 from scipy.sparse import bsr_matrix
 
 from ngslac import BubbleVectorH1
+from ngslac.linear.choose import LARGE
 from ngslac.linear.multigrid import COARSEST, Hierarchy, Prolongation, Rows, VCycle
-from ngslac.linear.vertices import RigidMotions
+from ngslac.linear.vertices import RigidMotions, VertexNodes
 
 FIRST = {"order": 1, "friction": 0.1, "n": (4, 3)}
 CASES = {
@@ -172,3 +173,23 @@ def test_rigid_motions_are_kept_by_each_level(block, turn, factor, shift):
     inner = np.repeat(points[:, 2] > 1, 3)
     image = (prolongation @ coarse)[inner]
     assert image == pytest.approx(given[inner], abs=1e-10 * np.abs(given).max())
+
+
+def test_chosen_by_itself_also_for_first_order(monkeypatch):
+    monkeypatch.setitem(LARGE, 3, 100)
+    assert press3d(**FIRST).solver().linear.method == "iterative"
+    assert press3d(**FIRST, condense=True).solver().linear.method == "direct"
+    monkeypatch.setitem(LARGE, 3, 10_000)
+    assert press3d(**FIRST).solver().linear.method == "direct"
+
+
+def test_nodes_without_free_dofs_are_left_out():
+    form = press3d(**FIRST).contact.form
+    free = BitArray(form.fes.ndof)
+    free.Clear()
+    assert VertexNodes.Of(form, free).count == 0
+    free.Set(form.offset + 7)
+    nodes = VertexNodes.Of(form, free)
+    assert (nodes.dofs.shape, nodes.dofs[nodes.free]) == ((1, 3), [form.offset + 7])
+    scale = np.full(form.fes.ndof, 0.5)
+    assert np.linalg.norm(nodes.Modes(scale)[:, :3]) == pytest.approx(2)

@@ -1,0 +1,128 @@
+"""Lifts of least energy are exact, and iterations do not see which body is stiffer."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from netgen.meshing import NgException
+from ngsolve import Grad, InnerProduct, Parameter, Sym, TaskManager, dx
+from press import mixed_press3d, press3d, same, solved, stress
+from test_condensed import CASES, condition, dense, made, system
+
+from ngslac._ngslac import Condensation, OrthogonalCondensation
+from ngslac.arrays import AsBits, AsNumPy
+from ngslac.linear.flexible import FlexibleGMRes
+
+
+def bodies(ratio):
+    """Bulk in which the slave is stiffer by a ratio."""
+
+    def bulk(u, v, _):
+        work = InnerProduct(stress(u), Sym(Grad(v)))
+        return [ratio * work * dx("upper"), work * dx("lower")]
+
+    return bulk
+
+
+def contrast(make, ratio, **flags):
+    """A press in which the slave, and the springs that hold it, are stiffer by a ratio."""
+    return make(bulk=bodies(ratio), spring=1000.0 * ratio, **flags)
+
+
+STICK, TIED, FREE = {"friction": 5.0}, {"tied": True, "friction": None}, {}
+RATIOS = (1e-4, 1.0, 1e4)
+ANY = {case: partial(made, case) for case in CASES}
+ANY |= {f"3D {ratio:g}": partial(contrast, mixed_press3d, ratio) for ratio in RATIOS}
+ANY |= {"rotated": partial(mixed_press3d, mesh_flags={"rotation": ((1.0, 2.0, 3.0), 0.7)})}
+
+
+def image(mat, values):
+    """Product with the entries of an array."""
+    x = mat.CreateRowVector()
+    x.FV().NumPy()[:] = values
+    return (mat * x).Evaluate().FV().NumPy().copy()
+
+
+@pytest.mark.parametrize("case", ANY)
+def test_the_whole_solution_solves_the_condensed_system(case):
+    """Also for a right hand side that is none of Newton's: A u is what is reduced, P u what counts."""
+    given, _ = system(ANY[case]())
+    mat, multipliers, _, free = given
+    mask = AsNumPy(free)
+    b = np.random.default_rng(3).standard_normal(mat.height) * mask
+    expected = np.zeros(len(b))
+    expected[mask] = np.linalg.solve(dense(mat, free), b[mask])
+    condensed = OrthogonalCondensation(*given)
+    inner = AsNumPy(condensed.freedofs)
+    u, reduced = expected * inner, condensed.Reduce(b)
+    size = np.abs(expected).max()
+    assert np.abs(image(condensed, u) - reduced)[inner].max() < 1e-10 * size
+    assert condensed.Expand(b, u) == pytest.approx(expected, abs=1e-9 * size)
+    assert not np.any(inner[multipliers])
+
+
+@pytest.mark.parametrize("case", ["2D stick", "3D tied", "3D mixed"])
+def test_lifts_cancel(case):
+    """A and its right hand sides vanish on what the lifts span: all of them keep the constraints."""
+    given, _ = system(made(case))
+    condensed = OrthogonalCondensation(*given)
+    b = np.random.default_rng(5).standard_normal(condensed.height) * AsNumPy(given[3])
+    w = np.random.default_rng(6).standard_normal(condensed.height) * AsNumPy(condensed.freedofs)
+    x = condensed.Expand(b, w)
+    lifted = x - condensed.Expand(b, x * AsNumPy(condensed.freedofs))
+    free = AsNumPy(condensed.freedofs)
+    assert np.abs(lifted[free]).max() < 1e-11 * np.abs(x).max()
+    rest = (w - (condensed.Expand(b, w) - condensed.Expand(b, 0 * w))) * free
+    assert np.abs(rest).max() > 1e-3
+    assert np.abs(image(condensed, rest)).max() < 1e-11 * np.abs(image(condensed, w)).max()
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 1e-2, 1.0, 1e2, 1e4])
+@pytest.mark.parametrize("law", [STICK, TIED, FREE])
+def test_condition_number_does_not_see_the_ratio(ratio, law):
+    """Within a factor of ten of the bulk's, where pivots on the stiff side take a thousand."""
+    given, _ = system(contrast(press3d, ratio, n=(2, 3), **law))
+    condensed = OrthogonalCondensation(*given)
+    inner = condensed.freedofs
+    bulk = condition(dense(given[0], inner))
+    assert np.sum(condensed.constraints) > 0
+    assert condition(dense(condensed.Part(), inner)) < 10 * bulk
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("friction", [None, 0.1, 5.0])
+@pytest.mark.parametrize("n", [(2, 5), (3, 2)])
+def test_iterations_do_not_see_the_ratio(ratio, friction, n):
+    """Stick, slip and neither; the master finer and coarser. The solution is that of LU."""
+    given = {"friction": friction, "n": n, "kinds": ("tet", "tet")}
+    reference, problem = (contrast(press3d, ratio, **given) for _ in range(2))
+    solved(reference, solver="saddle")
+    solver = solved(problem, solver="iterative")
+    assert (solver.linear.method, solver.linear.factorisations) == ("iterative", 0)
+    assert solver.linear.krylov <= 25 * (len(solver.history) - 1)
+    same(problem, reference, 1e-7)
+
+
+def test_flexible_iteration():
+    """The residual is as small as asked for, though the preconditioner has another rounding."""
+    given, b = system(press3d(friction=5.0))
+    mat = Condensation(*given)
+    free, rhs = AsNumPy(mat.freedofs), mat.CreateColVector()
+    rhs.FV().NumPy()[:] = mat.Reduce(b)
+    smoother = mat.Part().CreateSmoother(mat.freedofs)
+    x, number = FlexibleGMRes(mat, smoother, rhs, free, tol=1e-11, maxiter=200)
+    left = (image(mat, x.FV().NumPy()) - rhs.FV().NumPy()) * free
+    assert 0 < number < 200
+    assert np.linalg.norm(left) < 2e-11 * rhs.Norm()
+    assert FlexibleGMRes(mat, smoother, rhs, free, tol=1e-11, maxiter=3)[1] == 3
+
+
+def test_dependent_constraints_are_refused():
+    """Where all that a macro-element touches is held."""
+    (mat, multipliers, dim, free), _ = system(press3d(friction=Parameter(5.0)))
+    held = AsNumPy(free)
+    values = dense(mat)
+    held &= ~(values[multipliers[:dim]] != 0).any(axis=0)
+    held[multipliers] = True
+    with TaskManager(), pytest.raises(NgException, match="depend on each other"):
+        OrthogonalCondensation(mat, multipliers, dim, AsBits(held))
