@@ -9,6 +9,7 @@ void ExportSpace(py::module & m);
 void ExportBubble(py::module & m);
 void ExportQueries(py::module & m);
 void ExportLinear(py::module & m);
+void ExportSchur(py::module & m);
 void ExportTool(py::module & m);
 void ExportRigidTool(py::module & m);
 void ExportContact(py::module & m);
@@ -24,6 +25,7 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportBubble(m);
   ExportQueries(m);
   ExportLinear(m);
+  ExportSchur(m);
   ExportTool(m);
   ExportRigidTool(m);
   ExportContact(m);

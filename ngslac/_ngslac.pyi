@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'Side', 'SplitSlaveFaces', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -448,6 +448,31 @@ class Condensation(ngsolve.la.BaseMatrix):
     def has_symmetric_contact(self) -> bool:
         """
         as without slip
+        """
+class SchurComplement:
+    """
+    C^T A^-1 C for sparse columns C, from a 'sparsecholesky' A = L D L^T.
+
+    The columns are those of a scipy csc_matrix; throws where L^-1 C had more entries than L.
+    """
+    def Forward(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        y = L^-1 rhs, in the order of elimination.
+        """
+    def Solve(self, y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        A^-1 (rhs - C x) from y = L^-1 rhs.
+        """
+    def Trace(self, y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        C^T A^-1 rhs from y = L^-1 rhs.
+        """
+    def __init__(self, inverse: ngsolve.la.BaseMatrix, starts: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], rows: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    @property
+    def complement(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (m, m): C^T A^-1 C
         """
 class TwoLevel(ngsolve.la.BaseMatrix):
     """

@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import BaseVector, BitArray
 
-__all__ = ["AsBits", "AsNumPy", "Multiply", "ScalarDofs"]
+__all__ = ["AddToDiagonal", "AsBits", "AsNumPy", "Multiply", "ScalarDofs"]
 
 
 def Multiply(mats, values):
@@ -35,3 +35,11 @@ def ScalarDofs(dofs, space):
     if space.dim == 1:
         return dofs
     return AsBits(AsNumPy(dofs).repeat(space.dim))
+
+
+def AddToDiagonal(mat, values):
+    """Add to the diagonal of a sparse matrix, which has to be in its graph."""
+    entries, columns, starts = mat.CSR()
+    rows = np.repeat(np.arange(mat.height), np.diff(np.asarray(starts).astype(int)))
+    where = np.flatnonzero(rows == np.asarray(columns))
+    np.asarray(entries)[where] += values[rows[where]]

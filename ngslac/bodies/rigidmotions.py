@@ -15,7 +15,7 @@ from ngsolve import (
     z,
 )
 
-__all__ = ["DofsOfMaterials", "RigidMotions", "Turned"]
+__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Turned"]
 
 ACCURACY = 1e-10
 
@@ -49,6 +49,15 @@ def RigidMotions(space):
             columns.append(gf.vec.FV().NumPy().copy())
         motions = np.stack(columns, axis=1)
     return motions, names, size
+
+
+def MotionsOf(contact):
+    """Those of all scalar dofs of a contact's product space (n, m): zero but for displacements."""
+    form = contact.form
+    block, (own, *_) = form.fes.dim, RigidMotions(form.component)
+    motions = np.zeros((form.fes.ndof * block, own.shape[1]))
+    motions[form.offset * block :][: len(own)] = own
+    return motions
 
 
 def Turned(space, displacement, size):

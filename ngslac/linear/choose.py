@@ -9,17 +9,22 @@ __all__ = ["ChooseSolver"]
 
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {2: 25_000, 3: 5_000}
+# Up to this many the factors of the bulk alone are cheaper than iterations for each system.
+FACTORED = {2: 10_000_000, 3: 50_000}
 
 
-def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
-    """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest."""
+def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, motions=None):
+    """The LinearSolver for these forms and free scalar dofs: the one wanted, or the fastest.
+
+    `motions` gives the rigid motions, see `Grounded`.
+    """
     if preconditioner is not None:
         CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")
         if wanted not in (None, "iterative"):
             raise ValueError(f"preconditioner= goes with solver='iterative', not {wanted!r}")
         wanted = "iterative"
     if wanted is not None:
-        CheckChoice("solver", wanted, ("direct", "iterative", "saddle"))
+        CheckChoice("solver", wanted, ("interface", "direct", "iterative", "saddle"))
     dim, free = a.space.mesh.dim, freedofs.NumSet()
     nodes = VertexNodes.Of(contacts[0].form, freedofs)
     suits = nodes is not None and nodes.count > 0
@@ -29,11 +34,12 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None):
             "this space does not have: take solver='direct'"
         )
     reason = "as asked for"
+    interface = wanted == "interface"
     if wanted is None:
-        small_sliding = not any(contact.finite for contact in contacts)
-        reason = f"{free} free dofs in {dim}D"
-        iterates = suits and free >= LARGE[dim] and not inverse
-        wanted = "iterative" if iterates and small_sliding and not a.condense else "direct"
+        reason, interface = f"{free} free dofs in {dim}D", not inverse and not a.condense
+    if wanted is None or interface:
+        wanted = "iterative" if suits and free >= LARGE[dim] and not inverse else "direct"
     multigrid = Multigrid(nodes, 3 * nodes.count >= free, a.space) if suits else None
     given = freedofs, inverse, wanted, dim, multigrid, reason, preconditioner
-    return LinearSolver(*given)
+    first = reason == "as asked for" or free <= FACTORED[dim]
+    return LinearSolver(*given, motions if interface else None, first)

@@ -8,7 +8,7 @@ from ngslac._ngslac import Condensation, GMRes
 from ngslac.arrays import Multiply
 from ngslac.linear.factor import IsSymmetric, LinearSolveError
 
-__all__ = ["Condensed", "IsNear", "Krylov", "RightGMRes"]
+__all__ = ["Condensed", "FlexibleGMRes", "IsNear", "Krylov", "RightGMRes"]
 
 
 @dataclass(frozen=True)
@@ -143,6 +143,18 @@ def RightGMRes(product, inverse, rhs, freedofs, *, tol, maxiter):
     """
     found, residuals, converged = GMRes(product, rhs, freedofs, tol, maxiter)
     return Krylov(len(residuals) - 1, converged), (inverse * found).Evaluate()
+
+
+def FlexibleGMRes(system, inverse, rhs, tol, maxiter):
+    """The same for a preconditioner in single precision that is too rough for the solution.
+
+    Keeps the preconditioned vectors: rounding errors of the preconditioner are none of the solution
+    then, as they are where it is applied to a combination in the end. Where a stiff body moves on a
+    soft one they would be as large as the forces.
+    """
+    given = system, rhs, system.freedofs, tol, maxiter
+    found, residuals, converged = GMRes(*given, inverse=inverse)
+    return Krylov(len(residuals) - 1, converged), found
 
 
 def IsNear(system, other):

@@ -4,6 +4,7 @@ import ctypes
 import importlib.metadata
 import importlib.util
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -44,24 +45,41 @@ def Cholesky(inverse=None):
     return inverse or ("pardisospd" if HasMKL() else "sparsecholesky")
 
 
+# OpenBLAS of NGSolve and of SciPy: package, where the library is from there, its prefix.
+BLAS = (
+    ("ngsolve_openblas", "libopenblas*", "openblas"),
+    ("scipy", "../scipy.libs/libscipy_openblas*", "scipy_openblas"),
+)
+
+
+@cache
+def BLASThreads():
+    """For each OpenBLAS that is found: functions that tell and set its number of threads."""
+    found = []
+    for package, pattern, prefix in BLAS:
+        spec = importlib.util.find_spec(package)
+        for path in sorted(Path(spec.origin).parent.glob(pattern))[:1] if spec else ():
+            blas = ctypes.CDLL(str(path))
+            names = (f"{prefix}_{verb}_num_threads" for verb in ("get", "set"))
+            found.append([getattr(blas, name, None) for name in names])
+    return [pair for pair in found if all(pair)]
+
+
 @contextmanager
 def OneBLASThread():
-    """Let NGSolve's BLAS use one thread.
+    """Let BLAS use one thread.
 
     The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
     TaskManager, whose workers spin on all cores, they cost a factor of ten.
     """
-    spec = importlib.util.find_spec("ngsolve_openblas")
-    found = sorted(Path(spec.origin).parent.glob("libopenblas*")) if spec else []
-    blas = ctypes.CDLL(str(found[0])) if found else None
-    threads = blas.openblas_get_num_threads() if blas else 1
+    before = [tell() for tell, _ in BLASThreads()]
     try:
-        if blas:
-            blas.openblas_set_num_threads(1)
+        for _, set_threads in BLASThreads():
+            set_threads(1)
         yield
     finally:
-        if blas:
-            blas.openblas_set_num_threads(threads)
+        for (_, set_threads), threads in zip(BLASThreads(), before, strict=True):
+            set_threads(threads)
 
 
 def Factor(mat, freedofs, inverse, **flags):

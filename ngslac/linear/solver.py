@@ -5,9 +5,10 @@ from netgen.meshing import NgException
 from ngsolve import BitArray
 
 from ngslac._ngslac import MergeMatrices
-from ngslac.arrays import AsNumPy
+from ngslac.arrays import AddToDiagonal, AsNumPy
 from ngslac.linear.direct import DirectCondensed
 from ngslac.linear.factor import LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.interface import Interface
 from ngslac.linear.iterative import IterativeCondensed
 
 __all__ = ["LinearSolveError", "LinearSolver"]
@@ -20,8 +21,8 @@ class LinearSolver:
 
     Some factorisations return NaN on saddle point matrices, others lose ten digits, without saying
     so. Whatever the method, the residual of the whole system must be small, or the next method
-    takes over: iterative, condensed and direct, LU of the saddle point matrix, the same with the
-    safe solver.
+    takes over: interface, iterative, condensed and direct, LU of the saddle point matrix, the same
+    with the safe solver.
 
     Parameters
     ----------
@@ -37,6 +38,10 @@ class LinearSolver:
         Why this method, for people.
     preconditioner : callable, optional
         For "iterative", see ContactSolver.
+    motions : callable, optional
+        Gives the rigid motions (n, m) of the scalar dofs, for "interface": None, if that is no way.
+    first : bool
+        Does "interface" come before `method`, or just before "direct"?
 
     Attributes
     ----------
@@ -62,6 +67,8 @@ class LinearSolver:
         multigrid=None,
         reason="",
         preconditioner=None,
+        motions=None,
+        first=True,
     ):
         self.bits = BitArray(freedofs)
         self.free = AsNumPy(freedofs)
@@ -74,19 +81,23 @@ class LinearSolver:
             given = self.free, self.bits, dim, inverse, multigrid, preconditioner
             iterative = IterativeCondensed(*given)
             self._methods.insert(0, ("iterative", iterative))
+        if motions:
+            place = 0 if first else len(self._methods) - 1
+            self._methods.insert(place, ("interface", Interface(self.free, dim, motions)))
         self._used = list(self._methods)
         self.NewBulk()
         self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
 
     @property
     def method(self):
-        """What solves now: "iterative", "direct" or "saddle"."""
+        """What solves now: "interface", "iterative", "direct" or "saddle"."""
         return self._methods[0][0] if self._methods else "saddle"
 
     def __str__(self):
         factor = f"{Cholesky(self.wanted)}, or {LU(self.wanted)} where unsymmetric"
         ways = {
             "iterative": "iterative, " + ("as given" if self._preconditioner else "multigrid"),
+            "interface": "on the interface, the bulk with sparsecholesky, once",
             "direct": f"condensed, with {factor}",
             "saddle": f"saddle point, with {self.inverse}",
         }
@@ -105,12 +116,18 @@ class LinearSolver:
     def State(self):
         """What has been learnt about the methods, as a dict."""
         names = [name for name, _ in self._methods]
-        return {"inverse": self.inverse, "methods": names, "failures": self._failures}
+        state = {"inverse": self.inverse, "methods": names, "failures": self._failures}
+        return state | {"once": any(method.once for method in self._Interfaces())}
 
     def SetState(self, state):
         """Go on with the methods of a `State`."""
         self.inverse, self._failures = state["inverse"], state["failures"]
         self._methods = [method for method in self._used if method[0] in state["methods"]]
+        for method in self._Interfaces():
+            method.once = state["once"]
+
+    def _Interfaces(self):
+        return [method for name, method in self._used if name == "interface"]
 
     def Forget(self):
         """Keep nothing for the next system."""
@@ -123,10 +140,10 @@ class LinearSolver:
         `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
         iterative method stops at the relative residual `accuracy`.
         """
-        mat, self.nearly_singular = self._Merge(bulk, forms, scale, shift), False
+        self.nearly_singular = False
         b = scale * rhs * self.free
         errors, best = [], (None, np.inf)
-        for name, solve in self._Attempts(mat, forms, scale, b, accuracy):
+        for name, solve in self._Attempts((bulk, forms, scale, shift), b, accuracy):
             try:
                 x, error = solve()
             except (LinearSolveError, NgException) as failure:
@@ -163,18 +180,24 @@ class LinearSolver:
             AddToDiagonal(mat, shift)
         return mat
 
-    def _Attempts(self, mat, forms, scale, b, accuracy):
+    def _Attempts(self, system, b, accuracy):
         """Names and functions that return a solution and its relative residual."""
-        if self._methods:
-            dofs = np.concatenate([form.MultiplierDofs() for form in forms])
+        mat = None
+        for name, method in list(self._methods):
+            if name == "interface":
+                if method.Begin():
+                    yield name, lambda method=method: method.Solve(*system, b)
+                continue
+            mat = mat or self._Merge(*system)
+            dofs = np.concatenate([form.MultiplierDofs() for form in system[1]])
             args = mat, dofs, b, accuracy
-            for name, method in list(self._methods):
-                method.scale = scale
-                yield name, lambda method=method: method.Solve(*args)
-                if name == "iterative":
-                    self._failures += 1
-                    if self._failures == self.most_failures:
-                        del self._methods[0]
+            method.scale = system[2]
+            yield name, lambda method=method, args=args: method.Solve(*args)
+            if name == "iterative":
+                self._failures += 1
+                if self._failures == self.most_failures:
+                    self._methods = [m for m in self._methods if m[0] != "iterative"]
+        mat = mat or self._Merge(*system)
         for inverse in dict.fromkeys((self.inverse, SAFE)):
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
 
@@ -225,11 +248,3 @@ class LinearSolver:
             if error < 1e-14 or error > 0.5 * before:
                 break
         return x.FV().NumPy(), error
-
-
-def AddToDiagonal(mat, values):
-    """Add to the diagonal of a sparse matrix, which has to be in its graph."""
-    entries, columns, starts = mat.CSR()
-    rows = np.repeat(np.arange(mat.height), np.diff(np.asarray(starts).astype(int)))
-    where = np.flatnonzero(rows == np.asarray(columns))
-    np.asarray(entries)[where] += values[rows[where]]

@@ -12,6 +12,7 @@ from ngslac.arguments import (
     CheckState,
 )
 from ngslac.arrays import AsNumPy, ScalarDofs
+from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
@@ -58,15 +59,19 @@ class ContactSolver:
         NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else
         "sparsecholesky" for symmetric matrices and "umfpack" for others. A result with a bad
         residual is recomputed by "umfpack".
-    solver : {"direct", "iterative", "saddle"}, optional
-        How linear systems are solved. "direct": each macro-element's multiplier and one inner node
-        of its displacement are eliminated, the rest is factored; where something slips in 3D, the
-        system without friction is, and preconditions GMRES. The factorisation serves again while
-        few macro-elements change. "iterative": GMRES on the same system, preconditioned by
-        Gauss-Seidel sweeps and algebraic multigrid on the vertices: least memory. "saddle": LU of
-        the whole system. Default: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, for
-        small sliding, if neither `inverse` nor condensation of the bulk is asked for; else
-        "direct".
+    solver : {"interface", "direct", "iterative", "saddle"}, optional
+        How linear systems are solved. "interface": the bulk, held by a few springs whose forces are
+        unknowns, is factored once by "sparsecholesky" for all systems of the same matrix; each of
+        them takes a dense matrix of the closed macro-elements. "direct": each macro-element's
+        multiplier and one inner node of its displacement are eliminated, the rest is factored;
+        where something slips in 3D, the system without friction is, and preconditions GMRES. The
+        factorisation serves again while few macro-elements change. "iterative": GMRES on the
+        displacements that keep the constraints, preconditioned by sweeps over vertices with their
+        edges and algebraic multigrid on the vertices: least memory. "saddle": LU of the whole
+        system. Default: "interface" in 2D and up to 50,000 free dofs in 3D. Other problems, and
+        systems that it does not suit, as those of a nonlinear bulk, whose matrix is another one
+        each time: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where
+        the iteration fails, the next of the two others. With `inverse` always "direct".
     preconditioner : callable, optional
         For "iterative", in place of its own: ``preconditioner(mat, freedofs)`` returns an operator
         of the same size, which approximates the inverse of a sparse matrix on the free dofs. Called
@@ -116,7 +121,8 @@ class ContactSolver:
         CheckFreeDofs(freedofs, space, contacts)
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
-        linear = ChooseSolver(a, contacts, scalars, inverse, solver, preconditioner)
+        given = inverse, solver, preconditioner, lambda: MotionsOf(contacts[0])
+        linear = ChooseSolver(a, contacts, scalars, *given)
         bulk = Bulk(a, gf, rhs)
         free = linear.free | bulk.inner
         self.system = System(bulk, contacts, linear, free)

@@ -169,8 +169,12 @@ REFUSED = [
             ("'mumps'", "inverse='mumps' is not available.*None takes the fastest", ValueError),
         )
     ),
-    ("make(solver='fast')", "must be one of 'direct', 'iterative', 'saddle'", ValueError),
-    ("make(solver=3)", "must be one of 'direct', 'iterative', 'saddle'", TypeError),
+    (
+        "make(solver='fast')",
+        "one of 'interface', 'direct', 'iterative', 'saddle'",
+        ValueError,
+    ),
+    ("make(solver=3)", "one of 'interface', 'direct', 'iterative', 'saddle'", TypeError),
     ("make(preconditioner='bddc')", "preconditioner = 'bddc' must be a function", TypeError),
     (
         "make(preconditioner=lambda mat, free: mat, solver='direct')",

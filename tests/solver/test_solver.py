@@ -282,7 +282,7 @@ def test_callback_and_history():
 def test_printing(capsys):
     mixed_press().solver().Solve()
     first, *lines = capsys.readouterr().out.splitlines()
-    assert "linear systems: condensed" in first
+    assert "linear systems: on the interface" in first
     assert len(lines) >= 3
     assert all("equilibrium" in line and "constraint" in line for line in lines)
 

@@ -1,0 +1,85 @@
+#include "schur.hpp"
+#include <comp.hpp>
+#include <python_comp.hpp>
+
+namespace ngslac {
+using namespace ngcomp;
+
+namespace {
+template <typename T>
+using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+template <typename T>
+Array<T> Copy(const Numbers<T> & values) {
+  Array<T> copy(values.size());
+  for (size_t i : Range(copy))
+    copy[i] = values.data()[i];
+  return copy;
+}
+
+FlatVector<> View(const Numbers<double> & values, size_t size) {
+  if (size_t(values.size()) != size)
+    throw Exception("SchurComplement: a vector has " + ToString(values.size()) + " entries, not " +
+                    ToString(size));
+  return {size, const_cast<double *>(values.data())};
+}
+
+Numbers<double> ToNumPy(FlatVector<> values) {
+  return Numbers<double>(values.Size(), values.Data());
+}
+
+SparseColumns Columns(const Numbers<size_t> & starts, const Numbers<int> & rows,
+                      const Numbers<double> & values, int height) {
+  SparseColumns columns{Copy(starts), Copy(rows), Copy(values)};
+  auto fits = [&](int row) { return row >= 0 && row < height; };
+  if (!columns.starts.Size() || columns.starts[0] != 0 ||
+      !std::is_sorted(columns.starts.begin(), columns.starts.end()) ||
+      columns.starts.Last() != columns.rows.Size() ||
+      columns.rows.Size() != columns.values.Size() ||
+      !std::all_of(columns.rows.begin(), columns.rows.end(), fits))
+    throw Exception("SchurComplement: starts, rows and values are no sparse columns");
+  return columns;
+}
+} // namespace
+
+void ExportSchur(py::module & m) {
+  py::class_<SchurComplement, shared_ptr<SchurComplement>>(
+      m, "SchurComplement",
+      "C^T A^-1 C for sparse columns C, from a 'sparsecholesky' A = L D L^T.\n\n"
+      "The columns are those of a scipy csc_matrix; throws where L^-1 C had more entries than L.")
+      .def(py::init([](shared_ptr<BaseMatrix> inverse, Numbers<size_t> starts, Numbers<int> rows,
+                       Numbers<double> values) {
+             auto columns = Columns(starts, rows, values, inverse->VHeight());
+             py::gil_scoped_release release;
+             return make_shared<SchurComplement>(inverse, columns);
+           }),
+           py::arg("inverse").none(false), py::arg("starts"), py::arg("rows"), py::arg("values"))
+      .def_property_readonly(
+          "complement",
+          [](const SchurComplement & self) {
+            auto & c = self.Complement();
+            return Numbers<double>(std::vector<size_t>{c.Height(), c.Width()}, c.Data());
+          },
+          "(m, m): C^T A^-1 C")
+      .def(
+          "Forward",
+          [](const SchurComplement & self, Numbers<double> rhs) {
+            return ToNumPy(self.Factors().Forward(View(rhs, self.Height())));
+          },
+          py::arg("rhs"), "y = L^-1 rhs, in the order of elimination.")
+      .def(
+          "Trace",
+          [](const SchurComplement & self, Numbers<double> y) {
+            return ToNumPy(self.Trace(View(y, self.Factors().Size())));
+          },
+          py::arg("y"), "C^T A^-1 rhs from y = L^-1 rhs.")
+      .def(
+          "Solve",
+          [](const SchurComplement & self, Numbers<double> y, Numbers<double> x) {
+            Vector<> left = View(y, self.Factors().Size());
+            self.Subtract(View(x, self.Size()), left);
+            return ToNumPy(self.Factors().Backward(left));
+          },
+          py::arg("y"), py::arg("x"), "A^-1 (rhs - C x) from y = L^-1 rhs.");
+}
+} // namespace ngslac
