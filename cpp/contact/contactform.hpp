@@ -87,17 +87,11 @@ public:
   /// What a later solve depends on, besides the configuration of the pairing.
   virtual FormHistory History() const = 0;
   virtual void SetHistory(const FormHistory & history) = 0;
-  /// Augmented Lagrangian, with c times a factor: matrix and residual of the displacements alone,
-  /// whose contact traction is the projection of  lambda - c j  with the multipliers of x kept.
-  virtual shared_ptr<SparseMatrix<double>>
-  AssembleAugmented(const BaseVector & x, BaseVector & residual, double factor) = 0;
   /// Matrix of the displacements alone where springs take the place of the contact law: the
   /// traction of each macro-element, the multiplier of x, falls by its stiffness (d x d, row by
   /// row) times the jump.
   virtual shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & x,
                                                            FlatArray<double> stiffness) = 0;
-  /// The outer iteration of the augmented Lagrangian: the multipliers of x become the projections.
-  virtual void UpdateMultipliers(BaseVector & x, double factor) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

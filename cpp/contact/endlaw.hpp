@@ -20,8 +20,7 @@ struct EndPressure {
   double base;          // q
   double mean;          // of the p_k, for which the contact law is
   double by_multiplier; // derivative of the mean
-  double by_gap;        // that by the gap of all pressed points, times -A over their area
-  double c;
+  double c;             // minus the derivative by the gap of a pressed point
 
   double At(double gap) const { return max(0.0, base - c * gap); }
   bool Presses(double gap) const { return base > c * gap; }
@@ -29,21 +28,7 @@ struct EndPressure {
   /// At a multiplier.
   static EndPressure Of(const EndPoints & points, double c) {
     auto [mean, share] = Mean(points, points.given, c);
-    return {points.given, mean, share, c, c};
-  }
-
-  /// With the multiplier that maximises the potential less  A/(2 r) (p - p0)^2:  the step from p0
-  /// of the method of multipliers.
-  static EndPressure Step(const EndPoints & points, double c, double r) {
-    double p = points.given, share = 0;
-    for (int i = 0; i < 100; i++) { // convex and piecewise linear: ends by itself
-      auto [mean, now] = Mean(points, p, c);
-      double change = (p + r / c * (p - mean) - points.given) / (1 + r / c * (1 - now));
-      p -= change, share = now;
-      if (fabs(change) <= 1e-15 * fabs(p))
-        break;
-    }
-    return {p, p, 1 / (1 + r / c * (1 - share)), r / (1 + r / c * (1 - share)), c};
+    return {points.given, mean, share, c};
   }
 
 private:

@@ -83,12 +83,6 @@ void ExportContact(py::module & m) {
       .def("SetHistory",
            [](ContactForm & self, const History & history) { self.SetHistory(FromNumPy(history)); })
       .def(
-          "AssembleAugmented",
-          [](ContactForm & self, const BaseVector & x, BaseVector & residual, double factor)
-              -> shared_ptr<BaseMatrix> { return self.AssembleAugmented(x, residual, factor); },
-          py::arg("x"), py::arg("residual"), py::arg("factor") = 1.0,
-          py::call_guard<py::gil_scoped_release>())
-      .def(
           "AssembleSprings",
           [](ContactForm & self, const BaseVector & x,
              py::array_t<double, py::array::c_style | py::array::forcecast> stiffness)
@@ -98,8 +92,6 @@ void ExportContact(py::module & m) {
             return self.AssembleSprings(x, values);
           },
           py::arg("x"), py::arg("stiffness"))
-      .def("UpdateMultipliers", &ContactForm::UpdateMultipliers, py::arg("x"),
-           py::arg("factor") = 1.0, py::call_guard<py::gil_scoped_release>())
       .def(
           "Lean",
           [](ContactForm & self,

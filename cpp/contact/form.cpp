@@ -127,25 +127,6 @@ void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
 }
 
 template <int D>
-shared_ptr<SparseMatrix<double>> Form<D>::AssembleAugmented(const BaseVector & bx,
-                                                            BaseVector & residual, double factor) {
-  Prepare(bx);
-  CheckSize(residual.FV<double>().Size());
-  Augmentation augmentation(*law, factor);
-  auto x = bx.FV<double>(), y = residual.FV<double>();
-  Array<Projection<D>> projections(states.Size());
-  Array<Vec<D>> tractions(states.Size());
-  ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
-    projections[m] = law->ProjectWithMemory(m, Place(m, x), x);
-    tractions[m] = projections[m].traction;
-    kinematics->AddForces(m, tractions[m], forces, lh);
-  });
-  kinematics->AddLoads(y);
-  mat = kinematics->Linearize(x, projections, tractions, Rim::moves);
-  return Penalized();
-}
-
-template <int D>
 shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
                                                           FlatArray<double> stiffness) {
   Prepare(bx);
@@ -163,7 +144,10 @@ shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
         p.derivative(k, l) = stiffness[(m * D + k) * D + l] / law->c[m];
   });
   Linearize(x, projections, Rim::moves);
-  return Penalized();
+  Array<double> penalties(states.Size());
+  for (size_t m : Range(penalties))
+    penalties[m] = law->c[m] / kinematics->Jump().RowArea(m);
+  return EliminateMultipliers(*mat, law->dofs, D, penalties);
 }
 
 template <int D>
@@ -174,26 +158,6 @@ void Form<D>::Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Ri
   for (size_t m : Range(tractions))
     tractions[m] = law->Multiplier(m, x);
   mat = kinematics->Linearize(x, projections, tractions, rim);
-}
-
-template <int D>
-shared_ptr<SparseMatrix<double>> Form<D>::Penalized() const {
-  Array<double> penalties(states.Size());
-  for (size_t m : Range(penalties))
-    penalties[m] = law->c[m] / kinematics->Jump().RowArea(m);
-  return EliminateMultipliers(*mat, law->dofs, D, penalties);
-}
-
-template <int D>
-void Form<D>::UpdateMultipliers(BaseVector & bx, double factor) {
-  Prepare(bx);
-  Augmentation augmentation(*law, factor);
-  auto x = bx.FV<double>();
-  ParallelFor(states.Size(), [&](size_t m) {
-    Vec<D> traction = law->ProjectAt(m, Place(m, x), x).traction;
-    for (int k : Range(D))
-      x(law->dofs[D * m + k]) = traction(k);
-  });
 }
 
 template <int D>

@@ -25,11 +25,8 @@ public:
   void Restore() override;
   FormHistory History() const override;
   void SetHistory(const FormHistory & history) override;
-  shared_ptr<SparseMatrix<double>> AssembleAugmented(const BaseVector & x, BaseVector & residual,
-                                                     double factor) override;
   shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & x,
                                                    FlatArray<double> stiffness) override;
-  void UpdateMultipliers(BaseVector & x, double factor) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
@@ -61,7 +58,6 @@ private:
   /// The matrix at x, whose forces are those of its multipliers.
   void Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Rim rim);
   /// Matrix of the displacements alone, from `mat`.
-  shared_ptr<SparseMatrix<double>> Penalized() const;
   /// Numbers of boundary elements and of vertices.
   std::array<size_t, 2> MeshSize() const;
   /// Entries of a vector on the product space.

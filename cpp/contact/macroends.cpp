@@ -90,7 +90,7 @@ void MacroEnds<D>::SetLines(size_t m, const MacroLaw<D> & law, const MacroJump<D
   auto factor = law.EndFactor(m, direction);
   ngbla::Mat<D, D> along = Id<D>() - direction * Trans(direction);
   ngbla::Mat<D, D> slides = factor * projection * along;
-  Vec<D> presses = spread.by_gap / law.c[m] * (factor * Vec<D>(projection * direction));
+  Vec<D> presses = spread.c / law.c[m] * (factor * Vec<D>(projection * direction));
   for (int k : Range(D))
     for (int l : Range(D))
       mat(lam[k], lam[l]) = block(k, l);

@@ -97,7 +97,7 @@ double MacroLaw<D>::GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> 
 
 template <int D>
 ngbla::Mat<D, D> MacroLaw<D>::EndFactor(size_t m, const Vec<D> & normal) const {
-  double more = augmented ? 0 : c[m] / end_c[m] - 1;
+  double more = c[m] / end_c[m] - 1;
   return Id<D>() + more * normal * Trans(normal);
 }
 

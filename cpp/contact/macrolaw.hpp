@@ -65,8 +65,7 @@ public:
   double GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const;
   /// How the pressure spreads over the points of a macro-element that contact ends in.
   EndPressure Spread(size_t m, const EndPoints & points) const {
-    return augmented ? EndPressure::Step(points, end_c[m], c[m])
-                     : EndPressure::Of(points, end_c[m]);
+    return EndPressure::Of(points, end_c[m]);
   }
   /// Factor of the multiplier's rows that makes the matrix symmetric where contact ends.
   ngbla::Mat<D, D> EndFactor(size_t m, const Vec<D> & normal) const;
@@ -92,28 +91,6 @@ private:
   LawData<D> Data(size_t m, const MacroPlace<D> & place) const;
   /// The traction before the projection. Macro-elements without a partner stay open.
   Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const;
-
-  template <int>
-  friend class Augmentation;
-  bool augmented = false; // do projections make steps of the method of multipliers?
-};
-
-/// Makes the scales of a law larger while it lives, for the method of multipliers.
-template <int D>
-class Augmentation {
-  MacroLaw<D> & law;
-  Array<double> before;
-
-public:
-  Augmentation(MacroLaw<D> & alaw, double factor) : law(alaw), before(alaw.c) {
-    for (double & value : law.c)
-      value *= factor;
-    law.augmented = true;
-  }
-  ~Augmentation() {
-    law.c = before;
-    law.augmented = false;
-  }
 };
 
 /// Pressures are even everywhere while it lives.

@@ -12,12 +12,14 @@ __all__ = ["PrimalSolver"]
 class PrimalSolver(LinearSolver):
     """Direct solver of the displacements alone, which keeps its factorisation of the same matrix.
 
+    For the springs of the interior point method.
+
     Parameters
     ----------
     linear : LinearSolver
         Knows the free dofs, also those of the multipliers.
     inverse : str or None
-        For symmetric matrices, see AugmentedLagrangianSolver.
+        For symmetric matrices; default: the fastest. Others go to that of `ContactSolver`.
 
     Attributes
     ----------
@@ -25,8 +27,6 @@ class PrimalSolver(LinearSolver):
         What the contacts add to the bulk's matrix.
     symmetric : bool
         Is the sum so?
-    factorizations : int
-        Number of them since `Forget`.
     """
 
     def __init__(self, linear, inverse):
@@ -40,7 +40,7 @@ class PrimalSolver(LinearSolver):
 
     def Forget(self):
         """Factor the next matrix anew."""
-        self._kept, self.factorizations = None, 0
+        self._kept = None
 
     def Leave(self, rows):
         """Leave out the multipliers, a (n,) array of bool."""
@@ -58,7 +58,6 @@ class PrimalSolver(LinearSolver):
             return self._kept[2]
         inv = Factor(mat, self.bits, inverse, symmetric=self.symmetric)
         self._kept = mat, inverse, inv  # the factorisation dies with the matrix
-        self.factorizations += 1
         return inv
 
 

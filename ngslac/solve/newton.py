@@ -209,17 +209,16 @@ class Newton:
         enough where nothing but the status was nonlinear.
         """
         last = self.history[-1]
-        most = FIRM if self.system.rubs else LOOSE
+        most, scheme = FIRM if self.system.rubs else LOOSE, self.system.scheme
         if last.changed or not last.number:
             return most
         size = max(state.equilibrium, state.constraint)
         enough = 0.03 * self.tol / size
         final = self.system.bulk.islinear and not last.slip
-        return min(most, enough if final else max(enough, 0.1 * size))
+        return min(most, max(enough if final else max(enough, 0.1 * size), scheme.accuracy))
 
     def _CloseWhatFloats(self, start=False):
-        system, holding = self.system, self.holding
-        return system.scheme.Close(system, lambda: holding.Close(start, guess=not self.onpath))
+        return self.holding.Close(start, guess=not self.onpath)
 
     # --- where it does not get there -----------------------------------------------------------
 

@@ -306,4 +306,5 @@ def OnBulk(solver, bulk, bodies):
     vars(other).update(vars(solver))
     free = solver.system.residual.free
     other.system = System(bulk, solver.contacts, solver.linear, free, bodies)
+    other.system.scheme = solver.system.scheme
     return other

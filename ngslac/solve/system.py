@@ -36,32 +36,17 @@ class Saddle:
         May another method look for the contact status where this one does not find it?
     advice : str
         What else to try where there is no convergence.
+    accuracy : float
+        Relative residual of a linear system that is enough in each step.
     """
 
-    most, searches, advice = NEWTON, True, ""
+    most, searches, advice, accuracy = NEWTON, True, "", 0.0
 
     def Prepare(self, newton, state):
         """Before each linear system of a Newton's method."""
 
-    def Close(self, system, close):
-        """Close macro-elements by ``close()``, which says whether it did; says so, too."""
-        return close()
-
-    def Linearize(self, system, state):
-        """The residual of the next linear system, whose matrices are assembled."""
-        residual = system.gf.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
-        for contact in system.contacts:
-            contact.form.AssembleStep(system.gf.vec, residual)
-        return residual
-
-    def Matrices(self, system):
-        """What the contacts add to the bulk's matrix."""
-        return [contact.form.mat for contact in system.contacts]
-
-    def Measure(self, system, honest):
-        """The Measurement of the solution, see `Residual.Measure`."""
-        return system.residual.Measure(system.scale, honest)
+    def Change(self, system):
+        """Change the matrices of the contacts, which are assembled."""
 
 
 class System:
@@ -83,7 +68,7 @@ class System:
     scale : (n,) array or None
         Factors of the rows, once there is a matrix.
     scheme : Saddle or Augmented
-        Who finds the multipliers.
+        How the multipliers are found.
     motion : (n,) array or None
         How far constrained dofs still have to move: the next correction carries it.
     idle : bool
@@ -230,8 +215,8 @@ class System:
             contact.Evaluate(self.gf)
 
     def Measure(self):
-        """The Measurement of the solution, as the scheme sees it."""
-        return self.scheme.Measure(self, self.motion is not None)
+        """The Measurement of the solution."""
+        return self.residual.Measure(self.scale, self.motion is not None)
 
     def MeasureHonestly(self):
         """The Measurement of the solution and its multipliers, by the bulk form itself."""
@@ -262,7 +247,12 @@ class System:
 
     def Linearize(self, state):
         """The residual (BaseVector) of the next linear system, whose matrices are assembled."""
-        return self.scheme.Linearize(self, state)
+        residual = self.gf.vec.CreateVector()
+        residual.FV().NumPy()[:] = state.bulk
+        for contact in self.contacts:
+            contact.form.AssembleStep(self.gf.vec, residual)
+        self.scheme.Change(self)
+        return residual
 
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
@@ -281,7 +271,7 @@ class System:
                     return found
             return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
 
-        return self.Displace(residual, Solve, self.scheme.Matrices(self))
+        return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
 
     def _WithHeldTools(self, given, residual, accuracy):
         """The solution with springs on the motions of tools, as weak as they may be."""

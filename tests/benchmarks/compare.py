@@ -6,7 +6,9 @@
 
 Each run has a process of its own and a time limit; what is not installed, or fails, is named below
 its table. The drivers and what they measure: `peers/README.md`. `--quick` runs ngslac alone, at
-100,000 unknowns, and compares with one linear elastic solve of the same mesh.
+100,000 unknowns, and compares with linear elastic solves of the same mesh: the fastest direct one
+(`..._over_elastic`) and the best of any kind (`..._over_best`), in wall and in processor time
+(`..._cpu`).
 """
 
 from __future__ import annotations
@@ -65,6 +67,7 @@ BOUNDARY, NITSCHE = "contactboundary.py", ("--variant", "nitsche")
 ALL = ("hertz", "friction", "patch", "sphere")
 PEERS = {
     "ngslac": Peer("ngslac", "lac.py"),
+    "first": Peer("ngslac, first order", "lac.py", linear=ALL),  # beside Kratos
     "bubble": Peer("ngslac, bubbles", "lac.py", ("--variant", "bubble"), only=("sphere",)),
     "penalty": Peer("ContactBoundary, penalty", BOUNDARY),
     "nitsche": Peer("ContactBoundary, Nitsche", BOUNDARY, NITSCHE, cannot=("friction",)),
@@ -216,7 +219,7 @@ def Everything(options):
     """All tables; returns what goes into the JSON file."""
     chosen = {"--inverse": options.inverse, "--solver": options.solver}
     extra = [word for pair in chosen.items() if pair[1] is not None for word in pair]
-    own = dict.fromkeys(("ngslac", "bubble"), extra)
+    own = dict.fromkeys(("ngslac", "first", "bubble"), extra)
     settings = {"order": options.order, "limit": options.limit, "threads": options.threads}
     sizes, rows, missing, tables = Sizes(options.sizes), [], [], []
     with TemporaryDirectory() as folder:

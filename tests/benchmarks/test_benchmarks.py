@@ -12,8 +12,11 @@ import phases
 import pytest
 import scaling
 import sliding
+from benchmark_elastic import Fastest, Iterative, SolveForm
 from benchmark_frame import Growth, InProcess
-from benchmark_problems import SIZES, Refined
+from benchmark_problems import SIZES, Problem, Refined
+from benchmark_runs import Meter
+from class_problems import Blocks
 from ngsolve import CF, Integrate, ds
 from scipy.integrate import quad
 
@@ -131,15 +134,37 @@ def test_refined_hertz_mesh_is_round():
 
 def test_elastic_reference_is_the_best_solve(monkeypatch):
     monkeypatch.setenv("NGS_NUM_THREADS", "1")
+    problem = Problem("patch", SMALLEST["patch"])
+    space = problem.Space(problem.Mesh(), both=True)
     row = scaling.Measure("patch", SMALLEST["patch"], "elastic", repeat=1)
-    assert set(row.variants) == set(scaling.Variants()) >= {"sparsecholesky"}
+    assert list(row.variants) == scaling.Variants(space, row.size)
+    assert {"sparsecholesky", "own"} <= set(row.variants)
     assert row.ndof == 1110
-    assert scaling.Variants("umfpack") == ["umfpack"]
-    assert all(name.startswith("pardiso") for name in scaling.Variants("pardiso"))
-    monkeypatch.setattr(scaling, "Variants", lambda inverse: ["umfpack", "sparsecholesky"])
+    assert scaling.Variants(space, 1, "umfpack") == ["umfpack", "own"]
+    assert scaling.Variants(space, 10**6) == ["own"]
+    assert all(name[:4] in ("pard", "own") for name in scaling.Variants(space, 1, "pardiso"))
+    names = ["umfpack", "sparsecholesky", "own"]
+    monkeypatch.setattr(scaling, "Variants", lambda *_: names)
     row = scaling.ElasticRun("patch", SMALLEST["patch"])
-    assert row.wall == min(run["wall"] for run in row.variants.values())
-    assert max(run["error"] for run in row.variants.values()) < 1e-9
+    assert row.wall == min(row.variants[name]["wall"] for name in names[:2])
+    assert row.isdirect
+    assert row.Best().wall == min(run["wall"] for run in row.variants.values())
+    assert max(row.variants[name]["error"] for name in names[:2]) < 1e-9
+
+
+def test_elastic_solvers_agree():
+    """Those of first order, too; and smoothed aggregation of more than one level."""
+    pytest.importorskip("pyamg")
+    problem = Blocks("tet", 8, 8, order=1)
+    a, f = problem.Elastic(problem.Mesh())
+    names = [name for name in Iterative(a.space) if name != "own"]
+    assert names == ["smoothed aggregation"]
+    runs = {name: SolveForm(a, f, name, Meter()) for name in ("sparsecholesky", *names)}
+    assert runs["smoothed aggregation"][1]["error"] < 1e-8
+    assert Fastest({"a": {"wall": 2}, "b": {"wall": 1}}) == "b"
+    problem = Blocks("tet", 3, 3, order=2)
+    with pytest.raises(ValueError, match="first order"):
+        SolveForm(*problem.Elastic(problem.Mesh()), "smoothed aggregation", Meter())
 
 
 def test_killed_process_is_told(monkeypatch, capsys):
@@ -165,6 +190,12 @@ def synthetic(problem, size, kind, **options):
     exponent = {"elastic": 1.5, "frictionless": 1.25, "friction": 1.75, "ten_steps": 2.0}[kind]
     wall = (1 + scaling.ALL.index(kind)) * (size / 1e4) ** exponent
     values = {"cpu": 2 * wall, "memory": wall / 100, "inverse": "pardiso", "error": 1e-13}
+    if kind == "elastic":
+        run = {"wall": wall, "cpu": 2 * wall, "memory": wall / 100, "error": 1e-13}
+        half = {name: value / 2 for name, value in run.items()}
+        return scaling.Row(
+            problem, size, kind, size, wall, **values, variants={"pardiso": run, "own": half}
+        )
     if kind != "elastic":
         shares = {"pairing": 0.01 * wall, "contact": 0.02 * wall, "solve": 0.97 * wall}
         values |= {"macros": 9, "iterations": [3, 2], "phases": shares}
@@ -182,7 +213,9 @@ def test_ratios_measure_each_kind_once(monkeypatch, capsys):
     for kind, title in titles.items():
         for end in ("", "_cpu"):
             assert ratios[f"{title}_over_elastic{end}"] == wall[kind] / wall["elastic"]
-    assert ratios["seconds"] == wall
+            assert ratios[f"{title}_over_best{end}"] == wall[kind] / (wall["elastic"] / 2)
+    assert ratios["seconds"] == wall | {"best": wall["elastic"] / 2}
+    assert ratios["best"] == "own"
     assert len(capsys.readouterr().out.splitlines()) == 4
 
 
@@ -200,7 +233,9 @@ def test_scaling_from_the_command_line(tmp_path):
     assert json.loads(again.read_text()) == json.loads(saved.read_text())
     lines = table.read_text().splitlines()
     assert len(lines) == 5
-    assert all(f" {cell} |" in lines[2] for cell in ("2 (2.0x)", "5, 5, 5", "3.0 %"))
+    assert all(
+        f" {cell} |" in lines[2] for cell in ("2 (2.0, 4.0)", "5, 5, 5", "0.01 / 0.01 / 0.04")
+    )
     assert " - |" in lines[4]
     assert "Newton 3+2" in scaling.Line(rows[1])
     assert picture.stat().st_size > 20_000

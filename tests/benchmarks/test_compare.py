@@ -197,15 +197,16 @@ def scripts(monkeypatch, tmp_path):
 
 @pytest.mark.usefixtures("scripts")
 def test_command_line(tmp_path, capsys, files):
-    peers = ["ngslac", "bubble", "penalty", "calculix", "kratos"]
+    peers = ["ngslac", "first", "bubble", "penalty", "calculix", "kratos"]
     output, tables = tmp_path / "figures.json", tmp_path / "tables.md"
     options = ["--problems", "patch", "--sizes", f"patch={1 / 3:g}", "--peers", *peers]
     options += ["--meshes", str(files["patch"].parent), "--inverse", "umfpack"]
     compare.main([*options, "--json", str(output), "--markdown", str(tables)])
     figures, text = json.loads(output.read_text()), tables.read_text()
     assert text.strip() in capsys.readouterr().out
-    assert [row["title"] for row in figures["rows"]] == ["ngslac", "ContactBoundary, penalty"]
-    assert figures["rows"][0]["settings"] == "--inverse umfpack"
+    found = [(row["title"], row["order"]) for row in figures["rows"]]
+    assert found == [("ngslac", 2), ("ngslac, first order", 1), ("ContactBoundary, penalty", 2)]
+    assert [row["settings"] for row in figures["rows"][:2]] == 2 * ["--inverse umfpack"]
     assert text.index("| ContactBoundary") < text.index("| ngslac")  # the faster one first
     assert "|1e-13%|1.00%|-50.00%|" in text.replace(" ", "")
     for reason in ("not installed: install ccx", "failed: ValueError: order 1"):
@@ -227,7 +228,7 @@ def test_runs_without_a_result(files):
 def test_quick(monkeypatch, tmp_path):
     import scaling
 
-    ratios, asked = {"frictionless_over_elastic": 2.0, "ndof": 99}, {}
+    ratios, asked = {"frictionless_over_best_cpu": 2.0, "ndof": 99, "best": "own"}, {}
     monkeypatch.setattr(scaling, "Ratios", lambda **options: asked.update(options) or ratios)
     file = tmp_path / "quick.json"
     compare.main(["--quick", "--json", str(file), "--solver", "saddle"])

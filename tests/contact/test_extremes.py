@@ -83,7 +83,7 @@ def test_scales_of_merged_matrices_have_any_stride():
 
 
 @sliding
-@pytest.mark.parametrize("name", ["AddApply", "AssembleStep", "AssembleAugmented"])
+@pytest.mark.parametrize("name", ["AddApply", "AssembleStep"])
 def test_vectors_of_another_size_are_refused(name, finite):
     form = contact_form(block_mesh(2), friction=0.2, finite=finite).form
     x, short = (GridFunction(space).vec for space in (form.fes, form.component))

@@ -131,7 +131,8 @@ ContactSolver
 ContactSolver.Solve | maxit tol printing callback motion path:flag | printing=False
 ContactSolver.SetState | state
 ContactSolver.Merit | same_load
-AugmentedLagrangianSolver | a gf contacts rhs freedofs inverse initial augmentation
+AugmentedLagrangianSolver
+    | a gf contacts rhs freedofs inverse initial augmentation solver:word? preconditioner:function?
     | a=w.a, gf=w.gf, contacts=w.contact
 AugmentedLagrangianSolver.Solve | maxit tol printing callback motion path:flag | printing=False
 FormSum | a contacts | a=w.a, contacts=w.contact
