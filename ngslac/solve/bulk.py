@@ -9,21 +9,24 @@ from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.loads import CheckRhs, LoadVector
 from ngslac.solve.problem import AssembleBulk
 
-__all__ = ["LINEAR", "Bulk"]
+__all__ = ["LINEAR", "ROUNDING", "Bulk"]
 
 # Deviation from the straight line, relative to the way along it, that is rounding.
 LINEAR = 1e-10
+# Errors of a force, relative to the stiffness times the displacement.
+ROUNDING = 1e-14
 # Change of the residual, relative to the forces at work, that tells nothing.
 TINY = 1e-5
 
 
 @dataclass
 class Honest:
-    """Where the form itself was applied, what it gave, and the merit there."""
+    """Where the form itself was applied, what it gave, the merit and rounding errors there."""
 
     vec: BaseVector
     residual: BaseVector
     merit: float
+    rounding: float
 
 
 class Bulk:
@@ -125,11 +128,11 @@ class Bulk:
         self.a.Apply(self.gf.vec, residual)
         return residual, True
 
-    def Remember(self, residual, merit):
+    def Remember(self, residual, merit, rounding):
         """Take an honest residual as the one from which products go on."""
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
-        self.last = Honest(start, residual, merit)
+        self.last = Honest(start, residual, merit, rounding)
 
     def Change(self):
         """What a linear form adds to its last honest residual."""
@@ -152,18 +155,40 @@ class Bulk:
         """
         if after.honest:
             self.islinear = self._MovedLinearly(before, after, motion, scale, residual)
-            self.Propose(self.mat if self.islinear else None)
+            keeps = self.islinear and not self.a.condense  # else the matrix is not all of it
+            self.Propose(self.mat if keeps else None)
 
     def _MovedLinearly(self, before, after, motion, scale, residual):
         """Did the residual change as the matrix says? What is too short tells nothing."""
-        if self.a.condense:
-            return False  # the matrix holds the Schur complement only
-        expected = Multiply([self.mat], motion)
-        deviation = np.linalg.norm(scale * (before.bulk - after.bulk - expected))
-        size = np.linalg.norm(scale * expected)
+        change, expected = self.gf.vec.CreateVector(), Multiply([self.mat], motion)
+        change.FV().NumPy()[:] = before.bulk - after.bulk
+        inside, inner = self._MovesInside(change, motion, scale), self.inner
+        self.Condense(change)
+        deviation, expected = (
+            np.where(inner, 0.0, scale * force)
+            for force in (change.FV().NumPy() - expected, expected)
+        )
+        size, deviation = np.linalg.norm(expected), np.linalg.norm(deviation)
+        # Of thin bodies in bending the forces are small beside those that cancel out.
+        rounding = residual.rounding + ROUNDING * np.linalg.norm(motion / scale)
         if size < max(TINY * residual.forces, residual.rounding):
             return self.islinear is not False
-        return bool(deviation <= LINEAR * size)
+        linear = inside and deviation <= LINEAR * size
+        return bool(linear or (self.islinear is not False and deviation <= rounding))
+
+    def _MovesInside(self, change, motion, scale):
+        """Do condensed dofs move as the bulk says where forces change so?
+
+        Their matrix K_ii is known by its inverse only: K_ii^-1 times forces is the motion that is
+        not that of the harmonic extension.
+        """
+        if not self.a.condense:
+            return True
+        moved, own = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        moved.FV().NumPy()[:] = motion
+        own.data = self.a.inner_solve * change + self.a.harmonic_extension * moved
+        away = np.where(self.inner, own.FV().NumPy() - motion, 0.0) / scale
+        return np.linalg.norm(away) <= LINEAR * np.linalg.norm(motion / scale)
 
     def Refute(self):
         """It is not linear: be honest from now on."""

@@ -7,7 +7,7 @@ import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.loads import CheckNoMultiplierLoad
-from ngslac.solve.bulk import LINEAR
+from ngslac.solve.bulk import LINEAR, ROUNDING
 
 __all__ = ["Measurement", "Residual"]
 
@@ -189,8 +189,16 @@ class Residual:
         self.places = self._RoundingOfPlaces(scale)
         state = self._StateOf(bulk, honest)
         if honest:
-            self.bulk.Remember(residual, state.merit)
+            self.bulk.Remember(residual, state.merit, self.rounding)
+        elif self._IsSpoilt(state):
+            return self.Measure(scale, honest=True)
         return state
+
+    def _IsSpoilt(self, state):
+        """Do products go on from so far away that rounding errors of there are all there is?"""
+        errors = self.bulk.last.rounding
+        matters = errors > max(self.tol * max(self.forces, self.reference), 10 * self.rounding)
+        return matters and state.unbalance <= errors
 
     def _StateOf(self, bulk, honest):
         """What was measured, relative to the forces at work."""
@@ -223,13 +231,13 @@ class Residual:
         A nonlinear bulk has those of the positions in each element, too, and of the whole mesh
         where nothing pushes or moves; loads of a linear one may be as small as they like.
         """
-        factors = scale[~self.multipliers]
-        displacement = self.gf.vec.FV().NumPy()[~self.multipliers]
-        moved = 1e-14 * Norm(displacement / factors)
+        rows = self.free & ~self.multipliers  # what is carried along whole has no residual
+        factors, displacement = scale[rows], self.gf.vec.FV().NumPy()[rows]
+        moved = ROUNDING * Norm(displacement / factors)
         if self.bulk.islinear is not False:
             return moved
         mesh, size = self.gf.space.mesh, self._size
-        if not pushed and np.abs(displacement).max() <= NO_MOTION * size:
+        if not pushed and np.abs(displacement).max(initial=0) <= NO_MOTION * size:
             return max(moved, 1e-15 * Norm(size / factors))
         return max(moved, 3e-16 * Norm(size * mesh.ne ** (-1 / mesh.dim) / factors))
 

@@ -108,12 +108,37 @@ def test_a_linear_bulk_is_applied_at_the_start_and_in_the_end():
     assert numpy(problem.gf) == pytest.approx(honest(other), abs=1e-11)
 
 
-def test_a_condensed_bulk_is_always_applied():
-    problem = mixed_press(condense=True, order=4, h=0.3)
+@pytest.mark.parametrize("nonlinear", [False, True])
+def test_a_condensed_bulk_is_always_applied_and_assembled_once_where_it_is_linear(nonlinear):
+    problem = mixed_press(condense=True, order=4, h=0.3, nonlinear=nonlinear)
     solver = watched(problem)
     last = solver.Solve(printing=False)
     assert solver.system.bulk.product is None
     assert solver.a.applied >= last.number + 1
+    assert solver.system.bulk.islinear is not nonlinear
+    assert solver.a.assembled == (last.number if nonlinear else 1)
+    whole = mixed_press(order=4, h=0.3, nonlinear=nonlinear)
+    solved(whole)
+    assert numpy(problem.gf) == pytest.approx(
+        numpy(whole.gf), abs=1e-8 * np.abs(numpy(whole.gf)).max()
+    )
+
+
+def test_what_is_condensed_counts_where_a_bulk_seems_to_be_linear():
+    """A law that is nonlinear for functions inside of elements alone: they vanish at their rim."""
+    problem = mixed_press(condense=True, order=4, h=0.3)
+    solver = solved(problem)
+    bulk, scale = solver.system.bulk, solver.system.scale
+    assert np.any(bulk.inner)
+    motion = np.random.default_rng(5).standard_normal(len(scale)) * solver.system.residual.free
+    whole = mixed_press(order=4, h=0.3)
+    whole.a.AssembleLinearization(whole.gf.vec)
+    change, moved = problem.gf.vec.CreateVector(), whole.gf.vec.CreateVector()
+    moved.FV().NumPy()[:] = motion
+    change.data = whole.a.mat * moved
+    assert bulk._MovesInside(change, motion, scale)
+    change.FV().NumPy()[np.flatnonzero(bulk.inner)[0]] *= 1.001
+    assert not bulk._MovesInside(change, motion, scale)
 
 
 @pytest.mark.parametrize("kind", [ContactSolver, AugmentedLagrangianSolver])

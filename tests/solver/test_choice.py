@@ -1,0 +1,71 @@
+"""Which linear systems are solved by iteration without being asked to, and that it is exact."""
+
+import numpy as np
+import pytest
+from press import mixed_press3d, numpy, press, press3d, solved
+
+import ngslac.linear.choose
+from ngslac import LoadStepper
+
+CASES = {  # of many free displacements, with sticking, slip, and open contact
+    "large sliding": {"finite": True, "n": (2, 1)},
+    "large sliding of tetrahedra": {"finite": True, "nonlinear": True, "kinds": ("tet", "tet")}
+    | {"n": (2, 1)},
+    "condensed": {"condense": True, "n": (2, 1)},
+    "condensed order 3": {"condense": True, "order": 3, "kinds": ("prism", "tet"), "n": (2, 1)},
+    "condensed and large sliding": {"condense": True, "finite": True, "n": (2, 1)},
+}
+
+
+@pytest.fixture
+def small_is_large(monkeypatch):
+    monkeypatch.setattr(ngslac.linear.choose, "LARGE", {2: 1, 3: 1})
+
+
+def state(flags, **options):
+    """Displacements, contact forces and iterations of a solution, and how it was solved."""
+    problem = mixed_press3d(**flags)
+    solver = solved(problem, **options)
+    u, force = numpy(problem.gf.components[0]), np.array(problem.contact.Force())
+    return u, force, len(solver.history), solver.linear
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_large_problems_are_iterated(case, small_is_large):
+    """With the same results as by factorisations, in hardly more Newton steps."""
+    u, force, steps, linear = state(CASES[case])
+    expected, pushed, fewest, direct = state(CASES[case], solver="direct")
+    assert (linear.method, linear.factorisations) == ("iterative", 0)
+    assert direct.factorisations > 0
+    assert u == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+    assert force == pytest.approx(pushed, abs=1e-8 * np.abs(pushed).max())
+    assert steps <= fewest + 2
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("flags", [{}, {"finite": True}, {"condense": True}])
+def test_small_problems_are_factored(dim, flags):
+    make = press3d if dim == 3 else press
+    assert make(**flags).solver().linear.method == "direct"
+
+
+@pytest.mark.parametrize("flags", [{"finite": True}, {"condense": True}])
+def test_a_direct_solver_that_is_asked_for_is_used(flags, small_is_large):
+    problem = press3d(**flags)
+    assert problem.solver(inverse="umfpack").linear.method == "direct"
+    assert problem.solver(solver="direct").linear.method == "direct"
+    assert problem.solver().linear.method == "iterative"
+
+
+def test_large_sliding_in_steps(small_is_large):
+    """Over several macro-elements, to where the direct solver gets."""
+    results = []
+    for solver in (None, "direct"):
+        problem = press3d(finite=True, friction=0.2, push=(0.5, 0.2, -0.02), n=(2, 1))
+        problem.load.Set(0.0)
+        history = LoadStepper(problem.solver(solver=solver), problem.load).Integrate(
+            1.0, steps=2, printing=False
+        )
+        results.append(numpy(problem.gf.components[0]))
+        assert [step.cuts for step in history] == [0, 0]
+    assert results[0] == pytest.approx(results[1], abs=1e-8 * np.abs(results[1]).max())
