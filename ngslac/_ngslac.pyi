@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -441,6 +441,11 @@ class Condensation(ngsolve.la.BaseMatrix):
         the free displacements
         """
     @property
+    def diagonal(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (n,): of the sparse matrix
+        """
+    @property
     def has_symmetric_contact(self) -> bool:
         """
         as without slip
@@ -470,19 +475,37 @@ class SchurComplement:
         """
         (m, m): C^T A^-1 C
         """
+class OrthogonalCondensation(Condensation):
+    """
+    The same by lifts of least energy, whatever the stiffnesses, for preconditioned iterations.
+    `Part` is of a sparse matrix that is equivalent to the product.
+    """
+    def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray) -> None:
+        ...
+class StarSweeps:
+    """
+    Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of
+    which are solved for at once.
+    """
+    def Update(self, system: Condensation) -> None:
+        """
+        Takes over a system with the same bulk.
+        """
+    def __init__(self, system: Condensation, dofs: pyngcore.pyngcore.BitArray, stars: pyngcore.pyngcore.Table_I, dim: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
 class TwoLevel(ngsolve.la.BaseMatrix):
     """
-    Preconditioner: a Gauss-Seidel sweep forward, a correction, a sweep backward. The correction
-    is by the operator `coarse`, on a space whose functions are the columns of a sparse matrix: the
-    rows (starts, columns, values) belong to the free `dofs`, and others are empty.
+    Preconditioner: a sweep forward, a correction, a sweep backward. The correction is by the
+    operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows
+    (starts, columns, values) belong to the free `dofs`, and others are empty.
     """
-    def __init__(self, system: Condensation, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
+    def __init__(self, system: Condensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
         ...
 class TwoLevelProduct(ngsolve.la.BaseMatrix):
     """
     A M^-1 on the free dofs for a preconditioner M of A, to single precision.
     """
-    def __init__(self, preconditioner: TwoLevel) -> None:
+    def __init__(self, preconditioner: TwoLevel, system: Condensation) -> None:
         ...
 def BoundaryVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int32]:
     """

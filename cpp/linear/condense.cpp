@@ -48,6 +48,16 @@ void Condensation::StoreRows(FlatArray<int> changed,
   });
 }
 
+Array<double> Condensation::Diagonal() const {
+  Array<double> diagonal(mat->Height());
+  ParallelFor(diagonal.Size(), [&](size_t i) {
+    auto columns = Columns(i);
+    size_t j = columns.Pos(i);
+    diagonal[i] = j < columns.Size() ? Values(i)(j) : 0;
+  });
+  return diagonal;
+}
+
 Array<int> Condensation::Constraints() const {
   Array<int> counts(blocks.Size());
   for (int m : Range(blocks))

@@ -26,6 +26,8 @@ public:
   bool HasSymmetricContact() const;
   /// Does its row differ from that of the given matrix?
   bool Changes(size_t row) const { return place[row] >= 0; }
+  /// Of the sparse rows.
+  Array<double> Diagonal() const;
   /// the free displacements
   shared_ptr<BitArray> Free() const { return free; }
   /// eliminated directions of each macro-element

@@ -100,6 +100,9 @@ void ExportLinear(py::module & m) {
             return py::array_t<int>(counts.Size(), counts.Data());
           },
           "(n,) int: eliminated directions of each macro-element")
+      .def_property_readonly(
+          "diagonal", [](const Condensation & self) { return Exported<double>(self.Diagonal()); },
+          "(n,): of the sparse matrix")
       .def_property_readonly("has_symmetric_contact", &Condensation::HasSymmetricContact,
                              "as without slip")
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
@@ -125,7 +128,8 @@ void ExportLinear(py::module & m) {
           py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
   py::class_<OrthogonalCondensation, shared_ptr<OrthogonalCondensation>, Condensation>(
       m, "OrthogonalCondensation",
-      "The same by lifts of least energy, whatever the stiffnesses, for preconditioned iterations.\n"
+      "The same by lifts of least energy, whatever the stiffnesses, for preconditioned "
+      "iterations.\n"
       "`Part` is of a sparse matrix that is equivalent to the product.")
       .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
                        const BitArray & free) {
@@ -138,8 +142,8 @@ void ExportLinear(py::module & m) {
       m, "StarSweeps",
       "Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of\n"
       "which are solved for at once.")
-      .def(py::init([](const Condensation & system, const BitArray & dofs,
-                       const Table<int> & stars, int dim) {
+      .def(py::init([](const Condensation & system, const BitArray & dofs, const Table<int> & stars,
+                       int dim) {
              py::gil_scoped_release release;
              return make_shared<StarSweeps>(system, dofs, stars, dim);
            }),

@@ -38,8 +38,7 @@ inline Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
 /// first.
 ///
 /// `inner(dof)`: free, and touched by this macro-element alone.
-Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G,
-                        const function<bool(int)> & inner);
+Array<int> ChoosePivots(FlatArray<int> dofs, const Matrix<> & G, const function<bool(int)> & inner);
 
 /// Splits a block, whose dofs and multipliers are set; `lifts` are the positions that may carry the
 /// constraints.

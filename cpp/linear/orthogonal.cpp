@@ -26,8 +26,8 @@ shared_ptr<SparseMatrix<double>> Gram(FlatArray<LocalBlock> blocks, FlatArray<Ma
         if (double e = rows[m](q, j); e != 0)
           for (int k : touching[blocks[m].dofs[j]])
             if (rows[k].Height())
-              for (int p = 0, at = blocks[k].Position(blocks[m].dofs[j]);
-                   p < int(rows[k].Height()); p++)
+              for (int p = 0, at = blocks[k].Position(blocks[m].dofs[j]); p < int(rows[k].Height());
+                   p++)
                 sum.Add(first[k] + p, e * rows[k](p, at));
       products[first[m] + q] = TakeRow(sum);
     }

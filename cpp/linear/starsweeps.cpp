@@ -3,8 +3,8 @@
 #include "levels.hpp"
 
 namespace ngslac {
-StarSweeps::StarSweeps(const Condensation & system, const BitArray & which,
-                       FlatTable<int> given, int dim)
+StarSweeps::StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> given,
+                       int dim)
     : order(system, which), rows(order.Size()) {
   static Timer timer("ngslac::StarSweeps - setup");
   RegionTimer reg(timer);
@@ -18,6 +18,8 @@ StarSweeps::StarSweeps(const Condensation & system, const BitArray & which,
 void StarSweeps::Update(const Condensation & system) {
   static Timer timer("ngslac::StarSweeps - update");
   RegionTimer reg(timer);
+  if (size_t(system.VHeight()) != order.slot.Size())
+    throw Exception("StarSweeps: the system has another size");
   auto now = Changed(system);
   Array<bool> differs(order.Size());
   ParallelFor(order.Size(), [&](size_t row) {
@@ -53,7 +55,9 @@ void StarSweeps::FindStars(FlatTable<int> given, int dim) {
     IndexMap nodes;
     for (int dof : dofs)
       for (int k : Range(dim))
-        if (int s = order.slot[dim * dof + k]; s >= 0)
+        if (dof < 0 || size_t(dim) * dof + k >= order.slot.Size())
+          throw Exception("StarSweeps: there is no dof " + ToString(dof) + " of a star");
+        else if (int s = order.slot[dim * dof + k]; s >= 0)
           nodes.Position(s / width);
     for (int node : nodes.Indices())
       alone[node] = false;
@@ -82,7 +86,8 @@ Array<int> StarSweeps::Neighbours(int star) const {
   return Array<int>(others.Indices());
 }
 
-/// The order of the stars, and which are swept at the same time: all even chunks, then all odd ones.
+/// The order of the stars, and which are swept at the same time: all even chunks, then all odd
+/// ones.
 void StarSweeps::Arrange() {
   Array<Array<int>> neighbours(stars.Size());
   ParallelFor(stars.Size(), [&](size_t s) { neighbours[s] = Neighbours(s); });
@@ -125,8 +130,7 @@ void StarSweeps::Invert(Star & star) const {
       if (int column = places.Find(columns[j]); column >= 0)
         for (int l : Range(width))
           for (int k : Range(width))
-            dense(width * i + k, width * column + l) =
-                rows.Block(star.nodes[i], j)[width * l + k];
+            dense(width * i + k, width * column + l) = rows.Block(star.nodes[i], j)[width * l + k];
   }
   CalcInverse(dense);
   star.inverse.SetSize(n * n);

@@ -46,9 +46,9 @@ private:
   BlockedRows rows;
   Array<bool> condensed; // rows of the present system that are not those of the bulk
   Array<Star> stars;
-  Table<int> holding;   // the stars of each node
-  Array<int> sequence;  // of the stars
-  Array<int> chunk;     // of each star
+  Table<int> holding;  // the stars of each node
+  Array<int> sequence; // of the stars
+  Array<int> chunk;    // of each star
   Array<IntRange> chunks[2];
 };
 } // namespace ngslac

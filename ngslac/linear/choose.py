@@ -1,8 +1,8 @@
 """The way of solving linear systems that suits a problem."""
 
 from ngslac.arguments import CheckChoice, CheckFunction
-from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.solver import LinearSolver
+from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["ChooseSolver"]
@@ -26,7 +26,8 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, mo
     if wanted is not None:
         CheckChoice("solver", wanted, ("interface", "direct", "iterative", "saddle"))
     dim, free = a.space.mesh.dim, freedofs.NumSet()
-    nodes = VertexNodes.Of(contacts[0].form, freedofs)
+    form = contacts[0].form
+    nodes = VertexNodes.Of(form.component, freedofs, form.offset * form.fes.dim)
     suits = nodes is not None and nodes.count > 0
     if wanted == "iterative" and not suits and not preconditioner:
         raise ValueError(

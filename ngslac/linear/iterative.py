@@ -9,6 +9,8 @@ __all__ = ["IterativeCondensed"]
 
 # Residual of a round, in units of what was asked for, that rounding errors have left.
 ROUGH = 5
+# Iterations that have to halve the residual: else it stalls.
+PATIENCE = 60
 
 
 class IterativeCondensed(Condensed):
@@ -80,12 +82,12 @@ class IterativeCondensed(Condensed):
         return inverse, mat
 
     def _Iterate(self, system, _, inverse, rhs, tol, iterations):
+        limits = {"tol": tol, "maxiter": iterations, "patience": PATIENCE}
         if self._rounds_off:
-            return FlexibleGMRes(system, inverse, rhs, tol, iterations)
+            return FlexibleGMRes(system, inverse, rhs, **limits)
         own = isinstance(inverse, TwoLevel)
         product = TwoLevelProduct(inverse, system) if own else system @ inverse
-        given = product, inverse, rhs, system.freedofs
-        krylov, solution = RightGMRes(*given, tol=tol, maxiter=iterations)
+        krylov, solution = RightGMRes(product, inverse, rhs, system.freedofs, **limits)
         if own:
             self.multigrid.Watch(krylov.iterations / -np.log10(tol))
         return krylov, solution

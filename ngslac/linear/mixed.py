@@ -17,10 +17,7 @@ def PressureRows(system):
     They belong to the pressure of a mixed form, or to another multiplier in the bulk: the matrix is
     scaled so that rows of displacements have the diagonal 1.
     """
-    rows, cols, vals = Entries(system)
-    own = rows == cols
-    diagonal = np.bincount(rows[own], vals[own], minlength=system.height)
-    return AsNumPy(system.freedofs) & (diagonal < ZERO)
+    return AsNumPy(system.freedofs) & (system.diagonal < ZERO)
 
 
 class Mixed(BaseMatrix):
@@ -70,17 +67,12 @@ class Mixed(BaseMatrix):
         return self.system.CreateRowVector()
 
 
-def Entries(system):
-    """Rows, columns and values of the entries of a Condensation."""
-    mat = system.Part()  # whose memory the views below are
-    values, columns, starts = (np.array(part) for part in mat.CSR())
-    return np.repeat(np.arange(system.height), np.diff(starts.astype(int))), columns, values
-
-
 def Compliance(system, pressures):
     """Diagonal of C + B B^T on the rows of pressures (n,); that of K is 1."""
-    rows, cols, vals = Entries(system)
-    own = rows == cols
-    counts = pressures[rows] & (own | (AsNumPy(system.freedofs) & ~pressures)[cols])
-    terms = np.where(own, -vals, vals**2)
+    mat = system.Part()  # whose memory the views below are
+    values, columns, starts = map(np.asarray, mat.CSR())
+    rows = np.repeat(np.arange(system.height), np.diff(starts.astype(int)))
+    own = rows == columns
+    counts = pressures[rows] & (own | (AsNumPy(system.freedofs) & ~pressures)[columns])
+    terms = np.where(own, -values, values**2)
     return np.bincount(rows[counts], terms[counts], minlength=system.height)

@@ -54,7 +54,7 @@ class LinearSolver:
     tolerance = 1e-9
     acceptable = 1e-5  # nearly singular: the next Newton step makes up for it
     refinements = 3
-    most_failures = 3  # of an iteration in a row: then it is given up
+    most_failures = 2  # of an iteration in a row where another method serves: it is given up
     # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
     shift, most_shifts = 1e-4, 5
 
@@ -152,8 +152,7 @@ class LinearSolver:
             if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
                 if name == SAFE:
                     self.inverse = SAFE
-                if name == "iterative":
-                    self._failures = 0
+                self._LearnFrom(name)
                 return scale * x
             errors.append(f"{name}: relative residual {error:.1e}")
             if error < best[1]:
@@ -162,6 +161,15 @@ class LinearSolver:
         if best[1] <= self.acceptable:
             return scale * best[0]
         raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
+
+    def _LearnFrom(self, name):
+        """A method has served: an iteration that comes before it has not."""
+        names = [other for other, _ in self._methods]
+        if "iterative" in names:
+            after = name not in names or names.index(name) > names.index("iterative")
+            self._failures = self._failures + 1 if after else 0
+            if self._failures == self.most_failures:
+                del self._methods[names.index("iterative")]
 
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
@@ -193,10 +201,6 @@ class LinearSolver:
             args = mat, dofs, b, accuracy
             method.scale = system[2]
             yield name, lambda method=method, args=args: method.Solve(*args)
-            if name == "iterative":
-                self._failures += 1
-                if self._failures == self.most_failures:
-                    self._methods = [m for m in self._methods if m[0] != "iterative"]
         mat = mat or self._Merge(*system)
         for inverse in dict.fromkeys((self.inverse, SAFE)):
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)

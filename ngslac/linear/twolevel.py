@@ -1,4 +1,4 @@
-"""Multigrid for condensed systems: sweeps over all dofs, and algebraic multigrid on the vertices."""
+"""Sweeps over all dofs and algebraic multigrid on the vertices, for condensed systems."""
 
 import numpy as np
 from scipy.sparse import bsr_matrix, eye_array
@@ -16,8 +16,8 @@ class Multigrid:
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
     their matrix is a part of the given one. Where they are nearly all functions, the sweeps are
-    those of the finest level. The sweeps solve for a vertex and its edges at once: that takes less
-    than half of the iterations of sweeps from dof to dof, and stiffness may jump inside of elements.
+    those of the finest level. The sweeps solve for a vertex and its edges at once, which takes less
+    than half of the iterations that single dofs do; stiffness may jump inside of elements.
 
     Parameters
     ----------

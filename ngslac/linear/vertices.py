@@ -29,15 +29,15 @@ class VertexNodes:
     motions: np.ndarray
 
     @classmethod
-    def Of(cls, form, freedofs):
-        """Those of the displacement of a contact form; None where it has other dofs there."""
-        space, d = form.component, form.component.mesh.dim
+    def Of(cls, space, freedofs, first=0):
+        """Those of a displacement space whose scalar dofs begin at `first`; None for others."""
+        d = space.mesh.dim
         dofs = VertexDofs(space)
         if space.dim > 1:
             dofs = (dofs[:, :, None] * space.dim + np.arange(space.dim)).reshape(len(dofs), -1)
         if dofs.shape[1] != d:
             return None
-        dofs = np.where(dofs < 0, -1, dofs + form.offset * form.fes.dim)
+        dofs = np.where(dofs < 0, -1, dofs + first)
         free = AsNumPy(freedofs)[dofs] & (dofs >= 0)
         used = free.any(axis=1)
         points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), :d]

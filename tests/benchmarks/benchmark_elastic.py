@@ -9,10 +9,11 @@ from ngsolve import BitArray, Projector
 from ngsolve.krylovspace import CGSolver
 from scipy.sparse import csr_matrix, diags
 
-from ngslac._ngslac import Condensation, VertexDofs
+from ngslac._ngslac import OrthogonalCondensation
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.linear.factor import HasMKL, OneBLASThread
-from ngslac.linear.iterative import IterativeCondensed
+from ngslac.linear.twolevel import Multigrid
+from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["DIRECT", "ITERATIVE", "FastDirect", "Fastest", "Iterative", "SolveForm"]
 
@@ -34,10 +35,10 @@ def Own(a, f):
     """Conjugate gradients with the preconditioner that ngslac's iterative solver makes."""
     space, dim = a.space, a.space.mesh.dim
     free = ScalarDofs(space.FreeDofs(), space)
-    vertices = ScalarDofs(VertexDofs(space), space) & free
-    system = Condensation(a.mat, [], dim, free)
-    method = IterativeCondensed(AsNumPy(free), free, dim, None, vertices)
-    inverse, keep = method._Make(system, True)
+    nodes = VertexNodes.Of(space, free)
+    system = OrthogonalCondensation(a.mat, [], dim, free)
+    multigrid = Multigrid(nodes, 3 * nodes.count >= free.NumSet(), space)
+    inverse = multigrid.Preconditioner(system, np.ones(system.height))
     right, solution = f.vec.CreateVector(), f.vec.CreateVector()
     solution[:] = 0
     for _ in range(3):  # the iteration looks at another norm
@@ -47,7 +48,6 @@ def Own(a, f):
             break
         krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * wanted, maxiter=ITERATIONS)
         solution += krylov.Solve(rhs=right)
-    del keep
     return solution
 
 

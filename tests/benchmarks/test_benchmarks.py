@@ -56,7 +56,7 @@ def test_pairing_from_the_command_line(tmp_path, capsys):
 
 def test_phases(tmp_path, monkeypatch, capsys):
     """A step measured once, then the command line with it."""
-    step = phases.Measure(2.0, 0.2, repeat=1)
+    step = phases.Measure(2.0, 0.2, repeat=1, solver="direct")
     assert step.force == pytest.approx(1, rel=1e-10)
     assert step.iterations >= 2
     assert (step.macros, step.ndof > 2000) == (8, True)

@@ -71,6 +71,7 @@ def Sources():
 def WriteStubs(modules, folder):
     """Stubs of these modules: names are Any; bases of our compiled classes have attributes."""
     bases = sorted({ast.unparse(base) for cls in STUB_CLASSES.values() for base in cls.bases})
+    bases = [base for base in bases if "." in base]  # others are ours
     modules = {*modules, *(base.rpartition(".")[0] for base in bases)}
     packages = {name[:k] for name in modules for k in range(len(name)) if name[k] == "."}
     for name in modules | packages:

@@ -22,6 +22,7 @@ from ngslac._ngslac import (
     Condensation,
     MergeMatrices,
     OrthogonalCondensation,
+    StarSweeps,
     TwoLevelProduct,
 )
 from ngslac.arrays import AsBits, AsNumPy, Multiply
@@ -346,7 +347,7 @@ REFUSED = [
     (f"{WHOLE}.Part(BitArray(0))", r"bits for .* rows", NgException),
     (f"{WHOLE}.Part(BitArray(len(free) + 1))", r"bits for .* rows", NgException),
     *(
-        (f"TwoLevel(whole, {coarse}, {rows})", message, error)
+        (f"TwoLevel(whole, sweeps, {coarse}, {rows})", message, error)
         for coarse, rows, message, error in (
             ("part", "[inner], [0], [], []", "does not fit its dofs", NgException),
             ("part", "[inner], [0, 2], [0], [1.0]", "does not fit its dofs", NgException),
@@ -359,6 +360,9 @@ REFUSED = [
             ("None", "[inner], [0, 1], [0], [1.0]", "None", TypeError),
         )
     ),
+    ("StarSweeps(whole, BitArray(3), stars, 1)", "3 bits for .* rows", NgException),
+    ("StarSweeps(whole, free, stars, 2)", "no dof .* of a star", NgException),
+    ("sweeps.Update(other)", "another size", NgException),
     ("whole.NodeBlocks([0, 1])", "a table with a row of dofs for each", NgException),
     ("whole.NodeBlocks([[0, 1], [1, 2]])", "dof 1 .* in two nodes", NgException),
     ("whole.NodeBlocks([[0, whole.height]])", "is not there", NgException),
@@ -373,10 +377,15 @@ REFUSED = [
 
 @calls(REFUSED)
 def test_refused(row):
-    given, _ = system(press())
+    problem = press()
+    given, _ = system(problem)
     whole = Condensation(*given)
+    stars = problem.contact.form.fes.CreateSmoothingBlocks(blocktype=["vertexedge"])
     parts = {
         "whole": whole,
+        "other": Condensation(*system(press(h=0.4))[0]),
+        "stars": stars,
+        "sweeps": StarSweeps(whole, whole.freedofs, stars, 1),
         "part": whole.Part(whole.freedofs),
         "inner": int(np.flatnonzero(AsNumPy(whole.freedofs))[0]),
     }

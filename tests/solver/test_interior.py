@@ -36,6 +36,8 @@ from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
 from ngslac.solve.pressures import Bilateral, Unilateral
 
+ROUNDING = 1e-15
+
 
 def problem(mesh, pairs, load, *, held="", tied=(), guided=(), space=None, **law):
     """Displacement of order 2, a contact for each pair of slave and master; E = 1, nu = 0.3.
@@ -102,7 +104,7 @@ def leaves(friction, tied=(), guided=(), off=(), count=2):
 def test_leaves_in_bending(friction):
     """Two leaves meet at their tips alone, where the upper one hands on a part of its load."""
     ((force, table),) = leaves(friction)
-    assert table["pressure"].min() >= 0
+    assert table["pressure"].min() >= -ROUNDING * table["pressure"].max()
     assert table["gap"].min() > -1e-10 * table["gap"].max()
     # Half of the load each: alike leaves that bend alike, the slope at the tip counts a little.
     assert force[1] == pytest.approx(0.5e-6, rel=0.05)
@@ -113,12 +115,14 @@ def test_a_state_that_carries_a_body_off_is_no_solution(monkeypatch):
     """However well it balances: the other method says what moves away."""
     said = "body 'leaf' moves off (rotation)"
     monkeypatch.setattr("ngslac.bodies.bodies.Bodies.Lost", lambda *_: [said])
+    monkeypatch.setattr("ngslac.solve.system.Saddle.most", 2)  # it finds the status by itself
     with pytest.raises(FloatingBodyError, match=re.escape(said) + ": the loads exceed what contac"):
         leaves(0.3)
 
 
 def test_newtons_error_stands_where_nothing_presses(monkeypatch):
     monkeypatch.setattr("ngslac.solve.interior.Springs.Pressure", lambda *_: 0.0)
+    monkeypatch.setattr("ngslac.solve.system.Saddle.most", 2)
     with pytest.raises(ContactConvergenceError, match="no convergence in") as caught:
         leaves(0.3)
     # A traceback shows the other method's error as well.
@@ -128,7 +132,7 @@ def test_newtons_error_stands_where_nothing_presses(monkeypatch):
 def test_leaves_some_of_them_tied():
     (force, _), (_, table) = leaves(None, tied=("low1",), count=3)
     assert force[1] + 1e-6 > 0
-    assert table["pressure"].min() >= 0
+    assert table["pressure"].min() >= -ROUNDING * table["pressure"].max()
 
 
 @pytest.mark.parametrize("friction", [None, 0.3])
@@ -138,7 +142,7 @@ def test_leaves_some_of_them_guided(friction):
     assert set(guide["status"]) <= {1, 2}
     assert np.abs(guide["gap"]).max() < 1e-9 * np.abs(table["gap"]).max()
     assert guide["pressure"].min() < 0 < guide["pressure"].max()
-    assert table["pressure"].min() >= 0
+    assert table["pressure"].min() >= -ROUNDING * table["pressure"].max()
 
 
 def test_leaves_some_of_them_switched_off():

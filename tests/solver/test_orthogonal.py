@@ -11,7 +11,7 @@ from test_condensed import CASES, condition, dense, made, system
 
 from ngslac._ngslac import Condensation, OrthogonalCondensation
 from ngslac.arrays import AsBits, AsNumPy
-from ngslac.linear.flexible import FlexibleGMRes
+from ngslac.linear.condensed import FlexibleGMRes
 
 
 def bodies(ratio):
@@ -45,7 +45,7 @@ def image(mat, values):
 
 @pytest.mark.parametrize("case", ANY)
 def test_the_whole_solution_solves_the_condensed_system(case):
-    """Also for a right hand side that is none of Newton's: A u is what is reduced, P u what counts."""
+    """Also for a right hand side that is none of Newton's; P u is what counts."""
     given, _ = system(ANY[case]())
     mat, multipliers, _, free = given
     mask = AsNumPy(free)
@@ -63,7 +63,7 @@ def test_the_whole_solution_solves_the_condensed_system(case):
 
 @pytest.mark.parametrize("case", ["2D stick", "3D tied", "3D mixed"])
 def test_lifts_cancel(case):
-    """A and its right hand sides vanish on what the lifts span: all of them keep the constraints."""
+    """A vanishes on what the lifts span, of which Expand leaves nothing."""
     given, _ = system(made(case))
     condensed = OrthogonalCondensation(*given)
     b = np.random.default_rng(5).standard_normal(condensed.height) * AsNumPy(given[3])
@@ -89,18 +89,19 @@ def test_condition_number_does_not_see_the_ratio(ratio, law):
     assert condition(dense(condensed.Part(), inner)) < 10 * bulk
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("friction", [None, 0.1, 5.0])
 @pytest.mark.parametrize("n", [(2, 5), (3, 2)])
-def test_iterations_do_not_see_the_ratio(ratio, friction, n):
+def test_iterations_do_not_see_the_ratio(friction, n):
     """Stick, slip and neither; the master finer and coarser. The solution is that of LU."""
-    given = {"friction": friction, "n": n, "kinds": ("tet", "tet")}
-    reference, problem = (contrast(press3d, ratio, **given) for _ in range(2))
-    solved(reference, solver="saddle")
-    solver = solved(problem, solver="iterative")
-    assert (solver.linear.method, solver.linear.factorisations) == ("iterative", 0)
-    assert solver.linear.krylov <= 25 * (len(solver.history) - 1)
-    same(problem, reference, 1e-7)
+    given, counts = {"friction": friction, "n": n, "kinds": ("tet", "tet")}, []
+    for ratio in RATIOS:
+        reference, problem = (contrast(press3d, ratio, **given) for _ in range(2))
+        solved(reference, solver="saddle")
+        solver = solved(problem, solver="iterative")
+        assert (solver.linear.method, solver.linear.factorisations) == ("iterative", 0)
+        same(problem, reference, 1e-7)
+        counts.append(solver.linear.krylov / (len(solver.history) - 1))
+    assert max(counts) < 1.5 * counts[1]
 
 
 def test_flexible_iteration():
@@ -110,11 +111,13 @@ def test_flexible_iteration():
     free, rhs = AsNumPy(mat.freedofs), mat.CreateColVector()
     rhs.FV().NumPy()[:] = mat.Reduce(b)
     smoother = mat.Part().CreateSmoother(mat.freedofs)
-    x, number = FlexibleGMRes(mat, smoother, rhs, free, tol=1e-11, maxiter=200)
+    krylov, x = FlexibleGMRes(mat, smoother, rhs, tol=1e-11, maxiter=200)
     left = (image(mat, x.FV().NumPy()) - rhs.FV().NumPy()) * free
-    assert 0 < number < 200
+    assert krylov.converged
+    assert 0 < krylov.iterations < 200
     assert np.linalg.norm(left) < 2e-11 * rhs.Norm()
-    assert FlexibleGMRes(mat, smoother, rhs, free, tol=1e-11, maxiter=3)[1] == 3
+    krylov, _ = FlexibleGMRes(mat, smoother, rhs, tol=1e-11, maxiter=3)
+    assert (krylov.iterations, krylov.converged) == (3, False)
 
 
 def test_dependent_constraints_are_refused():

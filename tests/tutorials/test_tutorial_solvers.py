@@ -30,7 +30,7 @@ def test_systems(solvers):
     assert condensed[0] > 0
     assert condensed[-1] / condensed[0] < 3 * bulk[-1] / bulk[0]
     assert solvers.difference.max() < 1e-10
-    assert "condensed" in solvers.choice
+    assert "on the interface" in solvers.choice
     assert "free dofs in 3D" in solvers.choice
 
 
@@ -55,10 +55,11 @@ def test_other_solvers_find_the_same(solvers):
 
 
 def test_what_is_factored_and_what_is_iterated(solvers):
-    assert len(solvers.counts) == 9
+    assert len(solvers.counts) == 12
     for way, factorisations, krylov in solvers.counts.tolist():
         assert (int(factorisations) == 0) == (way == "iterative")
-        assert (int(krylov) == 0) == (way == "saddle")
+        assert (int(krylov) == 0) == (way in ("interface", "saddle"))
+        assert way != "interface" or int(factorisations) == 1
     # The condensed factor is much smaller than that of the saddle point, the vertices' tiny.
     fill, krylov = solvers.fill, solvers.krylov
     assert fill["condensed"] < 0.5 * fill["saddle point"]
