@@ -36,6 +36,23 @@ void Condensation::NumberConstraints() {
   first[0] = 0;
   for (int m : Range(blocks))
     first[m + 1] = first[m] + blocks[m].NConstraints();
+  FindNear();
+}
+
+/// The graph of the given matrix is symmetric, or else the residual will tell.
+void Condensation::FindNear() {
+  Array<bool> held(mat->Height()), found(mat->Height());
+  held = found = false;
+  for (auto & block : blocks)
+    for (int dof : block.dofs) {
+      held[dof] = held[dof] || block.NConstraints();
+      found[dof] = found[dof] || block.NConstraints() || block.slides;
+    }
+  for (int i : Range(touching))
+    if (held[i])
+      for (int j : mat->GetRowIndices(i))
+        found[j] = !ismultiplier[j];
+  near = Where(found);
 }
 
 void Condensation::StoreRows(FlatArray<int> changed,
@@ -198,22 +215,17 @@ void Condensation::SubtractReactions(FlatVector<> reactions, FlatVector<> forces
       Subtract(forces, blocks[m].dofs, blocks[m].G2 * reactions.Range(ConstraintsOf(m)));
 }
 
-/// K (u of x) on the displacements, with the local terms.
-Vector<> Condensation::Forces(FlatVector<> u) const {
-  Vector<> forces(u.Size());
-  VFlatVector<double> in(u.Size(), u.Data()), out(forces.Size(), forces.Data());
-  mat->Mult(in, out);
-  for (auto & block : blocks)
-    if (block.slides)
-      Subtract(forces, block.dofs, block.GL * Vector<>(block.E1 * Gather(block.dofs, u)));
-  return forces;
-}
-
-/// f - G (multipliers that r tells) - K u
+/// f - G (multipliers that r tells) - K u,  near the constraints: u is zero elsewhere, or what is
+/// left there does not count.
 Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
-  Vector<> left = rhs - Forces(u);
-  for (auto & block : blocks)
-    Subtract(left, block.dofs, block.GL * Vector<>(block.U1 * Gather(block.multipliers, rhs)));
+  Vector<> left = rhs;
+  ParallelFor(near.Size(), [&](size_t i) { left(near[i]) -= mat->RowTimesVector(near[i], u); });
+  for (auto & block : blocks) {
+    Vector<> told = block.U1 * Gather(block.multipliers, rhs);
+    if (block.slides)
+      told -= block.E1 * Gather(block.dofs, u);
+    Subtract(left, block.dofs, block.GL * told);
+  }
   return left;
 }
 

@@ -44,7 +44,8 @@ protected:
   Condensation(shared_ptr<SparseMatrix<double>> mat, FlatArray<int> multipliers, int d,
                const BitArray & free);
 
-  /// Number of the constraints of each macro-element's first one; the last entry is their count.
+  /// Number of the constraints of each macro-element's first one, whose last entry is their count;
+  /// and the rows near them.
   void NumberConstraints();
   IntRange ConstraintsOf(int m) const { return IntRange(first[m], first[m + 1]); }
   /// Adds a row of  K - sum GL E1.
@@ -69,10 +70,11 @@ protected:
   Array<LocalBlock> blocks; // of the macro-elements
   Array<int> first;         // constraint of each
   Table<int> touching;      // macro-elements of each dof
+  Array<int> near;          // displacements on which constraints act, and those coupled to them
 
 private:
   void Supports(FlatArray<int> multipliers, int d);
-  Vector<> Forces(FlatVector<> u) const;
+  void FindNear();
   Vector<> Left(FlatVector<> rhs, FlatVector<> u) const;
   Vector<> Particular(FlatVector<> rhs) const;
 

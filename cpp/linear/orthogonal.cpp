@@ -47,14 +47,6 @@ shared_ptr<SparseMatrix<double>> Gram(FlatArray<LocalBlock> blocks, FlatArray<Ma
   return gram;
 }
 
-Array<int> Where(FlatArray<bool> set) {
-  Array<int> found;
-  for (size_t i : Range(set))
-    if (set[i])
-      found.Append(i);
-  return found;
-}
-
 /// Cholesky factorisation; throws where the matrix is singular.
 shared_ptr<BaseMatrix> Inverse(const SparseMatrix<double> & gram) {
   gram.SetInverseType("sparsecholesky");
@@ -100,23 +92,14 @@ OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> 
 }
 
 void OrthogonalCondensation::FillRows() {
-  size_t n = mat->Height();
-  Array<bool> held(n), changes(n), isnear(n);
-  ParallelFor(n, [&](size_t i) {
-    held[i] = changes[i] = false;
+  Array<bool> changes(mat->Height());
+  ParallelFor(changes.Size(), [&](size_t i) {
+    changes[i] = false;
     if (!ismultiplier[i])
-      for (int m : touching[i]) {
-        held[i] = held[i] || blocks[m].NConstraints();
+      for (int m : touching[i])
         changes[i] = changes[i] || blocks[m].NConstraints() || blocks[m].slides;
-      }
   });
   StoreRows(Where(changes), [&](int row, RowSum & sum) { SumRow(row, sum); });
-  ParallelFor(n, [&](size_t i) {
-    isnear[i] = false;
-    for (int j : Columns(i))
-      isnear[i] = isnear[i] || held[j];
-  });
-  near = Where(isnear);
 }
 
 /// Positions.

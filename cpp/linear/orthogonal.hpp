@@ -33,6 +33,5 @@ private:
   Array<Matrix<>> E, Gt, penalised; // on the free dofs: E2, G2^T; S E2 of each macro-element
   shared_ptr<SparseMatrix<double>> gram, gramleft; // E2 E2^T, G2^T G2
   shared_ptr<BaseMatrix> inverse, inverseleft;     // theirs
-  Array<int> near;                                 // rows with columns on which constraints act
 };
 } // namespace ngslac

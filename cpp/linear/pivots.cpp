@@ -103,11 +103,7 @@ Array<int> PivotCondensation::ChangedRows() const {
       for (int j : mat->GetRowIndices(i))
         changes[i] = changes[i] || pivotblock[j] >= 0;
   });
-  Array<int> rows;
-  for (size_t i : Range(n))
-    if (changes[i])
-      rows.Append(i);
-  return rows;
+  return Where(changes);
 }
 
 /// Sums up a row of A.

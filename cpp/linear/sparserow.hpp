@@ -24,4 +24,13 @@ inline SparseRow TakeRow(RowSum & sum) {
   sum.Clear();
   return row;
 }
+
+/// The indices that are set, in ascending order.
+inline Array<int> Where(FlatArray<bool> set) {
+  Array<int> found;
+  for (int i : Range(set))
+    if (set[i])
+      found.Append(i);
+  return found;
+}
 } // namespace ngslac
