@@ -10,14 +10,17 @@ from ngslac.linear.multigrid import Hierarchy, VCycle
 
 __all__ = ["Multigrid"]
 
+# Mean number of dofs of a star, whose matrix is inverted.
+LARGEST_STAR = 100
+
 
 class Multigrid:
     """Sweeps over all dofs around a V-cycle on the vertices, whose setup serves again.
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
     their matrix is a part of the given one. Where they are nearly all functions, the sweeps are
-    those of the finest level. The sweeps solve for a vertex and its edges at once, which takes less
-    than half of the iterations that single dofs do; stiffness may jump inside of elements.
+    those of the finest level. The sweeps solve for a vertex and what is around it at once: that
+    takes less than half of the iterations of single dofs; stiffness may jump inside of elements.
 
     Parameters
     ----------
@@ -58,9 +61,8 @@ class Multigrid:
     def _OnDisplacements(self, system, scale):
         """A TwoLevel."""
         if self._sweeps is None:
-            stars = self.space.CreateSmoothingBlocks(blocktype=["vertexedge"])
             which = system.freedofs & AsBits(~self._pressures)
-            self._sweeps = StarSweeps(system, which, stars, self.space.dim)
+            self._sweeps = StarSweeps(system, which, Stars(self.space), self.space.dim)
         else:
             self._sweeps.Update(system)
         mat = Blocks(system, self.nodes.dofs)
@@ -82,6 +84,15 @@ class Multigrid:
             self.Relearn()
         else:
             self._best = min(self._best, iterations)
+
+
+def Stars(space):
+    """A table of dofs for each vertex: of all around it, or of its edges where these are many."""
+    stars = space.CreateSmoothingBlocks(blocktype=["vertexpatch"])
+    sizes = np.fromiter(map(len, stars), int)
+    if space.dim * sizes.mean() <= LARGEST_STAR:
+        return stars
+    return space.CreateSmoothingBlocks(blocktype=["vertexedge"])
 
 
 def Blocks(system, nodes):
