@@ -116,14 +116,14 @@ CLASSES = {
     "first-order hexahedra": Sized(Blocks, ("hex", 24, 24), ("hex", 4, 3), order=1),
     "thin plates friction": Sized(Plates, (14,), (3,)),
     "thin plates frictionless": Sized(Plates, (14,), (3,), law={}),
-    "finite sliding 18k": Class(partial(Sliding, 5, 5), partial(Sliding, 3, 2), **NEWTON),
-    "finite sliding 64k": Class(partial(Sliding, 8, 8), partial(Sliding, 3, 2), **NEWTON),
+    "finite sliding 18k": Class(partial(Sliding, 5, 9, 6), partial(Sliding, 3, 5, 2), **NEWTON),
+    "finite sliding 64k": Class(partial(Sliding, 8, 13, 10), partial(Sliding, 3, 5, 2), **NEWTON),
     "condensed order 3": Class(**Two((8, 8), TINY, order=3, flags={"condense": True})),
     "dynamics 3D": Class(
         **Two((7, 7), TINY, velocity=(0.2, 0.0, -1.0)), run=Fly, options={"dt": 3e-3}, **STEPS
     ),
     "dynamics 2D": Class(
-        partial(Strips, 0.0105), partial(Strips, 0.3), run=Fly, options={"dt": 2e-4}, **STEPS
+        partial(Strips, 0.0164), partial(Strips, 0.3), run=Fly, options={"dt": 2e-4}, **STEPS
     ),
     "self-contact ring .12": Pressed(0.12),
     "self-contact ring .03": Pressed(0.03),

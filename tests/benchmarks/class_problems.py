@@ -207,11 +207,11 @@ def Plates(n, thickness=0.02, **options):
     )
 
 
-def Sliding(n, layers):
+def Sliding(n, m, layers):
     """A neo-Hookean block is pushed over a wider one, whose elements are larger."""
     options = {"overhang": 0.5, "aligned": False, "layers": (layers, layers)}
     return Bodies(
-        lambda: TwoBlocks3D("tet", n_slave=n, n_master=n + n // 2 + 1, **options),
+        lambda: TwoBlocks3D("tet", n_slave=n, n_master=m, **options),
         {"dirichlet": "bottom|top"},
         "bottom|top",
         {},
