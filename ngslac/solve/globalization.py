@@ -102,8 +102,11 @@ class Globalization:
         self._tiny = self._tiny + 1 if best[1] <= self.TINY else 0
         return best
 
-    def SearchStart(self, move):
+    def SearchStart(self, move, closed):
         """The first step of a body that a few macro-elements hold: as Search, None if none fits.
+
+        ``closed(damping)`` takes a part of the step and returns the share of macro-elements that
+        are closed there, NaN where surfaces cannot be paired.
 
         The full step pushes the body far through the master: it closes nearly everything, and it
         takes an iteration for each ring of macro-elements to open again. The longest part, down to
@@ -111,8 +114,7 @@ class Globalization:
         """
         for halving in range(4):
             damping = 0.5**halving
-            trial = move(damping)
-            if trial.finite and np.mean(trial.status > 0) <= 0.5:
+            if closed(damping) <= 0.5 and (trial := move(damping)).finite:
                 return trial, damping
         return None
 

@@ -163,14 +163,21 @@ class Newton:
         start = vec.CreateVector()
         start.data = vec
 
-        def move(damping):
+        def go(damping):
             vec.data = start
             vec.FV().NumPy()[:] -= damping * correction
+
+        def move(damping):
+            go(damping)
             return system.Trial(state, damping)
+
+        def closed(damping):
+            go(damping)
+            return system.residual.Closed()
 
         found = None
         if self.holding.closings and len(self.history) == 1:
-            found = self.globalization.SearchStart(move)
+            found = self.globalization.SearchStart(move, closed)
         elif system.loose and system.motion is None:
             found = self._Stick(state, move)
         moving = system.motion is not None
