@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -501,9 +501,19 @@ class TwoLevel(ngsolve.la.BaseMatrix):
     """
     def __init__(self, system: Condensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
         ...
-class TwoLevelProduct(ngsolve.la.BaseMatrix):
+class PreconditionedProduct:
     """
-    A M^-1 on the free dofs for a preconditioner M of A, to single precision.
+    Products with a matrix A after a preconditioner M.
+    """
+    def Apply(self, x: ngsolve.la.BaseVector, z: ngsolve.la.BaseVector, image: ngsolve.la.BaseVector) -> None:
+        """
+        z = M^-1 x and image = A z.
+        """
+    def __init__(self, mat: ngsolve.la.BaseMatrix, inverse: ngsolve.la.BaseMatrix | None = None) -> None:
+        ...
+class TwoLevelProduct(PreconditionedProduct):
+    """
+    On the free dofs for a preconditioner M of A itself, to single precision.
     """
     def __init__(self, preconditioner: TwoLevel, system: Condensation) -> None:
         ...
@@ -519,12 +529,12 @@ def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Se
     ...
 def FacetCorners(arg0: ngsolve.comp.Region, arg1: typing.SupportsInt | typing.SupportsIndex) -> list[float]:
     ...
-def GMRes(mat: ngsolve.la.BaseMatrix, rhs: ngsolve.la.BaseVector, freedofs: pyngcore.pyngcore.BitArray, tol: typing.SupportsFloat | typing.SupportsIndex, maxiter: typing.SupportsInt | typing.SupportsIndex, patience: typing.SupportsInt | typing.SupportsIndex = 0, inverse: ngsolve.la.BaseMatrix | None = None) -> tuple[ngsolve.la.BaseVector, numpy.typing.NDArray[numpy.float64], bool]:
+def GMRes(product: PreconditionedProduct, rhs: ngsolve.la.BaseVector, freedofs: pyngcore.pyngcore.BitArray, tol: typing.SupportsFloat | typing.SupportsIndex, maxiter: typing.SupportsInt | typing.SupportsIndex, patience: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[ngsolve.la.BaseVector, numpy.typing.NDArray[numpy.float64], bool]:
     """
-    GMRES from zero without restart: solution of least residual, norms of the residuals before
-    the first product and after each, and whether the last is at most `tol` times the first.
-    Ends where `patience` products, if not 0, did not halve it.
-    With an `inverse` as preconditioner from the right, of any precision: flexible GMRES.
+    GMRES from zero without restart, preconditioned from the right: solution of least residual,
+    norms of the residuals before the first product and after each, and whether the last is at
+    most `tol` times the first. Ends where `patience` products, if not 0, did not halve it.
+    The preconditioner may be of any precision: flexible GMRES.
     """
 def HoldsProxy(function: ngsolve.fem.CoefficientFunction) -> bool:
     """

@@ -1,15 +1,15 @@
 #include "contactform.hpp"
 #include "linear/merge.hpp"
-#include "tonumpy.hpp"
+#include "numpy.hpp"
 
 namespace ngslac {
 namespace {
-using History = std::map<string, py::array_t<double, py::array::c_style | py::array::forcecast>>;
+using History = std::map<string, Numbers<double>>;
 
-FormHistory FromNumPy(const History & history) {
+FormHistory HistoryOf(const History & history) {
   FormHistory copy;
   for (auto & [name, values] : history)
-    copy[name] = FlatArray<double>(values.size(), const_cast<double *>(values.data()));
+    copy[name] = FromNumPy(values);
   return copy;
 }
 } // namespace
@@ -40,7 +40,7 @@ void ExportContact(py::module & m) {
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
-            auto copy = history ? FromNumPy(*history) : FormHistory();
+            auto copy = history ? HistoryOf(*history) : FormHistory();
             py::gil_scoped_release release;
             self.Update(gf, history ? &copy : nullptr);
           },
@@ -81,12 +81,11 @@ void ExportContact(py::module & m) {
              return history;
            })
       .def("SetHistory",
-           [](ContactForm & self, const History & history) { self.SetHistory(FromNumPy(history)); })
+           [](ContactForm & self, const History & history) { self.SetHistory(HistoryOf(history)); })
       .def(
           "AssembleSprings",
           [](ContactForm & self, const BaseVector & x,
-             py::array_t<double, py::array::c_style | py::array::forcecast> stiffness)
-              -> shared_ptr<BaseMatrix> {
+             Numbers<double> stiffness) -> shared_ptr<BaseMatrix> {
             FlatArray<double> values(stiffness.size(), stiffness.mutable_data());
             py::gil_scoped_release release;
             return self.AssembleSprings(x, values);
@@ -94,8 +93,7 @@ void ExportContact(py::module & m) {
           py::arg("x"), py::arg("stiffness"))
       .def(
           "Lean",
-          [](ContactForm & self,
-             py::array_t<double, py::array::c_style | py::array::forcecast> vectors) {
+          [](ContactForm & self, Numbers<double> vectors) {
             self.Lean(FlatArray<double>(vectors.size(), const_cast<double *>(vectors.data())));
           },
           py::arg("vectors"))

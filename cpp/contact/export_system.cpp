@@ -1,6 +1,6 @@
 #include "contactform.hpp"
 #include "linear/merge.hpp"
-#include "tonumpy.hpp"
+#include "numpy.hpp"
 
 namespace ngslac {
 /// Of the bulk's matrix with those of contacts.
@@ -22,8 +22,7 @@ void ExportSystem(py::module & m) {
       [](const BaseMatrix & bulk,
          const std::vector<std::variant<shared_ptr<ContactForm>, shared_ptr<BaseMatrix>>> &
              contacts,
-         py::array_t<double, py::array::c_style | py::array::forcecast> scale,
-         shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
+         Numbers<double> scale, shared_ptr<BaseMatrix> former) -> shared_ptr<BaseMatrix> {
         Array<shared_ptr<SparseMatrix<double>>> mats;
         for (auto & contact : contacts)
           if (auto form = std::get_if<shared_ptr<ContactForm>>(&contact))
@@ -32,7 +31,7 @@ void ExportSystem(py::module & m) {
             mats.Append(dynamic_pointer_cast<SparseMatrix<double>>(std::get<1>(contact)));
         if (mats.Contains(nullptr))
           throw Exception("MergeMatrices: a contact matrix must be sparse, real and scalar");
-        FlatVector<> values(scale.size(), const_cast<double *>(scale.data()));
+        auto values = View(scale, scale.size());
         py::gil_scoped_release release;
         return MergeMatrices(bulk, mats, values,
                              dynamic_pointer_cast<SparseMatrix<double>>(former));

@@ -1,38 +1,14 @@
 #include "gmres.hpp"
 #include "nodeblocks.hpp"
+#include "numpy.hpp"
 #include "orthogonal.hpp"
 #include "pivots.hpp"
 #include "twolevel.hpp"
-#include <comp.hpp>
-#include <python_comp.hpp>
 
 namespace ngslac {
 using namespace ngcomp;
 
 namespace {
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-FlatVector<> View(const Numbers & values, const Condensation & self) {
-  if (values.size() != self.VHeight())
-    throw Exception("Condensation: a vector needs one entry per row of the matrix");
-  return FlatVector<>(values.size(), const_cast<double *>(values.data()));
-}
-
-template <typename T>
-using Entries = py::array_t<T, py::array::c_style | py::array::forcecast>;
-
-template <typename T>
-Array<T> Copied(const Entries<T> & entries) {
-  Array<T> copy(entries.size());
-  std::copy_n(entries.data(), entries.size(), copy.begin());
-  return copy;
-}
-
-template <typename T>
-Entries<T> Exported(FlatArray<T> values) {
-  return Entries<T>(values.Size(), values.Data());
-}
-
 std::pair<shared_ptr<SparseMatrix<double>>, Array<int>>
 Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
   auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
@@ -78,39 +54,35 @@ void ExportLinear(py::module & m) {
           "Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.")
       .def(
           "NodeBlocks",
-          [](const Condensation & self, const Entries<int> & nodes) {
+          [](const Condensation & self, const Numbers<int> & nodes) {
             if (nodes.ndim() != 2 || nodes.shape(1) < 1)
               throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
-            auto list = Copied(nodes);
+            auto list = FromNumPy(nodes);
             BlockRows rows;
             {
               py::gil_scoped_release release;
               rows = NodeBlocks(self, list, nodes.shape(1));
             }
-            return py::make_tuple(Exported<int>(rows.starts), Exported<int>(rows.columns),
-                                  Exported<double>(rows.values));
+            return py::make_tuple(ToNumPy(rows.starts), ToNumPy(rows.columns),
+                                  ToNumPy(rows.values));
           },
           py::arg("nodes"),
           "The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.\n"
           "-1 stands for no dof; what is not free is a row of the identity.")
       .def_property_readonly(
-          "constraints",
-          [](const Condensation & self) {
-            auto counts = self.Constraints();
-            return py::array_t<int>(counts.Size(), counts.Data());
-          },
+          "constraints", [](const Condensation & self) { return ToNumPy(self.Constraints()); },
           "(n,) int: eliminated directions of each macro-element")
       .def_property_readonly(
-          "diagonal", [](const Condensation & self) { return Exported<double>(self.Diagonal()); },
+          "diagonal", [](const Condensation & self) { return ToNumPy(self.Diagonal()); },
           "(n,): of the sparse matrix")
       .def_property_readonly("has_symmetric_contact", &Condensation::HasSymmetricContact,
                              "as without slip")
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
       .def(
           "Reduce",
-          [](const Condensation & self, Numbers rhs) {
-            Numbers reduced(rhs.size());
-            auto from = View(rhs, self), to = View(reduced, self);
+          [](const Condensation & self, Numbers<double> rhs) {
+            Numbers<double> reduced(rhs.size());
+            auto from = View(rhs, self.VHeight()), to = View(reduced, self.VHeight());
             py::gil_scoped_release release;
             self.Reduce(from, to);
             return reduced;
@@ -118,9 +90,10 @@ void ExportLinear(py::module & m) {
           py::arg("rhs"), "Right hand side of `mat` for one of the whole system.")
       .def(
           "Expand",
-          [](const Condensation & self, Numbers rhs, Numbers w) {
-            Numbers x(rhs.size());
-            auto from = View(rhs, self), part = View(w, self), to = View(x, self);
+          [](const Condensation & self, Numbers<double> rhs, Numbers<double> w) {
+            Numbers<double> x(rhs.size());
+            auto from = View(rhs, self.VHeight()), part = View(w, self.VHeight()),
+                 to = View(x, self.VHeight());
             py::gil_scoped_release release;
             self.Expand(from, part, to);
             return x;
@@ -156,38 +129,47 @@ void ExportLinear(py::module & m) {
       "operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows\n"
       "(starts, columns, values) belong to the free `dofs`, and others are empty.")
       .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
-                       shared_ptr<BaseMatrix> coarse, const Entries<int> & dofs,
-                       const Entries<int> & starts, const Entries<int> & columns,
-                       const Entries<float> & values) {
-             SparseRows rows{Copied(starts), Copied(columns), Copied(values)};
-             auto list = Copied(dofs);
+                       shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs,
+                       const Numbers<int> & starts, const Numbers<int> & columns,
+                       const Numbers<float> & values) {
+             SparseRows rows{FromNumPy(starts), FromNumPy(columns), FromNumPy(values)};
+             auto list = FromNumPy(dofs);
              py::gil_scoped_release release;
              return make_shared<TwoLevel>(system, sweeps, coarse, rows, list);
            }),
            py::arg("system"), py::arg("sweeps").none(false), py::arg("coarse").none(false),
            py::arg("dofs"), py::arg("starts"), py::arg("columns"), py::arg("values"));
-  py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, BaseMatrix>(
+  py::class_<PreconditionedProduct, shared_ptr<PreconditionedProduct>>(
+      m, "PreconditionedProduct", "Products with a matrix A after a preconditioner M.")
+      .def(py::init([](shared_ptr<BaseMatrix> mat, shared_ptr<BaseMatrix> inverse) {
+             shared_ptr<PreconditionedProduct> product = make_shared<OperatorProduct>(mat, inverse);
+             return product;
+           }),
+           py::arg("mat").none(false), py::arg("inverse") = nullptr)
+      .def("Apply", &PreconditionedProduct::Apply, py::call_guard<py::gil_scoped_release>(),
+           py::arg("x"), py::arg("z"), py::arg("image"), "z = M^-1 x and image = A z.");
+  py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, PreconditionedProduct>(
       m, "TwoLevelProduct",
-      "A M^-1 on the free dofs for a preconditioner M of A, to single precision.")
+      "On the free dofs for a preconditioner M of A itself, to single precision.")
       .def(py::init<shared_ptr<TwoLevel>, shared_ptr<Condensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
   m.def(
       "GMRes",
-      [](shared_ptr<BaseMatrix> mat, shared_ptr<BaseVector> rhs, const BitArray & free, double tol,
-         int maxiter, int patience, shared_ptr<BaseMatrix> inverse) {
+      [](shared_ptr<PreconditionedProduct> product, shared_ptr<BaseVector> rhs,
+         const BitArray & free, double tol, int maxiter, int patience) {
         GMResSolution found;
         {
           py::gil_scoped_release release;
-          found = GMRes(*mat, *rhs, free, {tol, maxiter, patience}, LookForSignals, inverse.get());
+          found = GMRes(*product, *rhs, free, {tol, maxiter, patience}, LookForSignals);
         }
-        py::array_t<double> residuals(found.residuals.Size(), found.residuals.Data());
-        return py::make_tuple(found.x, residuals, found.converged);
+        return py::make_tuple(found.x, ToNumPy(found.residuals), found.converged);
       },
-      py::arg("mat").none(false), py::arg("rhs").none(false), py::arg("freedofs"), py::arg("tol"),
-      py::arg("maxiter"), py::arg("patience") = 0, py::arg("inverse") = nullptr,
-      "GMRES from zero without restart: solution of least residual, norms of the residuals before\n"
-      "the first product and after each, and whether the last is at most `tol` times the first.\n"
-      "Ends where `patience` products, if not 0, did not halve it.\n"
-      "With an `inverse` as preconditioner from the right, of any precision: flexible GMRES.");
+      py::arg("product").none(false), py::arg("rhs").none(false), py::arg("freedofs"),
+      py::arg("tol"), py::arg("maxiter"), py::arg("patience") = 0,
+      "GMRES from zero without restart, preconditioned from the right: solution of least "
+      "residual,\n"
+      "norms of the residuals before the first product and after each, and whether the last is at\n"
+      "most `tol` times the first. Ends where `patience` products, if not 0, did not halve it.\n"
+      "The preconditioner may be of any precision: flexible GMRES.");
 }
 } // namespace ngslac

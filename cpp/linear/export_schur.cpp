@@ -1,36 +1,13 @@
+#include "numpy.hpp"
 #include "schur.hpp"
-#include <comp.hpp>
-#include <python_comp.hpp>
 
 namespace ngslac {
 using namespace ngcomp;
 
 namespace {
-template <typename T>
-using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
-
-template <typename T>
-Array<T> Copy(const Numbers<T> & values) {
-  Array<T> copy(values.size());
-  for (size_t i : Range(copy))
-    copy[i] = values.data()[i];
-  return copy;
-}
-
-FlatVector<> View(const Numbers<double> & values, size_t size) {
-  if (size_t(values.size()) != size)
-    throw Exception("SchurComplement: a vector has " + ToString(values.size()) + " entries, not " +
-                    ToString(size));
-  return {size, const_cast<double *>(values.data())};
-}
-
-Numbers<double> ToNumPy(FlatVector<> values) {
-  return Numbers<double>(values.Size(), values.Data());
-}
-
 SparseColumns Columns(const Numbers<size_t> & starts, const Numbers<int> & rows,
                       const Numbers<double> & values, int height) {
-  SparseColumns columns{Copy(starts), Copy(rows), Copy(values)};
+  SparseColumns columns{FromNumPy(starts), FromNumPy(rows), FromNumPy(values)};
   auto fits = [&](int row) { return row >= 0 && row < height; };
   if (!columns.starts.Size() || columns.starts[0] != 0 ||
       !std::is_sorted(columns.starts.begin(), columns.starts.end()) ||

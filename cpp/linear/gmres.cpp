@@ -64,7 +64,7 @@ public:
     sums = 0.0;
     for (size_t k : Range(parts.Height()))
       sums += parts.Row(k);
-    AddTo(w, -sums);
+    Combine(vectors, -sums, w);
     h.Range(0, m) += sums;
   }
 
@@ -80,9 +80,6 @@ public:
     }
     return after > rounding * size ? after : 0;
   }
-
-  /// Adds a combination of the first vectors.
-  void AddTo(FlatVector<> w, const Vector<> & factors) const { Combine(vectors, factors, w); }
 };
 
 /// Least squares problem of GMRES, turned to a triangle by Givens's rotations.
@@ -143,11 +140,12 @@ void CheckSizes(const BaseVector & x, const BaseVector & image, const BaseVector
 }
 } // namespace
 
-GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArray & free,
-                    const GMResLimits & limits, const function<void()> & look,
-                    const BaseMatrix * inverse) {
+GMResSolution GMRes(const PreconditionedProduct & product, const BaseVector & rhs,
+                    const BitArray & free, const GMResLimits & limits,
+                    const function<void()> & look) {
   static Timer timer("ngslac::GMRes");
   RegionTimer reg(timer);
+  auto & mat = product.Matrix();
   shared_ptr<BaseVector> x = mat.CreateRowVector(), start = mat.CreateColVector();
   CheckSizes(*x, *start, rhs, free);
   *x = 0.0;
@@ -164,11 +162,8 @@ GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArr
   for (int k = 0; k < limits.maxiter && !found.converged; k++) {
     look();
     shared_ptr<BaseVector> next = mat.CreateColVector();
-    if (inverse) {
-      moves.Append(mat.CreateRowVector());
-      inverse->Mult(basis.Last(), *moves.Last());
-    }
-    mat.Mult(inverse ? *moves.Last() : basis.Last(), *next);
+    moves.Append(mat.CreateRowVector());
+    product.Apply(basis.Last(), *moves.Last(), *next);
     auto w = next->FV<double>();
     basis.Restrict(w);
     Vector<> h(k + 2);
@@ -181,10 +176,7 @@ GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArr
       break;
     basis.Append(next, h(k + 1));
   }
-  if (inverse)
-    Combine(moves, triangle.Solution(), x->FV<double>());
-  else
-    basis.AddTo(x->FV<double>(), triangle.Solution());
+  Combine(moves, triangle.Solution(), x->FV<double>());
   return found;
 }
 } // namespace ngslac

@@ -1,8 +1,7 @@
 #pragma once
-#include <la.hpp>
+#include "preconditioned.hpp"
 
 namespace ngslac {
-using namespace ngla;
 
 /// When GMRES ends.
 struct GMResLimits {
@@ -17,14 +16,15 @@ struct GMResSolution {
   bool converged;
 };
 
-/// GMRES without restart from zero for  mat x = rhs  on the free dofs: norm of the residual itself.
+/// GMRES without restart from zero for  A x = rhs  on the free dofs, preconditioned from the right:
+/// the norm is that of the residual itself.
 ///
-/// With an `inverse` M^-1, in any precision and not even the same each time, the vectors M^-1 q are
-/// kept and combined (flexible GMRES, Saad 1993): its rounding errors are none of the solution.
-/// A basis vector that the projection left with less than half its length is projected twice
-/// (Daniel, Gragg, Kaufman and Stewart 1976). `look` is called before each product; what it throws
-/// ends the iteration. Saad and Schultz 1986.
-GMResSolution GMRes(const BaseMatrix & mat, const BaseVector & rhs, const BitArray & free,
-                    const GMResLimits & limits, const function<void()> & look,
-                    const BaseMatrix * inverse = nullptr);
+/// The vectors  z = M^-1 q  are kept and combined (flexible GMRES, Saad 1993): M^-1 may be in any
+/// precision and not even the same each time, its rounding errors are none of the solution. A basis
+/// vector that the projection left with less than half its length is projected twice (Daniel,
+/// Gragg, Kaufman and Stewart 1976). `look` is called before each product; what it throws ends the
+/// iteration. Saad and Schultz 1986.
+GMResSolution GMRes(const PreconditionedProduct & product, const BaseVector & rhs,
+                    const BitArray & free, const GMResLimits & limits,
+                    const function<void()> & look);
 } // namespace ngslac

@@ -40,9 +40,8 @@ void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) c
   sweeps->Scatter(b, image->FV<double>());
 }
 
-void TwoLevelProduct::Mult(const BaseVector & x, BaseVector & y) const {
-  auto z = CreateRowVector();
-  pre->Apply(x, z, &y);
-  system->ToImage(z.FV<double>(), y.FV<double>());
+void TwoLevelProduct::Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const {
+  pre->Apply(x, z, &image);
+  system->ToImage(z.FV<double>(), image.FV<double>());
 }
 } // namespace ngslac

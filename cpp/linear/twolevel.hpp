@@ -1,4 +1,5 @@
 #pragma once
+#include "preconditioned.hpp"
 #include "prolongation.hpp"
 #include "starsweeps.hpp"
 
@@ -27,12 +28,13 @@ private:
   Prolongation prolongation;
 };
 
-/// A M^-1  for this preconditioner M of a matrix A, to single precision.
-class TwoLevelProduct : public SquareOperator {
+/// With this preconditioner, to single precision.
+class TwoLevelProduct : public PreconditionedProduct {
 public:
   TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<Condensation> system)
-      : SquareOperator(*pre), pre(pre), system(system) {}
-  void Mult(const BaseVector & x, BaseVector & y) const override;
+      : pre(pre), system(system) {}
+  const BaseMatrix & Matrix() const override { return *system; }
+  void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override;
 
 private:
   shared_ptr<TwoLevel> pre;

@@ -8,7 +8,7 @@ from ngslac._ngslac import Condensation, GMRes
 from ngslac.arrays import Multiply
 from ngslac.linear.factor import IsSymmetric, LinearSolveError
 
-__all__ = ["Condensed", "FlexibleGMRes", "IsNear", "Krylov", "RightGMRes"]
+__all__ = ["Condensed", "IsNear", "Krylov", "RightGMRes"]
 
 
 @dataclass(frozen=True)
@@ -136,25 +136,22 @@ class Condensed:
         raise LinearSolveError("the condensed system could not be solved")
 
 
-def RightGMRes(product, inverse, rhs, freedofs, *, tol, maxiter, patience=0):
+def RightGMRes(product, rhs, freedofs, *, tol, maxiter, patience=0):
     """GMRES preconditioned from the right, so that it is the residual that gets small.
 
-    `product` is the matrix times `inverse`. Returns the Krylov iteration, which ends where so many
-    products do not halve the residual, and the solution.
+    Parameters
+    ----------
+    product : PreconditionedProduct
+        Its preconditioner may be rougher than the solution: preconditioned vectors are kept.
+    patience : int
+        If not 0, it ends where so many products do not halve the residual.
+
+    Returns
+    -------
+    Krylov, BaseVector
+        The iteration, and the solution.
     """
     found, residuals, converged = GMRes(product, rhs, freedofs, tol, maxiter, patience)
-    return Krylov(len(residuals) - 1, converged), (inverse * found).Evaluate()
-
-
-def FlexibleGMRes(system, inverse, rhs, **limits):
-    """The same for a preconditioner in single precision that is too rough for the solution.
-
-    Keeps the preconditioned vectors: rounding errors of the preconditioner are none of the solution
-    then, as they are where it is applied to a combination in the end. Where a stiff body moves on a
-    soft one they would be as large as the forces.
-    """
-    given = system, rhs, system.freedofs
-    found, residuals, converged = GMRes(*given, inverse=inverse, **limits)
     return Krylov(len(residuals) - 1, converged), found
 
 

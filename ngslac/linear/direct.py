@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import BaseMatrix
 from ngsolve.krylovspace import CGSolver
 
-from ngslac._ngslac import Condensation
+from ngslac._ngslac import Condensation, PreconditionedProduct
 from ngslac.linear.condensed import Condensed, IsNear, Krylov, RightGMRes
 from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, LinearSolveError
 
@@ -83,8 +83,8 @@ class DirectCondensed(Condensed):
 
     def _Iterate(self, system, frictionless, inverse, rhs, tol, iterations):
         if system is not frictionless:
-            given = system @ inverse, inverse, rhs, system.freedofs
-            return RightGMRes(*given, tol=tol, maxiter=iterations)
+            product = PreconditionedProduct(system, inverse)
+            return RightGMRes(product, rhs, system.freedofs, tol=tol, maxiter=iterations)
         # Conjugate gradients look at another norm of the residual, whose size is adapted.
         krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * tol, maxiter=iterations)
         solution = krylov.Solve(rhs=rhs)

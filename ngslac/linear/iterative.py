@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from ngslac._ngslac import OrthogonalCondensation, TwoLevel, TwoLevelProduct
-from ngslac.linear.condensed import Condensed, FlexibleGMRes, IsNear, RightGMRes
+from ngslac._ngslac import (
+    OrthogonalCondensation,
+    PreconditionedProduct,
+    TwoLevel,
+    TwoLevelProduct,
+)
+from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
 
 __all__ = ["IterativeCondensed"]
 
@@ -82,12 +87,13 @@ class IterativeCondensed(Condensed):
         return inverse, mat
 
     def _Iterate(self, system, _, inverse, rhs, tol, iterations):
-        limits = {"tol": tol, "maxiter": iterations, "patience": PATIENCE}
-        if self._rounds_off:
-            return FlexibleGMRes(system, inverse, rhs, **limits)
         own = isinstance(inverse, TwoLevel)
-        product = TwoLevelProduct(inverse, system) if own else system @ inverse
-        krylov, solution = RightGMRes(product, inverse, rhs, system.freedofs, **limits)
+        fused = own and not self._rounds_off
+        product = (
+            TwoLevelProduct(inverse, system) if fused else PreconditionedProduct(system, inverse)
+        )
+        limits = {"tol": tol, "maxiter": iterations, "patience": PATIENCE}
+        krylov, solution = RightGMRes(product, rhs, system.freedofs, **limits)
         if own:
             self.multigrid.Watch(krylov.iterations / -np.log10(tol))
         return krylov, solution

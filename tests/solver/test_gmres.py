@@ -9,7 +9,7 @@ from netgen.meshing import NgException
 from ngsolve import BaseMatrix, BitArray, GetNumThreads, SetNumThreads, TaskManager
 from ngsolve.la import SparseMatrixd
 
-from ngslac._ngslac import GMRes
+from ngslac._ngslac import GMRes, PreconditionedProduct
 from ngslac.arrays import AsBits
 
 N = 40
@@ -39,9 +39,10 @@ def given(seed=0, shift=6.0):
     return values, random.standard_normal(N)
 
 
-def run(values, rhs, tol=1e-10, maxiter=100, free=None, **options):
+def run(values, rhs, tol=1e-10, maxiter=100, free=None, inverse=None, **options):
     mat = matrix(values)
-    x, *found = GMRes(mat, vector(mat, rhs), free or every(len(values)), tol, maxiter, **options)
+    given = PreconditionedProduct(mat, inverse), vector(mat, rhs), free or every(len(values))
+    x, *found = GMRes(*given, tol, maxiter, **options)
     return x.FV().NumPy().copy(), *found
 
 
@@ -199,7 +200,8 @@ def test_matrix_in_python(threads):
     try:
         SetNumThreads(threads)
         with TaskManager():
-            x, residuals, converged = GMRes(mat, vector(mat.mat, rhs), every(), 1e-10, 100)
+            options = vector(mat.mat, rhs), every(), 1e-10, 100
+            x, residuals, converged = GMRes(PreconditionedProduct(mat), *options)
     finally:
         SetNumThreads(before)
     expected, *history = run(values, rhs)
@@ -212,7 +214,7 @@ def test_interruption():
     values, rhs = given()
     mat = Product(values, act=lambda: signal.raise_signal(signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
-        GMRes(mat, vector(mat.mat, rhs), every(), 1e-10, 100)
+        GMRes(PreconditionedProduct(mat), vector(mat.mat, rhs), every(), 1e-10, 100)
 
 
 def test_error_in_a_matrix_in_python():
@@ -222,11 +224,11 @@ def test_error_in_a_matrix_in_python():
     values, rhs = given()
     mat = Product(values, act)
     with pytest.raises((ValueError, NgException), match="no such product"):
-        GMRes(mat, vector(mat.mat, rhs), every(), 1e-10, 100)
+        GMRes(PreconditionedProduct(mat), vector(mat.mat, rhs), every(), 1e-10, 100)
 
 
 @pytest.mark.parametrize(("rows", "bits"), [(N - 1, N), (N, N - 1)])
 def test_sizes_must_fit(rows, bits):
     mat, other = matrix(given()[0]), matrix(np.eye(rows))
     with pytest.raises(NgException, match="differ in size"):
-        GMRes(mat, vector(other, 1.0), every(bits), 1e-10, 100)
+        GMRes(PreconditionedProduct(mat), vector(other, 1.0), every(bits), 1e-10, 100)
