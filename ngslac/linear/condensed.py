@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac._ngslac import Condensation, GMRes
+from ngslac._ngslac import GMRes
 from ngslac.arrays import Multiply
-from ngslac.linear.factor import IsSymmetric, LinearSolveError
+from ngslac.linear.factor import LinearSolveError
 
-__all__ = ["Condensed", "IsNear", "Krylov", "RightGMRes"]
+__all__ = ["Condensed", "Krylov", "RightGMRes"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,6 @@ class Condensed:
         Of matrices of full size, and iterations, since this was made.
     """
 
-    system = Condensation  # which variant
     rounds = 3
     exact = 1e-13  # where nothing less is asked for
     best = 1e-14  # relative residual that a Krylov method can reach
@@ -63,11 +62,15 @@ class Condensed:
 
     def Forget(self):
         """Keep no factorisation for the next system."""
-        self._kept = None
+        self._kept = self._systems = None
 
     def NewBulk(self):
         """The bulk matrix has got other values."""
-        self._bulk_is_symmetric = None
+        self.NewMatrix()
+
+    def NewMatrix(self):
+        """The merged matrix has got other values."""
+        self._systems = None
 
     def Solve(self, mat, multipliers, b, accuracy):
         """x with mat x = b on the free dofs, and its relative residual: array and number.
@@ -75,7 +78,7 @@ class Condensed:
         Parameters
         ----------
         mat : SparseMatrix
-            Merged and scaled.
+            Merged and scaled; that of the last call if `NewMatrix` was not called.
         multipliers : (n,) int
             Their dofs, d per macro-element.
         b : (n,)
@@ -90,14 +93,14 @@ class Condensed:
         LinearSolveError
             The matrix is singular, or the iteration does not converge.
         """
-        given = mat, np.asarray(multipliers).tolist(), self.dim, self.bits
-        system = self.system(*given)
-        frictionless = system if self._IsSymmetric(system) else self._Frictionless(given)
+        if self._systems is None:
+            multipliers = np.asarray(multipliers).tolist()
+            self._systems = self._Systems(mat, multipliers, self.dim, self.bits)
         accuracy, size = self._Accuracy(accuracy), np.linalg.norm(b)
         x, left, error = np.zeros_like(b), b, 1.0
         best = x, error
         for _ in range(self.rounds if size else 0):
-            x = x + self._Step(system, frictionless, left, 0.9 * accuracy * size)
+            x = x + self._Step(left, 0.9 * accuracy * size)
             left = (b - Multiply([mat], x)) * self.free
             error = float(np.linalg.norm(left)) / size
             self._Learn(error, accuracy)
@@ -110,26 +113,15 @@ class Condensed:
     def _Learn(self, error, accuracy):
         """See what a round came to that was to reach an accuracy."""
 
-    def _Frictionless(self, given):
-        """The system in which slip is frictionless, if that serves and is symmetric."""
-        variant = Condensation(*given, symmetric=True)
-        return variant if self._IsSymmetric(variant) else None
-
-    def _IsSymmetric(self, system):
-        if not system.has_symmetric_contact:
-            return False
-        if self._bulk_is_symmetric is None:
-            self._bulk_is_symmetric = IsSymmetric(system)
-        return self._bulk_is_symmetric
-
-    def _Step(self, system, frictionless, rhs, residual):
-        """Solution of the whole system, up to a residual, from that of the condensed one."""
+    def _Step(self, rhs, residual):
+        """Solution of the whole system, up to a residual, from that of the first condensed one."""
+        system = self._systems[0]
         reduced = system.CreateColVector()
         reduced.FV().NumPy()[:] = system.Reduce(rhs)
         size = reduced.Norm()
         tol = min(max(residual / size, self.best), 0.1) if size else 1.0
-        for inverse, iterations in self._Preconditioners(system, frictionless, reduced):
-            krylov, w = self._Iterate(system, frictionless, inverse, reduced, tol, iterations)
+        for inverse, iterations in self._Preconditioners(reduced, *self._systems):
+            krylov, w = self._Iterate(inverse, reduced, tol, iterations, *self._systems)
             self.krylov += krylov.iterations
             if krylov.converged:
                 return system.Expand(rhs, w.FV().NumPy())
@@ -153,15 +145,3 @@ def RightGMRes(product, rhs, freedofs, *, tol, maxiter, patience=0):
     """
     found, residuals, converged = GMRes(product, rhs, freedofs, tol, maxiter, patience)
     return Krylov(len(residuals) - 1, converged), found
-
-
-def IsNear(system, other):
-    """Do two systems differ by rounding only? Told by the images of a random vector."""
-    if system is other or system.height != other.height:
-        return system is other
-    if np.any(system.constraints != other.constraints):
-        return False
-    x = system.CreateRowVector()
-    x.FV().NumPy()[:] = np.random.default_rng(2).standard_normal(system.height)
-    image = (system * x).Evaluate()
-    return (image - other * x).Evaluate().Norm() <= 1e-10 * image.Norm()

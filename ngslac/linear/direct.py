@@ -7,8 +7,8 @@ from ngsolve import BaseMatrix
 from ngsolve.krylovspace import CGSolver
 
 from ngslac._ngslac import Condensation, PreconditionedProduct
-from ngslac.linear.condensed import Condensed, IsNear, Krylov, RightGMRes
-from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.condensed import Condensed, Krylov, RightGMRes
+from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, IsSymmetric, LinearSolveError
 
 __all__ = ["DirectCondensed"]
 
@@ -66,12 +66,29 @@ class DirectCondensed(Condensed):
     def _Accuracy(self, _):
         return self.exact
 
-    def _Frictionless(self, given):
+    def NewBulk(self):
+        """The bulk matrix has got other values."""
+        super().NewBulk()
+        self._bulk_is_symmetric = None
+
+    def _Systems(self, *given):
+        """The system, and that in which slip is frictionless if this serves and is symmetric."""
+        system = Condensation(*given)
         # In 2D LU costs less than Cholesky and the iterations with it.
         lu = self.inverse not in CHOLESKY if self.inverse else self.dim == 2
-        return None if lu else super()._Frictionless(given)
+        if self._IsSymmetric(system):
+            return system, system
+        frictionless = None if lu else Condensation(*given, symmetric=True)
+        return system, frictionless if frictionless and self._IsSymmetric(frictionless) else None
 
-    def _Preconditioners(self, system, frictionless, rhs):
+    def _IsSymmetric(self, system):
+        if not system.has_symmetric_contact:
+            return False
+        if self._bulk_is_symmetric is None:
+            self._bulk_is_symmetric = IsSymmetric(system)
+        return self._bulk_is_symmetric
+
+    def _Preconditioners(self, rhs, system, frictionless):
         """Inverses to try, with the most iterations for each."""
         near = frictionless or system
         if self._kept is None or not IsNear(near, self._kept.system):
@@ -81,7 +98,7 @@ class DirectCondensed(Condensed):
             self._Factor(system, frictionless, rhs)
         yield self._kept.inverse, self.most_iterations
 
-    def _Iterate(self, system, frictionless, inverse, rhs, tol, iterations):
+    def _Iterate(self, inverse, rhs, tol, iterations, system, frictionless):
         if system is not frictionless:
             product = PreconditionedProduct(system, inverse)
             return RightGMRes(product, rhs, system.freedofs, tol=tol, maxiter=iterations)
@@ -111,3 +128,14 @@ class DirectCondensed(Condensed):
         if not np.isfinite((inverse * rhs).Evaluate().Norm()):
             raise LinearSolveError("the matrix is singular")
         self._kept = Kept(inverse, mat, near, Patience(int(self.free.sum()), self.dim))
+
+def IsNear(system, other):
+    """Do two systems differ by rounding only? Told by the images of a random vector."""
+    if system is other or system.height != other.height:
+        return system is other
+    if np.any(system.constraints != other.constraints):
+        return False
+    x = system.CreateRowVector()
+    x.FV().NumPy()[:] = np.random.default_rng(2).standard_normal(system.height)
+    image = (system * x).Evaluate()
+    return (image - other * x).Evaluate().Norm() <= 1e-10 * image.Norm()

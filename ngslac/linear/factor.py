@@ -91,8 +91,7 @@ def Factor(mat, freedofs, inverse, **flags):
         There is no solver of this name. LinearSolveError: the matrix is singular.
     """
     try:
-        with OneBLASThread():
-            return mat.Inverse(freedofs, inverse=inverse, flags=FLAGS.get(inverse, {}) | flags)
+        return mat.Inverse(freedofs, inverse=inverse, flags=FLAGS.get(inverse, {}) | flags)
     except Exception as error:
         if isinstance(error, ImportError) or "available" in str(error):
             raise ValueError(f"inverse={inverse!r} is not available: {error}") from error

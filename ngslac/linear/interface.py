@@ -57,6 +57,9 @@ class Interface:
         """The bulk matrix has got other values."""
         self.Forget()
 
+    def NewMatrix(self):
+        """The merged matrix has got other values."""
+
     def Begin(self):
         """Another system; says whether this is the way to solve it.
 

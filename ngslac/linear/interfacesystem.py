@@ -6,7 +6,7 @@ from scipy.linalg.lapack import dgecon
 from scipy.sparse import hstack
 
 from ngslac.linear.blocks import Weights
-from ngslac.linear.factor import LinearSolveError, OneBLASThread
+from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.grounded import SPRING, UnitColumns
 
 __all__ = ["InterfaceSystem"]
@@ -64,8 +64,7 @@ class InterfaceSystem:
         matrix *= self.scale[:, None]
         if len(matrix):
             norm = np.abs(matrix).sum(axis=0).max()
-            with OneBLASThread():
-                self.factors = lu_factor(matrix, check_finite=False)
+            self.factors = lu_factor(matrix, check_finite=False)
             if not dgecon(self.factors[0], norm)[0] > SINGULAR:
                 raise LinearSolveError("the interface is singular")
 

@@ -8,7 +8,7 @@ from ngslac._ngslac import (
     TwoLevel,
     TwoLevelProduct,
 )
-from ngslac.linear.condensed import Condensed, IsNear, RightGMRes
+from ngslac.linear.condensed import Condensed, RightGMRes
 
 __all__ = ["IterativeCondensed"]
 
@@ -32,9 +32,8 @@ class IterativeCondensed(Condensed):
         Takes the place of the multigrid method: see ContactSolver.
     """
 
-    system = OrthogonalCondensation
     most_iterations = 250
-    best = 1e-5  # in single precision; the rounds do the rest
+    single = 1e-5  # relative residual that products in single precision reach
 
     def __init__(self, freedofs, bits, dim, inverse, multigrid, preconditioner=None):
         self.multigrid, self.preconditioner = multigrid, preconditioner
@@ -53,26 +52,30 @@ class IterativeCondensed(Condensed):
         if self.multigrid:
             self.multigrid.Forget()
 
+    def NewMatrix(self):
+        """The merged matrix has got other values."""
+        super().NewMatrix()
+        self._kept = None
+
     def _Accuracy(self, wanted):
         return max(wanted, self.exact)
 
     def _Learn(self, error, accuracy):
-        if error > ROUGH * max(accuracy, self.best):
+        if error > ROUGH * accuracy:
             self._rounds_off = True
 
-    def _Frictionless(self, _):
-        return None
+    def _Systems(self, *given):
+        return (OrthogonalCondensation(*given),)
 
-    def _Preconditioners(self, system, _, __):
-        if self._kept is None or not IsNear(system, self._kept[0]):
-            self._kept = None
-            self._kept = system, *self._Make(system)
-        yield self._kept[1], self.most_iterations
+    def _Preconditioners(self, _, system):
+        if self._kept is None:
+            self._kept = self._Make(system)
+        yield self._kept[0], self.most_iterations
         if self.preconditioner is None and not self.multigrid.learnt:
             self.multigrid.Relearn()
             self._kept = None
-            self._kept = system, *self._Make(system)
-            yield self._kept[1], self.most_iterations
+            self._kept = self._Make(system)
+            yield self._kept[0], self.most_iterations
 
     def _Make(self, system):
         """The preconditioner, and what has to live as long."""
@@ -86,9 +89,9 @@ class IterativeCondensed(Condensed):
             )
         return inverse, mat
 
-    def _Iterate(self, system, _, inverse, rhs, tol, iterations):
+    def _Iterate(self, inverse, rhs, tol, iterations, system):
         own = isinstance(inverse, TwoLevel)
-        fused = own and not self._rounds_off
+        fused = own and tol >= self.single and not self._rounds_off
         product = (
             TwoLevelProduct(inverse, system) if fused else PreconditionedProduct(system, inverse)
         )

@@ -51,7 +51,10 @@ class PrimalSolver(LinearSolver):
         self.symmetric = all(map(IsSymmetric, (bulk, *self.contacts)))
         self.inverse = self.wanted if self.symmetric else LU()
         self.NewBulk()  # a matrix that is kept must not be changed
-        return super().Solve(bulk, self.contacts, scale, rhs, shift)
+        return super().Solve(bulk, forms, scale, rhs, shift)
+
+    def _Matrices(self, _):
+        return self.contacts
 
     def _Factor(self, mat, inverse):
         if self._kept and self._kept[1] == inverse and SameMatrix(self._kept[0], mat):

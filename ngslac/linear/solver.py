@@ -4,12 +4,12 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BitArray
 
-from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import AddToDiagonal, AsNumPy
 from ngslac.linear.direct import DirectCondensed
-from ngslac.linear.factor import LU, Cholesky, Factor, LinearSolveError
+from ngslac.linear.factor import LU, Cholesky, Factor, LinearSolveError, OneBLASThread
 from ngslac.linear.interface import Interface
 from ngslac.linear.iterative import IterativeCondensed
+from ngslac.linear.merged import Merged
 
 __all__ = ["LinearSolveError", "LinearSolver"]
 
@@ -84,7 +84,7 @@ class LinearSolver:
         if motions:
             place = 0 if first else len(self._methods) - 1
             self._methods.insert(place, ("interface", Interface(self.free, dim, motions)))
-        self._used = list(self._methods)
+        self._used, self._merged = list(self._methods), Merged()
         self.NewBulk()
         self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
 
@@ -134,6 +134,7 @@ class LinearSolver:
         for _, method in self._methods:
             method.Forget()
 
+    @OneBLASThread()
     def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
         """x with (bulk + forms) x = rhs on the free dofs, 0 elsewhere; numpy arrays.
 
@@ -173,20 +174,24 @@ class LinearSolver:
 
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
-        self._merged = None
+        self._merged.Forget()
         for _, method in self._methods:
             method.NewBulk()
 
     def _Merge(self, bulk, forms, scale, shift):
         """The scaled matrix; that of the last call, changed, where the bulk is the same."""
-        last, self._merged = self._merged, None
-        same = last is not None and last[0] is bulk and np.array_equal(last[1], scale)
-        mat = MergeMatrices(bulk, forms, scale, last[2] if same else None)
-        if shift is None:
-            self._merged = bulk, np.array(scale), mat
-        else:
+        merged = self._merged
+        new, mat = merged.Update(bulk, self._Matrices(forms), scale), merged.mat
+        if shift is not None:
             AddToDiagonal(mat, shift)
+            merged.Forget()
+        if new or shift is not None:
+            for _, method in self._methods:
+                method.NewMatrix()
         return mat
+
+    def _Matrices(self, forms):
+        return [form.mat for form in forms]
 
     def _Attempts(self, system, b, accuracy):
         """Names and functions that return a solution and its relative residual."""

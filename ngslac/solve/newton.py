@@ -228,7 +228,7 @@ class Newton:
             return most
         size = max(state.equilibrium, state.constraint)
         enough = 0.03 * self.tol / size
-        final = self.system.bulk.islinear and not last.slip
+        final = self.system.bulk.islinear and not (last.slip and self.system.rubs)
         return min(most, max(enough if final else max(enough, 0.1 * size), scheme.accuracy))
 
     def _CloseWhatFloats(self, start=False):
