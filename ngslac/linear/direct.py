@@ -129,6 +129,7 @@ class DirectCondensed(Condensed):
             raise LinearSolveError("the matrix is singular")
         self._kept = Kept(inverse, mat, near, Patience(int(self.free.sum()), self.dim))
 
+
 def IsNear(system, other):
     """Do two systems differ by rounding only? Told by the images of a random vector."""
     if system is other or system.height != other.height:

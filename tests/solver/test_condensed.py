@@ -323,6 +323,48 @@ def test_matrix_is_merged_in_place_where_only_contact_changes():
     assert linear._Merge(*given, None) is not first
 
 
+def test_what_has_not_changed_is_made_once():
+    """Matrix, condensation and preconditioner; a shift on the diagonal makes others."""
+    problem, made = press3d(friction=0.05), []
+
+    def smoother(mat, freedofs):
+        made.append(mat)
+        return mat.CreateSmoother(freedofs)
+
+    solver = solved(problem, preconditioner=smoother)
+    linear, rhs = solver.linear, np.random.default_rng(4).standard_normal(len(problem.gf.vec))
+    given = problem.a.mat, [problem.contact.form], solver.system.scale, rhs
+    first, count = linear.Solve(*given, accuracy=1e-3), len(made)
+    assert np.array_equal(linear.Solve(*given, accuracy=1e-3), first)
+    assert len(made) == count
+    shift = np.where(linear.free, 0.1, 0.0)
+    shift[problem.contact.form.MultiplierDofs()] = 0
+    shifted = linear.Solve(*given, shift, accuracy=1e-3)
+    assert len(made) == count + 1
+    assert np.abs(shifted - first).max() > 0.1 * np.abs(first).max()
+    again = linear.Solve(*given, accuracy=1e-3)
+    assert again == pytest.approx(first, abs=1e-12 * np.abs(first).max())
+    assert len(made) == count + 2
+
+
+def test_one_blas_thread_in_a_linear_solve(monkeypatch):
+    """Put back afterwards, also after an error."""
+    threads, seen = [4], []
+    pair = (lambda: threads[-1], threads.append)
+    monkeypatch.setattr("ngslac.linear.factor.BLASThreads", lambda: [pair])
+
+    def smoother(mat, freedofs):
+        seen.append(threads[-1])
+        if len(seen) > 1:
+            raise KeyboardInterrupt
+        return mat.CreateSmoother(freedofs)
+
+    with pytest.raises(KeyboardInterrupt):
+        solved(press3d(friction=0.05), preconditioner=smoother)
+    assert seen == [1, 1]
+    assert threads[-1] == 4
+
+
 # --- what does not fit is refused before anything is read with it --------------------------------
 
 
