@@ -70,7 +70,8 @@ def OneBLASThread():
     """Let BLAS use one thread.
 
     The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
-    TaskManager, whose workers spin on all cores, they cost a factor of ten.
+    TaskManager, whose workers spin on all cores, they cost a factor of ten. After the solutions on
+    the coarsest level of a multigrid method the others wait in loops.
     """
     before = [tell() for tell, _ in BLASThreads()]
     try:

@@ -175,19 +175,19 @@ class LinearSolver:
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
         self._merged.Forget()
-        for _, method in self._methods:
+        for _, method in self._used:
             method.NewBulk()
 
     def _Merge(self, bulk, forms, scale, shift):
         """The scaled matrix; that of the last call, changed, where the bulk is the same."""
         merged = self._merged
         new, mat = merged.Update(bulk, self._Matrices(forms), scale), merged.mat
-        if shift is not None:
-            AddToDiagonal(mat, shift)
-            merged.Forget()
         if new or shift is not None:
-            for _, method in self._methods:
+            for _, method in self._used:
                 method.NewMatrix()
+        if shift is not None:
+            merged.Forget()
+            AddToDiagonal(mat, shift)
         return mat
 
     def _Matrices(self, forms):
