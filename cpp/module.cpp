@@ -8,6 +8,7 @@ void ExportPairing(py::module & m);
 void ExportSpace(py::module & m);
 void ExportBubble(py::module & m);
 void ExportQueries(py::module & m);
+void ExportInner(py::module & m);
 void ExportLinear(py::module & m);
 void ExportSchur(py::module & m);
 void ExportTool(py::module & m);
@@ -24,6 +25,7 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportSpace(m);
   ExportBubble(m);
   ExportQueries(m);
+  ExportInner(m);
   ExportLinear(m);
   ExportSchur(m);
   ExportTool(m);

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -449,6 +449,26 @@ class Condensation(ngsolve.la.BaseMatrix):
     def has_symmetric_contact(self) -> bool:
         """
         as without slip
+        """
+class InnerElimination:
+    """
+    Exact elimination of `inner` dofs, which are coupled within elements only, from a real
+    sparse matrix. Throws where they cannot be eliminated.
+    """
+    def Expand(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Solution on all dofs from one of `mat`.
+        """
+    def Reduce(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Right hand side of `mat`, zero on inner dofs.
+        """
+    def __init__(self, mat: ngsolve.la.BaseMatrix, inner: pyngcore.pyngcore.BitArray) -> None:
+        ...
+    @property
+    def mat(self) -> ngsolve.la.BaseMatrix:
+        """
+        Matrix of the other dofs; the inner ones have their diagonal alone.
         """
 class SchurComplement:
     """

@@ -15,7 +15,7 @@ from ngsolve import (
     z,
 )
 
-__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Turned"]
+__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Tables", "Turned"]
 
 ACCURACY = 1e-10
 

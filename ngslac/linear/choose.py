@@ -1,6 +1,7 @@
 """The way of solving linear systems that suits a problem."""
 
 from ngslac.arguments import CheckChoice, CheckFunction
+from ngslac.linear.inner import InnerDofs
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.vertices import VertexNodes
@@ -43,4 +44,7 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, mo
     multigrid = Multigrid(nodes, 3 * nodes.count >= free, a.space) if suits else None
     given = freedofs, inverse, wanted, dim, multigrid, reason, preconditioner
     first = reason == "as asked for" or free <= FACTORED[dim]
-    return LinearSolver(*given, motions if interface else None, first)
+    inner = None
+    if wanted == "iterative" and not preconditioner:
+        inner = InnerDofs.Of(form.fes, freedofs, form.offset, form.component)
+    return LinearSolver(*given, motions if interface else None, first, inner)

@@ -21,6 +21,8 @@ COARSEST = 2000
 # Cycles one after the other: a second one saves a quarter of the iterations on blocks.
 CYCLES = 2
 MOST_LEVELS = 12
+# Changes of a matrix that are rounding errors, relative to its largest entries.
+ROUNDING = 1e-13
 # Vectors are empty where they are smaller than this part of their size before.
 EMPTY = 1e-8
 
@@ -42,40 +44,51 @@ class Hierarchy:
     """
 
     def __init__(self, mat, modes, fewest=0):
-        self.prolongations, self._first = [], None
-        while len(self.prolongations) < MOST_LEVELS and (
-            mat.shape[0] > COARSEST or len(self.prolongations) < fewest
+        self._products = []
+        while len(self._products) < MOST_LEVELS and (
+            mat.shape[0] > COARSEST or len(self._products) < fewest
         ):
             found, modes = Prolongation(mat, modes)
             if not 0 < found.shape[1] < 0.8 * mat.shape[0]:
                 break
-            self.prolongations.append(found)
-            mat = Coarsened(mat, found) if self._first else self._Second(mat)
+            self._products.append(Galerkin(mat, found))
+            mat = self._products[-1].Coarse(mat)
+
+    @property
+    def prolongations(self):
+        """To each level but the last from the one below."""
+        return [product.prolongation for product in self._products]
 
     def Matrices(self, mat):
         """Of all levels, the finest one first."""
         matrices = [mat]
-        for level, prolongation in enumerate(self.prolongations):
-            coarsened = self._Second(mat) if level == 0 else Coarsened(matrices[-1], prolongation)
-            matrices.append(coarsened)
+        for product in self._products:
+            matrices.append(product.Coarse(matrices[-1]))
         return matrices
 
-    def _Second(self, mat):
-        """The matrix below the finest one: only rows that are not those of the first matrix cost.
 
-        Images of a random vector tell which these are.
-        """
-        prolongation, probe = self.prolongations[0], Probe(mat.shape[1])
-        image = (mat @ probe).reshape(-1, mat.blocksize[0])
-        if self._first is None:
-            product = mat @ prolongation
-            self._first = image, product, Restricted(prolongation, product)
-        former, product, coarse = self._first
-        rows = np.flatnonzero(np.any(image != former, axis=1))
+class Galerkin:
+    """Products P^T A P of matrices that differ from the first one in some rows: these alone cost.
+
+    Images of a random vector tell which these are.
+    """
+
+    def __init__(self, mat, prolongation):
+        self.prolongation, self._probe = prolongation, Probe(mat.shape[1])
+        self._image, self._product = self._Image(mat), mat @ prolongation
+        self._coarse = Restricted(prolongation, self._product)
+
+    def Coarse(self, mat):
+        """P^T A P, with a unit where an aggregate is too small for all of the modes."""
+        coarse, change = self._coarse, np.abs(self._Image(mat) - self._image).max(axis=1)
+        rows = np.flatnonzero(change > ROUNDING * np.abs(self._image).max(initial=0.0))
         if len(rows):
-            change = Rows(mat, rows) @ prolongation - Rows(product, rows)
-            coarse = coarse + Restricted(Rows(prolongation, rows), change)
+            change = Rows(mat, rows) @ self.prolongation - Rows(self._product, rows)
+            coarse = coarse + Restricted(Rows(self.prolongation, rows), change)
         return Filled(coarse)
+
+    def _Image(self, mat):
+        return (mat @ self._probe).reshape(-1, mat.blocksize[0])
 
 
 def Prolongation(mat, modes):
@@ -102,11 +115,6 @@ def SpectralRadius(mat, inverse):
         x = inverse @ (mat @ (x / np.linalg.norm(x)))
         radius = np.linalg.norm(x)
     return 1.1 * radius
-
-
-def Coarsened(mat, prolongation):
-    """P^T A P, with a unit where an aggregate is too small for all of the modes."""
-    return Filled(Restricted(prolongation, mat @ prolongation))
 
 
 def Restricted(prolongation, product):
@@ -142,23 +150,29 @@ class VCycle(BaseMatrix):
 
     Parameters
     ----------
-    matrices : list[bsr_matrix]
-        Of the levels, the finest one first.
     prolongations : list[bsr_matrix]
-        To each of them but the last from the one below.
-
-    Raises
-    ------
-    LinearSolveError
-        A matrix is singular.
+        To each level but the last from the one below, the finest one first.
+    matrices : list[bsr_matrix]
+        Of the levels, see `Take`.
     """
 
-    def __init__(self, matrices, prolongations):
+    def __init__(self, prolongations, matrices):
         super().__init__()
         self.size = matrices[0].shape[0]
+        self._transfers = [(prolongation, prolongation.T.tocsr()) for prolongation in prolongations]
+        self.Take(matrices)
+
+    def Take(self, matrices):
+        """Cycles for these matrices from now on.
+
+        Raises
+        ------
+        LinearSolveError
+            A matrix is singular.
+        """
         self._levels = [
-            (mat, prolongation, prolongation.T.tocsr(), Inverses(mat))
-            for mat, prolongation in zip(matrices, prolongations, strict=False)
+            (mat, *transfer, Inverses(mat))
+            for mat, transfer in zip(matrices, self._transfers, strict=False)
         ]
         options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
         try:

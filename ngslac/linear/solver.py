@@ -42,6 +42,8 @@ class LinearSolver:
         Gives the rigid motions (n, m) of the scalar dofs, for "interface": None, if that is no way.
     first : bool
         Does "interface" come before `method`, or just before "direct"?
+    inner : InnerDofs, optional
+        Free dofs that are eliminated beforehand.
 
     Attributes
     ----------
@@ -69,21 +71,23 @@ class LinearSolver:
         preconditioner=None,
         motions=None,
         first=True,
+        inner=None,
     ):
-        self.bits = BitArray(freedofs)
-        self.free = AsNumPy(freedofs)
+        self.free, self.inner = AsNumPy(freedofs), inner
+        self.bits = freedofs & ~inner.dofs if inner else BitArray(freedofs)
+        solved = AsNumPy(self.bits)
         self.inverse = LU(inverse)
         self.shifts = self._factorisations = self._failures = 0
         self.nearly_singular = False
-        direct = DirectCondensed(self.free, self.bits, dim, inverse)
+        direct = DirectCondensed(solved, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
-            given = self.free, self.bits, dim, inverse, multigrid, preconditioner
+            given = solved, self.bits, dim, inverse, multigrid, preconditioner
             iterative = IterativeCondensed(*given)
             self._methods.insert(0, ("iterative", iterative))
         if motions:
             place = 0 if first else len(self._methods) - 1
-            self._methods.insert(place, ("interface", Interface(self.free, dim, motions)))
+            self._methods.insert(place, ("interface", Interface(solved, dim, motions)))
         self._used, self._merged = list(self._methods), Merged()
         self.NewBulk()
         self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
@@ -141,6 +145,14 @@ class LinearSolver:
         `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
         iterative method stops at the relative residual `accuracy`.
         """
+        if self.inner is None:
+            return self._Solve(bulk, forms, scale, rhs, shift, accuracy)
+        elimination = self.inner.Eliminate(bulk)
+        reduced = elimination.Reduce(rhs)
+        solution = self._Solve(elimination.mat, forms, scale, reduced, shift, accuracy)
+        return elimination.Expand(rhs, solution)
+
+    def _Solve(self, bulk, forms, scale, rhs, shift, accuracy):
         self.nearly_singular = False
         b = scale * rhs * self.free
         errors, best = [], (None, np.inf)
@@ -175,6 +187,8 @@ class LinearSolver:
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
         self._merged.Forget()
+        if self.inner:
+            self.inner.Forget()
         for _, method in self._used:
             method.NewBulk()
 

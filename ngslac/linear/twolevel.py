@@ -49,34 +49,45 @@ class Multigrid:
 
     def Relearn(self):
         """Make another setup for the next matrix."""
-        self._hierarchy, self._best, self.learnt = None, np.inf, False
+        self._hierarchy = self._cycle = self._inverse = None
+        self._best, self.learnt = np.inf, False
 
     def Preconditioner(self, system, scale):
-        """For a Condensation of the matrix that has got the factors `scale` (n,)."""
+        """For a Condensation of the matrix that has got the factors `scale` (n,).
+
+        It serves until the next call.
+        """
         if self._pressures is None:
             self._pressures = PressureRows(system)
-        inverse = self._OnDisplacements(system, scale)
-        return Mixed(system, inverse, self._pressures) if np.any(self._pressures) else inverse
-
-    def _OnDisplacements(self, system, scale):
-        """A TwoLevel."""
         if self._sweeps is None:
             which = system.freedofs & AsBits(~self._pressures)
             self._sweeps = StarSweeps(system, which, Stars(self.space), self.space.dim)
         else:
             self._sweeps.Update(system)
-        mat = Blocks(system, self.nodes.dofs)
-        self.learnt = self._hierarchy is None
+        mat, self.learnt = Blocks(system, self.nodes.dofs), self._hierarchy is None
         if self.learnt:
-            self._hierarchy = Hierarchy(mat, self.nodes.Modes(scale), fewest=int(self.most))
-        matrices, prolongations = self._hierarchy.Matrices(mat), self._hierarchy.prolongations
-        skipped = int(self.most and bool(prolongations))
+            self._Learn(system, mat, self.nodes.Modes(scale))
+        else:
+            self._cycle.Take(self._hierarchy.Matrices(mat)[self._skipped :])
+        mixed = np.any(self._pressures)
+        return Mixed(system, self._inverse, self._pressures) if mixed else self._inverse
+
+    @property
+    def _skipped(self):
+        """Levels of the hierarchy on which the sweeps take the place of the cycle's."""
+        return int(self.most and bool(self._hierarchy.prolongations))
+
+    def _Learn(self, system, mat, modes):
+        """Make the hierarchy, and the preconditioner of displacements."""
+        self._hierarchy = Hierarchy(mat, modes, fewest=int(self.most))
+        prolongations, skipped = self._hierarchy.prolongations, self._skipped
         first = prolongations[0].tocsr() if skipped else eye_array(mat.shape[0], format="csr")
-        cycle = VCycle(matrices[skipped:], prolongations[skipped:])
+        matrices = self._hierarchy.Matrices(mat)[skipped:]
+        self._cycle = VCycle(prolongations[skipped:], matrices)
         free = self.nodes.free.ravel()
-        rows = first[free]
-        dofs = self.nodes.dofs.ravel()[free]
-        return TwoLevel(system, self._sweeps, cycle, dofs, rows.indptr, rows.indices, rows.data)
+        rows, dofs = first[free], self.nodes.dofs.ravel()[free]
+        given = self._sweeps, self._cycle, dofs, rows.indptr, rows.indices, rows.data
+        self._inverse = TwoLevel(system, *given)
 
     def Watch(self, iterations):
         """Tell how many `iterations` each digit took: where they grow the setup is made anew."""
@@ -87,12 +98,16 @@ class Multigrid:
 
 
 def Stars(space):
-    """A table of dofs for each vertex: of all around it, or of its edges where these are many."""
+    """A table of dofs: all around each vertex; or where these are many its edges, and edges' faces.
+
+    With all around a vertex iterations take no notice of order and shape, but inverses of large
+    stars take more time and memory than they save.
+    """
     stars = space.CreateSmoothingBlocks(blocktype=["vertexpatch"])
     sizes = np.fromiter(map(len, stars), int)
     if space.dim * sizes.mean() <= LARGEST_STAR:
         return stars
-    return space.CreateSmoothingBlocks(blocktype=["vertexedge"])
+    return space.CreateSmoothingBlocks(blocktype=["vertexedge", "edgepatch"])
 
 
 def Blocks(system, nodes):

@@ -6,6 +6,7 @@ import numpy as np
 
 from ngslac._ngslac import VertexDofs
 from ngslac.arrays import AsNumPy
+from ngslac.bodies.rigidmotions import Tables
 
 __all__ = ["VertexNodes"]
 
@@ -59,9 +60,5 @@ def RigidMotions(points):
     d = points.shape[1]
     arms = points - points.mean(axis=0) if len(points) else points
     arms = arms / max(np.abs(arms).max(initial=0.0), np.finfo(float).tiny)
-    planes = [(0, 1)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
-    motions = np.zeros((len(points), d, d + len(planes)))
-    motions[:, range(d), range(d)] = 1
-    for k, (i, j) in enumerate(planes, d):
-        motions[:, i, k], motions[:, j, k] = -arms[:, j], arms[:, i]
-    return motions
+    basis = np.column_stack([np.ones(len(points)), arms])
+    return np.einsum("nb,mcb->ncm", basis, Tables(d)[0])

@@ -12,8 +12,9 @@ from scipy.sparse import csr_matrix, diags
 from ngslac._ngslac import OrthogonalCondensation
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.linear.factor import HasMKL, OneBLASThread
+from ngslac.linear.inner import InnerDofs
 from ngslac.linear.twolevel import Multigrid
-from ngslac.linear.vertices import VertexNodes
+from ngslac.linear.vertices import RigidMotions, VertexNodes
 
 __all__ = ["DIRECT", "ITERATIVE", "FastDirect", "Fastest", "Iterative", "SolveForm"]
 
@@ -32,11 +33,14 @@ EXACT, ACCURATE, ITERATIONS = 1e-9, 1e-8, 400
 
 
 def Own(a, f):
-    """Conjugate gradients with the preconditioner that ngslac's iterative solver makes."""
+    """Conjugate gradients with all that ngslac's iterative solver does."""
     space, dim = a.space, a.space.mesh.dim
     free = ScalarDofs(space.FreeDofs(), space)
-    nodes = VertexNodes.Of(space, free)
-    system = OrthogonalCondensation(a.mat, [], dim, free)
+    inner = InnerDofs.Of(space, free)
+    elimination = inner and inner.Eliminate(a.mat)
+    mat, left = (elimination.mat, free & ~inner.dofs) if inner else (a.mat, free)
+    nodes = VertexNodes.Of(space, left)
+    system = OrthogonalCondensation(mat, [], dim, left)
     multigrid = Multigrid(nodes, 3 * nodes.count >= free.NumSet(), space)
     inverse = multigrid.Preconditioner(system, np.ones(system.height))
     right, solution = f.vec.CreateVector(), f.vec.CreateVector()
@@ -46,8 +50,12 @@ def Own(a, f):
         wanted = ACCURATE * f.vec.Norm() / right.Norm()
         if wanted > 1:
             break
+        forces = right.FV().NumPy().copy()
+        if inner:
+            right.FV().NumPy()[:] = elimination.Reduce(forces)
         krylov = CGSolver(mat=system, pre=inverse, tol=0.3 * wanted, maxiter=ITERATIONS)
-        solution += krylov.Solve(rhs=right)
+        step = krylov.Solve(rhs=right).FV().NumPy()
+        solution.FV().NumPy()[:] += elimination.Expand(forces, step) if inner else step
     return solution
 
 
@@ -61,7 +69,8 @@ def SmoothedAggregation(a, f):
     mat = csr_matrix((np.asarray(values), np.asarray(columns), np.asarray(starts)), (n, n))
     keep = diags((~fixed).astype(float))
     mat = (keep @ mat @ keep + diags(fixed * mat.diagonal()))[order][:, order]
-    motions = RigidMotions(mesh) * ~fixed[order][:, None]
+    points = np.array([v.point for v in mesh.vertices])
+    motions = RigidMotions(points).reshape(n, -1) * ~fixed[order][:, None]
     levels = pyamg.smoothed_aggregation_solver(mat.tobsr((d, d)), B=motions)
     right = (f.vec.FV().NumPy() * ~fixed)[order]
     solution, given = f.vec.CreateVector(), {"accel": "cg", "maxiter": ITERATIONS}
@@ -75,18 +84,6 @@ def Blocks(space):
         raise ValueError("smoothed aggregation is for displacements of first order")
     order = np.arange(space.ndof).reshape(space.mesh.dim, -1).T.ravel()
     return order, ~AsNumPy(BitArray(space.FreeDofs()))
-
-
-def RigidMotions(mesh):
-    """Values (dim nv, 3 or 6) at the vertices."""
-    points = np.array([v.point for v in mesh.vertices])
-    x, d = points - points.mean(axis=0), mesh.dim
-    motions = [np.tile(axis, (len(x), 1)) for axis in np.eye(d)]
-    for i, j in ((0, 1), (1, 2), (2, 0))[: 1 if d == 2 else 3]:
-        turn = np.zeros_like(x)
-        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
-        motions.append(turn)
-    return np.stack([motion.ravel() for motion in motions], axis=1)
 
 
 ITERATIVE = {"own": Own, "smoothed aggregation": SmoothedAggregation}

@@ -141,7 +141,7 @@ def test_rows_of_blocks(block):
 
 def test_cycle_is_symmetric_and_converges(block):
     mat, _, hierarchy = block
-    cycle = VCycle(hierarchy.Matrices(mat), hierarchy.prolongations)
+    cycle = VCycle(hierarchy.prolongations, hierarchy.Matrices(mat))
     x, y, image = (cycle.CreateRowVector() for _ in range(3))
     for seed, vec in enumerate((x, y)):
         vec.FV().NumPy()[:] = np.random.default_rng(seed).standard_normal(mat.shape[0])

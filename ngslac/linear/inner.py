@@ -1,0 +1,58 @@
+"""Dofs inside of elements, which are eliminated before linear systems are solved."""
+
+from netgen.meshing import NgException
+
+from ngslac._ngslac import InnerElimination
+from ngslac.arrays import AsBits, AsNumPy
+from ngslac.linear.factor import LinearSolveError
+
+__all__ = ["InnerDofs"]
+
+
+class InnerDofs:
+    """Eliminates them from the bulk's matrix, once for each one, and from right hand sides.
+
+    What is left are vertices, edges and faces, as after static condensation: smaller systems, and
+    with stars of these alone the iterations do not see what is inside.
+
+    Parameters
+    ----------
+    dofs : BitArray
+    """
+
+    def __init__(self, dofs):
+        self.dofs = dofs
+        self.Forget()
+
+    @classmethod
+    def Of(cls, space, freedofs, first=0, own=None):
+        """Those of the component `own` of a space, whose dofs begin at `first`; None without any.
+
+        Pressures of mixed forms stay: without them nearly incompressible bulks are badly
+        conditioned. Spaces of several values for each dof have none.
+        """
+        own = own or space
+        if space.dim > 1 or own.dim > 1 or own.flags.ToDict().get("dgjumps"):
+            return None
+        inner = AsNumPy(freedofs & space.FreeDofs(False) & ~space.FreeDofs(True))
+        inner[:first] = inner[first + own.ndof :] = False
+        return cls(AsBits(inner)) if inner.any() else None
+
+    def Forget(self):
+        """The matrix has got other values."""
+        self._kept = None, None
+
+    def Eliminate(self, bulk):
+        """The InnerElimination of a matrix.
+
+        Raises
+        ------
+        LinearSolveError
+            The matrix of an element's inner dofs is singular.
+        """
+        if self._kept[0] is not bulk:
+            try:
+                self._kept = bulk, InnerElimination(bulk, self.dofs)
+            except NgException as error:
+                raise LinearSolveError(str(error)) from error
+        return self._kept[1]
