@@ -103,6 +103,12 @@ class Bodies:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
+    def Floats(self, contacts, holds="now"):
+        """Does contact leave any free rigid motion, see `ActiveRows`?"""
+        if not self.floating and not len(ToolDofs(contacts)):
+            return False
+        return self._Left(contacts, holds).shape[1] > 0
+
     def Floating(self, contacts, holds="now"):
         """Descriptions of the free rigid motions that contact leaves, see `ActiveRows`."""
         tools = ToolDofs(contacts)

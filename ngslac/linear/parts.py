@@ -1,31 +1,27 @@
 """Inverse of a matrix that falls into parts which nothing couples, many of them equal."""
 
 import numpy as np
+from netgen.meshing import NgException
+from ngsolve.la import SparseMatrixd
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac._ngslac import SchurComplement
+from ngslac.arrays import AsBits
+from ngslac.linear.factor import Factor, LinearSolveError
 
 __all__ = ["PartsInverse"]
 
 # Differences relative to the diagonal that are rounding; residual that a solution may leave.
 EQUAL, SMALL = 1e-14, 1e-10
-# Of SuperLU: without pivoting.
-SYMMETRIC = {
-    "permc_spec": "MMD_AT_PLUS_A",
-    "diag_pivot_thresh": 0.0,
-    "options": {"SymmetricMode": True},
-}
-# More parts than this are not told apart.
-MOST = 100
+# More parts than this are not told apart; most rows of a dense complement.
+MOST, MOST_ROWS = 100, 3000
 
 
 class PartsInverse:
     """Inverse of a symmetric positive definite matrix, as the mass matrix of bodies is.
 
     The components of a vector in different directions, and on different bodies, know nothing of
-    each other. Each of these parts is factored alone, equal ones once, and solved for all its
-    right hand sides at the same time.
+    each other. Each of these parts is factored alone, equal ones once.
 
     Parameters
     ----------
@@ -58,14 +54,11 @@ class PartsInverse:
             if AreEqual(mat, other):
                 parts.append(dofs)
                 return
-        try:
-            factors = splu(mat.tocsc(), **SYMMETRIC)
-        except RuntimeError as error:
-            raise LinearSolveError(f"the matrix is singular: {error}") from error
-        self._groups.append((mat, factors, [dofs]))
+        free = AsBits(np.ones(len(dofs), dtype=bool))
+        self._groups.append((mat, Factor(Exported(mat), free, "sparsecholesky"), [dofs]))
 
     def _Check(self, mat, dofs):
-        """Pivots were not looked for: look at a residual."""
+        """The factorisation does not tell: look at a residual."""
         wanted = np.random.default_rng(3).standard_normal(mat.shape[0])
         left = (mat @ self.Solve(wanted) - wanted)[dofs]
         if not np.linalg.norm(left) <= SMALL * np.linalg.norm(wanted[dofs]):
@@ -74,10 +67,37 @@ class PartsInverse:
     def Solve(self, values):
         """The solution (n,) for a right hand side (n,); 0 on other dofs than the free ones."""
         solution = np.zeros(len(values))
-        for _, factors, parts in self._groups:
-            dofs = np.stack(parts, axis=1)
-            solution[dofs] = factors.solve(np.asfortranarray(values[dofs]))
+        for _, inverse, parts in self._groups:
+            given, found = inverse.CreateRowVector(), inverse.CreateColVector()
+            for dofs in parts:
+                given.FV().NumPy()[:] = values[dofs]
+                found.data = inverse * given
+                solution[dofs] = found.FV().NumPy()
         return solution
+
+    def Complement(self, rows):
+        """B A^-1 B^T of sparse rows B (k, n) as array (k, k); None where it is too large."""
+        if rows.shape[0] > MOST_ROWS:
+            return None
+        total, columns = np.zeros((rows.shape[0],) * 2), rows.tocsc()
+        try:
+            for _, inverse, parts in self._groups:
+                for dofs in parts:
+                    own = columns[:, dofs].T.tocsc()
+                    used = np.flatnonzero(np.diff(own.indptr))
+                    own = own[:, used]
+                    schur = SchurComplement(inverse, own.indptr, own.indices, own.data)
+                    total[np.ix_(used, used)] += schur.complement
+        except NgException:
+            return None
+        return total
+
+
+def Exported(mat):
+    """A scipy matrix as one of NGSolve."""
+    entries = mat.tocoo()
+    places = (places.astype(np.int32) for places in (entries.row, entries.col))
+    return SparseMatrixd.CreateFromCOO(*places, entries.data, *mat.shape)
 
 
 def AreEqual(mat, other):

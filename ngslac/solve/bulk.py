@@ -7,6 +7,7 @@ from ngsolve import BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.loads import CheckRhs, LoadVector
+from ngslac.solve.probe import AssembleLinear, Probe
 from ngslac.solve.problem import AssembleBulk
 
 __all__ = ["LINEAR", "ROUNDING", "Bulk"]
@@ -32,9 +33,10 @@ class Honest:
 class Bulk:
     """What is solved besides contact, at the solution.
 
-    A form whose residual changes along Newton's steps as its matrix says seems to be linear: its
-    matrix is kept, and a product with it takes the place of the element loop. What looks converged
-    then has to be confirmed.
+    A form whose residual changes as its matrix says seems to be linear, be it from the solution to
+    a random displacement, where that is asked first, or along Newton's steps: its matrix is kept,
+    and a product with it takes the place of the element loop. What looks converged then has to be
+    confirmed.
 
     Parameters
     ----------
@@ -63,6 +65,8 @@ class Bulk:
             inner = BitArray(a.space.FreeDofs())
             inner &= ~a.space.FreeDofs(True)
             self.inner = AsNumPy(ScalarDofs(inner, a.space))
+        self._vouched = False  # is the matrix linear as a random displacement says?
+        self._refuted = False  # by a random displacement: no other one is asked
         self.StartAfresh()
 
     @property
@@ -88,15 +92,34 @@ class Bulk:
 
     def Forget(self):
         """Know no residual of before: the next one comes from the form."""
-        self.last, self.product, self._proposed = None, None, None
+        self.last, self.product, self._proposed, self._probe = None, None, None, None
 
     def Assemble(self):
         """Make the matrix at the solution; False if that of before still holds."""
+        self._probe = None
         if self.islinear and self.mat.height == self.a.space.ndof:
+            if self._vouched:  # the way to a solution is the same each time
+                self._TakeForLinear()
             return False
-        AssembleBulk(self.a, self.gf.vec)
+        self._vouched = False
         self.Propose(None)
+        if self.islinear is not None or self.a.condense or self._refuted:
+            AssembleBulk(self.a, self.gf.vec)
+            return True
+        self._probe = Probe.At(self.a, self.gf)
+        if self._probe and AssembleLinear(self.a) and self._probe.Agrees(self.mat):
+            self._TakeForLinear()
+            return True
+        AssembleBulk(self.a, self.gf.vec)
+        if self._probe and self._probe.Agrees(self.mat):
+            self._TakeForLinear()
+        self._refuted = not self.islinear
         return True
+
+    def _TakeForLinear(self):
+        self.islinear = self._vouched = True
+        self.Propose(self.mat)
+        self.Propose(self.mat)
 
     def Propose(self, mat):
         """Use a matrix in place of the form if that is proposed twice.
@@ -124,6 +147,9 @@ class Bulk:
             residual = self.gf.vec.CreateVector()
             residual.data = self.last.residual + self.Change()
             return residual, False
+        probe, self._probe = self._probe, None
+        if probe is not None and np.array_equal(probe.values, self.gf.vec.FV().NumPy()):
+            return probe.residual, True
         residual = self.gf.vec.CreateVector()
         self.a.Apply(self.gf.vec, residual)
         return residual, True
@@ -192,7 +218,7 @@ class Bulk:
 
     def Refute(self):
         """It is not linear: be honest from now on."""
-        self.islinear = False
+        self.islinear = self._vouched = False
         self.Propose(None)
 
     # --- condensation --------------------------------------------------------------------------

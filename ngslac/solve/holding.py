@@ -92,16 +92,19 @@ def CloseNearest(system):
     touch where that does which touches: a sheet between two tools that are round beside it would be
     torn apart.
     """
-    for count in range(len(system.contacts)):
+    nearest, before = sorted(system.contacts, key=SmallestGap), None
+    for count in range(len(nearest)):
         for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
-            for contact in sorted(system.contacts, key=SmallestGap)[: count + 1]:
+            for contact in nearest[: count + 1]:
                 # Without friction the tilted normals of distant macro-elements would only hide a
                 # motion that is free.
                 reach = distance if contact.holds_tangentially else min(distance, 0.05)
                 contact.form.Close(NearestMacros(contact, reach), system.gf.vec)
                 contact.Evaluate(system.gf)
-            if not system.WhatFloats():
+            now = [contact.Table()["status"].tobytes() for contact in nearest]
+            if now != before and not system.Floats():
                 return True
+            before = now
     return False
 
 

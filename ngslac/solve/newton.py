@@ -73,7 +73,7 @@ class Newton:
         start, found = system.Place(), None
         try:
             if self._CloseWhatFloats(start=True):
-                state = system.MeasureHonestly()
+                state = system.Measure()
             self.Record(state)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
             if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):

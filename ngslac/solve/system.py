@@ -317,6 +317,10 @@ class System:
         """Descriptions of the motions that nothing prevents, see `Bodies.Floating`."""
         return self.bodies.Floating(self.contacts, holds)
 
+    def Floats(self):
+        """Does contact leave a motion that nothing prevents?"""
+        return self.bodies.Floats(self.contacts)
+
     def AreIdle(self, holds):
         """Does nothing push the bodies that float? Then nothing has to hold them."""
         residual = self.residual

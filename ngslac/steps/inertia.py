@@ -1,6 +1,7 @@
 """Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from ngsolve import (
@@ -18,7 +19,9 @@ from ngsolve import (
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
+from ngslac.arrays import Multiply
 from ngslac.bodies.constraints import ToCSR
+from ngslac.linear.grounded import AreEqual
 from ngslac.linear.parts import PartsInverse
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
@@ -100,7 +103,7 @@ class Mass:
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
         self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
-        self._entries, self._inverse = ToCSR(self.mat), None
+        self._entries, self._compliance = ToCSR(self.mat), (None, None)
         self._entries.eliminate_zeros()  # which stand where components would be coupled
 
     def _CheckPositive(self, order):
@@ -131,11 +134,28 @@ class Mass:
         """M times a numpy vector."""
         return self._entries @ values
 
+    @cached_property
+    def _inverse(self):
+        return PartsInverse(self._entries, self.free)
+
     def Solve(self, forces):
         """The accelerations of the free dofs under forces; 0 elsewhere."""
-        if self._inverse is None:
-            self._inverse = PartsInverse(self._entries, self.free)
         return self._inverse.Solve(forces)
+
+    def _Compliance(self, rows):
+        """What constraints see of the motion that impulses (k,) of their own cause, as function."""
+        last, known = self._compliance
+        if last is not None and AreEqual(rows, last):
+            return known
+        matrix, transposed = self._inverse.Complement(rows), rows.T.tocsr()
+
+        def Seen(impulses):
+            if matrix is not None:
+                return np.einsum("ij,j->i", matrix, impulses)  # BLAS threads fight for cores
+            return rows @ self.Solve(transposed @ impulses)
+
+        self._compliance = rows, Seen
+        return Seen
 
     def Energy(self, velocity):
         """Kinetic energy."""
@@ -165,23 +185,22 @@ class Mass:
         rate = wrong - loose @ (loose.T @ wrong)
         if np.linalg.norm(rate) <= ROUNDING * np.linalg.norm(wrong):
             return velocity
-        transposed = rows.T.tocsr()
+        seen = self._Compliance(rows)
         # Conjugate gradients for the impulses: as well conditioned as the mass matrix.
-        change, direction = np.zeros_like(velocity), rate.copy()
+        impulses, direction = np.zeros_like(rate), rate.copy()
         residual = rate.copy()
         square = start = residual @ residual
         for _ in range(10 * len(rate) + 50):
             if square <= 1e-28 * start:
                 break
-            motion = self.Solve(transposed @ direction)
-            image = rows @ motion
+            image = seen(direction)
             step = square / (direction @ image)
-            change += step * motion
+            impulses += step * direction
             residual -= step * image
             residual -= loose @ (loose.T @ residual)
             before, square = square, residual @ residual
             direction = residual + square / before * direction
-        return velocity - change
+        return velocity - self.Solve(rows.T @ impulses)
 
     def _WithoutMass(self, rows):
         """An orthonormal basis, as columns, of what constraints see of motions without mass."""
@@ -200,14 +219,15 @@ class DynamicForm:
 
     def __init__(self, a, mass, scheme):
         self.elastic, self.space, self.condense = a, a.space, a.condense
-        self.share = scheme.share
+        self.mass, self.share = mass, scheme.share
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
+        # For the matrix alone, which knows nothing of the start.
         self._form = BilinearForm(a.space, condense=a.condense)
         for integrator in a.integrators:
             self._form += integrator
-        moved = mass.u - mass.u.ReplaceFunction(self.start)
-        self._form += self.factor * mass.density * InnerProduct(moved, mass.v) * dx
+        self._form += self.factor * mass.density * InnerProduct(mass.u, mass.v) * dx
+        self._applied = None
 
     def SetStep(self, dt):
         """Choose the length of the step, up to rounding; True if that changes the matrix."""
@@ -237,9 +257,27 @@ class DynamicForm:
         self._form.AssembleLinearization(x)
         self._form.mat.AsVector().data *= self.share
 
+    def Assemble(self):
+        self._form.Assemble()
+        self._form.mat.AsVector().data *= self.share
+
     def Apply(self, x, y):
-        self._form.Apply(x, y)
-        y.data *= self.share
+        self.elastic.Apply(x, y)
+        values, forces = x.FV().NumPy(), y.FV().NumPy()
+        self._applied = values.copy(), forces.copy()
+        moved = values - self.start.vec.FV().NumPy()
+        forces[:] = self.share * (forces + self.factor.Get() * self.mass.Times(moved))
+
+    def Elastic(self, x):
+        """What the form without inertia said of x (n,); None where it was not asked last."""
+        known = self._applied is not None and np.array_equal(self._applied[0], x)
+        return self._applied[1].copy() if known else None
+
+    def ElasticChange(self, motion):
+        """What a linear form without inertia adds along a motion (n,); not where it condenses."""
+        return Multiply([self.mat], motion) / self.share - self.factor.Get() * self.mass.Times(
+            motion
+        )
 
 
 def CheckScalar(name, value, wanted):

@@ -104,7 +104,9 @@ class StepEnd:
             EnergyBalance; the parts of the energy that the step has won, and that could not be
             taken out of the velocities again.
         """
-        forces = self._forces.Now()
+        known = self.form.Elastic(self.gf.vec.FV().NumPy())
+        whole = linear and not self.form.condense  # is the matrix that of all dofs?
+        forces = self._forces.Next(known, self.form.ElasticChange if whole else None)
         loads = 0.5 * (self._balanced[1] + forces[1])
         way = self._forces.OnTheWay(motion, self._balanced, forces, linear)
         velocity, momentum = self._NewVelocity(motion, forces[0], dt)

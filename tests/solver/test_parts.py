@@ -70,3 +70,24 @@ def test_singular_matrix():
     ones = csr_matrix(np.ones((4, 4)))
     with pytest.raises(LinearSolveError, match="singular"):
         PartsInverse(ones, np.ones(4, dtype=bool))
+
+
+@pytest.mark.parametrize("copies", [1, 3])
+def test_complement(copies):
+    """Of rows that touch some of the parts, and dofs that are not free."""
+    mat = block_diag([banded(30)] * copies + [banded(20, 1), banded(9, 2)]).tocsr()
+    n = mat.shape[0]
+    free, random = np.arange(n) % 7 > 0, np.random.default_rng(2)
+    rows = random.standard_normal((5, n)) * (random.uniform(size=(5, n)) < 0.3)
+    rows[:, -9:], rows[3], rows[4, :-10] = 0, rows[1], 0
+    inner = np.linalg.inv(mat.toarray()[np.ix_(free, free)])
+    complement = PartsInverse(mat, free).Complement(csr_matrix(rows))
+    assert complement == pytest.approx(rows[:, free] @ inner @ rows[:, free].T, abs=1e-12)
+
+
+def test_a_complement_that_is_too_large_is_not_made(monkeypatch):
+    inverse = PartsInverse(banded(30), np.ones(30, dtype=bool))
+    rows = csr_matrix(np.eye(30))
+    assert inverse.Complement(rows) is not None
+    monkeypatch.setattr(parts, "MOST_ROWS", 29)
+    assert inverse.Complement(rows) is None
