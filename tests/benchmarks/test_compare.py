@@ -13,6 +13,7 @@ import metrics
 import numpy as np
 import peercommand
 import pytest
+from equal_accuracy import Matches
 from scipy.spatial import Delaunay
 
 from ngslac.reference import HertzLine, HertzPoint
@@ -177,11 +178,11 @@ WRITES = """
 import json, sys
 row = dict(h=0.5, order=int(sys.argv[4]), dofs=7, iterations=2, cpu=1.0, memory=0.1, version="1")
 row |= dict(settings=" ".join(sys.argv[5:7]), seconds=3.0, displacement=1e-15, stress=0.01)
-json.dump(row | dict(penetration=-0.5), open(sys.argv[-1], "w"))
+json.dump(row | dict(peer="ngslac", penetration=-0.5), open(sys.argv[-1], "w"))
 """
 SCRIPTS = {
     "lac.py": WRITES,
-    "contactboundary.py": WRITES.replace("3.0", "2.0"),
+    "contactboundary.py": WRITES.replace("3.0", "2.0").replace("ngslac", "NGSolve"),
     "calculix.py": "print('install ccx'); exit(3)",
     "kratos.py": "import sys; print('on the way'); raise ValueError('order ' + sys.argv[4])",
     "getfem_peer.py": "import time; time.sleep(60)",
@@ -203,7 +204,10 @@ def test_command_line(tmp_path, capsys, files):
     options += ["--meshes", str(files["patch"].parent), "--inverse", "umfpack"]
     compare.main([*options, "--json", str(output), "--markdown", str(tables)])
     figures, text = json.loads(output.read_text()), tables.read_text()
-    assert text.strip() in capsys.readouterr().out
+    where, _, shown = text.partition("\n\n")
+    assert shown.strip() in capsys.readouterr().out
+    assert figures["machine"] in where
+    assert figures["date"] in where
     found = [(row["title"], row["order"]) for row in figures["rows"]]
     assert found == [("ngslac", 2), ("ngslac, first order", 1), ("ContactBoundary, penalty", 2)]
     assert [row["settings"] for row in figures["rows"][:2]] == 2 * ["--inverse umfpack"]
@@ -212,6 +216,40 @@ def test_command_line(tmp_path, capsys, files):
     for reason in ("not installed: install ccx", "failed: ValueError: order 1"):
         assert reason in text
     assert len(figures["missing"]) == 2
+    assert "P2|1.00%|2.00|1.00|ngslac,0.5|1.00%|3.00|1.00|0.7|1.0|" in text.replace(" ", "")
+
+
+def test_sizes_of_ngslac_alone():
+    own = compare.Sizes(["sphere=0.5,1", "patch="], lambda case: case.own)
+    assert own["sphere"] == (0.5, 1.0)
+    assert own["patch"] == ()
+    assert own["hertz"] == compare.CASES["hertz"].own
+    plan = compare.Plan((0.5,), own["sphere"], ["first", "kratos"])
+    assert plan == {0.5: ["first", "kratos"], 1.0: ["first"]}
+    assert compare.Plan((0.5,), (1.0,), ["kratos"]) == {0.5: ["kratos"]}
+
+
+def row(peer, order, seconds, l2, **more):
+    figures = {"peer": peer, "title": peer, "order": order, "h": 1.0, "cpu": 1.0}
+    return {**figures, "seconds": seconds, "l2": l2, **more}
+
+
+def test_each_peer_stands_beside_the_fastest_run_of_equal_accuracy():
+    own = [row("ngslac", 2, 1.0, 0.08), row("ngslac", 2, 2.0, 0.04), row("ngslac", 1, 0.5, 0.05)]
+    sphere, hertz = compare.CASES["sphere"], compare.CASES["hertz"]
+
+    def beside(case, *peer, ours=own):
+        (match,) = Matches(case, [*ours, row("other", *peer)])
+        return match.own
+
+    assert beside(sphere, 2, 9.0, 0.05) is own[1]
+    assert beside(sphere, 2, 9.0, 0.08) is own[0]
+    assert beside(sphere, 1, 9.0, 0.08) is own[2]  # of the same order only
+    assert beside(sphere, 2, 9.0, 0.03) is None
+    better = row("ngslac", 2, 1.5, 0.08, recovered_l2=0.03)
+    assert beside(sphere, 2, 9.0, 0.03, ours=[*own, better]) is better
+    known = row("ngslac", 2, 1.0, 0.009)
+    assert beside(hertz, 2, 9.0, 0.001, ours=[known]) is known  # both below the floor
 
 
 @pytest.mark.usefixtures("scripts")
@@ -222,7 +260,7 @@ def test_runs_without_a_result(files):
     assert unable.reason == "does not solve this problem"
     for option in ("sphere", "cube=1"):
         with pytest.raises(SystemExit, match="write"):
-            compare.Sizes([option])
+            compare.Sizes([option], lambda case: case.own)
 
 
 def test_quick(monkeypatch, tmp_path):
