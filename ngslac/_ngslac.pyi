@@ -425,11 +425,6 @@ class Condensation(ngsolve.la.BaseMatrix):
         """
     def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
         ...
-    def NodeBlocks(self, nodes: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
-        """
-        The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.
-        -1 stands for no dof; what is not free is a row of the identity.
-        """
     @property
     def constraints(self) -> numpy.typing.NDArray[numpy.int32]:
         """
@@ -502,16 +497,21 @@ class OrthogonalCondensation(Condensation):
     """
     def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray) -> None:
         ...
+    def NodeBlocks(self, nodes: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
+        """
+        The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.
+        -1 stands for no dof; what is not free is a row of the identity.
+        """
 class StarSweeps:
     """
     Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of
     which are solved for at once.
     """
-    def Update(self, system: Condensation) -> None:
+    def Update(self, system: OrthogonalCondensation) -> None:
         """
         Takes over a system with the same bulk.
         """
-    def __init__(self, system: Condensation, dofs: pyngcore.pyngcore.BitArray, stars: pyngcore.pyngcore.Table_I, dim: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, system: OrthogonalCondensation, dofs: pyngcore.pyngcore.BitArray, stars: pyngcore.pyngcore.Table_I, dim: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class TwoLevel(ngsolve.la.BaseMatrix):
     """
@@ -519,7 +519,7 @@ class TwoLevel(ngsolve.la.BaseMatrix):
     operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows
     (starts, columns, values) belong to the free `dofs`, and others are empty.
     """
-    def __init__(self, system: Condensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
+    def __init__(self, system: OrthogonalCondensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
         ...
 class PreconditionedProduct:
     """
@@ -535,7 +535,7 @@ class TwoLevelProduct(PreconditionedProduct):
     """
     On the free dofs for a preconditioner M of A itself, to single precision.
     """
-    def __init__(self, preconditioner: TwoLevel, system: Condensation) -> None:
+    def __init__(self, preconditioner: TwoLevel, system: OrthogonalCondensation) -> None:
         ...
 def BoundaryVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int32]:
     """

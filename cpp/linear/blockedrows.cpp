@@ -2,14 +2,16 @@
 #include "indexmap.hpp"
 
 namespace ngslac {
-bool BlockedRows::Fill(const Condensation & system, const NodeOrder & order, size_t row) {
+bool BlockedRows::Fill(const Condensation & system, const NodeOrder & order, size_t row,
+                       FlatArray<NodeTerm> terms, FlatArray<Link> links) {
+  auto & bulk = system.Whole();
   IndexMap places;
   places.Position(row);
   auto dofs = order.dofs.Range(width * row, width * (row + 1));
   auto each = [&](auto f) {
     for (int k : Range(width))
       if (dofs[k] >= 0) {
-        auto columns = system.Columns(dofs[k]);
+        auto columns = bulk.GetRowIndices(dofs[k]);
         for (int j : Range(columns))
           if (int s = order.slot[columns[j]]; s >= 0)
             f(k, j, s);
@@ -17,17 +19,25 @@ bool BlockedRows::Fill(const Condensation & system, const NodeOrder & order, siz
   };
   each([&](int, int, int s) { places.Position(s / width); });
   Array<int> columns(places.Indices());
-  Array<float> blocks(width * width * columns.Size() + 1);
+  size_t inbulk = columns.Size(), all = inbulk + links.Size();
+  Array<float> blocks(width * width * (all + links.Size()) + 1);
   blocks = 0.0f;
   each([&](int k, int j, int s) {
     size_t first = width * width * places.Find(s / width);
-    blocks[first + width * (s % width) + k] = float(system.Values(dofs[k])(j));
+    blocks[first + width * (s % width) + k] = float(bulk.GetRowValues(dofs[k])(j));
   });
   for (int k : Range(width))
     if (dofs[k] < 0)
       blocks[width * k + k] = 1;
+  for (size_t l : Range(links)) {
+    auto & term = terms[links[l].macro];
+    size_t first = width * width * links[l].place, size = width * width;
+    columns.Append(rows.Size() + links[l].macro);
+    std::copy_n(&term.left[first], size, &blocks[size * (inbulk + l)]);
+    std::copy_n(&term.right[first], size, &blocks[size * (all + l)]);
+  }
   bool differs = columns != rows[row].columns || blocks != rows[row].blocks;
-  rows[row] = {std::move(columns), std::move(blocks)};
+  rows[row] = {inbulk, std::move(columns), std::move(blocks)};
   return differs;
 }
 
@@ -43,9 +53,9 @@ void Prefetch([[maybe_unused]] const float * address) {
 }
 } // namespace
 
-auto BlockedRows::Times(size_t row, FlatArray<Node> z) const -> Node {
+auto BlockedRows::Sum(size_t row, FlatArray<Node> z, size_t end) const -> Node {
   constexpr int lanes = std::tuple_size<Node>();
-  auto & [columns, blocks] = rows[row];
+  auto & [inbulk, columns, blocks] = rows[row];
   float sum[2 * width][lanes] = {}; // for each column, by turns: none waits for the others
   auto add = [&](size_t j, auto * sum) {
     const float * block = blocks.Data() + width * width * j;
@@ -55,7 +65,7 @@ auto BlockedRows::Times(size_t row, FlatArray<Node> z) const -> Node {
       for (int k : Range(lanes))
         sum[l][k] += block[width * l + k] * value[l];
   };
-  size_t j = 0, end = columns.Size();
+  size_t j = 0;
   for (; j + 1 < end; j += 2) {
     add(j, sum);
     add(j + 1, sum + width);
@@ -67,5 +77,18 @@ auto BlockedRows::Times(size_t row, FlatArray<Node> z) const -> Node {
   for (int k : Range(lanes))
     total[k] = (sum[0][k] + sum[3][k]) + (sum[1][k] + sum[4][k]) + (sum[2][k] + sum[5][k]);
   return total;
+}
+
+void BlockedRows::Step(size_t row, const Node & step, FlatArray<Node> z) const {
+  auto columns = Columns(row);
+  for (int k : Range(width))
+    z[row][k] += step[k];
+  for (size_t j = InBulk(row); j < columns.Size(); j++) {
+    const float * block = Right(row, j);
+    Node & value = z[columns[j]];
+    for (int l : Range(width))
+      for (int k : Range(value.size())) // the last block is followed by one number more
+        value[k] += block[width * l + k] * step[l];
+  }
 }
 } // namespace ngslac

@@ -2,11 +2,6 @@
 
 namespace ngslac {
 namespace {
-void Subtract(FlatVector<> x, FlatArray<int> dofs, const Vector<> & values) {
-  for (int i : Range(dofs))
-    x(dofs[i]) -= values(i);
-}
-
 void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & free) {
   if (free.Size() != n)
     throw Exception("Condensation: " + ToString(free.Size()) + " bits of free dofs for " +
@@ -20,15 +15,33 @@ void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & fr
                       ToString(n) + " rows");
 }
 
+/// y += s mat x
+void AddTimes(double s, const SparseMatrix<double> & mat, FlatVector<> x, FlatVector<> y) {
+  ParallelFor(mat.Height(), [&](size_t i) {
+    if (mat.GetRowIndices(i).Size())
+      y(i) += s * mat.RowTimesVector(i, x);
+  });
+}
+
+Vector<> Solved(const BaseMatrix * inverse, Vector<> && r) {
+  if (!inverse)
+    return std::move(r);
+  Vector<> y(r.Size());
+  VFlatVector<double> in(r.Size(), r.Data()), out(y.Size(), y.Data());
+  inverse->Mult(in, out);
+  return y;
+}
 } // namespace
 
-Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int> multipliers, int d,
-                           const BitArray & afree)
-    : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)) {
+shared_ptr<SparseMatrix<double>> Transposed(const SparseMatrix<double> & mat) {
+  return dynamic_pointer_cast<SparseMatrix<double>>(mat.CreateTranspose(true));
+}
+
+Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int> multipliers,
+                           int ad, const BitArray & afree)
+    : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)), d(ad) {
   CheckGiven(mat->Height(), multipliers, d, *free);
-  Supports(multipliers, d);
-  place.SetSize(mat->Height());
-  place = -1;
+  Supports(multipliers);
 }
 
 void Condensation::NumberConstraints() {
@@ -37,6 +50,42 @@ void Condensation::NumberConstraints() {
   for (int m : Range(blocks))
     first[m + 1] = first[m] + blocks[m].NConstraints();
   FindNear();
+  constraints = Stacked([&](int m) { return blocks[m].E2; });
+  forces = Transposed(HasSymmetricContact() ? *constraints : *Stacked([&](int m) {
+    return Matrix<>(Trans(blocks[m].G2));
+  }));
+  slips = Stacked([&](int m) {
+    auto & block = blocks[m];
+    return block.slides ? block.E1 : Matrix<>(0.0 * block.E1);
+  });
+  pushes = Transposed(*Stacked([&](int m) { return Matrix<>(Trans(blocks[m].GL)); }));
+}
+
+shared_ptr<SparseMatrix<double>>
+Condensation::Stacked(const function<const Matrix<>(int)> & rows) const {
+  Array<Array<SparseRow>> local(blocks.Size());
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    const Matrix<> values = rows(m);
+    local[m].SetSize(values.Height());
+    for (int q : Range(values.Height()))
+      for (int j : Range(blocks[m].dofs))
+        if (int dof = blocks[m].dofs[j]; values(q, j) != 0 && free->Test(dof)) {
+          local[m][q].columns.Append(dof);
+          local[m][q].values.Append(values(q, j));
+        }
+  });
+  Array<int> sizes;
+  for (auto & part : local)
+    for (auto & row : part)
+      sizes.Append(row.columns.Size());
+  auto stacked = make_shared<SparseMatrix<double>>(sizes, mat->Height());
+  size_t i = 0;
+  for (auto & part : local)
+    for (auto & row : part) {
+      stacked->GetRowIndices(i) = row.columns;
+      std::copy(row.values.begin(), row.values.end(), stacked->GetRowValues(i++).Data());
+    }
+  return stacked;
 }
 
 /// The graph of the given matrix is symmetric, or else the residual will tell.
@@ -55,24 +104,12 @@ void Condensation::FindNear() {
   near = Where(found);
 }
 
-void Condensation::StoreRows(FlatArray<int> changed,
-                             const function<void(int, RowSum &)> & sum_row) {
-  rows.SetSize(changed.Size());
-  ForEachSum(changed.Size(), [&](size_t c, RowSum & sum) {
-    place[changed[c]] = c;
-    sum_row(changed[c], sum);
-    rows[c] = TakeRow(sum);
-  });
-}
-
-Array<double> Condensation::Diagonal() const {
-  Array<double> diagonal(mat->Height());
-  ParallelFor(diagonal.Size(), [&](size_t i) {
-    auto columns = Columns(i);
-    size_t j = columns.Pos(i);
-    diagonal[i] = j < columns.Size() ? Values(i)(j) : 0;
-  });
-  return diagonal;
+bool Condensation::Changes(size_t row) const {
+  if (!ismultiplier[row])
+    for (int m : touching[row])
+      if (blocks[m].NConstraints() || blocks[m].slides)
+        return true;
+  return false;
 }
 
 Array<int> Condensation::Constraints() const {
@@ -89,7 +126,7 @@ bool Condensation::HasSymmetricContact() const {
   return true;
 }
 
-void Condensation::Supports(FlatArray<int> multipliers, int d) {
+void Condensation::Supports(FlatArray<int> multipliers) {
   size_t n = mat->Height();
   ismultiplier.SetSize(n);
   ismultiplier = false;
@@ -118,114 +155,60 @@ void Condensation::Supports(FlatArray<int> multipliers, int d) {
   touching = creator.MoveTable();
 }
 
-void Condensation::AddRow(int row, double factor, RowSum & sum) const {
+void Condensation::AddBulkRow(int row, double factor, RowSum & sum) const {
   auto columns = mat->GetRowIndices(row);
   auto values = mat->GetRowValues(row);
   for (int j : Range(columns))
     if (!ismultiplier[columns[j]])
       sum.Add(columns[j], factor * values(j));
-  for (int m : touching[row]) {
-    auto & block = blocks[m];
-    if (!block.slides)
-      continue;
-    int pos = block.Position(row);
-    for (int q : Range(block.E1.Height()))
-      if (double force = factor * block.GL(pos, q); force != 0)
-        for (int j : Range(block.dofs))
-          if (block.E1(q, j) != 0)
-            sum.Add(block.dofs[j], -force * block.E1(q, j));
-  }
 }
 
-FlatArray<int> Condensation::Columns(size_t row) const {
-  if (ismultiplier[row])
-    return FlatArray<int>(0, nullptr);
-  return place[row] >= 0 ? FlatArray<int>(rows[place[row]].columns) : mat->GetRowIndices(row);
+void Condensation::AddLift(double s, FlatVector<> r, FlatVector<> u) const {
+  if (first.Last())
+    AddTimes(s, *lifts.lift, Solved(lifts.inverse.get(), Vector<>(r)), u);
 }
 
-FlatVector<> Condensation::Values(size_t row) const {
-  if (ismultiplier[row])
-    return FlatVector<>(0, nullptr);
-  if (place[row] < 0)
-    return mat->GetRowValues(row);
-  auto & values = rows[place[row]].values;
-  return FlatVector<>(values.Size(), values.Data());
+Vector<> Condensation::Reactions(FlatVector<> f) const {
+  Vector<> sums(first.Last());
+  sums = 0.0;
+  if (first.Last())
+    AddTimes(1, *lifts.carry, f, sums);
+  return Solved(first.Last() ? lifts.inverseleft.get() : nullptr, std::move(sums));
 }
 
-shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
-  size_t n = mat->Height();
-  if (bits && bits->Size() != n)
-    throw Exception("Condensation: " + ToString(bits->Size()) + " bits for " + ToString(n) +
-                    " rows");
-  Array<int> number(n), dofs;
-  number = -1;
-  for (int i : Range(n))
-    if (!bits || bits->Test(i)) {
-      number[i] = dofs.Size();
-      dofs.Append(i);
-    }
-  Array<int> sizes(dofs.Size());
-  ParallelFor(dofs.Size(), [&](size_t i) {
-    sizes[i] = 0;
-    for (int j : Columns(dofs[i]))
-      sizes[i] += number[j] >= 0;
-  });
-  auto part = make_shared<SparseMatrix<double>>(sizes, dofs.Size());
-  ParallelFor(dofs.Size(), [&](size_t i) {
-    auto from = Columns(dofs[i]), columns = part->GetRowIndices(i);
-    auto entries = Values(dofs[i]), values = part->GetRowValues(i);
-    Array<int> order(from.Size());
-    for (int j : Range(order))
-      order[j] = j;
-    if (place[dofs[i]] >= 0) // others are sorted
-      QuickSortI(from, order);
-    int k = 0;
-    for (int j : order)
-      if (number[from[j]] >= 0) {
-        columns[k] = number[from[j]];
-        values(k++) = entries(j);
-      }
-  });
-  return part;
-}
-
-void Condensation::AddProduct(double s, FlatVector<> x, FlatVector<> y) const {
-  ParallelFor(mat->Height(), [&](size_t i) {
-    auto columns = Columns(i);
-    auto values = Values(i);
-    double sum = 0;
-    for (size_t j : Range(columns))
-      sum += values(j) * x(columns[j]);
-    y(i) += s * sum;
+void Condensation::ClearFixed(FlatVector<> x) const {
+  ParallelFor(x.Size(), [&](size_t i) {
+    if (!free->Test(i))
+      x(i) = 0;
   });
 }
 
-Vector<> Condensation::Jumps(FlatVector<> u) const {
+void Condensation::Project(FlatVector<> z) const {
   Vector<> jumps(first.Last());
-  ParallelFor(blocks.Size(), [&](size_t m) {
-    if (blocks[m].NConstraints())
-      jumps.Range(ConstraintsOf(m)) = blocks[m].E2 * Gather(blocks[m].dofs, u);
-  });
-  return jumps;
+  jumps = 0.0;
+  AddTimes(1, *constraints, z, jumps);
+  AddLift(-1, jumps, z);
 }
 
-void Condensation::SubtractReactions(FlatVector<> reactions, FlatVector<> forces) const {
-  for (int m : Range(blocks))
-    if (blocks[m].NConstraints())
-      Subtract(forces, blocks[m].dofs, blocks[m].G2 * reactions.Range(ConstraintsOf(m)));
+void Condensation::ToImage(FlatVector<> w, FlatVector<> image) const {
+  Vector<> told(slips->Height());
+  told = 0.0;
+  AddTimes(-1, *slips, w, told);
+  AddTimes(1, *pushes, told, image);
+  AddTimes(-1, *forces, Reactions(image), image);
+  ClearFixed(image);
 }
 
 /// f - G (multipliers that r tells) - K u,  near the constraints: u is zero elsewhere, or what is
 /// left there does not count.
 Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
-  Vector<> left = rhs;
+  Vector<> left = rhs, told(slips->Height());
   ParallelFor(near.Size(), [&](size_t i) { left(near[i]) -= mat->RowTimesVector(near[i], u); });
-  for (auto & block : blocks) {
-    Vector<> told = block.U1 * Gather(block.multipliers, rhs);
-    if (block.slides)
-      told -= block.E1 * Gather(block.dofs, u);
-    Subtract(left, block.dofs, block.GL * told);
-  }
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    told.Range(ToldOf(m)) = blocks[m].U1 * Gather(blocks[m].multipliers, rhs);
+  });
+  AddTimes(-1, *slips, u, told);
+  AddTimes(-1, *pushes, told, left);
   return left;
 }
 
@@ -233,9 +216,10 @@ Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u) const {
 Vector<> Condensation::Particular(FlatVector<> rhs) const {
   Vector<> u(rhs.Size()), r2(first.Last());
   u = 0.0;
-  for (int m : Range(blocks))
-    if (auto & block = blocks[m]; block.NConstraints())
-      r2.Range(ConstraintsOf(m)) = block.U2 * Gather(block.multipliers, rhs);
+  ParallelFor(blocks.Size(), [&](size_t m) {
+    if (blocks[m].NConstraints())
+      r2.Range(ConstraintsOf(m)) = blocks[m].U2 * Gather(blocks[m].multipliers, rhs);
+  });
   AddLift(1, r2, u);
   return u;
 }
@@ -243,17 +227,16 @@ Vector<> Condensation::Particular(FlatVector<> rhs) const {
 void Condensation::Reduce(FlatVector<> rhs, FlatVector<> reduced) const {
   Vector<> left = Left(rhs, Particular(rhs));
   reduced = left;
-  SubtractReactions(Reactions(left), reduced);
-  for (size_t i : Range(reduced))
-    if (!free->Test(i))
-      reduced(i) = 0;
+  AddTimes(-1, *forces, Reactions(left), reduced);
+  ClearFixed(reduced);
 }
 
 void Condensation::Expand(FlatVector<> rhs, FlatVector<> w, FlatVector<> x) const {
-  x = Particular(rhs) + w;
-  AddLift(-1, Jumps(w), x);
+  Vector<> projected = w;
+  Project(projected);
+  x = Particular(rhs) + projected;
   Vector<> reactions = Reactions(Left(rhs, x));
-  for (int m : Range(blocks)) {
+  ParallelFor(blocks.Size(), [&](size_t m) {
     auto & block = blocks[m];
     Vector<> told = block.U1 * Gather(block.multipliers, rhs);
     told -= block.E1 * Gather(block.dofs, x);
@@ -262,6 +245,6 @@ void Condensation::Expand(FlatVector<> rhs, FlatVector<> w, FlatVector<> x) cons
       lam += block.V2 * reactions.Range(ConstraintsOf(m));
     for (int k : Range(lam))
       x(block.multipliers[k]) = lam(k);
-  }
+  });
 }
 } // namespace ngslac

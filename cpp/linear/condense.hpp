@@ -1,6 +1,6 @@
 #pragma once
+#include "explicitrows.hpp"
 #include "localblock.hpp"
-#include "sparserow.hpp"
 #include "squareoperator.hpp"
 
 namespace ngslac {
@@ -10,24 +10,19 @@ namespace ngslac {
 /// every macro-element solves those combinations of its rows that tell multipliers. The others are
 /// constraints  E2 u = r2  with reactions along G2. With right inverses B of E2 and Bl of G2^T, the
 /// lifts, the oblique projections  P = 1 - B E2,  Pl = 1 - Bl G2^T  eliminate them exactly: what is
-/// left is  A = Pl^T K P  on the displacements. Derived classes choose the lifts, and the sparse
-/// rows that stand for A in preconditioners. They have the numbers of the dofs of the given system;
-/// those of the multipliers stay empty. Only rows that differ from those of the given matrix are
-/// stored.
+/// left is  A = Pl^T (K - GL E1) P  on the free displacements. Derived classes choose the lifts,
+/// and the sparse rows that stand for A in preconditioners, which have the numbers of the dofs of
+/// the given system; those of the multipliers stay empty.
 class Condensation : public SquareOperator {
 public:
-  FlatArray<int> Columns(size_t row) const;
-  FlatVector<> Values(size_t row) const;
-  /// Rows and columns of some dofs, numbered anew; all of them with their own numbers without bits.
-  shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
+  /// The sparse rows.
+  virtual shared_ptr<ExplicitRows> Rows() const = 0;
 
   const SparseMatrix<double> & Whole() const { return *mat; }
   /// Are forces and constraints of each macro-element the same combinations?
   bool HasSymmetricContact() const;
-  /// Does its row differ from that of the given matrix?
-  bool Changes(size_t row) const { return place[row] >= 0; }
-  /// Of the sparse rows.
-  Array<double> Diagonal() const;
+  /// Do macro-elements add something to its row?
+  bool Changes(size_t row) const;
   /// the free displacements
   shared_ptr<BitArray> Free() const { return free; }
   /// eliminated directions of each macro-element
@@ -36,49 +31,58 @@ public:
   void Reduce(FlatVector<> rhs, FlatVector<> reduced) const;
   /// Solution of the given system from that of A.
   void Expand(FlatVector<> rhs, FlatVector<> w, FlatVector<> x) const;
-  /// Makes  A z  of `image`, the product of the sparse rows with z.
-  virtual void ToImage(FlatVector<> z, FlatVector<> image) const = 0;
+  /// z = P z
+  void Project(FlatVector<> z) const;
+  /// Makes  A z  of the image K w of  w = P z.
+  void ToImage(FlatVector<> w, FlatVector<> image) const;
 
 protected:
   /// `mat` is merged and scaled, `multipliers` lists d scalar dofs per macro-element.
   Condensation(shared_ptr<SparseMatrix<double>> mat, FlatArray<int> multipliers, int d,
                const BitArray & free);
 
-  /// Number of the constraints of each macro-element's first one, whose last entry is their count;
-  /// and the rows near them.
-  void NumberConstraints();
-  IntRange ConstraintsOf(int m) const { return IntRange(first[m], first[m + 1]); }
-  /// Adds a row of  K - sum GL E1.
-  void AddRow(int row, double factor, RowSum & sum) const;
-  /// Takes the rows from  sum_row(row, sum)  for those that differ.
-  void StoreRows(FlatArray<int> changed, const function<void(int, RowSum &)> & sum_row);
-  /// y += s (sparse rows) x
-  void AddProduct(double s, FlatVector<> x, FlatVector<> y) const;
+  /// Of the blocks that are split: B (r) = lift inverse r,  Bl^T (f) = inverseleft carry f.
+  struct Lifts {
+    shared_ptr<SparseMatrix<double>> lift, carry;
+    shared_ptr<SparseMatrix<double>> gram, gramleft; // which the inverses need
+    shared_ptr<BaseMatrix> inverse, inverseleft;     // the identity where there is none
+  };
 
-  /// u += s B r
-  virtual void AddLift(double s, FlatVector<> r, FlatVector<> u) const = 0;
-  /// Bl^T forces: what the constraints have to carry.
-  virtual Vector<> Reactions(FlatVector<> forces) const = 0;
-  /// E2 u
-  Vector<> Jumps(FlatVector<> u) const;
-  /// forces -= G2 reactions
-  void SubtractReactions(FlatVector<> reactions, FlatVector<> forces) const;
+  /// Numbers the constraints, and stacks what the macro-elements have to tell.
+  void NumberConstraints();
+  /// rows(m), k x dofs, of all macro-elements one below the other, on the free displacements.
+  shared_ptr<SparseMatrix<double>> Stacked(const function<const Matrix<>(int)> & rows) const;
+  void ClearFixed(FlatVector<> x) const;
+  /// Adds a row of K.
+  void AddBulkRow(int row, double factor, RowSum & sum) const;
 
   shared_ptr<SparseMatrix<double>> mat;
   shared_ptr<BitArray> free;
+  int d; // multipliers of a macro-element
   Array<bool> ismultiplier;
-  Array<LocalBlock> blocks; // of the macro-elements
-  Array<int> first;         // constraint of each
-  Table<int> touching;      // macro-elements of each dof
-  Array<int> near;          // displacements on which constraints act, and those coupled to them
+  Array<LocalBlock> blocks;                             // of the macro-elements
+  Array<int> first;                                     // constraint of each, and their count
+  Table<int> touching;                                  // macro-elements of each dof
+  shared_ptr<SparseMatrix<double>> constraints, forces; // E2, G2
+  Lifts lifts;
 
 private:
-  void Supports(FlatArray<int> multipliers, int d);
+  IntRange ConstraintsOf(int m) const { return IntRange(first[m], first[m + 1]); }
+  /// The rows that tell multipliers.
+  IntRange ToldOf(int m) const { return IntRange(d * m - first[m], d * (m + 1) - first[m + 1]); }
+  void Supports(FlatArray<int> multipliers);
   void FindNear();
+  /// u += s B r
+  void AddLift(double s, FlatVector<> r, FlatVector<> u) const;
+  /// Bl^T f: what the constraints have to carry.
+  Vector<> Reactions(FlatVector<> f) const;
   Vector<> Left(FlatVector<> rhs, FlatVector<> u) const;
   Vector<> Particular(FlatVector<> rhs) const;
 
-  Array<int> place;      // of each row that differs from that of the given matrix, or -1
-  Array<SparseRow> rows; // which differ
+  shared_ptr<SparseMatrix<double>> slips, pushes; // E1 of what slides, GL
+  Array<int> near; // displacements on which constraints act, and those coupled to them
 };
+
+/// The transposed matrix.
+shared_ptr<SparseMatrix<double>> Transposed(const SparseMatrix<double> & mat);
 } // namespace ngslac

@@ -48,32 +48,15 @@ void ExportLinear(py::module & m) {
           "Part",
           [](const Condensation & self, shared_ptr<BitArray> dofs) -> shared_ptr<BaseMatrix> {
             py::gil_scoped_release release;
-            return self.Part(dofs.get());
+            return self.Rows()->Part(dofs.get());
           },
           py::arg("dofs") = nullptr,
           "Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.")
-      .def(
-          "NodeBlocks",
-          [](const Condensation & self, const Numbers<int> & nodes) {
-            if (nodes.ndim() != 2 || nodes.shape(1) < 1)
-              throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
-            auto list = FromNumPy(nodes);
-            BlockRows rows;
-            {
-              py::gil_scoped_release release;
-              rows = NodeBlocks(self, list, nodes.shape(1));
-            }
-            return py::make_tuple(ToNumPy(rows.starts), ToNumPy(rows.columns),
-                                  ToNumPy(rows.values));
-          },
-          py::arg("nodes"),
-          "The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.\n"
-          "-1 stands for no dof; what is not free is a row of the identity.")
       .def_property_readonly(
           "constraints", [](const Condensation & self) { return ToNumPy(self.Constraints()); },
           "(n,) int: eliminated directions of each macro-element")
       .def_property_readonly(
-          "diagonal", [](const Condensation & self) { return ToNumPy(self.Diagonal()); },
+          "diagonal", [](const Condensation & self) { return ToNumPy(self.Rows()->Diagonal()); },
           "(n,): of the sparse matrix")
       .def_property_readonly("has_symmetric_contact", &Condensation::HasSymmetricContact,
                              "as without slip")
@@ -110,13 +93,30 @@ void ExportLinear(py::module & m) {
              py::gil_scoped_release release;
              return make_shared<OrthogonalCondensation>(sparse, dofs, dim, free);
            }),
-           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"));
+           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"))
+      .def(
+          "NodeBlocks",
+          [](const OrthogonalCondensation & self, const Numbers<int> & nodes) {
+            if (nodes.ndim() != 2 || nodes.shape(1) < 1)
+              throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
+            auto list = FromNumPy(nodes);
+            BlockRows rows;
+            {
+              py::gil_scoped_release release;
+              rows = NodeBlocks(self, list, nodes.shape(1));
+            }
+            return py::make_tuple(ToNumPy(rows.starts), ToNumPy(rows.columns),
+                                  ToNumPy(rows.values));
+          },
+          py::arg("nodes"),
+          "The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.\n"
+          "-1 stands for no dof; what is not free is a row of the identity.");
   py::class_<StarSweeps, shared_ptr<StarSweeps>>(
       m, "StarSweeps",
       "Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of\n"
       "which are solved for at once.")
-      .def(py::init([](const Condensation & system, const BitArray & dofs, const Table<int> & stars,
-                       int dim) {
+      .def(py::init([](const OrthogonalCondensation & system, const BitArray & dofs,
+                       const Table<int> & stars, int dim) {
              py::gil_scoped_release release;
              return make_shared<StarSweeps>(system, dofs, stars, dim);
            }),
@@ -128,7 +128,7 @@ void ExportLinear(py::module & m) {
       "Preconditioner: a sweep forward, a correction, a sweep backward. The correction is by the\n"
       "operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows\n"
       "(starts, columns, values) belong to the free `dofs`, and others are empty.")
-      .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
+      .def(py::init([](const OrthogonalCondensation & system, shared_ptr<StarSweeps> sweeps,
                        shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs,
                        const Numbers<int> & starts, const Numbers<int> & columns,
                        const Numbers<float> & values) {
@@ -151,7 +151,7 @@ void ExportLinear(py::module & m) {
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, PreconditionedProduct>(
       m, "TwoLevelProduct",
       "On the free dofs for a preconditioner M of A itself, to single precision.")
-      .def(py::init<shared_ptr<TwoLevel>, shared_ptr<Condensation>>(),
+      .def(py::init<shared_ptr<TwoLevel>, shared_ptr<OrthogonalCondensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
   m.def(
       "GMRes",

@@ -1,5 +1,5 @@
 #pragma once
-#include "condense.hpp"
+#include "orthogonal.hpp"
 
 namespace ngslac {
 /// Rows of square blocks, of `width` rows and columns each, in the order of their columns.
@@ -12,5 +12,5 @@ struct BlockRows {
 /// The part of a system that belongs to some nodes, of `width` dofs each.
 ///
 /// `nodes` lists the dofs node by node; -1, or what is not free, is a row of the identity.
-BlockRows NodeBlocks(const Condensation & system, FlatArray<int> nodes, int width);
+BlockRows NodeBlocks(const OrthogonalCondensation & system, FlatArray<int> nodes, int width);
 } // namespace ngslac

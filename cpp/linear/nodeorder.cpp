@@ -55,7 +55,7 @@ Array<Array<int>> Neighbours(const Condensation & system, FlatArray<int> node,
       FlatArray<int> before(0, nullptr);
       for (int i : nodes[m])
         if (i >= 0) {
-          auto columns = system.Columns(i);
+          auto columns = system.Whole().GetRowIndices(i);
           if (columns != before)
             for (int j : columns)
               if (int other = node[j]; other >= 0 && other != m)

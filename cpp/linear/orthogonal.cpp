@@ -16,35 +16,9 @@ Vector<> Times(const BaseMatrix & mat, FlatVector<> r) {
   return y;
 }
 
-/// Products of the rows of all macro-elements with each other.
-shared_ptr<SparseMatrix<double>> Gram(FlatArray<LocalBlock> blocks, FlatArray<Matrix<>> rows,
-                                      FlatArray<int> first, const Table<int> & touching) {
-  Array<SparseRow> products(first.Last());
-  ForEachSum(blocks.Size(), [&](int m, RowSum & sum) {
-    for (size_t q : Range(rows[m].Height())) {
-      for (int j : Range(blocks[m].dofs))
-        if (double e = rows[m](q, j); e != 0)
-          for (int k : touching[blocks[m].dofs[j]])
-            if (rows[k].Height())
-              for (int p = 0, at = blocks[k].Position(blocks[m].dofs[j]); p < int(rows[k].Height());
-                   p++)
-                sum.Add(first[k] + p, e * rows[k](p, at));
-      products[first[m] + q] = TakeRow(sum);
-    }
-  });
-  Array<int> sizes(products.Size());
-  for (int i : Range(products))
-    sizes[i] = products[i].columns.Size();
-  auto gram = make_shared<SparseMatrix<double>>(sizes, products.Size());
-  ParallelFor(products.Size(), [&](size_t i) {
-    auto & [columns, values] = products[i];
-    auto to = gram->GetRowIndices(i);
-    to = columns;
-    QuickSort(to);
-    for (int j : Range(columns))
-      (*gram)(i, columns[j]) = values[j];
-  });
-  return gram;
+shared_ptr<SparseMatrix<double>> Product(const SparseMatrix<double> & a,
+                                         const SparseMatrix<double> & b) {
+  return dynamic_pointer_cast<SparseMatrix<double>>(MatMult(a, b));
 }
 
 /// Cholesky factorisation; throws where the matrix is singular.
@@ -59,6 +33,20 @@ shared_ptr<BaseMatrix> Inverse(const SparseMatrix<double> & gram) {
     throw Exception(dependent);
   return inverse;
 }
+
+/// The penalty's stiffness is that of the constraints on the free dofs.
+Matrix<> Stiffness(const LocalBlock & block, FlatArray<int> free) {
+  Matrix<> E(block.NConstraints(), free.Size()), Gt(block.NConstraints(), free.Size());
+  for (int j : Range(free)) {
+    E.Col(j) = block.E2.Col(free[j]);
+    Gt.Col(j) = block.G2.Row(free[j]);
+  }
+  Matrix<> right = E * Trans(E), left = Gt * Trans(Gt);
+  CalcInverse(right);
+  CalcInverse(left);
+  Matrix<> product = Gt * Trans(E);
+  return penalty * left * Matrix<>(product * right);
+}
 } // namespace
 
 OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> amat,
@@ -67,14 +55,12 @@ OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> 
     : Condensation(amat, multipliers, d, afree) {
   static Timer timer("ngslac::Condense");
   RegionTimer reg(timer);
-  E.SetSize(blocks.Size());
-  Gt.SetSize(blocks.Size());
-  penalised.SetSize(blocks.Size());
+  terms.SetSize(blocks.Size());
   std::atomic<bool> fails = false;
   ParallelFor(blocks.Size(), [&](size_t m) {
     try {
       SplitBlock(blocks[m], *mat, [&](const Matrix<> &) { return FreeDofs(m); });
-      FillLocal(m);
+      FillTerm(m);
     } catch (const Exception &) {
       fails = true;
     }
@@ -82,24 +68,18 @@ OrthogonalCondensation::OrthogonalCondensation(shared_ptr<SparseMatrix<double>> 
   if (fails)
     throw Exception(dependent);
   NumberConstraints();
-  if (first.Last()) {
-    gram = Gram(blocks, E, first, touching);
-    inverse = Inverse(*gram);
-    gramleft = HasSymmetricContact() ? gram : Gram(blocks, Gt, first, touching);
-    inverseleft = gramleft == gram ? inverse : Inverse(*gramleft);
-  }
-  FillRows();
+  if (first.Last())
+    FillLifts();
 }
 
-void OrthogonalCondensation::FillRows() {
-  Array<bool> changes(mat->Height());
-  ParallelFor(changes.Size(), [&](size_t i) {
-    changes[i] = false;
-    if (!ismultiplier[i])
-      for (int m : touching[i])
-        changes[i] = changes[i] || blocks[m].NConstraints() || blocks[m].slides;
-  });
-  StoreRows(Where(changes), [&](int row, RowSum & sum) { SumRow(row, sum); });
+void OrthogonalCondensation::FillLifts() {
+  bool symmetric = HasSymmetricContact();
+  lifts.lift = symmetric ? forces : Transposed(*constraints);
+  lifts.carry = symmetric ? constraints : Transposed(*forces);
+  lifts.gram = Product(*constraints, *lifts.lift);
+  lifts.inverse = Inverse(*lifts.gram);
+  lifts.gramleft = symmetric ? lifts.gram : Product(*lifts.carry, *forces);
+  lifts.inverseleft = symmetric ? lifts.inverse : Inverse(*lifts.gramleft);
 }
 
 /// Positions.
@@ -111,86 +91,54 @@ Array<int> OrthogonalCondensation::FreeDofs(int m) const {
   return found;
 }
 
-void OrthogonalCondensation::FillLocal(int m) {
+void OrthogonalCondensation::FillTerm(int m) {
   auto & block = blocks[m];
-  E[m] = block.E2;
-  Gt[m] = Trans(block.G2);
-  for (int j : Range(block.dofs))
-    if (!free->Test(block.dofs[j])) {
-      E[m].Col(j) = 0.0;
-      Gt[m].Col(j) = 0.0;
-    }
-  if (block.NConstraints() == 0)
-    return;
-  Matrix<> right = E[m] * Trans(E[m]), left = Gt[m] * Trans(Gt[m]);
-  CalcInverse(right);
-  CalcInverse(left);
-  Matrix<> product = Gt[m] * Trans(E[m]);
-  Matrix<> stiffness = penalty * left * Matrix<>(product * right);
-  penalised[m] = stiffness * block.E2;
-}
-
-/// Sums up a row of  K + G2 S E2.
-void OrthogonalCondensation::SumRow(int row, RowSum & sum) const {
-  AddRow(row, 1, sum);
-  for (int m : touching[row]) {
-    auto & block = blocks[m];
-    int pos = block.Position(row);
-    for (int k : Range(block.NConstraints()))
-      if (double force = block.G2(pos, k); force != 0)
-        for (int j : Range(block.dofs))
-          if (double e = penalised[m](k, j); e != 0)
-            sum.Add(block.dofs[j], force * e);
+  size_t told = block.slides ? block.E1.Height() : 0, n = block.dofs.Size();
+  size_t count = told + block.NConstraints();
+  auto & term = terms[m];
+  term.dofs.Assign(block.dofs);
+  term.left.SetSize(n, count);
+  term.right.SetSize(count, n);
+  if (told) {
+    term.left.Cols(0, told) = -1 * block.GL;
+    term.right.Rows(0, told) = block.E1;
+  }
+  if (block.NConstraints()) {
+    term.left.Cols(told, count) = block.G2;
+    term.right.Rows(told, count) = Stiffness(block, FreeDofs(m)) * block.E2;
   }
 }
 
-void OrthogonalCondensation::AddLift(double s, FlatVector<> r, FlatVector<> u) const {
-  if (!inverse)
-    return;
-  Vector<> y = Times(*inverse, r);
-  for (int m : Range(blocks))
-    if (E[m].Height()) {
-      Vector<> local = Trans(E[m]) * y.Range(ConstraintsOf(m));
-      for (int j : Range(local))
-        u(blocks[m].dofs[j]) += s * local(j);
-    }
+void OrthogonalCondensation::SumRow(int row, RowSum & sum) const {
+  AddBulkRow(row, 1, sum);
+  for (int m : touching[row]) {
+    auto & term = terms[m];
+    int pos = term.Position(row);
+    for (int k : Range(term.left.Width()))
+      if (double force = term.left(pos, k); force != 0)
+        for (int j : Range(term.dofs))
+          if (double e = term.right(k, j); e != 0)
+            sum.Add(term.dofs[j], force * e);
+  }
 }
 
-Vector<> OrthogonalCondensation::Reactions(FlatVector<> forces) const {
-  Vector<> sums(first.Last());
-  ParallelFor(blocks.Size(), [&](size_t m) {
-    if (Gt[m].Height())
-      sums.Range(ConstraintsOf(m)) = Gt[m] * Gather(blocks[m].dofs, forces);
-  });
-  return inverseleft ? Times(*inverseleft, sums) : sums;
-}
-
-void OrthogonalCondensation::ToImage(FlatVector<> z, FlatVector<> image) const {
-  static Timer timer("ngslac::Condensation - Project");
-  RegionTimer reg(timer);
-  if (!inverse)
-    return;
-  Vector<> lifted(z.Size());
-  lifted = 0.0;
-  AddLift(-1, Jumps(z), lifted);
-  ParallelFor(near.Size(), [&](size_t k) {
-    auto columns = Columns(near[k]);
-    auto values = Values(near[k]);
-    for (size_t j : Range(columns))
-      image(near[k]) += values(j) * lifted(columns[j]);
-  });
-  SubtractReactions(Reactions(image), image);
-  ParallelFor(image.Size(), [&](size_t i) {
-    if (!free->Test(i))
-      image(i) = 0;
-  });
+shared_ptr<ExplicitRows> OrthogonalCondensation::Rows() const {
+  Array<bool> changes(mat->Height());
+  ParallelFor(changes.Size(), [&](size_t i) { changes[i] = Changes(i); });
+  return make_shared<ExplicitRows>(mat, ismultiplier, Where(changes),
+                                   [&](int row, RowSum & sum) { SumRow(row, sum); });
 }
 
 void OrthogonalCondensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
-  Vector<> image(x.Size());
+  static Timer timer("ngslac::Condensation - Mult");
+  RegionTimer reg(timer);
+  Vector<> w = x.FV<double>(), image(x.Size());
+  ClearFixed(w);
+  Project(w);
   image = 0.0;
-  AddProduct(1, x.FV<double>(), image);
-  ToImage(x.FV<double>(), image);
+  VFlatVector<double> from(w.Size(), w.Data()), to(image.Size(), image.Data());
+  mat->MultAdd(1, from, to);
+  ToImage(w, image);
   y.FV<double>() += s * image;
 }
 } // namespace ngslac

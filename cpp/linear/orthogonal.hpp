@@ -2,6 +2,17 @@
 #include "condense.hpp"
 
 namespace ngslac {
+/// What a macro-element adds to the rows of its dofs:  left right.
+struct LocalTerm {
+  FlatArray<int> dofs;
+  Matrix<> left, right; // dofs x k, k x dofs
+
+  /// Position of a dof that is among the dofs.
+  int Position(int dof) const {
+    return std::lower_bound(dofs.begin(), dofs.end(), dof) - dofs.begin();
+  }
+};
+
 /// Orthogonal lifts, for preconditioned iterations:  B = E2^T (E2 E2^T)^-1, Bl = G2 (G2^T G2)^-1 on
 /// the free displacements.
 ///
@@ -9,10 +20,11 @@ namespace ngslac {
 /// of K. They go to the softer side by themselves, so that the condition does not depend on the
 /// ratio of the stiffnesses. No inner displacement is needed.
 ///
-/// The sparse rows are  K + G2 S E2  with a penalty S as stiff as the diagonal of K. On the kernel
-/// of E2 this is K, and since E2 is bounded from both sides in these norms, a preconditioner for it
-/// is one for A: a Gauss-Seidel sweep does not notice the penalty, and it couples fewer dofs than
-/// P.
+/// The sparse rows are  K - GL E1 + G2 S E2  with a penalty S as stiff as the diagonal of K. On the
+/// kernel of E2 this is A, and since E2 is bounded from both sides in these norms, a preconditioner
+/// for it is one for A: a Gauss-Seidel sweep does not notice the penalty, and it couples fewer dofs
+/// than P. What macro-elements add is kept as local terms of at most d columns: summed up to rows
+/// they would be most of the matrix where everything is near to a contact.
 class OrthogonalCondensation : public Condensation {
 public:
   /// Throws where the constraints depend on each other.
@@ -20,18 +32,18 @@ public:
                          const BitArray & free);
 
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
-  void ToImage(FlatVector<> z, FlatVector<> image) const override;
+  shared_ptr<ExplicitRows> Rows() const override;
+  /// Of each macro-element; without columns where it adds nothing.
+  FlatArray<LocalTerm> Terms() const { return terms; }
+  /// The macro-elements of each dof.
+  const Table<int> & Touching() const { return touching; }
 
 private:
-  void AddLift(double s, FlatVector<> r, FlatVector<> u) const override;
-  Vector<> Reactions(FlatVector<> forces) const override;
   Array<int> FreeDofs(int m) const;
-  void FillLocal(int m);
-  void FillRows();
+  void FillTerm(int m);
+  void FillLifts();
   void SumRow(int row, RowSum & sum) const;
 
-  Array<Matrix<>> E, Gt, penalised; // on the free dofs: E2, G2^T; S E2 of each macro-element
-  shared_ptr<SparseMatrix<double>> gram, gramleft; // E2 E2^T, G2^T G2
-  shared_ptr<BaseMatrix> inverse, inverseleft;     // theirs
+  Array<LocalTerm> terms;
 };
 } // namespace ngslac

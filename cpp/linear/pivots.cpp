@@ -1,6 +1,17 @@
 #include "pivots.hpp"
 
 namespace ngslac {
+namespace {
+/// Rows of the transposed lift, which has entries at the pivots only.
+Matrix<> Spread(const LocalBlock & block, const Matrix<> & lift) {
+  Matrix<> rows(block.NConstraints(), block.dofs.Size());
+  rows = 0.0;
+  for (int p : Range(lift.Height()))
+    rows.Col(block.pivots[p]) = lift.Row(p);
+  return rows;
+}
+} // namespace
+
 PivotCondensation::PivotCondensation(shared_ptr<SparseMatrix<double>> amat,
                                      FlatArray<int> multipliers, int d, const BitArray & afree,
                                      bool symmetric)
@@ -29,33 +40,37 @@ PivotCondensation::PivotCondensation(shared_ptr<SparseMatrix<double>> amat,
     if (blocks[m].NConstraints())
       for (int p : blocks[m].pivots)
         pivotblock[blocks[m].dofs[p]] = m;
+  FillLifts();
   auto carried = Carried();
-  StoreRows(ChangedRows(), [&](int row, RowSum & sum) { SumRow(row, carried, sum); });
+  rows = make_shared<ExplicitRows>(mat, ismultiplier, ChangedRows(),
+                                   [&](int row, RowSum & sum) { SumRow(row, carried, sum); });
 }
 
 void PivotCondensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {
   static Timer timer("ngslac::Condensation - Mult");
   RegionTimer reg(timer);
-  AddProduct(s, x.FV<double>(), y.FV<double>());
+  rows->AddProduct(s, x.FV<double>(), y.FV<double>());
 }
 
-void PivotCondensation::AddLift(double s, FlatVector<> r, FlatVector<> u) const {
-  for (int m : Range(blocks))
-    if (auto & block = blocks[m]; block.NConstraints()) {
-      Vector<> local = block.B * r.Range(ConstraintsOf(m));
-      for (int p : Range(block.pivots))
-        u(block.dofs[block.pivots[p]]) += s * local(p);
-    }
+void PivotCondensation::FillLifts() {
+  lifts.lift = Transposed(*Stacked([&](int m) { return Spread(blocks[m], blocks[m].B); }));
+  lifts.carry = Stacked([&](int m) { return Spread(blocks[m], blocks[m].Bl); });
 }
 
-Vector<> PivotCondensation::Reactions(FlatVector<> forces) const {
-  Vector<> reactions(first.Last());
-  reactions = 0.0;
-  for (int m : Range(blocks))
-    if (auto & block = blocks[m]; block.NConstraints())
-      for (int p : Range(block.pivots))
-        reactions.Range(ConstraintsOf(m)) += forces(block.dofs[block.pivots[p]]) * block.Bl.Row(p);
-  return reactions;
+/// Adds a row of  K - sum GL E1.
+void PivotCondensation::AddRow(int row, double factor, RowSum & sum) const {
+  AddBulkRow(row, factor, sum);
+  for (int m : touching[row]) {
+    auto & block = blocks[m];
+    if (!block.slides)
+      continue;
+    int pos = block.Position(row);
+    for (int q : Range(block.E1.Height()))
+      if (double force = factor * block.GL(pos, q); force != 0)
+        for (int j : Range(block.dofs))
+          if (block.E1(q, j) != 0)
+            sum.Add(block.dofs[j], -force * block.E1(q, j));
+  }
 }
 
 /// Multiplies by P from the right.

@@ -15,16 +15,17 @@ public:
                     const BitArray & free, bool symmetric);
 
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
-  void ToImage(FlatVector<>, FlatVector<>) const override {}
+  shared_ptr<ExplicitRows> Rows() const override { return rows; }
 
 private:
-  void AddLift(double s, FlatVector<> r, FlatVector<> u) const override;
-  Vector<> Reactions(FlatVector<> forces) const override;
+  void FillLifts();
   Array<Array<SparseRow>> Carried() const;
   Array<int> ChangedRows() const;
+  void AddRow(int row, double factor, RowSum & sum) const;
   void SumRow(int row, FlatArray<Array<SparseRow>> carried, RowSum & sum) const;
   void Project(RowSum & sum) const;
 
   Array<int> pivotblock; // of each dof, or -1
+  shared_ptr<ExplicitRows> rows;
 };
 } // namespace ngslac

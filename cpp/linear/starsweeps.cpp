@@ -3,27 +3,29 @@
 #include "levels.hpp"
 
 namespace ngslac {
-StarSweeps::StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> given,
-                       int dim)
+StarSweeps::StarSweeps(const OrthogonalCondensation & system, const BitArray & which,
+                       FlatTable<int> given, int dim)
     : order(system, which), rows(order.Size()) {
   static Timer timer("ngslac::StarSweeps - setup");
   RegionTimer reg(timer);
-  condensed = Changed(system);
-  ParallelFor(order.Size(), [&](size_t row) { rows.Fill(system, order, row); });
   FindStars(given, dim);
+  condensed = Changed(system);
+  SetTerms(system);
+  ParallelFor(rows.Size(), [&](size_t row) { Fill(system, row); });
   Arrange();
   ParallelFor(stars.Size(), [&](size_t s) { Invert(stars[s]); });
 }
 
-void StarSweeps::Update(const Condensation & system) {
+void StarSweeps::Update(const OrthogonalCondensation & system) {
   static Timer timer("ngslac::StarSweeps - update");
   RegionTimer reg(timer);
   if (size_t(system.VHeight()) != order.slot.Size())
     throw Exception("StarSweeps: the system has another size");
   auto now = Changed(system);
-  Array<bool> differs(order.Size());
-  ParallelFor(order.Size(), [&](size_t row) {
-    differs[row] = (now[row] || condensed[row]) && rows.Fill(system, order, row);
+  SetTerms(system);
+  Array<bool> differs(rows.Size());
+  ParallelFor(rows.Size(), [&](size_t row) {
+    differs[row] = (now[row] || condensed[row]) && Fill(system, row);
   });
   condensed = std::move(now);
   IndexMap found;
@@ -32,13 +34,39 @@ void StarSweeps::Update(const Condensation & system) {
       for (int star : holding[node])
         found.Position(star);
   auto some = found.Indices();
-  if (!IsArranged(some))
-    Arrange();
+  if (some.Size())
+    Arrange(); // the order is that of a new setup
   ParallelFor(some.Size(), [&](size_t i) { Invert(stars[some[i]]); });
 }
 
-/// Nodes with a row that the condensation changed.
-Array<bool> StarSweeps::Changed(const Condensation & system) const {
+/// Takes over the local terms, and finds the nodes and stars of each.
+void StarSweeps::SetTerms(const OrthogonalCondensation & system) {
+  terms = NodeTerms(system, order);
+  TableCreator<BlockedRows::Link> linker(rows.Size());
+  for (; !linker.Done(); linker++)
+    for (int m : Range(terms))
+      for (int i : Range(terms[m].nodes))
+        linker.Add(terms[m].nodes[i], BlockedRows::Link{m, i});
+  links = linker.MoveTable();
+  TableCreator<int> sharer(terms.Size());
+  for (; !sharer.Done(); sharer++)
+    for (int m : Range(terms)) {
+      IndexMap found;
+      for (int node : terms[m].nodes)
+        for (int star : holding[node])
+          found.Position(star);
+      for (int star : found.Indices())
+        sharer.Add(m, star);
+    }
+  sharing = sharer.MoveTable();
+}
+
+bool StarSweeps::Fill(const OrthogonalCondensation & system, size_t row) {
+  return rows.Fill(system, order, row, terms, links[row]);
+}
+
+/// Nodes with a row to which macro-elements add something.
+Array<bool> StarSweeps::Changed(const OrthogonalCondensation & system) const {
   Array<bool> changed(order.Size());
   ParallelFor(changed.Size(), [&](size_t row) {
     changed[row] = false;
@@ -75,12 +103,12 @@ void StarSweeps::FindStars(FlatTable<int> given, int dim) {
   holding = creator.MoveTable();
 }
 
-/// Stars with a node in the rows of this one.
+/// Stars with a node in the rows of this one, or in one of its macro-elements.
 Array<int> StarSweeps::Neighbours(int star) const {
   IndexMap others;
   for (int node : stars[star].nodes)
-    for (int column : rows.Columns(node))
-      for (int other : holding[column])
+    for (size_t column : rows.Columns(node))
+      for (int other : column < rows.Size() ? holding[column] : sharing[column - rows.Size()])
         if (other != star)
           others.Position(other);
   return Array<int>(others.Indices());
@@ -93,28 +121,38 @@ void StarSweeps::Arrange() {
   ParallelFor(stars.Size(), [&](size_t s) { neighbours[s] = Neighbours(s); });
   Levels levels(neighbours);
   sequence.SetSize0();
-  chunk.SetSize(stars.Size());
   for (int colour : Range(2)) {
     chunks[colour].SetSize0();
     for (size_t c = colour; c < levels.chunks.Size(); c += 2) {
       chunks[colour].Append(sequence.Size() + IntRange(0, levels.chunks[c].Size()));
-      for (int s : levels.nodes.Range(levels.chunks[c])) {
+      for (int s : levels.nodes.Range(levels.chunks[c]))
         sequence.Append(s);
-        chunk[s] = c;
-      }
     }
   }
 }
 
-/// Are these stars coupled to the chunks beside theirs only?
-bool StarSweeps::IsArranged(FlatArray<int> some) const {
-  std::atomic<bool> near = true;
-  ParallelFor(some.Size(), [&](size_t i) {
-    for (int other : Neighbours(some[i]))
-      if (std::abs(chunk[other] - chunk[some[i]]) > 1)
-        near = false;
-  });
-  return near;
+/// Adds the local terms to a star's matrix.
+void StarSweeps::AddTerms(const Star & star, Matrix<> & dense) const {
+  IndexMap macros;
+  for (int node : star.nodes)
+    for (auto [macro, place] : links[node])
+      macros.Position(macro);
+  if (!macros.Indices().Size())
+    return;
+  Matrix<> left(dense.Height(), width * macros.Indices().Size());
+  Matrix<> right(left.Width(), left.Height());
+  left = 0.0;
+  right = 0.0;
+  for (int i : Range(star.nodes))
+    for (auto [macro, place] : links[star.nodes[i]]) {
+      int m = macros.Find(macro), first = width * width * place;
+      for (int k : Range(width))
+        for (int l : Range(width)) {
+          left(width * i + l, width * m + k) = terms[macro].left[first + width * k + l];
+          right(width * m + k, width * i + l) = terms[macro].right[first + width * l + k];
+        }
+    }
+  dense += left * right;
 }
 
 void StarSweeps::Invert(Star & star) const {
@@ -126,12 +164,13 @@ void StarSweeps::Invert(Star & star) const {
     places.Position(node);
   for (int i : Range(star.nodes)) {
     auto columns = rows.Columns(star.nodes[i]);
-    for (size_t j : Range(columns))
+    for (size_t j : Range(rows.InBulk(star.nodes[i])))
       if (int column = places.Find(columns[j]); column >= 0)
         for (int l : Range(width))
           for (int k : Range(width))
             dense(width * i + k, width * column + l) = rows.Block(star.nodes[i], j)[width * l + k];
   }
+  AddTerms(star, dense);
   CalcInverse(dense);
   star.inverse.SetSize(n * n);
   for (size_t j : Range(n))
@@ -154,8 +193,18 @@ void StarSweeps::Solve(const Star & star, FlatArray<Node> b, FlatArray<Node> z) 
       step[i] += column[i] * left[j];
   }
   for (int i : Range(star.nodes))
-    for (int k : Range(width))
-      z[star.nodes[i]][k] += step[width * i + k];
+    rows.Step(star.nodes[i], {step[width * i], step[width * i + 1], step[width * i + 2], 0}, z);
+}
+
+void StarSweeps::SetMacroValues(FlatArray<Node> z) const {
+  ParallelFor(terms.Size(), [&](size_t m) {
+    Node sum{};
+    for (size_t i : Range(terms[m].nodes))
+      for (int l : Range(width))
+        for (int k : Range(width))
+          sum[k] += terms[m].right[width * (width * i + l) + k] * z[terms[m].nodes[i]][l];
+    z[rows.Size() + m] = sum;
+  });
 }
 
 void StarSweeps::Sweep(FlatArray<Node> b, FlatArray<Node> z, bool back) const {

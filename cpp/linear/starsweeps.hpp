@@ -15,13 +15,19 @@ public:
 
   /// Of the scalar dofs `which`. `stars` are dofs, each of which has `dim` entries; what is not in
   /// `which` does not count, and a node in no star makes one.
-  StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> stars, int dim);
+  StarSweeps(const OrthogonalCondensation & system, const BitArray & which, FlatTable<int> stars,
+             int dim);
   /// Takes over a system whose rows differ from the last one only where either is condensed.
-  void Update(const Condensation & system);
+  void Update(const OrthogonalCondensation & system);
 
   const NodeOrder & Order() const { return order; }
   const BlockedRows & Rows() const { return rows; }
-  /// Improves z in  A z = b, star by star, the other way round with `back`.
+  /// Of nodes and macro-elements.
+  size_t NValues() const { return rows.Size() + terms.Size(); }
+  /// Makes the values of macro-elements from those of the nodes.
+  void SetMacroValues(FlatArray<Node> z) const;
+  /// Improves z in  A z = b, star by star, the other way round with `back`; keeps the values of
+  /// macro-elements up to date.
   void Sweep(FlatArray<Node> b, FlatArray<Node> z, bool back) const;
   void Gather(FlatVector<> values, FlatArray<Node> nodes) const;
   void Scatter(FlatArray<Node> nodes, FlatVector<> values) const;
@@ -36,19 +42,23 @@ private:
 
   void FindStars(FlatTable<int> given, int dim);
   void Arrange();
-  bool IsArranged(FlatArray<int> some) const;
+  void AddTerms(const Star & star, Matrix<> & dense) const;
   void Invert(Star & star) const;
   void Solve(const Star & star, FlatArray<Node> b, FlatArray<Node> z) const;
   Array<int> Neighbours(int star) const;
-  Array<bool> Changed(const Condensation & system) const;
+  Array<bool> Changed(const OrthogonalCondensation & system) const;
+  void SetTerms(const OrthogonalCondensation & system);
+  bool Fill(const OrthogonalCondensation & system, size_t row);
 
   NodeOrder order;
   BlockedRows rows;
-  Array<bool> condensed; // rows of the present system that are not those of the bulk
+  Array<NodeTerm> terms;          // of the macro-elements
+  Table<BlockedRows::Link> links; // of each node
+  Array<bool> condensed; // nodes of the present system to which macro-elements add something
   Array<Star> stars;
   Table<int> holding;  // the stars of each node
+  Table<int> sharing;  // the stars of each macro-element
   Array<int> sequence; // of the stars
-  Array<int> chunk;    // of each star
   Array<IntRange> chunks[2];
 };
 } // namespace ngslac

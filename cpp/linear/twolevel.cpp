@@ -1,7 +1,7 @@
 #include "twolevel.hpp"
 
 namespace ngslac {
-TwoLevel::TwoLevel(const Condensation & system, shared_ptr<StarSweeps> asweeps,
+TwoLevel::TwoLevel(const OrthogonalCondensation & system, shared_ptr<StarSweeps> asweeps,
                    shared_ptr<BaseMatrix> acoarse, const SparseRows & rows, FlatArray<int> dofs)
     : SquareOperator(system), sweeps(asweeps), coarse(acoarse),
       prolongation(rows, dofs, asweeps->Order().slot, acoarse->VHeight()) {}
@@ -22,26 +22,34 @@ void TwoLevel::Correct(FlatArray<Node> b, FlatArray<Node> z) const {
   coarse->Mult(rhs, solution);
   prolongation.Add(solution.FV<double>(),
                    [&](int slot, float value) { z[slot / width][slot % width] += value; });
+  sweeps->SetMacroValues(z);
 }
 
-void TwoLevel::Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const {
+void TwoLevel::Mult(const BaseVector & x, BaseVector & y) const {
   static Timer timer("ngslac::TwoLevel");
   RegionTimer reg(timer);
-  Array<Node> b(sweeps->Order().Size()), z(b.Size());
+  Array<Node> b(sweeps->Order().Size()), z(sweeps->NValues());
   sweeps->Gather(x.FV<double>(), b);
   ParallelFor(z.Size(), [&](size_t row) { z[row].fill(0); });
   sweeps->Sweep(b, z, false);
   Correct(b, z);
   sweeps->Sweep(b, z, true);
   sweeps->Scatter(z, y.FV<double>());
-  if (!image)
-    return;
-  ParallelFor(z.Size(), [&](size_t row) { b[row] = sweeps->Rows().Times(row, z); });
-  sweeps->Scatter(b, image->FV<double>());
+}
+
+void TwoLevel::MultBulk(const BaseVector & x, BaseVector & y) const {
+  static Timer timer("ngslac::TwoLevel - bulk");
+  RegionTimer reg(timer);
+  Array<Node> z(sweeps->Order().Size()), image(z.Size());
+  sweeps->Gather(x.FV<double>(), z);
+  ParallelFor(z.Size(), [&](size_t row) { image[row] = sweeps->Rows().TimesBulk(row, z); });
+  sweeps->Scatter(image, y.FV<double>());
 }
 
 void TwoLevelProduct::Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const {
-  pre->Apply(x, z, &image);
+  pre->Mult(x, z);
+  system->Project(z.FV<double>());
+  pre->MultBulk(z, image);
   system->ToImage(z.FV<double>(), image.FV<double>());
 }
 } // namespace ngslac

@@ -12,12 +12,13 @@ public:
   using Node = BlockedRows::Node;
 
   /// The coarse operator takes what the residual is on a coarse space, and returns the correction.
-  TwoLevel(const Condensation & system, shared_ptr<StarSweeps> sweeps,
+  TwoLevel(const OrthogonalCondensation & system, shared_ptr<StarSweeps> sweeps,
            shared_ptr<BaseMatrix> coarse, const SparseRows & prolongation, FlatArray<int> dofs);
 
-  void Mult(const BaseVector & x, BaseVector & y) const override { Apply(x, y, nullptr); }
-  /// y = M^-1 x, and A y where `image` is given, to single precision.
-  void Apply(const BaseVector & x, BaseVector & y, BaseVector * image) const;
+  /// y = M^-1 x
+  void Mult(const BaseVector & x, BaseVector & y) const override;
+  /// y = K x  without what macro-elements add, to single precision.
+  void MultBulk(const BaseVector & x, BaseVector & y) const;
 
 private:
   static constexpr int width = NodeOrder::width;
@@ -31,13 +32,13 @@ private:
 /// With this preconditioner, to single precision.
 class TwoLevelProduct : public PreconditionedProduct {
 public:
-  TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<Condensation> system)
+  TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<OrthogonalCondensation> system)
       : pre(pre), system(system) {}
   const BaseMatrix & Matrix() const override { return *system; }
   void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override;
 
 private:
   shared_ptr<TwoLevel> pre;
-  shared_ptr<Condensation> system;
+  shared_ptr<OrthogonalCondensation> system;
 };
 } // namespace ngslac
