@@ -15,7 +15,9 @@ from ngsolve import (
     z,
 )
 
-__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Tables", "Turned"]
+from ngslac.rigid import Tables
+
+__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Turned"]
 
 ACCURACY = 1e-10
 
@@ -73,19 +75,6 @@ def Turned(space, displacement, size):
     order = "icm" if space.dim == d else "cim"
     turned = np.einsum(f"ib,mcb->{order}", values / size, tables[:, :, 1:])
     return turned.reshape(len(displacement), -1)
-
-
-def Tables(d):
-    """Each motion as a (d, 1 + d) array: component = row . (1, r), r from the middle; names."""
-    planes = [(0, 1)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
-    tables = np.zeros((d + len(planes), d, 1 + d))
-    for k in range(d):
-        tables[k, k, 0] = 1
-    for k, (i, j) in enumerate(planes, d):
-        tables[k, i, 1 + j], tables[k, j, 1 + i] = -1, 1
-    names = [f"translation in {c}" for c in "xyz"[:d]]
-    names += ["rotation"] if d == 2 else [f"rotation about {c}" for c in "xyz"]
-    return tables, names
 
 
 def Field(table, arms):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ngslac._ngslac import VertexDofs
 from ngslac.arrays import AsNumPy
-from ngslac.bodies.rigidmotions import Tables
+from ngslac.rigid import MotionsAt
 
 __all__ = ["VertexNodes"]
 
@@ -42,7 +42,7 @@ class VertexNodes:
         free = AsNumPy(freedofs)[dofs] & (dofs >= 0)
         used = free.any(axis=1)
         points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), :d]
-        return cls(dofs[used], free[used], RigidMotions(points[used]))
+        return cls(dofs[used], free[used], MotionsAt(points[used]))
 
     @property
     def count(self):
@@ -53,12 +53,3 @@ class VertexNodes:
         """The rigid motions (n d, m) in scaled variables, zero where nothing is free."""
         factor = np.where(self.free, 1 / scale[self.dofs], 0.0)
         return (factor[:, :, None] * self.motions).reshape(self.dofs.size, -1)
-
-
-def RigidMotions(points):
-    """At points (n, d): an (n, d, m) array."""
-    d = points.shape[1]
-    arms = points - points.mean(axis=0) if len(points) else points
-    arms = arms / max(np.abs(arms).max(initial=0.0), np.finfo(float).tiny)
-    basis = np.column_stack([np.ones(len(points)), arms])
-    return np.einsum("nb,mcb->ncm", basis, Tables(d)[0])

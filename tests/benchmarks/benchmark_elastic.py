@@ -14,7 +14,8 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.linear.factor import HasMKL, OneBLASThread
 from ngslac.linear.inner import InnerDofs
 from ngslac.linear.twolevel import Multigrid
-from ngslac.linear.vertices import RigidMotions, VertexNodes
+from ngslac.linear.vertices import VertexNodes
+from ngslac.rigid import MotionsAt
 
 __all__ = ["DIRECT", "ITERATIVE", "FastDirect", "Fastest", "Iterative", "SolveForm"]
 
@@ -70,7 +71,7 @@ def SmoothedAggregation(a, f):
     keep = diags((~fixed).astype(float))
     mat = (keep @ mat @ keep + diags(fixed * mat.diagonal()))[order][:, order]
     points = np.array([v.point for v in mesh.vertices])
-    motions = RigidMotions(points).reshape(n, -1) * ~fixed[order][:, None]
+    motions = MotionsAt(points).reshape(n, -1) * ~fixed[order][:, None]
     levels = pyamg.smoothed_aggregation_solver(mat.tobsr((d, d)), B=motions)
     right = (f.vec.FV().NumPy() * ~fixed)[order]
     solution, given = f.vec.CreateVector(), {"accel": "cg", "maxiter": ITERATIONS}

@@ -14,7 +14,7 @@ from unittest.mock import patch
 from benchmark_elastic import SolveForm
 from ngsolve import BilinearForm, TaskManager
 
-import ngslac.linear.solver
+import ngslac.linear.merged
 from ngslac import ContactSolver, LoadStepper
 from ngslac._ngslac import ContactForm
 from ngslac.bodies.bodies import Bodies
@@ -26,8 +26,8 @@ FORM = ("AddApply", "AssembleLinearization", "AssembleStep", "Evaluate")
 CALLS = {
     "pairing": [(ContactForm, "Update")],
     "contact": [(ContactForm, name) for name in FORM],
-    "bulk": [(BilinearForm, "AssembleLinearization"), (BilinearForm, "Apply")],
-    "merge": [(ngslac.linear.solver, "MergeMatrices")],
+    "bulk": [(BilinearForm, name) for name in ("Assemble", "AssembleLinearization", "Apply")],
+    "merge": [(ngslac.linear.merged, "MergeMatrices")],
     "solve": [(LinearSolver, "Solve")],
     "floating": [(Bodies, "__init__"), (Bodies, "Floating")],  # is a body held by nothing?
 }

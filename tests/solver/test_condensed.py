@@ -282,7 +282,8 @@ def test_two_level_product(friction):
         expected = (on_free * (condensed * (inverse * x))).Evaluate()
         product, moved = x.CreateVector(), x.CreateVector()
         TwoLevelProduct(inverse, condensed).Apply(x, moved, product)
-        assert np.array_equal(numpy(moved), numpy((inverse * x).Evaluate()))
+        left = (on_free * (condensed * moved) - expected).Evaluate().Norm()
+    assert left < 1e-12 * expected.Norm()  # what breaks the constraints is projected away
     error = (product - expected).Evaluate().Norm()
     assert error < IterativeCondensed.single * expected.Norm()
 

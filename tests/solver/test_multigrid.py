@@ -9,7 +9,8 @@ from scipy.sparse import bsr_matrix
 from ngslac import BubbleVectorH1
 from ngslac.linear.choose import FACTORED, LARGE
 from ngslac.linear.multigrid import COARSEST, Hierarchy, Prolongation, Rows, VCycle
-from ngslac.linear.vertices import RigidMotions, VertexNodes
+from ngslac.linear.vertices import VertexNodes
+from ngslac.rigid import MotionsAt
 
 FIRST = {"order": 1, "friction": 0.1, "n": (4, 3)}
 CASES = {
@@ -107,7 +108,7 @@ def lattice(n, seed=0):
 
 
 def modes(points, free):
-    return RigidMotions(points).reshape(-1, 6) * free[:, None]
+    return MotionsAt(points).reshape(-1, 6) * free[:, None]
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ VALUES = dict(
     bulk=values_bulk, saddle=values_saddle, condensed=values_condensed, difference=difference,
     choice=choice, lines=lines, outer=augmented.outer, distance=distance, runs=runs[1:4],
     counts=[run[1:2] + run[3:] for run in runs if run[1] != "elastic"], fill=fill, krylov=krylov,
-    pairing=pairing, bulk_time=spent["Assemble Linearization"], stock=stock_difference,
+    pairing=pairing, bulk_time=spent["Matrix assembling"], stock=stock_difference,
     force=contact.Force(), nmacros=contact.space.nmacros,
 )
 """, pictures=4)  # fmt: skip
