@@ -76,6 +76,9 @@ class IterativeCondensed(Condensed):
             self._kept = None
             self._kept = self._Make(system)
             yield self._kept[0], self.most_iterations
+        if not self._rounds_off and self._IsOwn(self._kept[0]):
+            self._rounds_off = True  # a stiff body is moved far by what is next to nothing
+            yield self._kept[0], self.most_iterations
 
     def _Make(self, system):
         """The preconditioner, and what has to live as long."""
@@ -89,8 +92,13 @@ class IterativeCondensed(Condensed):
             )
         return inverse, mat
 
+    @staticmethod
+    def _IsOwn(inverse):
+        """Has it products with the system of its own?"""
+        return isinstance(inverse, TwoLevel)
+
     def _Iterate(self, inverse, rhs, tol, iterations, system):
-        own = isinstance(inverse, TwoLevel)
+        own = self._IsOwn(inverse)
         fused = own and tol >= self.single and not self._rounds_off
         product = (
             TwoLevelProduct(inverse, system) if fused else PreconditionedProduct(system, inverse)
