@@ -11,7 +11,7 @@ __all__ = ["ChooseSolver"]
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {2: 25_000, 3: 5_000}
 # Up to this many the factors of the bulk alone are cheaper than iterations for each system.
-FACTORED = {2: 10_000_000, 3: 50_000}
+FACTORED = {2: 10_000_000, 3: 25_000}
 
 
 def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, motions=None):

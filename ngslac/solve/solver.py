@@ -68,7 +68,7 @@ class ContactSolver:
         factorisation serves again while few macro-elements change. "iterative": GMRES on the
         displacements that keep the constraints, preconditioned by sweeps over vertices with their
         edges and algebraic multigrid on the vertices: least memory. "saddle": LU of the whole
-        system. Default: "interface" in 2D and up to 50,000 free dofs in 3D. Other problems, and
+        system. Default: "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and
         systems that it does not suit, as those of a nonlinear bulk, whose matrix is another one
         each time: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where
         the iteration fails, the next of the two others. With `inverse` always "direct".
