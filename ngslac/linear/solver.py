@@ -55,9 +55,6 @@ class LinearSolver:
 
     tolerance = 1e-9
     acceptable = 1e-5  # nearly singular: the next Newton step makes up for it
-    # Rounding errors of a product, relative to the solution, and how much of the residual they may
-    # be: a system that leaves more is as good as singular.
-    rounding, most_rounding = 20 * np.finfo(float).eps, 1e-6
     refinements = 3
     most_failures = 2  # of an iteration in a row where another method serves: it is given up
     # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
@@ -165,8 +162,7 @@ class LinearSolver:
             except (LinearSolveError, NgException) as failure:
                 errors.append(f"{name}: {failure}")
                 continue
-            enough = max(self.tolerance, 3 * accuracy * (name == "iterative"))
-            if error <= max(enough, self._Rounding(x, b)):
+            if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
                 if name == SAFE:
                     self.inverse = SAFE
                 self._LearnFrom(name)
@@ -178,11 +174,6 @@ class LinearSolver:
         if best[1] <= self.acceptable:
             return scale * best[0]
         raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
-
-    def _Rounding(self, x, b):
-        """Relative residual that is left where soft bodies are moved far by small forces."""
-        size = np.linalg.norm(b)
-        return min(self.rounding * np.linalg.norm(x) / size, self.most_rounding) if size else 0.0
 
     def _LearnFrom(self, name):
         """A method has served: an iteration that comes before it has not."""

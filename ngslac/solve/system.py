@@ -266,12 +266,19 @@ class System:
                 singular = self.linear.nearly_singular or self.linear.shifts
                 if ToolsSlipFar(self.contacts, found):
                     found, singular = self._WithHeldTools(given, residual, accuracy), True
-                if not (singular and self.AreIdle("now")):
+                if not (singular and self._MayStay(found[displacements])):
                     self.loose = bool(singular)
                     return found
             return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
 
         return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
+
+    def _MayStay(self, displacements):
+        """May bodies stay where they are, in place of displacements of a nearly singular system?"""
+        if self.Floats():
+            return self.AreIdle("now")
+        # What holds them is soft, then, unless it hardly holds them.
+        return self.bodies.floating and np.max(np.abs(displacements)) > self.bodies.size
 
     def _WithHeldTools(self, given, residual, accuracy):
         """The solution with springs on the motions of tools, as weak as they may be."""
