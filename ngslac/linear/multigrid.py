@@ -171,7 +171,7 @@ class VCycle(BaseMatrix):
             A matrix is singular.
         """
         self._levels = [
-            (mat, *transfer, Inverses(mat))
+            (mat, *Triangles(mat), *transfer, Inverses(mat))
             for mat, transfer in zip(matrices, self._transfers, strict=False)
         ]
         options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
@@ -204,13 +204,27 @@ class VCycle(BaseMatrix):
     def _Cycle(self, level, rhs):
         if level == len(self._levels):
             return self._coarsest.solve(rhs)
-        mat, prolongation, restriction, inverses = self._levels[level]
+        mat, lower, upper, prolongation, restriction, inverses = self._levels[level]
         smooth = {"blocksize": mat.blocksize[0], "Dinv": inverses}
         x = np.zeros_like(rhs)
-        block_gauss_seidel(mat, x, rhs, sweep="forward", **smooth)
-        x += prolongation @ self._Cycle(level + 1, restriction @ (rhs - mat @ x))
+        # From zero the sweep solves with the lower triangle: what is left is the upper one's part.
+        block_gauss_seidel(lower, x, rhs, sweep="forward", **smooth)
+        x -= prolongation @ self._Cycle(level + 1, restriction @ (upper @ x))
         block_gauss_seidel(mat, x, rhs, sweep="backward", **smooth)
         return x
+
+
+def Triangles(mat):
+    """The blocks up to the diagonal, and those above it: two of bsr_matrix."""
+    rows = np.repeat(np.arange(len(mat.indptr) - 1), np.diff(mat.indptr))
+    return [Selected(mat, rows, which) for which in (mat.indices <= rows, mat.indices > rows)]
+
+
+def Selected(mat, rows, which):
+    """Some of the blocks, whose rows are given."""
+    counts = np.bincount(rows[which], minlength=len(mat.indptr) - 1)
+    starts = np.concatenate([[0], np.cumsum(counts)]).astype(mat.indptr.dtype)
+    return bsr_matrix((mat.data[which], mat.indices[which], starts), shape=mat.shape)
 
 
 def Inverses(mat):

@@ -4,11 +4,20 @@ import numpy as np
 import pytest
 from ngsolve import BitArray, ds
 from press import linear, numpy, press3d, same, solved
+from pyamg.relaxation.relaxation import block_gauss_seidel
 from scipy.sparse import bsr_matrix
 
 from ngslac import BubbleVectorH1
 from ngslac.linear.choose import FACTORED, LARGE
-from ngslac.linear.multigrid import COARSEST, Hierarchy, Prolongation, Rows, VCycle
+from ngslac.linear.multigrid import (
+    COARSEST,
+    Hierarchy,
+    Inverses,
+    Prolongation,
+    Rows,
+    Triangles,
+    VCycle,
+)
 from ngslac.linear.vertices import VertexNodes
 from ngslac.rigid import MotionsAt
 
@@ -138,6 +147,19 @@ def test_rows_of_blocks(block):
     rows = np.array([3, 0, 17])
     expected = mat.toarray().reshape(-1, 3, mat.shape[1])[rows].reshape(9, -1)
     assert np.array_equal(Rows(mat, rows).toarray(), expected)
+
+
+def test_a_sweep_from_zero_leaves_the_upper_triangle(block):
+    mat, *_ = block
+    lower, upper = Triangles(mat)
+    assert np.array_equal((lower + upper).toarray(), mat.toarray())
+    rhs = np.random.default_rng(3).standard_normal(mat.shape[0])
+    x, expected = np.zeros_like(rhs), np.zeros_like(rhs)
+    options = {"blocksize": 3, "Dinv": Inverses(mat), "sweep": "forward"}
+    block_gauss_seidel(lower, x, rhs, **options)
+    block_gauss_seidel(mat, expected, rhs, **options)
+    assert np.array_equal(x, expected)
+    assert -(upper @ x) == pytest.approx(rhs - mat @ x, abs=1e-13 * np.abs(rhs).max())
 
 
 def test_cycle_is_symmetric_and_converges(block):
