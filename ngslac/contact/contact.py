@@ -1,7 +1,5 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-from contextlib import contextmanager
-
 from ngsolve import BaseMatrix, BilinearForm, GridFunction
 
 from ngslac._ngslac import ContactForm
@@ -13,7 +11,7 @@ from ngslac.arguments import (
     CheckOnSpace,
     CheckVector,
 )
-from ngslac.contact import results, switch
+from ngslac.contact import fields, results, switch
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.errors import RefuseCopy
@@ -25,7 +23,6 @@ __all__ = ["LACContact"]
 STIFFEST = 1e6
 COMES_OFF = "what touches itself comes off again: drop tied and bilateral"
 SELF = "self-contact needs finite=True"
-FIELDS = ("pressure", "gap", "status", "traction", "slip", "normal")
 
 
 class LACContact:
@@ -123,6 +120,13 @@ class LACContact:
     True
     """
 
+    pressure: GridFunction
+    gap: GridFunction
+    status: GridFunction
+    traction: GridFunction
+    slip: GridFunction
+    normal: GridFunction
+
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(
@@ -172,41 +176,6 @@ class LACContact:
     def form(self) -> ContactForm:
         """The compiled form."""
         return self._state.form
-
-    # --- fields --------------------------------------------------------------------------------
-
-    def _MakeFields(self):
-        scalar, vector = (self.space.WithComponents(n) for n in (1, self.mesh.dim))
-        self.pressure = GridFunction(scalar, name="pressure")
-        self.gap = GridFunction(scalar, name="gap")
-        self.status = GridFunction(scalar, name="status")
-        self.traction = GridFunction(vector, name="traction")
-        self.slip = GridFunction(vector, name="slip")
-        self.normal = GridFunction(vector, name="normal")
-
-    def _Fill(self):
-        self._recovered = None
-        table = self.Table() if self.form.paired else {}
-        for name in FIELDS:
-            values = table[name].ravel() if table else 0.0
-            getattr(self, name).vec.FV().NumPy()[:] = values
-
-    @contextmanager
-    def _Changing(self, kept):
-        """Fields follow the form; in the context `kept` what fails leaves both as they were."""
-        fits = len(self.pressure.vec) == self.space.nmacros
-        if self._state.refined or not fits:  # no way back
-            yield
-            self._MakeFields()
-            self._Fill()
-            return
-        try:
-            with kept:
-                yield
-                self._Fill()
-        except BaseException:
-            self._Fill()
-            raise
 
     # --- the form ------------------------------------------------------------------------------
 
@@ -394,6 +363,9 @@ class LACContact:
     def _GetWebguiData(self):
         return self.Segments()._GetWebguiData()
 
+    _MakeFields = fields.Make
+    _Fill = fields.Fill
+    _Changing = fields.Changing
     Activate = switch.Activate
     Deactivate = switch.Deactivate
     __repr__ = results.Describe

@@ -180,14 +180,18 @@ class Bulk:
             Tells the forces at work, and rounding errors.
         """
         if after.honest:
-            self.islinear = self._MovedLinearly(before, after, motion, scale, residual)
+            change = before.bulk - after.bulk
+            self.islinear = self.Explains(change, motion, scale, residual)
             keeps = self.islinear and not self.a.condense  # else the matrix is not all of it
             self.Propose(self.mat if keeps else None)
 
-    def _MovedLinearly(self, before, after, motion, scale, residual):
-        """Did the residual change as the matrix says? What is too short tells nothing."""
+    def Explains(self, difference, motion, scale, residual):
+        """Does the matrix say so of a difference (n,) of residuals? See `Learn`.
+
+        What is too short tells nothing.
+        """
         change, expected = self.gf.vec.CreateVector(), Multiply([self.mat], motion)
-        change.FV().NumPy()[:] = before.bulk - after.bulk
+        change.FV().NumPy()[:] = difference
         inside, inner = self._MovesInside(change, motion, scale), self.inner
         self.Condense(change)
         deviation, expected = (

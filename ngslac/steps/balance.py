@@ -59,7 +59,24 @@ class EnergyBalance:
         contact = self.friction + self.impact - before.friction - before.impact
         won = max(0.0, -contact) + max(0.0, before.algorithmic - self.algorithmic)
         work = abs(self.external - before.external)
-        return won / (max(self.total, before.total, work) or 1.0)
+        return won / (max(self.AtHand(before), work) or 1.0)
+
+    def AtHand(self, before) -> float:
+        """The largest energy of both balances, or work of internal forces in between.
+
+        The internal energy has no zero of its own where it is a work and the stiffness changes, or
+        loads are in it: it may be below zero.
+
+        Parameters
+        ----------
+        before : EnergyBalance
+
+        Returns
+        -------
+        float
+        """
+        energies = (max(balance.total, balance.kinetic) for balance in (self, before))
+        return max(*energies, abs(self.internal - before.internal))
 
     def After(self, time, kinetic, *, internal, external, friction, impact) -> "EnergyBalance":
         """The balance after a step.

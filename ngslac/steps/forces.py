@@ -4,8 +4,9 @@ from ngslac.solve.residual import Norm
 
 __all__ = ["BulkForces"]
 
-# Deviation of forces, relative to their size, that is rounding.
-STEADY = 1e-11
+# Deviation of forces, relative to their size, that is rounding, and from a straight line relative
+# to the way along it.
+STEADY, STRAIGHT = 1e-11, 1e-10
 # Inner points of the Gauss-Lobatto rule with four points on (0, 1), and the weight at its ends.
 INNER, END = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5), 1 / 12
 
@@ -52,17 +53,37 @@ class BulkForces:
         if force is None or product is None or self._seen is None:
             return self.Now(force)
         values, (start, before, _) = self.static.gf.vec.FV().NumPy(), self._seen
-        deviation = (force - before - product((values - start) * self.rows)) * self.rows
-        size = max(Norm(force * self.rows), Norm(before * self.rows))
-        if not Norm(deviation) <= STEADY * size:
-            return self.Now(force)
-        return self._Known(force)
+        deviation = self._Deviation(force, before, product(values - start))
+        known = Norm(deviation) <= self._Least(force, before)
+        return self._Known(force) if known else self.Now(force)
+
+    def _Deviation(self, force, before, change):
+        return (force - before - change) * self.rows
+
+    def _Least(self, *forces):
+        return STEADY * max(Norm(force * self.rows) for force in forces)
 
     def _Known(self, force):
         load = self.static.system.bulk.load
         return (force - load) * self.rows, (load - self._seen[2]) * self.rows
 
-    def OnTheWay(self, motion, before, now, linear):
+    def Changed(self, before, now, change, isrounding):
+        """Did the force without loads change in a step as a linear form that stays the same says?
+
+        Parameters
+        ----------
+        before, now : tuple
+            Of `Now`, at the begin and at the end.
+        change : (n,) array
+            What the linear form says.
+        isrounding : callable
+            ``isrounding(forces)``: are they nothing but rounding errors of a linear form?
+        """
+        before, now = sum(before), sum(now)
+        deviation = self._Deviation(now, before, change)
+        return Norm(deviation) <= self._Least(now, before) or isrounding(deviation)
+
+    def OnTheWay(self, motion, before, now, linear, isrounding):
         """Forces without loads at points of the straight way of a step, to be integrated along it.
 
         For an elastic bulk their work is the change of the strain energy: exact for a linear one,
@@ -75,21 +96,47 @@ class BulkForces:
         before, now : tuple
             Of `Now`, at the begin and at the end of the motion.
         linear : bool
-            Is the force known to be linear?
+            Is the force known to be linear? Else points on the way tell.
+        isrounding : callable
+            As in `Changed`.
 
         Returns
         -------
         list
             Of weights (of the sum 1), displacements (n,) and forces (n,).
+        bool
+            Is the force linear, by the law at the end of the step?
         """
-        end, load = self.static.gf.vec.FV().NumPy(), self.static.system.bulk.load
-        weight, inner = (0.5, ()) if linear else (END, INNER)
-        points = [(weight, end - motion, sum(before)), (weight, end, sum(now))]
+        end = self.static.gf.vec.FV().NumPy()
+        places, ends = [end - (1 - place) * motion for place in INNER], (sum(before), sum(now))
+        if not linear:
+            forces = [self._At(place, now) for place in places]
+            linear = self._Straight(end - motion, forces, now, isrounding)
+        weight = 0.5 if linear else END
+        points = list(zip((weight, weight), (end - motion, end), ends, strict=True))
+        if not linear:
+            points += zip((0.5 - END, 0.5 - END), places, forces, strict=True)
+        return points, linear
+
+    def _Straight(self, start, forces, now, isrounding):
+        """Is the force a linear function on the way, as its inner points say, and its start?
+
+        The law may change with the time: the force where the step began is another one by now.
+        """
+        (first, second), end = forces, sum(now)
+        slope = (second - first) / (INNER[1] - INNER[0])
+
+        def On(force, place):
+            deviation = force - first - (place - INNER[0]) * slope
+            return Norm(deviation) <= STRAIGHT * Norm(slope) or isrounding(deviation)
+
+        return bool(On(end, 1.0) and On(self._At(start, now), 0.0))
+
+    def _At(self, place, now):
+        """The force without loads of a displacement (n,), under the loads of `Now`."""
         vec, (_, loads) = self.static.gf.vec.CreateVector(), now
-        for place in inner:
-            vec.FV().NumPy()[:] = at = end - (1 - place) * motion
-            points.append((0.5 - END, at, (self._Apply(vec) - load) * self.rows + loads))
-        return points
+        vec.FV().NumPy()[:] = place
+        return (self._Apply(vec) - self.static.system.bulk.load) * self.rows + loads
 
     def _Apply(self, vec):
         result = vec.CreateVector()

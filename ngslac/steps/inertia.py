@@ -215,6 +215,11 @@ class DynamicForm:
 
     ``share * (a(u) + 2 M (u - u0) / (share dt^2))``: the force balance of the step, weighted such
     that the contact force is the one that acts all through the step.
+
+    Attributes
+    ----------
+    renewed : bool
+        Was the matrix made in the present step? Whoever begins one says False.
     """
 
     def __init__(self, a, mass, scheme):
@@ -227,7 +232,7 @@ class DynamicForm:
         for integrator in a.integrators:
             self._form += integrator
         self._form += self.factor * mass.density * InnerProduct(mass.u, mass.v) * dx
-        self._applied = None
+        self._applied, self.renewed = None, True
 
     def SetStep(self, dt):
         """Choose the length of the step, up to rounding; True if that changes the matrix."""
@@ -254,10 +259,12 @@ class DynamicForm:
         return (1 / self.share) * self._form.inner_solve
 
     def AssembleLinearization(self, x):
+        self.renewed = True
         self._form.AssembleLinearization(x)
         self._form.mat.AsVector().data *= self.share
 
     def Assemble(self):
+        self.renewed = True
         self._form.Assemble()
         self._form.mat.AsVector().data *= self.share
 
@@ -272,6 +279,10 @@ class DynamicForm:
         """What the form without inertia said of x (n,); None where it was not asked last."""
         known = self._applied is not None and np.array_equal(self._applied[0], x)
         return self._applied[1].copy() if known else None
+
+    def Change(self, forces, motion):
+        """What the form adds along a motion (n,) where the one without inertia adds forces."""
+        return self.share * (forces + self.factor.Get() * self.mass.Times(motion))
 
     def ElasticChange(self, motion):
         """What a linear form without inertia adds along a motion (n,); not where it condenses."""

@@ -81,20 +81,20 @@ class StepEnd:
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec
 
-    def Accept(self, motion, dt, before, now, *, linear, energy):
+    def Accept(self, start, dt, before, now, *, system, energy):
         """Go on from the end of a step.
 
         Parameters
         ----------
-        motion : (n,) array
-            Increment of the displacement, 0 elsewhere.
+        start : (n,) array
+            The solution where the step began.
         dt : float
         before : EnergyBalance
-            Where the step began.
+            Energies there.
         now : float
             Time at its end.
-        linear : bool
-            Is the bulk known to be linear?
+        system : System
+            Of the step.
         energy : float or None
             Strain energy, if that is known.
 
@@ -104,11 +104,9 @@ class StepEnd:
             EnergyBalance; the parts of the energy that the step has won, and that could not be
             taken out of the velocities again.
         """
-        known = self.form.Elastic(self.gf.vec.FV().NumPy())
-        whole = linear and not self.form.condense  # is the matrix that of all dofs?
-        forces = self._forces.Next(known, self.form.ElasticChange if whole else None)
+        motion = (self.gf.vec.FV().NumPy() - start) * self.mass.rows
+        forces, way, linear = self._Forces(start, motion, system)
         loads = 0.5 * (self._balanced[1] + forces[1])
-        way = self._forces.OnTheWay(motion, self._balanced, forces, linear)
         velocity, momentum = self._NewVelocity(motion, forces[0], dt)
         works, taken, pushed = self._Works(motion, forces[0], loads, way, velocity)
         if energy is not None:
@@ -125,6 +123,31 @@ class StepEnd:
             velocity = self._Restore(velocity, groups, motion, dt, loads, way, pushed, taken)
         self._balanced, self._momentum = forces, momentum
         return self._Settle(groups, rows, velocity, before, now, works, taken)
+
+    def _Forces(self, start, motion, system):
+        """Those of the bulk at the end, on the way, and whether they are linear there.
+
+        Newton's steps say little of that: with another stiffness in each step they seem to be
+        linear as often as the matrix is made anew.
+        """
+        form, step = self.form, self.gf.vec.FV().NumPy() - start
+        seems, before = bool(system.bulk.islinear), self._balanced
+        steady = seems and not form.renewed
+        whole = not form.condense  # is the matrix that of all dofs?
+
+        def IsRounding(forces):
+            return seems and system.residual.IsRounding(forces, system.scale)
+
+        product = form.ElasticChange if whole and steady else None
+        forces = self._forces.Next(form.Elastic(self.gf.vec.FV().NumPy()), product)
+        if whole:
+            change = form.ElasticChange(step)
+            linear = self._forces.Changed(before, forces, change, IsRounding)
+        else:
+            change = form.Change(sum(forces) - sum(before), step)
+            given = change, step, system.scale, system.residual
+            linear = steady and system.bulk.Explains(*given)
+        return forces, *self._forces.OnTheWay(motion, before, forces, linear, IsRounding)
 
     def _NewVelocity(self, motion, force, dt):
         """Velocity and `_momentum` at the end of the step, by the time integration."""
@@ -170,7 +193,7 @@ class StepEnd:
         works["impact"] += back
         self.velocity.vec.FV().NumPy()[:] = velocity
         after = before.After(now, self.mass.Energy(velocity), **works)
-        return after, won, owed / (max(after.total, before.total) or 1.0)
+        return after, won, owed / (after.AtHand(before) or 1.0)
 
     def _MoveSupports(self, velocity, rate, dt):
         """Velocities of what is prescribed, from backward differences; returns the energy of that.

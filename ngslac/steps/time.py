@@ -288,7 +288,7 @@ class TimeStepper:
         start = vec.FV().NumPy().copy()
         if self.form.SetStep(goal - now):
             self.solver.system.bulk.StartAfresh()
-        dt = self.form.dt
+        dt, self.form.renewed = self.form.dt, False
         inertial = start + dt * self._end.Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
         try:
@@ -307,10 +307,8 @@ class TimeStepper:
         except BaseException:
             self._journal.saved.Restore()
             raise
-        linear = bool(self.solver.system.bulk.islinear)
-        motion = self._MotionFrom(start)
-        known = {"linear": linear, "energy": energy}
-        self.balance, won, owed = self._end.Accept(motion, dt, self.balance, goal, **known)
+        known = {"system": self.solver.system, "energy": energy}
+        self.balance, won, owed = self._end.Accept(start, dt, self.balance, goal, **known)
         if not last_chance and (won > MOST_WON or owed > MOST_OWED):
             self._journal.saved.Restore()
             raise ContactConvergenceError(f"the step wins {100 * won:.2g} % of the energy")

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from motions import bar, moving, on_ground, shaken, sliding, two_bars, values
-from ngsolve import CF, H1, GridFunction, ds, sin
+from ngsolve import CF, H1, GridFunction, ds, sin, x, y
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
+
+from ngslac.steps.balance import EnergyBalance
 
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.6, 1.0])
@@ -204,3 +206,24 @@ def test_bodies_that_meet_where_the_mesh_has_them():
     motion.run(0.06)
     assert len(motion.steps) == 6
     assert motion.stepper.balance.total == pytest.approx(0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("nonlinear", [False, True])
+def test_a_stretched_body_that_is_let_go(nonlinear):
+    """Its energy counts from there, and is 0 but for rounding: steps are not measured by that."""
+    motion = on_ground(gap=1.0, dt=0.05, nonlinear=nonlinear)
+    motion.gf.components[0].Set((0.2 * x, 0.1 * y))
+    motion.run(0.3)
+    balance = motion.stepper.balance
+    assert balance.internal < -1e-2
+    assert abs(balance.total) < (1e-4 if nonlinear else 1e-12)
+    assert [step.cuts for step in motion.steps] == [0] * 6
+
+
+def test_energies_that_steps_are_measured_by():
+    before = EnergyBalance(0.0, 6.0, -9.0)
+    after = before.After(0.1, 5.0, internal=0.5, external=-1e-15, friction=0.0, impact=-0.06)
+    assert after.Won(before) == pytest.approx(0.06 / 6)  # contact has won it
+    assert after.AtHand(before) == 6
+    slow = EnergyBalance(0.0, 0.0, -9.0)
+    assert slow.After(0.1, 0, internal=0.5, external=0, friction=0, impact=0).AtHand(slow) == 0.5

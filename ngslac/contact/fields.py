@@ -1,0 +1,44 @@
+"""Methods of LACContact for its fields, which follow the form."""
+
+from contextlib import contextmanager
+
+from ngsolve import GridFunction
+
+__all__ = ["Changing", "Fill", "Make"]
+
+SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
+
+
+def Make(self):
+    """New fields, of one number or one vector per macro-element."""
+    for count, names in ((1, SCALARS), (self.mesh.dim, VECTORS)):
+        space = self.space.WithComponents(count)
+        for name in names:
+            setattr(self, name, GridFunction(space, name=name))
+
+
+def Fill(self):
+    """What the form knows; 0 where it is not paired."""
+    self._recovered = None
+    table = self.Table() if self.form.paired else {}
+    for name in SCALARS + VECTORS:
+        values = table[name].ravel() if table else 0.0
+        getattr(self, name).vec.FV().NumPy()[:] = values
+
+
+@contextmanager
+def Changing(self, kept):
+    """Fields follow the form; in the context `kept` what fails leaves both as they were."""
+    fits = len(self.pressure.vec) == self.space.nmacros
+    if self._state.refined or not fits:  # no way back
+        yield
+        self._MakeFields()
+        self._Fill()
+        return
+    try:
+        with kept:
+            yield
+            self._Fill()
+    except BaseException:
+        self._Fill()
+        raise
