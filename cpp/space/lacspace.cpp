@@ -30,6 +30,11 @@ shared_ptr<FESpace> CheckDisplacement(shared_ptr<FESpace> fes) {
   if (evaluator->Dim() != dim)
     Refuse(*fes, "has " + ToString(evaluator->Dim()) +
                      " component(s) on the boundary of a mesh in " + ToString(dim) + "D");
+  if (fes->GetFlags().GetDefineFlag("interleaved"))
+    throw std::invalid_argument(
+        "LACSpace: V is a " + fes->GetClassName() +
+        " with interleaved=True, whose functions NGSolve evaluates with components of other "
+        "vertices (Set of a linear function does not return it); make V without interleaved");
   return fes;
 }
 } // namespace

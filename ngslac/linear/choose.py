@@ -38,7 +38,7 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, mo
     reason = "as asked for"
     interface = wanted == "interface"
     if wanted is None:
-        reason, interface = f"{free} free dofs in {dim}D", not inverse and not a.condense
+        reason, interface = f"{free} free dofs in {dim}D", not inverse
     if wanted is None or interface:
         wanted = "iterative" if suits and free >= LARGE[dim] and not inverse else "direct"
     multigrid = Multigrid(nodes, 3 * nodes.count >= free, a.space) if suits else None

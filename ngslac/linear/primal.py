@@ -31,7 +31,7 @@ class PrimalSolver(LinearSolver):
 
     def __init__(self, linear, inverse):
         self.wanted = inverse or Cholesky()
-        super().__init__(linear.bits, self.wanted)
+        super().__init__(linear.freedofs, self.wanted)
         self.contacts, self.symmetric = [], True
         self.Forget()
 

@@ -73,24 +73,29 @@ class LinearSolver:
         first=True,
         inner=None,
     ):
-        self.free, self.inner = AsNumPy(freedofs), inner
-        self.bits = freedofs & ~inner.dofs if inner else BitArray(freedofs)
-        solved = AsNumPy(self.bits)
+        self.freedofs, self.free, self.inner = BitArray(freedofs), AsNumPy(freedofs), inner
         self.inverse = LU(inverse)
-        self.shifts = self._factorisations = self._failures = 0
-        self.nearly_singular = False
+        self.shifts = self._factorisations = self._iterations = self._failures = 0
+        self.nearly_singular, self._merged = False, Merged()
+        self._given = method, dim, inverse, multigrid, preconditioner, motions, first
+        self._MakeMethods()
+        self.NewBulk()
+        self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
+
+    def _MakeMethods(self):
+        """Those for the free dofs that are not eliminated."""
+        method, dim, inverse, multigrid, preconditioner, motions, first = self._given
+        self.bits = self.freedofs & ~self.inner.dofs if self.inner else self.freedofs
+        solved = AsNumPy(self.bits)
         direct = DirectCondensed(solved, self.bits, dim, inverse)
         self._methods = [("direct", direct)] if method != "saddle" else []
         if method == "iterative":
             given = solved, self.bits, dim, inverse, multigrid, preconditioner
-            iterative = IterativeCondensed(*given)
-            self._methods.insert(0, ("iterative", iterative))
+            self._methods.insert(0, ("iterative", IterativeCondensed(*given)))
         if motions:
             place = 0 if first else len(self._methods) - 1
             self._methods.insert(place, ("interface", Interface(solved, dim, motions)))
-        self._used, self._merged = list(self._methods), Merged()
-        self.NewBulk()
-        self.wanted, self._reason, self._preconditioner = inverse, reason, preconditioner
+        self._used = list(self._methods)
 
     @property
     def method(self):
@@ -115,7 +120,7 @@ class LinearSolver:
     @property
     def krylov(self):
         """Krylov iterations so far."""
-        return sum(m.krylov for _, m in self._used)
+        return self._iterations + sum(m.krylov for _, m in self._used)
 
     def State(self):
         """What has been learnt about the methods, as a dict."""
@@ -145,12 +150,23 @@ class LinearSolver:
         `shift` (n,) is added to the diagonal of the scaled matrix, in which the bulk's is 1. An
         iterative method stops at the relative residual `accuracy`.
         """
-        if self.inner is None:
+        elimination = self._Elimination(bulk)
+        if elimination is None:
             return self._Solve(bulk, forms, scale, rhs, shift, accuracy)
-        elimination = self.inner.Eliminate(bulk)
         reduced = elimination.Reduce(rhs)
         solution = self._Solve(elimination.mat, forms, scale, reduced, shift, accuracy)
         return elimination.Expand(rhs, solution)
+
+    def _Elimination(self, bulk):
+        """That of inner dofs; None, and no more of it, where the matrix of some is singular."""
+        try:
+            return self.inner and self.inner.Eliminate(bulk)
+        except LinearSolveError:
+            state, self.inner = self.State(), None
+            self._factorisations, self._iterations = self.factorisations, self.krylov
+            self._MakeMethods()
+            self.SetState(state)
+            self.NewBulk()
 
     def _Solve(self, bulk, forms, scale, rhs, shift, accuracy):
         self.nearly_singular = False

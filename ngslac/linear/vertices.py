@@ -15,10 +15,14 @@ __all__ = ["VertexNodes"]
 class VertexNodes:
     """The vertices with free displacements.
 
+    Vertices that share a dof, as in periodic spaces, leave it to the first of them, and count where
+    they have others. Rigid motions take its position. A rotation is no motion of a periodic body:
+    such a column jumps at the seam, and makes the coarse levels there less good, no less right.
+
     Attributes
     ----------
     dofs : (n, d) int
-        Scalar dofs of each vertex.
+        Scalar dofs of each vertex, -1 for none.
     free : (n, d) bool
         Of these.
     motions : (n, d, m) array
@@ -38,7 +42,7 @@ class VertexNodes:
             dofs = (dofs[:, :, None] * space.dim + np.arange(space.dim)).reshape(len(dofs), -1)
         if dofs.shape[1] != d:
             return None
-        dofs = np.where(dofs < 0, -1, dofs + first)
+        dofs = FirstOnly(np.where(dofs < 0, -1, dofs + first))
         free = AsNumPy(freedofs)[dofs] & (dofs >= 0)
         used = free.any(axis=1)
         points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), :d]
@@ -53,3 +57,11 @@ class VertexNodes:
         """The rigid motions (n d, m) in scaled variables, zero where nothing is free."""
         factor = np.where(self.free, 1 / scale[self.dofs], 0.0)
         return (factor[:, :, None] * self.motions).reshape(self.dofs.size, -1)
+
+
+def FirstOnly(dofs):
+    """The table with -1 in place of all but the first occurrence of a number."""
+    _, first = np.unique(dofs, return_index=True)
+    kept = np.full(dofs.size, -1)
+    kept[first] = dofs.ravel()[first]
+    return kept.reshape(dofs.shape)

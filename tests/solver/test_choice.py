@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from press import mixed_press3d, numpy, press, press3d, solved
+from ngsolve import ds
+from press import linear, mixed_press3d, numpy, press, press3d, solved
 
 import ngslac.linear.choose
 from ngslac import LoadStepper
@@ -48,8 +49,23 @@ def test_large_problems_are_iterated(case, small_is_large):
 def test_small_problems_are_factored(dim, flags):
     """The bulk alone, once for all systems, or with the constraints."""
     make = press3d if dim == 3 else press
-    expected = "direct" if flags.get("condense") else "interface"
-    assert make(**flags).solver().linear.method == expected
+    assert make(**flags).solver().linear.method == "interface"
+
+
+@pytest.mark.parametrize("flags", [{}, {"nonlinear": True}, {"finite": True}, {"spring": 0.0}])
+def test_condensed_forms_on_the_interface(flags):
+    """As without condensation; order 3, so that there are dofs inside."""
+    given = {"order": 3, "n": (2, 1), "kinds": ("hex", "tet")} | flags
+    if "spring" in flags:  # nothing but contact holds the upper block
+        given["bulk"] = lambda u, v, load: [
+            linear(u, v),
+            load * (4 * v[2] - 0.2 * v[0]) * ds("top"),
+        ]
+    u, force, _, solver = state(given | {"condense": True})
+    expected, pushed, _, _ = state(given, solver="direct")
+    assert solver.method == "interface"
+    assert u == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+    assert force == pytest.approx(pushed, abs=1e-8 * np.abs(pushed).max())
 
 
 @pytest.mark.parametrize("flags", [{"finite": True}, {"condense": True}])

@@ -8,7 +8,9 @@ from press import press3d, same, solved
 
 from ngslac._ngslac import InnerElimination
 from ngslac.arrays import AsBits, AsNumPy
+from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.inner import InnerDofs
+from ngslac.linear.primal import PrimalSolver
 
 
 def dense(mat):
@@ -75,3 +77,29 @@ def test_as_the_direct_solver(kind):
     assert (linear.method, linear.factorisations) == ("iterative", 0)
     assert linear.inner.dofs.NumSet() > 0
     same(problem, reference, 1e-8)
+
+
+def test_goes_on_where_inner_dofs_are_singular(monkeypatch):
+    """Without elimination, for good, and as exact."""
+    given = {"order": 2, "n": (2, 1), "kinds": ("hex", "hex"), "friction": 0.1}
+    problem, reference = press3d(**given), press3d(**given)
+    solver = problem.solver(solver="iterative")
+    assert solver.linear.inner is not None
+
+    def singular(self, bulk):
+        raise LinearSolveError("singular")
+
+    monkeypatch.setattr(InnerDofs, "Eliminate", singular)
+    solver.Solve(printing=False)
+    solved(reference, solver="direct")
+    assert (solver.linear.method, solver.linear.inner) == ("iterative", None)
+    same(problem, reference, 1e-8)
+
+
+def test_displacements_alone_are_solved_with_inner_dofs():
+    """The interior point method eliminates none."""
+    linear = press3d(order=2, n=(2, 1), kinds=("hex", "hex")).solver(solver="iterative").linear
+    inner = AsNumPy(linear.inner.dofs)
+    assert inner.any()
+    assert not AsNumPy(linear.bits)[inner].any()
+    assert AsNumPy(PrimalSolver(linear, None).bits)[inner].all()
