@@ -45,10 +45,11 @@ def Cholesky(inverse=None):
     return inverse or ("pardisospd" if HasMKL() else "sparsecholesky")
 
 
-# OpenBLAS of NGSolve and of SciPy: package, where the library is from there, its prefix.
+# OpenBLAS of NGSolve, SciPy and NumPy: package, where the library is from there, its functions.
 BLAS = (
-    ("ngsolve_openblas", "libopenblas*", "openblas"),
-    ("scipy", "../scipy.libs/libscipy_openblas*", "scipy_openblas"),
+    ("ngsolve_openblas", "libopenblas*", "openblas_{}_num_threads"),
+    ("scipy", "../scipy.libs/libscipy_openblas*", "scipy_openblas_{}_num_threads"),
+    ("numpy", "../numpy.libs/libscipy_openblas64_*", "scipy_openblas_{}_num_threads64_"),
 )
 
 
@@ -56,12 +57,11 @@ BLAS = (
 def BLASThreads():
     """For each OpenBLAS that is found: functions that tell and set its number of threads."""
     found = []
-    for package, pattern, prefix in BLAS:
+    for package, pattern, name in BLAS:
         spec = importlib.util.find_spec(package)
         for path in sorted(Path(spec.origin).parent.glob(pattern))[:1] if spec else ():
             blas = ctypes.CDLL(str(path))
-            names = (f"{prefix}_{verb}_num_threads" for verb in ("get", "set"))
-            found.append([getattr(blas, name, None) for name in names])
+            found.append([getattr(blas, name.format(verb), None) for verb in ("get", "set")])
     return [pair for pair in found if all(pair)]
 
 
