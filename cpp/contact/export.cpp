@@ -19,6 +19,13 @@ void ExportContact(py::module & m) {
       .value("slave", Side::slave)
       .value("master", Side::master)
       .value("both", Side::both);
+  m.def(
+      "ProxyPath",
+      [](const CoefficientFunction & proxy, const string & name) {
+        return ProxyInfo(proxy, name).path;
+      },
+      py::arg("proxy"), py::arg("name"),
+      "Numbers of components that lead from a product space to that of a trial function.");
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
       .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
                        optional<Region> master, shared_ptr<CoefficientFunction> obstacle,

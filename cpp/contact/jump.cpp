@@ -17,6 +17,7 @@ ProxyInfo::ProxyInfo(const CoefficientFunction & cf, const string & name) {
     auto product = dynamic_pointer_cast<CompoundFESpace>(component);
     if (!product)
       break;
+    path.push_back(inner->Component());
     offset += product->GetRange(inner->Component()).First();
     component = (*product)[inner->Component()];
     op = inner->BaseDiffOp();

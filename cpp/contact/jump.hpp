@@ -26,6 +26,7 @@ struct ProxyInfo {
   shared_ptr<FESpace> fes;                    // space of the proxy, maybe a product
   shared_ptr<FESpace> component;              // the component the proxy belongs to
   size_t offset;                              // of the component's dofs
+  std::vector<int> path;                      // numbers of components, from the product down
   shared_ptr<DifferentialOperator> evaluator; // on the boundary
 
   ProxyInfo(const CoefficientFunction & proxy, const string & name);

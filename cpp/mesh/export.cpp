@@ -1,7 +1,43 @@
 #include "boundaries.hpp"
+#include "numpy.hpp"
+#include "piece.hpp"
 #include "split.hpp"
 
 namespace ngslac {
+namespace {
+template <typename T>
+Numbers<T> Table(const Matrix<T> & matrix) {
+  Numbers<T> numbers({matrix.Height(), matrix.Width()});
+  std::copy_n(matrix.Data(), matrix.Height() * matrix.Width(), numbers.mutable_data());
+  return numbers;
+}
+
+template <typename T>
+Matrix<T> FromTable(const py::handle & given) {
+  auto numbers = given.cast<Numbers<T>>();
+  Matrix<T> matrix(numbers.shape(0), numbers.shape(1));
+  std::copy_n(numbers.data(), numbers.size(), matrix.Data());
+  return matrix;
+}
+
+py::tuple ToTuple(const MeshPiece & piece) {
+  return py::make_tuple(Table(piece.point_numbers), Table(piece.points), Table(piece.volumes),
+                        Table(piece.surfaces), Table(piece.surface_parameters),
+                        Table(piece.segments), Table(piece.segment_parameters));
+}
+
+MeshPiece FromTuple(const py::tuple & parts) {
+  MeshPiece piece;
+  piece.point_numbers = FromTable<int>(parts[0]), piece.points = FromTable<double>(parts[1]);
+  piece.volumes = FromTable<int>(parts[2]);
+  piece.surfaces = FromTable<int>(parts[3]);
+  piece.surface_parameters = FromTable<double>(parts[4]);
+  piece.segments = FromTable<int>(parts[5]);
+  piece.segment_parameters = FromTable<double>(parts[6]);
+  return piece;
+}
+} // namespace
+
 void ExportMesh(py::module & m) {
   m.def(
       "RegionWithFaces",
@@ -18,5 +54,15 @@ void ExportMesh(py::module & m) {
       },
       py::arg("mesh"), py::arg("slave"), py::arg("hexes") = "pyramids",
       "New mesh with the slave faces split; see ngslac.SplitSlaveFaces");
+  m.def(
+      "PieceOf", [](shared_ptr<MeshAccess> mesh) { return ToTuple(PieceOf(*mesh)); },
+      py::arg("mesh"), "What this process has of a distributed mesh, as seven tables");
+  m.def(
+      "WholeMesh",
+      [](shared_ptr<MeshAccess> empty, const py::tuple & parts) {
+        return WholeMesh(*empty, FromTuple(parts));
+      },
+      py::arg("empty"), py::arg("parts"),
+      "The mesh of all pieces, whose tables are stacked, on a process that has no elements");
 }
 } // namespace ngslac

@@ -1,5 +1,6 @@
 #include "arguments.hpp"
 #include "mesh/boundaries.hpp"
+#include "numpy.hpp"
 
 namespace ngslac {
 namespace {
@@ -52,8 +53,25 @@ int CheckedComponents(const Given<int> & components) {
   return number;
 }
 
-shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags) {
+/// The macro-elements of a distributed mesh, which one process knows.
+MacroPartition Distributed(shared_ptr<FESpace> V, py::object slave, py::object macros,
+                           Flags & flags) {
+  auto [count, numbers, replica] = py::module_::import("ngslac.parallel.space")
+                                       .attr("MacroElements")(V, slave, macros)
+                                       .cast<std::tuple<size_t, Numbers<int>, int>>();
+  flags.SetFlag("replica", double(replica));
+  MacroPartition partition;
+  partition.nmacros = count, partition.macro_of_face = FromNumPy(numbers);
+  partition.cores.SetSize(count), partition.reach.SetSize(count);
+  partition.reach = Mat<3, 3>(0.0);
+  return partition;
+}
+
+shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags,
+                               optional<MacroPartition> taken) {
   auto space = make_shared<LACSpace>(displacement, flags);
+  if (taken)
+    space->Take(*taken);
   space->Update();
   space->FinalizeUpdate();
   space->ConnectAutoUpdate();
@@ -64,13 +82,18 @@ shared_ptr<LACSpace> SpaceArguments::Make() const {
   auto V = displacement.As("LACSpace: V", "a displacement space, such as VectorH1(mesh, order=2)");
   auto mesh = V->GetMeshAccess();
   Flags flags;
-  flags.SetFlag("slave", NumbersOf(RegionWithFaces(mesh, "LACSpace: slave", slave.value)));
-  if (!macros.IsNone())
+  optional<MacroPartition> taken;
+  if (mesh->GetCommunicator().Size() > 1)
+    taken = Distributed(V, slave.value, macros.value, flags);
+  auto region = taken ? BoundaryRegion(mesh, "LACSpace: slave", slave.value)
+                      : RegionWithFaces(mesh, "LACSpace: slave", slave.value);
+  flags.SetFlag("slave", NumbersOf(region));
+  if (!macros.IsNone() && !taken)
     flags.SetFlag("macros", Integers(macros.value, mesh->GetNE(BND)));
   if (!components.IsNone())
     flags.SetFlag("components", double(CheckedComponents(components)));
   bool follows = autoupdate.As("LACSpace: autoupdate", "True or False");
   flags.SetFlag("autoupdate", follows || V->DoesAutoUpdate());
-  return MakeSpace(V, flags);
+  return MakeSpace(V, flags, taken);
 }
 } // namespace ngslac

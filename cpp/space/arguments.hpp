@@ -18,5 +18,6 @@ struct SpaceArguments {
 int CheckedComponents(const Given<int> & components);
 
 /// An up to date space.
-shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags);
+shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags,
+                               optional<MacroPartition> taken = nullopt);
 } // namespace ngslac

@@ -1,4 +1,6 @@
 #include "fingerprint.hpp"
+#include "linear/formdiagonal.hpp"
+#include "numpy.hpp"
 
 #include <python_comp.hpp>
 
@@ -48,6 +50,19 @@ static py::array_t<int> VertexDofs(const FESpace & fes) {
   return table;
 }
 
+/// Numbers of dofs of all volume elements, and these; those that are none have negative numbers.
+static py::tuple ElementDofs(const FESpace & fes) {
+  Array<int> counts, all;
+  Array<DofId> dofs;
+  for (size_t i : Range(fes.GetMeshAccess()->GetNE(VOL))) {
+    fes.GetDofNrs(ElementId(VOL, i), dofs);
+    counts.Append(int(dofs.Size()));
+    for (auto dof : dofs)
+      all.Append(int(dof));
+  }
+  return py::make_tuple(ToNumPy(counts), ToNumPy(all));
+}
+
 /// What spaces, forms and functions of NGSolve know, but do not tell Python.
 void ExportQueries(py::module & m) {
   m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
@@ -63,6 +78,17 @@ void ExportQueries(py::module & m) {
 
   m.def("VertexDofs", &VertexDofs, py::arg("fes"),
         "Dofs (nv, k) of a space on each vertex of the mesh, -1 behind the last.");
+
+  m.def("ElementDofs", &ElementDofs, py::arg("fes"),
+        "How many dofs each volume element has, and these one after the other; negative: none.");
+
+  m.def(
+      "FormDiagonal",
+      [](const BilinearForm & form, const BitArray & wanted) {
+        return ToNumPy(FlatVector<>(FormDiagonal(form, wanted)));
+      },
+      py::arg("form"), py::arg("wanted"),
+      "Diagonal (n,) of the elements of a form that hold one of the wanted dofs.");
 
   m.def("BoundaryVertices", &BoundaryVertices, py::arg("mesh"),
         "Vertices (n, 4) of the boundary elements of a mesh, -1 behind the last of each.");

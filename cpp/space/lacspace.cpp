@@ -79,7 +79,9 @@ void LACSpace::Update() {
   if (given_macros.Size() && ma->GetNE(BND) != first_mesh_faces)
     throw Exception("LACSpace: the partition given by macros does not fit the refined mesh; make a "
                     "new space, or let the space choose the macro-elements");
-  if (ready)
+  if (taken)
+    partition = *taken;
+  else if (ready)
     partition = *std::exchange(ready, nullopt);
   else
     partition = given_macros.Size() ? CheckedPartition(*displacement, slave, given_macros)
@@ -92,7 +94,7 @@ shared_ptr<LACSpace> LACSpace::WithComponents(int n) const {
   Flags changed = flags;
   changed.SetFlag("components", double(n));
   auto space = make_shared<LACSpace>(displacement, changed);
-  space->ready = partition;
+  space->ready = partition, space->taken = taken;
   space->Update();
   space->FinalizeUpdate();
   space->ConnectAutoUpdate();

@@ -23,6 +23,9 @@ public:
 
   /// A space on the same macro-elements with another number of components.
   shared_ptr<LACSpace> WithComponents(int n) const;
+  /// On a mesh of which this process has a part only, the macro-elements come from elsewhere.
+  /// The number of its replica there is the flag "replica".
+  void Take(MacroPartition given) { taken = std::move(given); }
 
   shared_ptr<FESpace> Displacement() const { return displacement; }
   size_t NMacros() const { return partition.nmacros; }
@@ -43,5 +46,6 @@ private:
   size_t first_mesh_faces;
   MacroPartition partition;
   optional<MacroPartition> ready; // taken over by the next Update
+  optional<MacroPartition> taken; // by each
 };
 } // namespace ngslac

@@ -1,0 +1,1 @@
+"""Contact on meshes that NGSolve distributes over processes."""

@@ -1,0 +1,185 @@
+"""The processes of a distributed mesh: the first one conducts, the others work for it.
+
+NGSolve leaves the first process without elements. It runs the serial code of contact, Newton's
+method and steppers, and orders from the others what only they can do: to evaluate forms on their
+parts of the mesh, and to take part in linear solves. All messages go between the conductor and one
+worker each, so that nobody waits for somebody who has failed.
+"""
+
+import pickle
+from collections import defaultdict, deque
+
+from netgen.meshing import NgException
+
+__all__ = ["Crew"]
+
+# Kinds of messages to the conductor and from it.
+ENTERED, DONE, FAILED, ORDER, END = "entered", "done", "failed", "order", "end"
+
+
+class OutOfStepError(RuntimeError):
+    """Processes have called different things."""
+
+
+class Messages:
+    """What goes between the conductor and the workers, with a count of the bytes.
+
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Comm
+        Of which a copy is made: NGSolve's messages are others.
+    """
+
+    def __init__(self, comm):
+        self.comm = comm.Dup()
+        self.rank, self.size, self.bytes = comm.rank, comm.size, 0
+        self._put_back = defaultdict(deque)
+
+    def Send(self, rank, message):
+        """Send anything that can be pickled."""
+        data = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
+        self.bytes += len(data)
+        self.comm.send(data, dest=rank)
+
+    def Receive(self, rank):
+        """The next message of a process."""
+        if self._put_back[rank]:
+            return self._put_back[rank].popleft()
+        return pickle.loads(self.comm.recv(source=rank))
+
+    def PutBack(self, rank, message):
+        """The next one is this one, once more."""
+        self._put_back[rank].appendleft(message)
+
+
+class Crew:
+    """Runs calls that all processes make, and orders of the conductor in the middle of them.
+
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Comm
+
+    Attributes
+    ----------
+    conducts : bool
+        Is this the process without elements?
+    tasks : dict
+        Functions by name that workers carry out: ``tasks[name](*args)``.
+    """
+
+    def __init__(self, comm):
+        self.messages = Messages(comm)
+        self.conducts, self.workers = comm.rank == 0, range(1, comm.size)
+        self.tasks, self._depth = {}, 0
+
+    def Call(self, name, work):
+        """What `work` gives on the conductor, on all processes; workers serve meanwhile.
+
+        Parameters
+        ----------
+        name : str
+            What all processes have to call now.
+        work : callable
+            Returns what can be pickled, or raises: then all processes raise the same.
+        """
+        self._depth += 1
+        try:
+            return self._Conduct(name, work) if self.conducts else self._Serve(name)
+        finally:
+            self._depth -= 1
+
+    def _Conduct(self, name, work):
+        try:
+            self._Gather(name)
+            result, error = work(), None
+        except BaseException as problem:
+            result, error = None, problem
+        for rank in self.workers:
+            self.messages.Send(rank, (END, self._depth, result, Portable(error)))
+        if error is not None:
+            raise error
+        return result
+
+    def _Gather(self, name):
+        """Wait until all workers make this call."""
+        others = {}
+        for rank in self.workers:
+            message = kind, depth, called, *_ = self._Hear(rank, self._depth)
+            if depth < self._depth:
+                self.messages.PutBack(rank, message)
+            if (kind, depth, called) != (ENTERED, self._depth, name):
+                others[rank] = called if kind == ENTERED else "nothing"
+        if others:
+            rank, called = next(iter(others.items()))
+            raise OutOfStepError(
+                f"process 0 calls {name} while process {rank} calls {called}: what belongs to a "
+                "distributed mesh has to be called on all processes, in the same order"
+            )
+
+    def _Hear(self, rank, depth):
+        """The next message of a worker at a depth; what it calls alone is refused."""
+        while True:
+            message = kind, at, *rest = self.messages.Receive(rank)
+            if kind != ENTERED or at <= depth:
+                return message
+            error = OutOfStepError(
+                f"process {rank} alone calls {rest[0]}: call it on all processes"
+            )
+            self.messages.Send(rank, (END, at, None, error))
+
+    def _Serve(self, name):
+        self.messages.Send(0, (ENTERED, self._depth, name))
+        while True:
+            kind, depth, *rest = self.messages.Receive(0)
+            if kind == END and depth == self._depth:
+                result, error = rest
+                if error is not None:
+                    raise error
+                return result
+            if kind == ORDER and depth == self._depth:
+                self._Obey(*rest)
+
+    def _Obey(self, task, args):
+        try:
+            answer = DONE, self._depth, self.tasks[task](*args)
+        except BaseException as error:
+            answer = FAILED, self._depth, Portable(error)
+        self.messages.Send(0, answer)
+
+    def Order(self, task, *args, own=None, each=None):
+        """What the workers' task returns, as a list, after that of the conductor.
+
+        Parameters
+        ----------
+        task : str
+        *args :
+            The same for all.
+        own : callable, optional
+            What the conductor does meanwhile, with the same arguments.
+        each : list, optional
+            A last argument for each worker.
+        """
+        for k, rank in enumerate(self.workers):
+            special = () if each is None else (each[k],)
+            self.messages.Send(rank, (ORDER, self._depth, task, (*args, *special)))
+        answers, errors = [None], []
+        try:
+            answers[0] = own(*args) if own else None
+        except BaseException as error:
+            errors.append(error)
+        for rank in self.workers:
+            kind, _, answer = self._Hear(rank, self._depth)
+            (errors if kind == FAILED else answers).append(answer)
+        if errors:  # where one fails, others only miss it
+            raise min(errors, key=lambda error: isinstance(error, OutOfStepError))
+        return answers
+
+
+def Portable(error):
+    """An error that can be sent."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        kind = next((k for k in (NgException, ValueError) if isinstance(error, k)), RuntimeError)
+        return kind(f"{type(error).__name__}: {error}" if kind is RuntimeError else str(error))
+    return error

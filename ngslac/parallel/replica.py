@@ -1,0 +1,187 @@
+"""The whole mesh and its spaces on the conductor, and the dofs of each process among theirs."""
+
+import numpy as np
+from ngsolve import FESpace, ProductSpace, Region
+
+from ngslac._ngslac import ElementDofs, LACSpace, PieceOf, WholeMesh
+from ngslac.arrays import AsBits, AsNumPy
+
+__all__ = ["MeshReplica", "SpaceReplica"]
+
+
+class MeshReplica:
+    """A distributed mesh on the conductor, in the numbers that it has in one process.
+
+    All processes make it at once, in the middle of a call of the crew.
+
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+        Distributed.
+    crew : Crew
+
+    Attributes
+    ----------
+    mesh : ngsolve.Mesh or None
+        On the conductor, once it is `Gather`-ed.
+    elements, faces : list of (n,) int
+        There: numbers of the volume and boundary elements of each worker.
+    """
+
+    def __init__(self, mesh, crew):
+        self.given, self.crew, self.mesh = mesh, crew, None
+        crew.tasks["piece"] = self._Piece
+
+    def _Piece(self):
+        if self.given.deformation is not None:
+            raise ValueError(
+                "the distributed mesh has a deformation: call mesh.UnsetDeformation(), or Curve it"
+            )
+        return PieceOf(self.given)
+
+    def Gather(self):
+        """Make the replica; the conductor only."""
+        if self.mesh is not None:
+            return self.mesh
+        pieces = self.crew.Order("piece", own=self._Piece)
+        mesh = WholeMesh(self.given, tuple(map(np.concatenate, zip(*pieces, strict=True))))
+        if self.given.GetCurveOrder() > 1:
+            mesh.Curve(self.given.GetCurveOrder())
+        _, _, volumes, surfaces, _, segments, _ = zip(*pieces[1:], strict=True)
+        tables = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
+        self.elements, self.faces = map(Places, tables)
+        self.mesh = mesh
+        return mesh
+
+    def Region(self, given):
+        """What a region of the distributed mesh is on the replica."""
+        return Region(self.mesh, given.VB(), given.Mask())
+
+
+def Places(tables):
+    """Places of rows of several tables in the order of their numbers: a list of (n,) int."""
+    numbers = [table[:, 0] for table in tables]
+    known = np.unique(np.concatenate(numbers))
+    return [np.searchsorted(known, part) for part in numbers]
+
+
+class SpaceReplica:
+    """A space on a distributed mesh, and the same on its replica.
+
+    Parameters
+    ----------
+    given : FESpace
+        On the distributed mesh.
+    mesh : MeshReplica
+    parts : list[SpaceReplica]
+        Of the components of a product.
+
+    Attributes
+    ----------
+    space : FESpace or None
+        On the conductor, once it is `Make`-d.
+    dofs : (n,) int, or list of them
+        On a worker the number of each of its scalar dofs in the replica, -1: none. On the
+        conductor those of all workers.
+    own : (n,) int
+        On the conductor the same for what it has itself of the distributed space: multipliers.
+    """
+
+    def __init__(self, given, mesh, parts=()):
+        self.given, self.mesh, self.parts = given, mesh, parts
+        self.space = self.dofs = None
+        self.own = np.empty(0, dtype=int)
+
+    def Make(self, crew, number):
+        """The replica; the conductor only. `number` is that by which workers know this one."""
+        if self.space is not None:
+            return self.space
+        mesh = self.mesh.Gather()
+        if self.parts:
+            self.space = FESpace([part.space for part in self.parts])
+        else:
+            self.space = CopyOf(self.given, mesh)
+        each = None if self.parts else DofsByElements(self.space, self.mesh.elements)
+        starts = [self.space.Range(k).start for k in range(len(self.parts))]
+        own = [p.own + self.space.dim * k for p, k in zip(self.parts, starts, strict=True)]
+        self.own = np.concatenate([self.own, *own])
+        each = each or [starts] * len(crew.workers)
+        _, *self.dofs = crew.Order("dofs", number, each=each)
+        self.TakeFree(crew, number)
+        return self.space
+
+    def TakeFree(self, crew, number):
+        """Let the same dofs be free as on the workers, where users may have changed them."""
+        bits = self.space.FreeDofs()
+        free = AsNumPy(bits)
+        _, *found = crew.Order("free", number)
+        d = self.space.dim
+        for dofs, own in zip(self.dofs, found, strict=True):
+            inside = dofs[::d] >= 0
+            free[dofs[::d][inside] // d] = own[inside]
+        bits.Clear()
+        bits |= AsBits(free)
+
+    def LearnDofs(self, told):
+        """On a worker: its dofs, from starts of components or from those of its elements."""
+        d = self.given.dim
+        if self.parts:
+            places = [
+                np.where(part.dofs >= 0, part.dofs + d * start, -1)
+                for part, start in zip(self.parts, told, strict=True)
+            ]
+            self.dofs = np.concatenate(places)
+            return self.dofs
+        counts, dofs = ElementDofs(self.given)
+        if not np.array_equal(counts, told[0]):
+            raise ValueError(
+                f"a space of type {self.given.type} is not known on a distributed mesh: its copy "
+                "on the whole mesh has other dofs"
+            )
+        numbers = np.full(self.given.ndof, -1)
+        used = (dofs >= 0) & (told[1] >= 0)
+        numbers[dofs[used]] = told[1][used]
+        self.dofs = Scalars(numbers, d)
+        return self.dofs
+
+    def Free(self):
+        """On a worker: which of its dofs are free."""
+        return AsNumPy(self.given.FreeDofs())
+
+    @classmethod
+    def OfMultipliers(cls, given, mesh, space):
+        """A LACSpace, of which all processes have all dofs."""
+        replica = cls(given, mesh)
+        replica.space = space
+        replica.dofs = replica.own = np.arange(given.ndof * given.dim)
+        if space is not None:
+            replica.dofs = [replica.dofs] * (mesh.crew.messages.size - 1)
+        return replica
+
+
+def Scalars(numbers, d):
+    """Numbers (n,) of blocks as those of their d scalars (n * d,)."""
+    scalars = d * numbers[:, None] + np.arange(d)
+    return np.where(numbers[:, None] < 0, -1, scalars).ravel()
+
+
+def CopyOf(space, mesh):
+    """The same kind of space on another mesh."""
+    if isinstance(space, LACSpace) or type(space) is ProductSpace:
+        raise ValueError(f"a {type(space).__name__} is not known on a distributed mesh here")
+    kind, _, flags = space.__getstate__()
+    copy = FESpace.__new__(FESpace)
+    copy.__setstate__((kind, mesh, flags))
+    return copy
+
+
+def DofsByElements(space, elements):
+    """For each of several lists of elements: counts of their dofs, and these."""
+    counts, dofs = ElementDofs(space)
+    starts = np.cumsum(counts) - counts
+    found = []
+    for own in elements:
+        many = counts[own]
+        first = np.repeat(starts[own] - (np.cumsum(many) - many), many)
+        found.append((many, dofs[first + np.arange(len(first))]))
+    return found

@@ -1,0 +1,51 @@
+"""Macro-elements of a distributed slave surface: those of the whole mesh."""
+
+import numpy as np
+from ngsolve import Region
+
+from ngslac._ngslac import LACSpace
+from ngslac.parallel.ensemble import Ensemble
+
+__all__ = ["MacroElements"]
+
+
+def MacroElements(V, slave, macros):
+    """What a LACSpace on a distributed mesh has to know.
+
+    Parameters
+    ----------
+    V : FESpace
+        Displacements, on a distributed mesh.
+    slave, macros :
+        As LACSpace has them.
+
+    Returns
+    -------
+    count : int
+        Of macro-elements, all over the mesh.
+    faces : (n,) int
+        Macro-element of each boundary element of this process, -1: none.
+    number : int
+        By which the replica of the space is known.
+    """
+    ensemble = Ensemble.Of(V.mesh)
+    ensemble.SpaceOf(V)
+    own = ensemble.Add([])
+    tasks = ensemble.crew.tasks
+    tasks["macros"] = lambda number, found: ensemble.things[number].append(found)
+
+    def Make():
+        if macros is not None:
+            raise ValueError("LACSpace: macros= is not known on a distributed mesh: leave it out")
+        mesh = ensemble.mesh.Gather()
+        space = ensemble.Space(V)
+        region = Region(mesh, slave.VB(), slave.Mask()) if isinstance(slave, Region) else slave
+        home = LACSpace(space, slave=region)
+        numbers = np.array(list(home.macros), dtype=np.int32)
+        ensemble.crew.Order("macros", own, each=[numbers[f] for f in ensemble.mesh.faces])
+        ensemble.homes[own] = home
+        return home.nmacros
+
+    count = ensemble.crew.Call("LACSpace", Make)
+    faces = ensemble.things[own][0] if ensemble.things[own] else np.empty(0, np.int32)
+    return count, faces, own
