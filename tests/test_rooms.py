@@ -19,6 +19,7 @@ FLOORS = (
         "recovery",
         "contact",
         "bodies",
+        "parallel",
         "solve",
         "steps",
         "reference",

@@ -8,6 +8,7 @@ from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["ChooseSolver"]
 
+SOLVERS = "interface", "direct", "iterative", "saddle", "petsc"
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {2: 25_000, 3: 5_000}
 # Up to this many the factors of the bulk alone are cheaper than iterations for each system.
@@ -25,7 +26,7 @@ def ChooseSolver(a, contacts, freedofs, inverse, wanted, preconditioner=None, mo
             raise ValueError(f"preconditioner= goes with solver='iterative', not {wanted!r}")
         wanted = "iterative"
     if wanted is not None:
-        CheckChoice("solver", wanted, ("interface", "direct", "iterative", "saddle"))
+        CheckChoice("solver", wanted, SOLVERS)
     dim, free = a.space.mesh.dim, freedofs.NumSet()
     form = contacts[0].form
     nodes = VertexNodes.Of(form.component, freedofs, form.offset * form.fes.dim)

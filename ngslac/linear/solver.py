@@ -1,10 +1,10 @@
 """Checked solution of the merged and scaled linear systems."""
 
 import numpy as np
-from netgen.meshing import NgException
 from ngsolve import BitArray
 
 from ngslac.arrays import AddToDiagonal, AsNumPy
+from ngslac.linear.attempts import FirstGood, SolveShifted
 from ngslac.linear.direct import DirectCondensed
 from ngslac.linear.factor import LU, Cholesky, Factor, LinearSolveError, OneBLASThread
 from ngslac.linear.interface import Interface
@@ -54,11 +54,8 @@ class LinearSolver:
     """
 
     tolerance = 1e-9
-    acceptable = 1e-5  # nearly singular: the next Newton step makes up for it
     refinements = 3
     most_failures = 2  # of an iteration in a row where another method serves: it is given up
-    # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
-    shift, most_shifts = 1e-4, 5
 
     def __init__(
         self,
@@ -169,27 +166,18 @@ class LinearSolver:
             self.NewBulk()
 
     def _Solve(self, bulk, forms, scale, rhs, shift, accuracy):
-        self.nearly_singular = False
-        b = scale * rhs * self.free
-        errors, best = [], (None, np.inf)
-        for name, solve in self._Attempts((bulk, forms, scale, shift), b, accuracy):
-            try:
-                x, error = solve()
-            except (LinearSolveError, NgException) as failure:
-                errors.append(f"{name}: {failure}")
-                continue
-            if error <= max(self.tolerance, 3 * accuracy * (name == "iterative")):
-                if name == SAFE:
-                    self.inverse = SAFE
-                self._LearnFrom(name)
-                return scale * x
-            errors.append(f"{name}: relative residual {error:.1e}")
-            if error < best[1]:
-                best = x, error
         self.nearly_singular = True
-        if best[1] <= self.acceptable:
-            return scale * best[0]
-        raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
+        b = scale * rhs * self.free
+        attempts = self._Attempts((bulk, forms, scale, shift), b, accuracy)
+        x, name = FirstGood(
+            attempts, lambda name: max(self.tolerance, 3 * accuracy * (name == "iterative"))
+        )
+        if name is not None:
+            self.nearly_singular = False
+            if name == SAFE:
+                self.inverse = SAFE
+            self._LearnFrom(name)
+        return scale * x
 
     def _LearnFrom(self, name):
         """A method has served: an iteration that comes before it has not."""
@@ -241,21 +229,8 @@ class LinearSolver:
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
 
     def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0):
-        """The same; a singular matrix gets a small diagonal on `rows` (n,) bool.
-
-        Where all that holds a body slips, nothing tells how far it moves. It moves as if it had
-        mass, less each time, until something sticks.
-        """
-        try:
-            solution = self.Solve(bulk, forms, scale, rhs, accuracy=accuracy)
-            self.shifts = 0
-        except LinearSolveError:
-            self.shifts += 1
-            if self.shifts > self.most_shifts:
-                raise
-            shift = self.shift * 0.1 ** (self.shifts - 1) * rows
-            solution = self.Solve(bulk, forms, scale, rhs, shift)
-        return solution
+        """The same; a singular matrix gets a small diagonal on `rows` (n,) bool."""
+        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy)
 
     def _Factor(self, mat, inverse):
         self._factorisations += 1

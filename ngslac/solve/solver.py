@@ -17,6 +17,7 @@ from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
+from ngslac.parallel.petscsolver import PetscSolver
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.iteration import Iteration
@@ -122,7 +123,10 @@ class ContactSolver:
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         given = inverse, solver, preconditioner, lambda: MotionsOf(contacts[0])
-        linear = ChooseSolver(a, contacts, scalars, *given)
+        if solver == "petsc":
+            linear = PetscSolver.Serial(contacts[0], scalars, inverse, preconditioner)
+        else:
+            linear = ChooseSolver(a, contacts, scalars, *given)
         bulk = Bulk(a, gf, rhs)
         free = linear.free | bulk.inner
         self.system = System(bulk, contacts, linear, free)

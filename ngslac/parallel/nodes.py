@@ -1,0 +1,59 @@
+"""Scalar dofs in blocks, as preconditioners and PETSc's block matrices want them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ngslac.bodies.rigidmotions import MotionsOf, SameComponents
+from ngslac.linear.vertices import VertexNodes
+
+__all__ = ["Nodes"]
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Every scalar dof of a system in one block of d: those of a node of the displacement.
+
+    Attributes
+    ----------
+    blocks : (k, d) int
+        Dofs, -1 where a block is not full.
+    vertices : (k,) bool
+        Which blocks are those of vertices, whose functions are those of first order.
+    motions : (n, m) array
+        The rigid motions, see `MotionsOf`.
+    """
+
+    blocks: np.ndarray
+    vertices: np.ndarray
+    motions: np.ndarray
+
+    @classmethod
+    def Of(cls, contact, freedofs):
+        """Those of a contact's product space with these free dofs, a BitArray."""
+        form, motions = contact.form, MotionsOf(contact)
+        d, first = contact.mesh.dim, form.offset * form.fes.dim
+        blocks = Completed(DisplacementNodes(form.component, first, d), len(motions), d)
+        found = VertexNodes.Of(form.component, freedofs, first)
+        vertices = np.zeros(len(motions), dtype=bool)
+        if found is not None:
+            vertices[found.dofs[found.dofs >= 0]] = True
+        return cls(blocks, np.any(vertices[blocks] & (blocks >= 0), axis=1), motions)
+
+
+def DisplacementNodes(space, first, d):
+    """The dofs of each node (k, d) of a displacement space whose dofs begin at `first`."""
+    if space.dim == d:
+        return first + np.arange(space.ndof * d).reshape(-1, d)
+    parts = SameComponents(space)
+    count = parts[0].ndof if parts else 0
+    return first + np.arange(count)[:, None] + count * np.arange(d)
+
+
+def Completed(blocks, n, d):
+    """These blocks and those of all other dofs of n, d in a row."""
+    apart = np.ones(n, dtype=bool)
+    apart[blocks] = False
+    others = np.flatnonzero(apart)
+    others = np.concatenate([others, np.full(-len(others) % d, -1)])
+    return np.concatenate([blocks, others.reshape(-1, d)])

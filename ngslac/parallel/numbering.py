@@ -1,0 +1,105 @@
+"""Which rank owns which row, and its number there."""
+
+import numpy as np
+
+from ngslac.parallel.petsc import LoadPETSc
+
+__all__ = ["Numbering"]
+
+
+class Numbering:
+    """Rows of PETSc's matrices: blocks of nodes, each rank's one after the other.
+
+    A node belongs to the lowest rank that has one of its dofs, or else to rank 0. Collective, as
+    all methods are.
+
+    Parameters
+    ----------
+    comm : mpi4py communicator or None
+        None: this process alone.
+    n : int
+        Dofs of the system.
+    dofs : (m,) int
+        Number in the system of each dof of this rank, -1 for none.
+    nodes : Nodes or None
+        None where the rank is not 0.
+
+    Attributes
+    ----------
+    new : (n,) int
+        Row of each dof.
+    size, width : int
+        All rows, those of dofs and what fills up the blocks; rows of a block.
+    start, stop : int
+        This rank's rows.
+    """
+
+    def __init__(self, comm, n, dofs, nodes):
+        PETSc = LoadPETSc()
+        self.comm = PETSc.COMM_SELF if comm is None else comm
+        self.rank, ranks = (0, 1) if comm is None else (comm.rank, comm.size)
+        self.n = n
+        owner = np.full(n, ranks, dtype=np.int32)
+        owner[dofs[dofs >= 0]] = self.rank
+        if ranks > 1:
+            owner = Least(comm, owner)
+        rows = None
+        if self.rank == 0:
+            owner[owner == ranks] = 0
+            rows = Rows(owner, nodes.blocks, ranks)
+        self.new, counts, self.width = rows if ranks == 1 else comm.bcast(rows)
+        starts = np.concatenate([[0], np.cumsum(counts)]) * self.width
+        self.size, self.start, self.stop = int(starts[-1]), *map(int, starts[self.rank :][:2])
+        self._Scatter(PETSc)
+
+    @property
+    def sizes(self):
+        """Of a square matrix: local and global ones."""
+        return ((self.stop - self.start, self.size),) * 2
+
+    def _Scatter(self, PETSc):
+        vec = self.Vector()
+        self._scatter, self._all = PETSc.Scatter.toZero(vec)
+
+    def Vector(self):
+        """A vector of zeros."""
+        vec = LoadPETSc().Vec().create(self.comm)
+        vec.setSizes(self.sizes[0], bsize=self.width)
+        vec.setType("standard")
+        return vec
+
+    def Put(self, values, vec, fill=0.0):
+        """Make a vector of values (n,) that rank 0 has, and `fill` in rows that have no dof."""
+        if self.rank == 0:
+            full = np.full(self.size, fill)
+            full[self.new] = values
+            self._all.array[:] = full
+        self._scatter.scatter(self._all, vec, mode="reverse")
+        return vec
+
+    def Get(self, vec):
+        """The values (n,) of a vector on rank 0, None elsewhere."""
+        self._scatter.scatter(vec, self._all)
+        return self._all.array[self.new] if self.rank == 0 else None
+
+
+def Least(comm, values):
+    """The least on all ranks, entry by entry."""
+    from mpi4py import MPI
+
+    least = np.empty_like(values)
+    comm.Allreduce(values, least, MPI.MIN)
+    return least
+
+
+def Rows(owner, blocks, ranks):
+    """Row of each dof, blocks of each rank, rows of a block."""
+    k, width = blocks.shape
+    of_block = np.where(blocks >= 0, owner[blocks], ranks).min(axis=1)
+    order = np.argsort(of_block, kind="stable")
+    place = np.empty(k, dtype=np.int64)
+    place[order] = np.arange(k)
+    rows = place[:, None] * width + np.arange(width)
+    new = np.full(len(owner), -1, dtype=np.int32)
+    new[blocks[blocks >= 0]] = rows[blocks >= 0]
+    return new, np.bincount(of_block, minlength=ranks), width

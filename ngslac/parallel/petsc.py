@@ -1,0 +1,75 @@
+"""PETSc, found where Debian hides it, and loaded when it is first needed."""
+
+import sys
+from functools import cache
+from glob import glob
+
+__all__ = ["LoadPETSc", "Options"]
+
+HIDDEN = "/usr/lib/petscdir/*/*/lib/python3/dist-packages"
+# PETSc's own handlers would print pages where Python raises errors.
+ARGUMENTS = ["ngslac", "-no_signal_handler"]
+
+
+@cache
+def LoadPETSc():
+    """The module petsc4py.PETSc.
+
+    Raises
+    ------
+    ImportError
+        It is not installed, or was built for another NumPy.
+    """
+    try:
+        petsc4py = Found()
+        petsc4py.init(ARGUMENTS)
+        from petsc4py import PETSc
+    except (ImportError, ValueError) as error:
+        raise ImportError(
+            "solver='petsc' needs petsc4py, on Debian the packages python3-petsc4py and "
+            "python3-mpi4py, with a NumPy of the version they were built for (Debian 12: numpy<2): "
+            f"{error}"
+        ) from error
+    return PETSc
+
+
+def Found():
+    """The package petsc4py, also where it is not on the path."""
+    try:
+        import petsc4py
+    except ImportError:
+        places = sorted(glob(HIDDEN))
+        if not places:
+            raise
+        sys.path.append(places[-1])  # behind all others: it brings nothing else
+        try:
+            import petsc4py
+        finally:
+            sys.path.remove(places[-1])
+    return petsc4py
+
+
+class Options:
+    """Options of PETSc for the objects of one prefix.
+
+    Parameters
+    ----------
+    prefix : str
+    values : dict
+        Names, without the prefix, and values; None for an option that has none.
+    """
+
+    count = 0
+
+    def __init__(self, name, **values):
+        Options.count += 1
+        self.prefix = f"ngslac{Options.count}_{name}_"
+        self._names, options = list(values), LoadPETSc().Options(self.prefix)
+        for key, value in values.items():
+            options.setValue(key, value)
+
+    def Clear(self):
+        """Take the options back, once they are used."""
+        options = LoadPETSc().Options(self.prefix)
+        for key in self._names:
+            options.delValue(key)
