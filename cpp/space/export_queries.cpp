@@ -12,6 +12,14 @@ static bool HoldsProxy(CoefficientFunction & function) {
   return holds;
 }
 
+static bool HoldsGridFunction(CoefficientFunction & function) {
+  bool holds = false;
+  function.TraverseTree([&](CoefficientFunction & part) {
+    holds = holds || dynamic_cast<GridFunctionCoefficientFunction *>(&part);
+  });
+  return holds;
+}
+
 /// Vertices of each boundary element, -1 behind the last.
 static py::array_t<int> BoundaryVertices(const MeshAccess & ma) {
   constexpr int most = 4;
@@ -75,6 +83,9 @@ void ExportQueries(py::module & m) {
 
   m.def("HoldsProxy", &HoldsProxy, py::arg("function"),
         "Does a function hold a trial or test function, which has no values?");
+
+  m.def("HoldsGridFunction", &HoldsGridFunction, py::arg("function"),
+        "Does a function hold a GridFunction?");
 
   m.def("VertexDofs", &VertexDofs, py::arg("fes"),
         "Dofs (nv, k) of a space on each vertex of the mesh, -1 behind the last.");

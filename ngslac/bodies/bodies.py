@@ -44,9 +44,12 @@ class Bodies:
         values = np.random.default_rng(0).standard_normal(self.count)
         pushed = forces(values)
         sizes = np.abs(pushed)
-        self.part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
-        if not AreApart(self.part, forces, values, pushed):
-            self.part = ConnectedParts(mat, form.offset, space.ndof).repeat(block)
+        if hasattr(mat, "Parts"):  # which no process has all of
+            self.part = mat.Parts()[self.first : self.first + self.count]
+        else:
+            self.part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
+            if not AreApart(self.part, forces, values, pushed):
+                self.part = ConnectedParts(mat, form.offset, space.ndof).repeat(block)
         allowed = self._Allowed(sizes > 0, free[self.first : self.first + self.count])
         self.floating = [  # (part, combinations of motions as columns)
             (self.part[dofs[0]], combinations)

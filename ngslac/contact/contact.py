@@ -2,6 +2,7 @@
 
 from ngsolve import BaseMatrix, BilinearForm, GridFunction
 
+from ngslac.distributable import Distributable
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
     CheckDistinct,
@@ -25,7 +26,7 @@ COMES_OFF = "what touches itself comes off again: drop tied and bilateral"
 SELF = "self-contact needs finite=True"
 
 
-class LACContact:
+class LACContact(metaclass=Distributable):
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,
@@ -228,8 +229,8 @@ class LACContact:
         ----------
         bulk : BaseMatrix
             On the product space.
-        form : BilinearForm, optional
-            The bulk without inertia. Its elements tell which body is the stiffer one, and so the
+        form : BilinearForm or BaseMatrix, optional
+            The bulk without inertia, or a matrix with the diagonal of its elements. They tell which body is the stiffer one, and so the
             contact direction; a matrix tells the same unless something is condensed.
 
         Raises
@@ -239,8 +240,8 @@ class LACContact:
         """
         CheckInstance("bulk", bulk, BaseMatrix, "a matrix on the product space, such as a.mat")
         if form is not None:
-            CheckInstance("form", form, BilinearForm, "the bulk as a BilinearForm")
-            if form.space != self.form.fes:
+            CheckInstance("form", form, (BilinearForm, BaseMatrix), "the bulk as a BilinearForm")
+            if isinstance(form, BilinearForm) and form.space != self.form.fes:
                 raise ValueError("form lives on another space than u and lam: take the bulk")
         self._PairOnce()
         self._state.Scale(bulk, form)

@@ -89,24 +89,27 @@ class Crew:
             self._depth -= 1
 
     def _Conduct(self, name, work):
+        entered = []
         try:
-            self._Gather(name)
+            self._Gather(name, entered)
             result, error = work(), None
         except BaseException as problem:
             result, error = None, problem
-        for rank in self.workers:
+        for rank in entered:
             self.messages.Send(rank, (END, self._depth, result, Portable(error)))
         if error is not None:
             raise error
         return result
 
-    def _Gather(self, name):
-        """Wait until all workers make this call."""
+    def _Gather(self, name, entered):
+        """Wait until all workers make this call; who makes any is noted in `entered`."""
         others = {}
         for rank in self.workers:
             message = kind, depth, called, *_ = self._Hear(rank, self._depth)
             if depth < self._depth:
                 self.messages.PutBack(rank, message)
+            else:
+                entered.append(rank)
             if (kind, depth, called) != (ENTERED, self._depth, name):
                 others[rank] = called if kind == ENTERED else "nothing"
         if others:
@@ -155,7 +158,7 @@ class Crew:
         *args :
             The same for all.
         own : callable, optional
-            What the conductor does meanwhile, with the same arguments.
+            What the conductor does meanwhile.
         each : list, optional
             A last argument for each worker.
         """
@@ -164,7 +167,7 @@ class Crew:
             self.messages.Send(rank, (ORDER, self._depth, task, (*args, *special)))
         answers, errors = [None], []
         try:
-            answers[0] = own(*args) if own else None
+            answers[0] = own() if own else None
         except BaseException as error:
             errors.append(error)
         for rank in self.workers:

@@ -1,14 +1,19 @@
 """What belongs to a distributed mesh: its processes, and what of it the conductor has twice."""
 
 import numpy as np
-from ngsolve import GridFunction, LinearForm, ProductSpace
-from ngsolve.la import PARALLEL_STATUS
+from ngsolve import BaseVector, GridFunction, LinearForm, ProductSpace
+from ngsolve.la import PARALLEL_STATUS, DynamicVectorExpression
 
 from ngslac._ngslac import LACSpace
+from ngslac.arrays import AsNumPy
 from ngslac.parallel.crew import Crew
+from ngslac.parallel.plain import Reference
 from ngslac.parallel.replica import MeshReplica, SpaceReplica
+from ngslac.parallel.team import TeamMember
 
-__all__ = ["Ensemble"]
+__all__ = ["VECTORS", "Ensemble"]
+
+VECTORS = LinearForm, BaseVector, DynamicVectorExpression
 
 
 class Pair:
@@ -62,13 +67,47 @@ class Ensemble:
         self.crew = Crew(mesh.comm.mpi4py)
         self.mesh = MeshReplica(mesh, self.crew)
         self.things, self.homes, self.pairs = [], {}, []
+        self.parameters, self.twins, self.context = [], {}, None
+        self._fresh = False
         self.crew.tasks |= {
             "dofs": lambda number, told: self.things[number].LearnDofs(told),
             "free": lambda number: self.things[number].Free(),
             "get": self._Get,
             "put": self._Put,
-            "load": self._Load,
+            "form": self._Form,
+            "petsc": TeamMember(self).Obey,
+            "with": self._With,
+            "call": self.CallFunction,
+            "bits": lambda number: AsNumPy(self.things[number]),
+            "nothing": lambda: None,
         }
+
+    # --- calls ---------------------------------------------------------------------------------
+
+    def Call(self, name, work):
+        """What `work` gives on the conductor, on all processes; users' functions follow."""
+
+        def Work():
+            self.Read()
+            try:
+                return work()
+            finally:
+                self.Write()
+
+        return self.crew.Call(name, Work)
+
+    def Order(self, task, *args, own=None, each=None):
+        """See `Crew.Order`: parameters have on all processes the values of the conductor."""
+        values = [(number, self.things[number].Get()) for number in self.parameters]
+        return self.crew.Order("with", values, task, *args, own=own, each=each)
+
+    def _With(self, values, task, *args):
+        for number, value in values:
+            if self.things[number].Get() != value:
+                self.things[number].Set(value)
+        return self.crew.tasks[task](*args)
+
+    # --- things --------------------------------------------------------------------------------
 
     def Add(self, thing):
         """The number of a thing that all processes have."""
@@ -127,7 +166,7 @@ class Ensemble:
     def Read(self):
         """Take over what users have done to their functions."""
         for pair in self.pairs:
-            if pair.home is not None and pair.reads:
+            if pair.home is not None and pair.given is not None and pair.reads:
                 self._Read(pair)
 
     def _Read(self, pair):
@@ -140,7 +179,7 @@ class Ensemble:
     def Write(self):
         """Show users what has become of their functions."""
         for number, pair in enumerate(self.pairs):
-            if pair.home is None:
+            if pair.home is None or pair.given is None:
                 continue
             values = pair.home.vec.FV().NumPy()
             if pair.sent is None or not np.array_equal(values, pair.sent):
@@ -149,6 +188,8 @@ class Ensemble:
                 own = pair.space.own
                 pair.given.vec.FV().NumPy()[:] = values[own]
                 pair.sent = values.copy()
+        if self.parameters:
+            self.Order("nothing")
 
     def _Get(self, number):
         return self.pairs[number].given.vec.FV().NumPy().copy()
@@ -158,10 +199,75 @@ class Ensemble:
         vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
         vec.FV().NumPy()[:] = values
 
-    def _Load(self, number):
-        """Values of a load, and whether those of shared dofs are to be added."""
-        load = self.things[number]
-        load = load() if not hasattr(load, "FV") and callable(load) else load
+    def _Form(self, number, verb, *args):
+        *args, values = args
+        return getattr(self.things[number], verb)(values, *args)
+
+    # --- functions that others make --------------------------------------------------------------
+
+    def ReferenceTo(self, home):
+        """What stands for a GridFunction of the conductor in a message."""
+        for key, pair in enumerate(self.pairs):
+            if pair.home is home:
+                return Reference("function", key)
+        what = self._SpaceLike(home.space)
+        if what is None:
+            return None
+        self.pairs.append(Pair(None, None, home, reads=what[1] is None))
+        return Reference("function", len(self.pairs) - 1, (*what, home.name))
+
+    def _SpaceLike(self, space):
+        """The number of a space or of a LACSpace, and of components where these are others."""
+        for number, known in enumerate(self.things):
+            if isinstance(known, SpaceReplica) and known.space == space:
+                return number, None
+        for number, home in self.homes.items():
+            if isinstance(home, LACSpace) and isinstance(space, LACSpace):
+                same = home.displacement == space.displacement, [*home.macros] == [*space.macros]
+                if all(same):
+                    return number, space.ndof * space.dim // max(space.nmacros, 1)
+        return None
+
+    def GivenFunction(self, reference):
+        """The GridFunction on the distributed mesh; a new one where there is none."""
+        if reference.key < len(self.pairs) and self.pairs[reference.key].given is not None:
+            return self.pairs[reference.key].given
+        number, components, name = reference.what
+        if components is None:
+            space = self.things[number].given
+        else:
+            space = self.Given(number).WithComponents(components)
+        given, replica = GridFunction(space, name=name), self.SpaceOf(space)
+        if reference.key == len(self.pairs):
+            self.pairs.append(Pair(given, replica, None, reads=components is None))
+        else:
+            pair = self.pairs[reference.key]
+            pair.given, pair.space = given, replica
+        self._fresh = True
+        return given
+
+    def Given(self, number):
+        """What users have of a form or a LACSpace with this number on the conductor."""
+        for known in self.things:
+            if isinstance(known, SpaceReplica) and known.multipliers == number:
+                return known.given
+        return self.things[number].form
+
+    def Complete(self):
+        """Fill new functions."""
+        if self._fresh:
+            self._fresh = False
+            self.crew.Call("values", self.Write)
+
+    # --- functions of users ------------------------------------------------------------------
+
+    def CallFunction(self, number, *args):
+        """What a function of users says here; of loads the values, and are they to be added?"""
+        args = [self.GivenFunction(a) if isinstance(a, Reference) else a for a in args]
+        load = self.things[number](*args)
+        if self.crew.conducts or not isinstance(load, VECTORS):
+            return load
+        load = load.Evaluate() if isinstance(load, DynamicVectorExpression) else load
         vec = load.vec if isinstance(load, LinearForm) else load
         added = vec.GetParallelStatus() == PARALLEL_STATUS.DISTRIBUTED
         return vec.FV().NumPy().copy(), added

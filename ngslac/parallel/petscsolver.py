@@ -55,6 +55,7 @@ class PetscSolver:
     tolerance = 1e-9
     most_failures = 2  # of an iteration in a row: it is given up
     wanted = None  # no solver of NGSolve
+    shown = "method", "factorisations", "krylov"  # on all processes
 
     def __init__(self, team, freedofs, method):
         self.team, self.freedofs, self.free = team, BitArray(freedofs), AsNumPy(freedofs)

@@ -83,6 +83,8 @@ class SpaceReplica:
     dofs : (n,) int, or list of them
         On a worker the number of each of its scalar dofs in the replica, -1: none. On the
         conductor those of all workers.
+    multipliers : int or None
+        Number of its replica where it is a LACSpace.
     own : (n,) int
         On the conductor the same for what it has itself of the distributed space: multipliers.
     """
@@ -90,7 +92,7 @@ class SpaceReplica:
     def __init__(self, given, mesh, parts=()):
         self.given, self.mesh, self.parts = given, mesh, parts
         self.space = self.dofs = None
-        self.own = np.empty(0, dtype=int)
+        self.own, self.multipliers = np.empty(0, dtype=int), None
 
     def Make(self, crew, number):
         """The replica; the conductor only. `number` is that by which workers know this one."""
@@ -144,6 +146,16 @@ class SpaceReplica:
         self.dofs = Scalars(numbers, d)
         return self.dofs
 
+    @property
+    def displacements(self):
+        """On a worker: `dofs`, but -1 for multipliers, which the conductor alone has."""
+        if self.multipliers is not None:
+            return np.full(len(self.dofs), -1)
+        if not self.parts:
+            return self.dofs
+        apart = np.concatenate([part.displacements for part in self.parts]) < 0
+        return np.where(apart, -1, self.dofs)
+
     def Free(self):
         """On a worker: which of its dofs are free."""
         return AsNumPy(self.given.FreeDofs())
@@ -153,6 +165,7 @@ class SpaceReplica:
         """A LACSpace, of which all processes have all dofs."""
         replica = cls(given, mesh)
         replica.space = space
+        replica.multipliers = given.number
         replica.dofs = replica.own = np.arange(given.ndof * given.dim)
         if space is not None:
             replica.dofs = [replica.dofs] * (mesh.crew.messages.size - 1)

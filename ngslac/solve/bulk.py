@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BaseVector, BilinearForm, BitArray
+from ngsolve import BaseMatrix, BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.loads import CheckRhs, LoadVector
@@ -76,9 +76,15 @@ class Bulk:
 
     @property
     def elastic(self):
-        """The BilinearForm without inertia; None: unknown."""
+        """The BilinearForm without inertia, or a matrix with its diagonal; None: unknown."""
         form = getattr(self.a, "elastic", self.a)
-        return form if isinstance(form, BilinearForm) else None
+        form = getattr(form, "elastic", form)
+        return form if isinstance(form, (BilinearForm, BaseMatrix)) else None
+
+    @property
+    def diagonal(self):
+        """The matrix, or one that has its diagonal in common with it."""
+        return getattr(self.mat, "diagonal", self.mat)
 
     @property
     def load(self):

@@ -10,6 +10,7 @@ from ngsolve.la import SparseMatrixd
 from ngslac.arguments import CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply
 from ngslac.contact.contact import LACContact
+from ngslac.parallel.bulk import RemoteForm
 
 __all__ = [
     "AssembleBulk",
@@ -35,6 +36,8 @@ REFUSED = {
 
 def CheckBulk(a):
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
+    if isinstance(a, RemoteForm):
+        return a
     CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
         raise ValueError("a lives on a complex space: contact needs a real one")

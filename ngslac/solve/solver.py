@@ -3,6 +3,7 @@
 import numpy as np
 from ngsolve import GridFunction
 
+from ngslac.distributable import Distributable
 from ngslac.arguments import (
     CheckChoice,
     CheckCount,
@@ -17,6 +18,7 @@ from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
+from ngslac.parallel.bulk import RemoteForm
 from ngslac.parallel.petscsolver import PetscSolver
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
@@ -38,7 +40,7 @@ from ngslac.solve.system import System
 __all__ = ["ContactSolver", "OnBulk"]
 
 
-class ContactSolver:
+class ContactSolver(metaclass=Distributable):
     """Solve bulk plus contact by a generalised Newton method.
 
     The contact status of each macro-element follows from the projection in the contact form, so
@@ -123,7 +125,9 @@ class ContactSolver:
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         given = inverse, solver, preconditioner, lambda: MotionsOf(contacts[0])
-        if solver == "petsc":
+        if isinstance(a, RemoteForm):
+            linear = a.LinearSolver(contacts[0], scalars, solver)
+        elif solver == "petsc":
             linear = PetscSolver.Serial(contacts[0], scalars, inverse, preconditioner)
         else:
             linear = ChooseSolver(a, contacts, scalars, *given)

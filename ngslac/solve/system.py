@@ -198,11 +198,11 @@ class System:
         if bulk.Assemble():
             self.linear.NewBulk()
         for contact in self.contacts:
-            contact.Prepare(bulk.mat, form=bulk.elastic)
+            contact.Prepare(bulk.diagonal, form=bulk.elastic)
         if not self._apart:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             self._apart = True
-        self.scale = EquilibrationScale(bulk.mat, self._Forms())
+        self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
             self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
 

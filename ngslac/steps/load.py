@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import Parameter
 
+from ngslac.distributable import Distributable
 from ngslac.arguments import (
     CheckCount,
     CheckFlag,
@@ -54,7 +55,7 @@ class Step:
     cuts: int
 
 
-class LoadStepper:
+class LoadStepper(metaclass=Distributable):
     """Raise the load in steps; halve a step that fails, and grow again after success.
 
     A failed step leaves solution, load and history at the last converged step. If the smallest step

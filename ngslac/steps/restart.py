@@ -5,6 +5,7 @@ import hashlib
 import numpy as np
 from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 
+from ngslac.distributable import Distributed
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
 from ngslac.files import PathOf
@@ -22,6 +23,7 @@ __all__ = ["LoadMesh", "LoadState", "SaveState"]
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
+@Distributed
 def SaveState(file, tool, *, also=None) -> None:
     """Write all that the next step depends on to a file: solution, histories, mesh.
 
@@ -108,6 +110,7 @@ def LoadMesh(file) -> Mesh:
     return MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"])
 
 
+@Distributed
 def LoadState(file, tool, *, also=None) -> None:
     """Put a computation into the state that `SaveState` wrote.
 

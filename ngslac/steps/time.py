@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from ngsolve import GridFunction, Integrate, Parameter
 
+from ngslac.distributable import Distributable
 from ngslac.arguments import (
     LARGEST_COUNT,
     CheckCount,
@@ -38,7 +39,7 @@ MOST_WON, MOST_OWED = 0.02, 1e-3
 CHANGED, MOST_SOLVES = 1e-4, 3
 
 
-class TimeStepper:
+class TimeStepper(metaclass=Distributable):
     """Integrate the motion of bodies in contact; halve a step that fails, and grow again.
 
     The bulk is integrated by the generalised-alpha method, which is the trapezoidal rule for

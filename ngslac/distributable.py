@@ -1,0 +1,62 @@
+"""Classes and functions that know what to do with a mesh that NGSolve distributes."""
+
+from functools import wraps
+
+from ngsolve import FESpace, Mesh
+
+__all__ = ["Distributable", "Distributed", "OnManyProcesses"]
+
+
+class OnManyProcesses:
+    """What runs calls on a distributed mesh, once there is one.
+
+    Attributes
+    ----------
+    Make, Call : callable
+        ``Make(mesh, kind, args, options)`` gives what stands for an object,
+        ``Call(mesh, function, args, options)`` the result of a function, on all processes.
+    """
+
+    Make = Call = None
+
+
+class Distributable(type):
+    """Class of classes whose objects on a distributed mesh live on its first process."""
+
+    def __call__(cls, *args, **options):
+        """An object, or what stands for it."""
+        mesh = DistributedMesh([*args, *options.values()])
+        if mesh is not None:
+            return OnManyProcesses.Make(mesh, cls, args, options)
+        return super().__call__(*args, **options)
+
+
+def Distributed(function):
+    """A function of objects that may live on a distributed mesh."""
+
+    @wraps(function)
+    def Everywhere(*args, **options):
+        mesh = DistributedMesh([*args, *options.values()])
+        if mesh is not None:
+            return OnManyProcesses.Call(mesh, function, args, options)
+        return function(*args, **options)
+
+    return Everywhere
+
+
+def DistributedMesh(things):
+    """The distributed mesh that some of these things live on; None if there is no such."""
+    for thing in things:
+        mesh = MeshOf(thing)
+        if mesh is None and isinstance(thing, (list, tuple)):
+            mesh = DistributedMesh(thing)
+        if mesh is not None and mesh.comm.size > 1:
+            return mesh
+    return None
+
+
+def MeshOf(thing):
+    """That of a space, of what lives on one, or of what stands for an object."""
+    space = thing if isinstance(thing, FESpace) else getattr(thing, "space", None)
+    mesh = getattr(space if isinstance(space, FESpace) else thing, "mesh", None)
+    return mesh if isinstance(mesh, Mesh) else None

@@ -1,0 +1,247 @@
+"""The bulk on a distributed mesh, as the conductor sees it: its forces and its matrix."""
+
+import numpy as np
+from ngsolve import BaseMatrix, GridFunction
+from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ngslac._ngslac import FormDiagonal
+from ngslac.bodies.constraints import ToCSR
+from ngslac.parallel.petscsolver import LARGE, PetscSolver
+from ngslac.parallel.team import Team
+
+__all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
+
+
+class FormPart:
+    """What a process knows of a form on a distributed mesh: all vectors are its own part.
+
+    Parameters
+    ----------
+    form : BilinearForm
+    replica : SpaceReplica
+        Of its space.
+    """
+
+    def __init__(self, form, replica):
+        self.form, self._replica = form, replica
+        self.vec = GridFunction(form.space).vec
+        self.forces = self.vec.CreateVector()
+
+    @property
+    def dofs(self):
+        """The number of each own scalar dof of the displacements in the replica."""
+        return self._replica.displacements
+
+    def _At(self, values):
+        self.vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
+        self.vec.FV().NumPy()[:] = values
+        return self.vec
+
+    def Apply(self, values):
+        """The forces of the own elements."""
+        self.form.Apply(self._At(values), self.forces)
+        return self.forces.FV().NumPy().copy()
+
+    def AssembleLinearization(self, values):
+        """Make the matrix."""
+        self.form.AssembleLinearization(self._At(values))
+
+    def Assemble(self, _):
+        """Make the matrix of a linear form."""
+        self.form.Assemble()
+
+    def Energy(self, values):
+        """Of the whole form."""
+        return self.form.Energy(self._At(values))
+
+    def Local(self, operator):
+        """A matrix of the own elements: "mat" or what belongs to condensation."""
+        mat = getattr(self.form, operator)
+        return getattr(mat, "local_mat", mat)
+
+    def Times(self, values, operator):
+        """The product with such a matrix."""
+        mat = self.Local(operator)
+        factor, product = mat.CreateRowVector(), mat.CreateColVector()
+        factor.FV().NumPy()[:] = values
+        product.data = mat * factor
+        return product.FV().NumPy().copy()
+
+    def Diagonal(self, _):
+        """That of the own part of the matrix."""
+        return ToCSR(self.Local("mat")).diagonal()
+
+    def ElasticDiagonal(self, _):
+        """That of the own elements at the boundary, see `FormDiagonal`."""
+        space = self.form.space
+        return FormDiagonal(self.form, space.GetDofs(space.mesh.Boundaries(".*")))
+
+    def Parts(self, _):
+        """A number for each own dof: the same where the own elements connect them."""
+        mat = ToCSR(self.Local("mat"))
+        ones = csr_matrix((np.ones(mat.nnz), mat.indices, mat.indptr), shape=mat.shape)
+        return connected_components(ones, directed=False)[1].astype(float)
+
+
+class RemoteForm:
+    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+    number : int
+        Of the FormPart.
+    given : BilinearForm
+    """
+
+    def __init__(self, ensemble, number, given):
+        self.ensemble, self.number, self.condense = ensemble, number, given.condense
+        self.flags = given.flags
+        self.replica = ensemble.SpaceOf(given.space)
+        self.space = ensemble.Space(given.space)
+        self._matrices = {}
+
+    # --- forces and energy ---------------------------------------------------------------------
+
+    def Ask(self, verb, values=None, *args):
+        """What each process says of its part of values (n,)."""
+        each = [None] * len(self.replica.dofs)
+        if values is not None:
+            each = [np.where(dofs >= 0, values[dofs], 0.0) for dofs in self.replica.dofs]
+        return self.ensemble.Order("form", self.number, verb, *args, each=each)[1:]
+
+    def Sum(self, parts):
+        """Values (n,) that processes have parts of."""
+        total = np.zeros(self.space.ndof * self.space.dim)
+        for dofs, part in zip(self.replica.dofs, parts, strict=True):
+            used = dofs >= 0
+            total += np.bincount(dofs[used], part[used], minlength=len(total))
+        return total
+
+    def Apply(self, x, y):
+        """y = forces at x, vectors on the space."""
+        y.FV().NumPy()[:] = self.Sum(self.Ask("Apply", x.FV().NumPy()))
+
+    def Energy(self, x):
+        """Of the whole form."""
+        return self.Ask("Energy", x.FV().NumPy())[0]
+
+    # --- matrices ------------------------------------------------------------------------------
+
+    def AssembleLinearization(self, x):
+        """Make the matrix at x."""
+        self._matrices.clear()
+        self.Ask("AssembleLinearization", x.FV().NumPy())
+
+    def Assemble(self):
+        """Make the matrix of a linear form."""
+        self._matrices.clear()
+        self.Ask("Assemble")
+
+    @property
+    def mat(self):
+        """The matrix made last."""
+        return self._Matrix("mat")
+
+    @property
+    def harmonic_extension(self):
+        """Of what is condensed."""
+        return self._Matrix("harmonic_extension")
+
+    @property
+    def harmonic_extension_trans(self):
+        """Of what is condensed."""
+        return self._Matrix("harmonic_extension_trans")
+
+    @property
+    def inner_solve(self):
+        """Of what is condensed."""
+        return self._Matrix("inner_solve")
+
+    def _Matrix(self, operator):
+        if operator not in self._matrices:
+            self._matrices[operator] = RemoteMatrix(self, operator)
+        return self._matrices[operator]
+
+    @property
+    def elastic(self):
+        """A matrix with the diagonal that the elements have without inertia."""
+        return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
+
+    def LinearSolver(self, contact, freedofs, wanted):
+        """What solves the linear systems, see `ChooseSolver`."""
+        if wanted not in (None, "petsc", "direct", "iterative"):
+            raise ValueError(
+                f"solver={wanted!r} is for one process: leave it out on a distributed mesh, or take "
+                "'direct' or 'iterative', both on PETSc"
+            )
+        team = Team(self.ensemble.crew, self, contact, freedofs)
+        large = freedofs.NumSet() > LARGE[self.space.mesh.dim]
+        method = "iterative" if large else "direct"
+        return PetscSolver(team, freedofs, method if wanted in (None, "petsc") else wanted)
+
+
+class RemoteMatrix(BaseMatrix):
+    """A matrix of which each process has a part.
+
+    Parameters
+    ----------
+    form : RemoteForm
+    operator : str
+        Which of its matrices.
+    """
+
+    def __init__(self, form, operator):
+        super().__init__()
+        self.form, self.operator = form, operator
+        self._diagonal = None
+
+    @property
+    def diagonal(self):
+        """A sparse matrix with the same diagonal."""
+        if self._diagonal is None:
+            self._diagonal = Diagonal(self.form.Sum(self.form.Ask("Diagonal")))
+        return self._diagonal
+
+    def Parts(self):
+        """A number (n,) for each dof: the same where they are connected."""
+        found = [part.astype(int) for part in self.form.Ask("Parts")]
+        n, first, ends = self.Height(), self.Height(), []
+        for dofs, part in zip(self.form.replica.dofs, found, strict=True):
+            used = dofs >= 0
+            ends.append((dofs[used], first + part[used]))
+            first += 1 + part.max(initial=-1)
+        row, column = (np.concatenate(side) for side in zip(*ends, strict=True))
+        graph = coo_matrix((np.ones(len(row)), (row, column)), shape=(first, first))
+        return connected_components(graph, directed=False)[1][:n]
+
+    def Mult(self, x, y):
+        """Y = the product with x."""
+        form = self.form
+        parts = form.Ask("Times", x.FV().NumPy(), self.operator)
+        y.FV().NumPy()[:] = form.Sum(parts)
+
+    def Height(self):
+        """Rows."""
+        return self.form.space.ndof
+
+    def Width(self):
+        """Columns."""
+        return self.form.space.ndof
+
+    def CreateColVector(self):
+        """A vector of `Height`."""
+        return GridFunction(self.form.space).vec
+
+    def CreateRowVector(self):
+        """A vector of `Width`."""
+        return GridFunction(self.form.space).vec
+
+
+def Diagonal(values):
+    """The sparse matrix with a diagonal (n,)."""
+    n = len(values)
+    where = np.arange(n).tolist()
+    return SparseMatrixd.CreateFromCOO(where, where, values.tolist(), n, n)

@@ -1,0 +1,171 @@
+"""Arguments of users as those of the serial code on the conductor."""
+
+import numpy as np
+from ngsolve import (
+    BilinearForm,
+    BitArray,
+    CoefficientFunction,
+    GridFunction,
+    Parameter,
+    Region,
+)
+from ngsolve.comp import ProxyFunction
+
+from ngslac._ngslac import HoldsGridFunction, LACSpace, ProxyPath
+from ngslac.arguments import IsFunction
+from ngslac.arrays import AsBits, AsNumPy
+from ngslac.parallel.bulk import FormPart, RemoteForm
+from ngslac.parallel.ensemble import VECTORS
+
+__all__ = ["Recipe"]
+
+
+def Recipe(given, ensemble):
+    """A function that makes of an argument what the conductor works with.
+
+    All processes ask for it at once; only the conductor calls it, in the middle of a call.
+    """
+    if "_ensemble" in getattr(given, "__dict__", {}):  # a Twin
+        return lambda: ensemble.homes[given._key]
+    for kinds, recipe in RECIPES:
+        if isinstance(given, kinds):
+            return recipe(given, ensemble)
+    if IsFunction(given) and not isinstance(given, type):
+        return OfFunction(given, ensemble)
+    return lambda: given
+
+
+def OfFunctions(given, ensemble):
+    """A GridFunction: that which stands for it."""
+    pair = ensemble.PairOf(given)
+    return lambda: ensemble.Function(pair)
+
+
+def OfForm(given, ensemble):
+    """A bulk form: orders to all parts of it."""
+    replica = ensemble.context = ensemble.SpaceOf(given.space)
+    for number, known in enumerate(ensemble.things):
+        if isinstance(known, FormPart) and known.form is given:
+            break
+    else:
+        number = ensemble.Add(FormPart(given, replica))
+
+    def Make():
+        if number not in ensemble.homes:
+            ensemble.homes[number] = RemoteForm(ensemble, number, given)
+        return ensemble.homes[number]
+
+    return Make
+
+
+def OfProxy(given, ensemble):
+    """A trial function: that of the same component."""
+    path, replica = ProxyPath(given, "u or lam"), ensemble.SpaceOf(given.space)
+
+    def Make():
+        found = ensemble.Space(replica.given).TrialFunction()
+        for k in path:
+            found = found[k]
+        return found
+
+    return Make
+
+
+def OfParameter(given, ensemble):
+    """A parameter of the load: itself, with the same value everywhere."""
+    number = ensemble.NumberOf(given)
+    if number not in ensemble.parameters:
+        ensemble.parameters.append(number)
+    return lambda: given
+
+
+def OfCoefficient(given, ensemble):
+    """A function of place and parameters: itself."""
+
+    def Make():
+        if HoldsGridFunction(given):
+            raise ValueError(
+                f"a function of contact on a distributed mesh holds a GridFunction, of which no "
+                f"process has all: {given!s:.60}; give a function of x, y, z and parameters"
+            )
+        return given
+
+    return Make
+
+
+def OfBits(given, ensemble):
+    """Dofs of the product space."""
+    number, replica = ensemble.Add(given), ensemble.context
+
+    def Make():
+        bits = AsNumPy(replica.space.FreeDofs())
+        _, *found = ensemble.Order("bits", number)
+        d = replica.space.dim
+        for dofs, own in zip(replica.dofs, found, strict=True):
+            bits[dofs[::d] // d] = own
+        return AsBits(bits)
+
+    return Make
+
+
+def OfMany(given, ensemble):
+    """A list or a tuple."""
+    parts = [Recipe(part, ensemble) for part in given]
+    return lambda: type(given)(part() for part in parts)
+
+
+def OfDict(given, ensemble):
+    """Values by names or regions."""
+    parts = [(Recipe(key, ensemble), Recipe(given[key], ensemble)) for key in given]
+    return lambda: {key(): part() for key, part in parts}
+
+
+def OfLoad(given, ensemble):
+    """Forces: a function that gives them."""
+    return OfFunction(lambda: given, ensemble)
+
+
+def OfFunction(given, ensemble):
+    """A function of users: all processes call it at once."""
+    number, replica = ensemble.Add(given), ensemble.context
+
+    def Call(*args):
+        ensemble.Write()
+        args = [ensemble.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
+        own = lambda: ensemble.CallFunction(number, *args)  # noqa: E731
+        result, *parts = ensemble.Order("call", number, *args, own=own)
+        ensemble.Read()
+        if not isinstance(result, VECTORS):
+            return result
+        return LoadOf(replica, parts)
+
+    return lambda: Call
+
+
+def LoadOf(replica, parts):
+    """The vector that processes have parts of, of which some are to be added up."""
+    load = GridFunction(replica.space).vec
+    total = load.FV().NumPy()
+    total[:] = 0
+    for dofs, (values, added) in zip(replica.dofs, parts, strict=True):
+        used = dofs >= 0
+        if added:
+            total += np.bincount(dofs[used], values[used], minlength=len(total))
+        else:
+            total[dofs[used]] = values[used]
+    return load
+
+
+RECIPES = (
+    (GridFunction, OfFunctions),
+    (BilinearForm, OfForm),
+    (ProxyFunction, OfProxy),
+    (Parameter, OfParameter),
+    (VECTORS, OfLoad),
+    (CoefficientFunction, OfCoefficient),
+    (Region, lambda given, ensemble: lambda: ensemble.mesh.Region(given)),
+    (LACSpace, lambda given, ensemble: lambda: ensemble.homes[given.number]),
+    (BitArray, OfBits),
+    (dict, OfDict),
+    ((list, tuple), OfMany),
+)

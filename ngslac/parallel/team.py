@@ -1,0 +1,72 @@
+"""The processes that solve linear systems together, as the conductor sees them."""
+
+import numpy as np
+
+from ngslac.arrays import AsNumPy
+from ngslac.parallel.nodes import Nodes
+from ngslac.parallel.petscsystem import PetscSystem
+
+__all__ = ["Team"]
+
+
+class Team:
+    """Calls methods of a PetscSystem on all processes.
+
+    Parameters
+    ----------
+    crew : Crew
+    form : RemoteForm
+        The bulk.
+    contact : LACContact
+        The first of those on the space.
+    freedofs : BitArray
+        Scalar dofs.
+    """
+
+    def __init__(self, crew, form, contact, freedofs):
+        self._crew, self._form, self._system = crew, form.number, None
+        free = AsNumPy(freedofs)
+        given = free, Nodes.Of(contact, freedofs)
+
+        def Own():
+            none = np.empty(0, dtype=int)
+            self._system = PetscSystem(crew.messages.comm, len(free), none, *given)
+
+        crew.Order("petsc", form.number, None, len(free), own=Own)
+
+    def Call(self, name, *args):
+        """What a method gives here; what workers have no use for, or have themselves, stays."""
+        told = [arg if isinstance(arg, (str, float)) else None for arg in args]
+        own = (None,) if name == "SetBulk" else args
+        given = self._form, name, *told
+        return self._crew.Order("petsc", *given, own=lambda: self._Own(name, own))[0]
+
+    def _Own(self, name, args):
+        return getattr(self._system, name)(*args)
+
+    def Get(self, name):
+        """An attribute of the PetscSystem here."""
+        return getattr(self._system, name)
+
+
+class TeamMember:
+    """A worker's part of linear systems.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+    """
+
+    def __init__(self, ensemble):
+        self._ensemble, self._systems = ensemble, {}
+
+    def Obey(self, number, name, *args):
+        """Call a method of the PetscSystem of the form with this number; None: make it."""
+        part = self._ensemble.things[number]
+        if name is None:
+            comm, dofs = self._ensemble.crew.messages.comm, part.dofs
+            self._systems[number] = PetscSystem(comm, *args, dofs)
+        elif name == "SetBulk":
+            self._systems[number].SetBulk(part.Local("mat"))
+        else:
+            getattr(self._systems[number], name)(*args)

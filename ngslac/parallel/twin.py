@@ -1,0 +1,191 @@
+"""What users hold on a distributed mesh in place of objects that live on the conductor."""
+
+import inspect
+
+from ngsolve import GridFunction
+
+from ngslac.distributable import OnManyProcesses
+from ngslac.parallel.ensemble import Ensemble
+from ngslac.parallel.plain import IsPlain, Reference, View
+from ngslac.parallel.recipes import Recipe
+
+__all__ = ["CallEverywhere", "Twin"]
+
+
+class Twin:
+    """Stands for an object on the conductor: the same attributes and methods, on all processes.
+
+    Methods have to be called on all processes at once. Attributes are those after the last call.
+
+    Parameters
+    ----------
+    kind : type
+        Of the object.
+    ensemble : Ensemble
+    key :
+        By which the conductor knows it.
+    given : dict
+        Arguments that it was made of, by name.
+    """
+
+    def __init__(self, kind, ensemble, key, given):
+        vars(self).update(
+            _kind=kind, _ensemble=ensemble, _key=key, _given=given, _public={}, _text=""
+        )
+        ensemble.twins[key] = self
+
+    @property
+    def __class__(self):
+        """That of the object, so that it passes for one."""
+        return self._kind
+
+    @property
+    def mesh(self):
+        """The distributed mesh."""
+        return self._ensemble.mesh.given
+
+    def __repr__(self):
+        return self._text
+
+    __str__ = __repr__
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if inspect.isfunction(getattr(self._kind, name, None)):
+            return lambda *args, **options: self._Call(name, args, options)
+        for known in (self._public, self._given):
+            if name in known:
+                return known[name]
+        raise AttributeError(
+            f"{name} of a {self._kind.__name__} is not known on a distributed mesh"
+        )
+
+    def __setattr__(self, name, value):
+        value = Recipe(value, self._ensemble)
+        key = self._key
+        RunEverywhere(
+            self._ensemble,
+            f"{self._kind.__name__}.{name} =",
+            lambda: setattr(self._ensemble.homes[key], name, value()),
+        )
+
+    def _Call(self, name, args, options):
+        ensemble, key = self._ensemble, self._key
+        given = Given(args, options, ensemble)
+        title = f"{self._kind.__name__}.{name}"
+
+        def Work():
+            args, options = given()
+            return getattr(ensemble.homes[key], name)(*args, **options)
+
+        return RunEverywhere(ensemble, title, Work)
+
+
+def Given(args, options, ensemble):
+    """Makes of arguments those of the conductor, when it is called there."""
+    args = [Recipe(arg, ensemble) for arg in args]
+    options = {name: Recipe(arg, ensemble) for name, arg in options.items()}
+    return lambda: ([arg() for arg in args], {name: arg() for name, arg in options.items()})
+
+
+def MakeTwin(mesh, kind, args, options):
+    """The Twin of a new object."""
+    ensemble = Ensemble.Of(mesh)
+    number, given = ensemble.Add(kind), Given(args, options, ensemble)
+
+    def Work():
+        args, options = given()
+        ensemble.homes[number] = kind(*args, **options)
+
+    bound = inspect.signature(kind.__init__).bind_partial(None, *args, **options)
+    names = dict(list(bound.arguments.items())[1:])
+    twin = Twin(kind, ensemble, number, names)
+    RunEverywhere(ensemble, kind.__name__, Work)
+    return twin
+
+
+def CallEverywhere(mesh, function, args, options):
+    """The result of a function on the conductor."""
+    ensemble = Ensemble.Of(mesh)
+    given = Given(args, options, ensemble)
+
+    def Work():
+        args, options = given()
+        return function(*args, **options)
+
+    return RunEverywhere(ensemble, function.__name__, Work)
+
+
+OnManyProcesses.Make, OnManyProcesses.Call = MakeTwin, CallEverywhere
+
+
+# --- what comes back -----------------------------------------------------------------------------
+
+
+def RunEverywhere(ensemble, title, work):
+    """What `work` gives on the conductor, as all processes may have it."""
+    kept = []
+
+    def Work():
+        try:
+            kept.append(work())
+        finally:
+            shown = {key: Shown(ensemble, key) for key in list(ensemble.twins) if key in ensemble.homes}
+        return Packed(kept[0], ensemble), shown
+
+    result, shown = ensemble.Call(title, Work)
+    for key, (public, text) in shown.items():
+        public = {name: Unpacked(value, ensemble) for name, value in public.items()}
+        vars(ensemble.twins[key]).update(_public=public, _text=text)
+    ensemble.Complete()
+    return Unpacked(result, ensemble, *kept)
+
+
+def Shown(ensemble, key):
+    """The attributes of an object that all may see, and its line."""
+    home, public = ensemble.homes[key], {}
+    names = {name for name, kind in inspect.getmembers(type(home)) if isinstance(kind, property)}
+    for name in sorted({*names, *vars(home)}):
+        if not name.startswith("_"):
+            packed = Packed(getattr(home, name, None), ensemble, view=True)
+            if packed is not None:
+                public[name] = packed
+    return public, repr(home)
+
+
+def Packed(value, ensemble, view=False):
+    """What can be sent of a value: itself, what stands for it, or None."""
+    if IsPlain(value):
+        return value
+    if isinstance(value, (list, tuple)) and value:
+        return type(value)(Packed(part, ensemble, view) for part in value)
+    if isinstance(value, GridFunction):
+        return ensemble.ReferenceTo(value)
+    for key, home in ensemble.homes.items():
+        if home is value:
+            return Reference("twin" if key in ensemble.twins else "given", key)
+    if hasattr(type(value), "shown"):
+        return View.Of(value)
+    module = type(value).__module__
+    if view or not module.startswith("ngslac") or module == "ngslac._ngslac":
+        return None
+    key = ("result", len(ensemble.homes))
+    ensemble.homes[key] = value
+    return Reference("twin", key, type(value))
+
+
+def Unpacked(value, ensemble, own=None):
+    """The value here; `own` where the conductor has more of it."""
+    if isinstance(value, (list, tuple)) and any(isinstance(v, Reference) for v in value):
+        return type(value)(Unpacked(part, ensemble) for part in value)
+    if not isinstance(value, Reference):
+        return own if value is None else value
+    if value.kind == "function":
+        return ensemble.GivenFunction(value)
+    if value.kind == "given":
+        return ensemble.Given(value.key)
+    if value.key not in ensemble.twins:
+        Twin(value.what, ensemble, value.key, {})
+    return ensemble.twins[value.key]
+
