@@ -13,6 +13,8 @@ scale : float
 angle : float, rotation : (3, 3) array_like or (axis, float)
     Rotation about the origin, in 2D in degrees, in 3D see `RotationMatrix`. The topology of the
     mesh depends neither on it nor on the scale.
+
+For several processes see `Distributed`.
 """
 
 from ngslac.meshes.blocks import TwoBlocks
@@ -20,6 +22,7 @@ from ngslac.meshes.blocks3d import TwoBlocks3D
 from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 from ngslac.meshes.cords import CordMesh, DiscInRing
 from ngslac.meshes.cylinders import CylinderOnBlock
+from ngslac.meshes.distributed import Distributed
 from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 from ngslac.meshes.hertz import HertzMesh, IndentationMesh, PointForce
@@ -33,6 +36,7 @@ __all__ = [
     "CordMesh",
     "CylinderOnBlock",
     "DiscInRing",
+    "Distributed",
     "HertzMesh",
     "IndentationMesh",
     "PointForce",

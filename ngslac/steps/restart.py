@@ -9,6 +9,7 @@ from ngslac.distributable import Distributed
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
 from ngslac.files import PathOf
+from ngslac.meshes.distributed import Distributed
 from ngslac.solve.iteration import Iteration
 from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import ContactSolver
@@ -79,7 +80,7 @@ def SaveState(file, tool, *, also=None) -> None:
     WriteTree(path, tree, RECORDS)
 
 
-def LoadMesh(file) -> Mesh:
+def LoadMesh(file, *, comm=None) -> Mesh:
     """The mesh of a file of `SaveState`, with the numbering that its values refer to.
 
     It comes back exactly; where it is curved and was refined, up to rounding. What `SetDeformation`
@@ -88,6 +89,8 @@ def LoadMesh(file) -> Mesh:
     Parameters
     ----------
     file : str or Path
+    comm : mpi4py.MPI.Comm, optional
+        Distributes the mesh to these processes, as many as you like.
 
     Returns
     -------
@@ -107,7 +110,7 @@ def LoadMesh(file) -> Mesh:
     >>> found.nv == mesh.nv and found.GetBoundaries() == mesh.GetBoundaries()
     True
     """
-    return MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"])
+    return Distributed(lambda: MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"]), comm)
 
 
 @Distributed

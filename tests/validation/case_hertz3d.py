@@ -27,7 +27,7 @@ from ngslac.reference import HertzLine
 @cache
 def Run(shape="sphere", *, h, order=2, stabilize="none", steps=1):
     """The solution of each load step of the example; the options are its own."""
-    mesh = hertz3d.Mesh(shape, h, order=order)
+    mesh = hertz3d.Mesh(shape, h, order=order, stabilize=stabilize)
     line = shape == "cylinder"
     load = hertz3d.FORCE[shape] * hertz3d.PART[shape, "quarter"] * (THICKNESS if line else 1.0)
     pressed = hertz3d.Press(mesh, load, order=order, stabilize=stabilize, steps=steps)

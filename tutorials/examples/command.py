@@ -3,11 +3,38 @@
 import argparse
 import json
 import math
-from contextlib import contextmanager
+import os
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
 
 from ngslac import ContactConvergenceError
+
+
+def Communicator():
+    """That of the processes that mpiexec has started; None in a single one."""
+    sizes = (os.environ.get(name, "1") for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE"))
+    if not any(int(size) > 1 for size in sizes):
+        return None
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD
+
+
+def Speaks():
+    """Is this the process that prints and writes? There is one."""
+    comm = Communicator()
+    return comm is None or comm.rank == 0
+
+
+@contextmanager
+def Ordered():
+    """Nothing is printed but by one process."""
+    if Speaks():
+        yield
+        return
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere), redirect_stderr(nowhere):
+        yield
 
 
 class Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
@@ -50,8 +77,14 @@ def Count(text):
 def Start(run, parser, arguments=None):
     """Call ``run(**options)``, which returns a dict of numbers; write and return them.
 
-    What failed when there were some numbers is a text among them, and the end of the script.
+    What failed when there were some numbers is a text among them, and the end of the script. Of
+    several processes one prints and writes.
     """
+    with Ordered():
+        return _Start(run, parser, arguments)
+
+
+def _Start(run, parser, arguments):
     options = vars(parser.parse_args(arguments))
     file = options.pop("json")
     if options["out"] and not find_spec("matplotlib"):  # said before the work, not after it
@@ -59,17 +92,22 @@ def Start(run, parser, arguments=None):
     try:
         figures = run(**options)
     except KeyboardInterrupt:
-        raise SystemExit("interrupted") from None
+        raise Ended("interrupted") from None
     except ContactConvergenceError as error:
-        raise SystemExit(str(error)) from None
+        raise Ended(str(error)) from None
     except ValueError as error:
         parser.error(str(error))
-    if file:
+    if file and Speaks():
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(figures, indent=2, default=float) + "\n")
     if figures.get("failure"):
-        raise SystemExit(figures["failure"])
+        raise Ended(figures["failure"])
     return figures
+
+
+def Ended(text):
+    """The end of the script, with a text of one process."""
+    return SystemExit(text if Speaks() else 1)
 
 
 def Main(run, text, **options):
@@ -109,5 +147,7 @@ def Picture(folder, name, rows=1, columns=1, size=None, **options):
 
     figure = Figure(figsize=size, layout="constrained")
     yield figure.subplots(rows, columns, **options)
+    if not Speaks():
+        return
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / f"{name}.png", dpi=150)

@@ -11,16 +11,19 @@ def RigidMotion(V, *, body, driven, target):
     """
 
     def Vertices(region):
-        return np.array(sorted({v.nr for element in region.Elements() for v in element.vertices}))
+        numbers = {v.nr for element in region.Elements() for v in element.vertices}
+        return np.array(sorted(numbers), dtype=int)
 
     moved = Vertices(V.mesh.Materials(body))
-    leader = Vertices(V.mesh.Boundaries(driven))[0]
+    leader = Vertices(V.mesh.Boundaries(driven))[:1]
+    comm = V.mesh.comm  # a process of a distributed mesh may have nothing of the boundary
 
     def Move(gf):
         values = gf.components[0].vec.FV().NumPy()
         for k, wanted in enumerate(target()):
             first = V.Range(k).start
             # Vertex functions add up to 1; those of edges and faces do not take part.
-            values[first + moved] += wanted - values[first + leader]
+            reached = comm.Max(float(values[first + leader].max(initial=-np.inf)))
+            values[first + moved] += wanted - reached
 
     return Move

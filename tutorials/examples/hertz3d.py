@@ -16,14 +16,14 @@ macro-elements; contact_radius_ratio is that of the Hertz pressure which fits th
 from dataclasses import dataclass, field
 
 import numpy as np
-from command import Count, Main, NotNegative, Picture, Positive
+from command import Communicator, Count, Main, NotNegative, Picture, Positive
 from hertzmeans import Compare, Radius
 from ngsolve import *
 from slavefaces import SlaveFaces
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
 from ngslac.materials import Stress
-from ngslac.meshes import CylinderOnBlock, SphereOnBlock
+from ngslac.meshes import CylinderOnBlock, Distributed, SphereOnBlock
 from ngslac.reference import HertzLine, HertzPoint
 
 YOUNG, POISSON, RADIUS = {"body": 210e3, "block": 70e3}, 0.3, 50.0  # MPa, 1, mm
@@ -38,17 +38,19 @@ def Hertz(shape, force=1.0):
     return kind(force=force * FORCE[shape], radius1=RADIUS, **bodies)
 
 
-def Mesh(shape, h, *, model="quarter", order=2):
-    """The bodies, fine where they touch: slave faces of size h."""
+def Mesh(shape, h, *, model="quarter", order=2, stabilize="none"):
+    """The bodies, fine where they touch: slave faces of size h, which are split then if wanted."""
     # Linear elements that grow fast with the depth make both bodies too stiff: ten per cent in the
     # contact modulus, which shows as a peak six per cent too high. A coarse, soft master of them
     # deforms with kinks that the pressures follow.
     ratio = 0.6 if order == 1 else 1.2
     options = dict(radius=RADIUS, model=model, ratio=ratio, zone=1.3 * Radius(Hertz(shape)))
     if shape == "cylinder":
-        return CylinderOnBlock(h, **options)
-    grading = {"grading": 0.2} if order == 1 else {}
-    return SphereOnBlock(h, order=max(2, order), **options, **grading)
+        mesh = CylinderOnBlock(h, **options)
+    else:
+        grading = {"grading": 0.2} if order == 1 else {}
+        mesh = SphereOnBlock(h, order=max(2, order), **options, **grading)
+    return SplitSlaveFaces(mesh, "slave") if stabilize == "split" else mesh
 
 
 def Elastic(mesh, u):
@@ -59,8 +61,6 @@ def Elastic(mesh, u):
 
 def Displacements(mesh, *, order=2, stabilize="none"):
     """Displacements that are held at the bottom and on the symmetry planes."""
-    if stabilize == "split":
-        mesh = SplitSlaveFaces(mesh, "slave")
     held = {"dirichletx": "bottom|sym_x", "dirichlety": "bottom|sym_y", "dirichletz": "bottom"}
     if stabilize == "bubble":
         return BubbleVectorH1(mesh, order=order, slave="slave", **held)
@@ -84,7 +84,7 @@ class Pressed:
 def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
     """Press the bodies together by a force; the options are those of `Displacements`."""
     V = Displacements(mesh, **options)
-    mesh, X = V.mesh, V * LACSpace(V, slave="slave")
+    X = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
     factor, a, gf = Parameter(0.0), BilinearForm(X), GridFunction(X)
     a += InnerProduct(Elastic(mesh, u), Sym(Grad(v))) * dx
@@ -92,7 +92,7 @@ def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
     # motion, but not to one up or down. A sphere without friction needs that in order not to roll.
     plate = RADIUS * InnerProduct(Grad(u).Trace(), Grad(v).Trace())
     plate += (u[0] * v[0] + u[1] * v[1]) / RADIUS
-    area = Integrate(CF(1) * ds(definedon=mesh.Boundaries("top")), mesh)
+    area = Integrate(1, mesh, definedon=mesh.Boundaries("top"))
     a += (YOUNG["body"] * plate + factor * load / area * v[2]) * ds("top")
     contact = LACContact(u, lam, master="master", friction=friction or None)
     pressed = Pressed(gf, contact, Elastic(mesh, gf.components[0]))
@@ -104,7 +104,9 @@ def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
 
 def Run(*, out, quiet, shape, model, h, order, stabilize, friction, steps, inverse):
     """Compute, compare, print, write; the figures."""
-    mesh = Mesh(shape, h, model=model, order=order)
+    mesh = Distributed(
+        lambda: Mesh(shape, h, model=model, order=order, stabilize=stabilize), Communicator()
+    )
     load, hertz = FORCE[shape] * PART.get((shape, model), 1.0), Hertz(shape)
     how = dict(order=order, stabilize=stabilize, friction=friction, steps=steps, inverse=inverse)
     pressed = Press(mesh, load, **how)
@@ -115,7 +117,7 @@ def Run(*, out, quiet, shape, model, h, order, stabilize, friction, steps, inver
         "force_ratio": force[2] / load,
         "newton_iterations": iterations,
         "newton_max": max(iterations),
-        "ndof": len(pressed.solution.vec),
+        "ndof": pressed.solution.components[0].space.ndofglobal + table["traction"].size,
     }
     if not quiet:
         print(f"{figures['ndof']} unknowns, {len(faces.area)} macro-elements, Newton {iterations}")

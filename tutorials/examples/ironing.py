@@ -16,13 +16,13 @@ half an edge of the slab at most: larger ones can end in another equilibrium, of
 from itertools import pairwise
 
 import numpy as np
-from command import Columns, Count, Main, NotNegative, Picture, Positive
+from command import Columns, Communicator, Count, Main, NotNegative, Picture, Positive
 from driven import RigidMotion
 from ngsolve import *
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
-from ngslac.meshes import geometry
+from ngslac.meshes import Distributed, geometry
 from ngslac.reference.ironing import PUBLISHED, TIMES
 
 YOUNG, POISSON = {"die": 6896.0, "slab": 689.6}, 0.32  # MPa
@@ -71,7 +71,7 @@ class Ironing:
     """Die, slab and solver; `rows` has an entry for each step."""
 
     def __init__(self, h=0.3, order=2, friction=0.3):
-        self.mesh, self.rows = IroningMesh(h, order), []
+        self.mesh, self.rows = Distributed(lambda: IroningMesh(h, order), Communicator()), []
         V = VectorH1(self.mesh, order=order, dirichlet="bottom|top")
         X = V * LACSpace(V, slave="foot|flank")
         u, lam = X.TrialFunction()

@@ -15,7 +15,10 @@ from ngsolve import BND
 
 @dataclass(frozen=True)
 class SlaveFaces:
-    """Corners and areas of the slave faces, all triangles or all quadrilaterals."""
+    """Corners and areas of the slave faces, all triangles or all quadrilaterals.
+
+    Each process of a distributed mesh knows those of all, but for the numbers of vertices.
+    """
 
     mesh: object
     macros: object  # macro-element of each boundary element, -1 off the slave side
@@ -24,18 +27,25 @@ class SlaveFaces:
     @cached_property
     def owner(self):
         """Macro-element (n,) of each face."""
-        return np.array([m for m in self.macros if m >= 0])
+        return self._Everywhere([m for m in self.macros if m >= 0])
 
     @cached_property
     def vertices(self):
-        """Vertex numbers (n, corners) of the faces."""
+        """Vertex numbers (n, corners) of the faces of this process."""
         elements = zip(self.mesh.Elements(BND), self.macros, strict=True)
         return np.array([[v.nr for v in el.vertices] for el, macro in elements if macro >= 0])
 
     @cached_property
     def corners(self):
         """Corners (n, corners, 2) of the faces."""
-        return np.array([v.point[:2] for v in self.mesh.vertices])[self.vertices]
+        points = [v.point[:2] for v in self.mesh.vertices]
+        return self._Everywhere([[points[v] for v in face] for face in self.vertices])
+
+    def _Everywhere(self, rows):
+        """The rows of all processes as array."""
+        if self.mesh.comm.size > 1:
+            rows = [row for part in self.mesh.comm.mpi4py.allgather(rows) for row in part]
+        return np.array(rows)
 
     @cached_property
     def areas(self):

@@ -1,0 +1,121 @@
+"""Cases that fail, or in which a user's function does: all processes say so, and none waits."""
+
+import numpy as np
+from ngsolve import CF, InnerProduct, VectorH1, ds
+from parallel_problem import QUIET, problem, results
+from parallel_shapes import block_on_block, disc_on_block
+from parallel_small import YOUNG, floating_blocks
+from parallel_world import case
+
+from ngslac import ContactConvergenceError, LACContact, LACSpace, LoadStepper
+
+
+def refused(function, kinds=(Exception,)):
+    """The name of the error that a function raises."""
+    try:
+        function()
+    except kinds as error:
+        return type(error).__name__
+    raise AssertionError("nothing was raised")
+
+
+def text(function):
+    try:
+        function()
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    raise AssertionError("nothing was raised")
+
+
+@case
+def too_far(world):
+    """A step to a load without equilibrium: friction cannot hold the block."""
+    made = floating_blocks(world.comm)
+    v = made.X.TestFunction()[0]
+    made.a += -(made.load**3) * InnerProduct(CF((0.9, 0)), v) * ds("top")
+    stepper = LoadStepper(made.solver(), made.load, maxcuts=2)
+    stepper.Integrate(0.25, steps=1, **QUIET)
+    before = results(made)
+    error = refused(lambda: stepper.Integrate(1.0, steps=1, **QUIET), ContactConvergenceError)
+    after = results(made, error=error, load=made.load.Get(), steps=len(stepper.steps))
+    return after | {f"before {name}": value for name, value in before.items()}
+
+
+@case
+def torn_off(world):
+    """The upper block is pulled away: it floats."""
+    made = floating_blocks(world.comm)
+    made.load.Set(-1.0)
+    error = refused(lambda: made.solver().Solve(**QUIET), ContactConvergenceError)
+    return results(made, error=error)
+
+
+@case
+def too_few_iterations(world):
+    made = problem(disc_on_block(world.comm), young=YOUNG, friction=0.3)
+    made.u.Set(CF((0.02, -0.05)), definedon=made.mesh.Boundaries("top"))
+    error = refused(lambda: made.solver().Solve(maxit=1, printing=False), ContactConvergenceError)
+    return results(made, error=error)
+
+
+@case
+def unknown_slave(world):
+    V = VectorH1(block_on_block(world.comm), order=2)
+    return {"error": (text(lambda: LACSpace(V, slave="slav")), None)}
+
+
+@case
+def unknown_master(world):
+    V = VectorH1(block_on_block(world.comm), order=2)
+    u, lam = (V * LACSpace(V, slave="slave")).TrialFunction()
+    return {"error": (text(lambda: LACContact(u, lam, master="mastr")), None)}
+
+
+@case
+def negative_friction(world):
+    """Which only those see that have slave faces."""
+    made = problem(block_on_block(world.comm), friction=CF(-0.1))
+    return {"error": (text(lambda: made.solver().Solve(**QUIET)), None)}
+
+
+@case
+def failing_callback(world):
+    """In one process only; the step before it stays."""
+    made = floating_blocks(world.comm)
+
+    def callback(step):
+        if step.number == 2 and world.rank == min(2, world.size - 1):
+            raise ValueError("no more")
+
+    stepper = LoadStepper(made.solver(), made.load)
+    error = refused(lambda: stepper.Integrate(steps=3, callback=callback, **QUIET))
+    return results(made, error=error, load=made.load.Get(), steps=len(stepper.steps))
+
+
+@case
+def failing_prescribe(world):
+    """A function of the user that fails in one process."""
+    made = problem(block_on_block(world.comm), friction=0.3)
+
+    def values(gf):
+        gf.components[0].Set(CF((0, -0.02 * made.load)), definedon=made.mesh.Boundaries("top"))
+        if made.load.Get() > 0.6 and world.rank == min(2, world.size - 1):
+            raise ValueError("not so far")
+
+    stepper = LoadStepper(made.solver(), made.load, prescribe=values)
+    error = refused(lambda: stepper.Integrate(steps=2, **QUIET))
+    return results(made, error=error, load=made.load.Get(), steps=len(stepper.steps))
+
+
+@case
+def asking_callback(world):
+    """A callback that asks for tables and integrals, of iterations and of steps."""
+    made = floating_blocks(world.comm)
+    (contact,), seen = made.contacts, []
+
+    def step_done(step):
+        seen.append([step.time, contact.Force()[1], contact.Table()["pressure"].max()])
+
+    stepper = LoadStepper(made.solver(), made.load)
+    stepper.Integrate(steps=2, callback=step_done, **QUIET)
+    return results(made, seen=np.array(seen))

@@ -1,0 +1,51 @@
+"""Distributed runs give the results of the serial one; nobody waits for ever."""
+
+import numpy as np
+import pytest
+from parallel_compare import differences
+from parallel_start import missing, run
+from parallel_worker import CASES
+
+# Run on 3 and 4 ranks, these on 1, 2 and 5, too.
+SOME = ("hertz2d", "hertz3d", "ironing", "two_contacts", "unknown_slave", "saved", "restarted")
+ALL = sorted(CASES, key=lambda name: name == "restarted")  # after "saved", whose file it reads
+RUNS = {3: ALL, 4: ALL} | dict.fromkeys((1, 2, 5), SOME)
+LIMIT = 60.0  # seconds for one case
+
+pytestmark = pytest.mark.skipif(missing() is not None, reason=f"distributed runs: {missing()}")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("parallel")
+
+
+@pytest.fixture(scope="module")
+def serial(folder):
+    return run(0, ALL, folder, saved=folder / "state1", limit=LIMIT)
+
+
+@pytest.fixture(scope="module", params=RUNS, ids=lambda ranks: f"{ranks}-ranks")
+def distributed(folder, request):
+    """The ranks, and what the cases found there; 3 ranks come first and leave the saved state."""
+    ranks = request.param
+    return ranks, run(ranks, RUNS[ranks], folder, saved=folder / "state3", limit=LIMIT)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_ranks_agree_with_the_serial_run(serial, distributed, name):
+    ranks, found = distributed
+    if name not in found:
+        pytest.skip(f"on {ranks} ranks others are run")
+    assert differences(serial[name], found[name]) == []
+
+
+def statuses(found):
+    values = found["values"]
+    return set(np.concatenate([values[name][0] for name in values if name.startswith("status")]))
+
+
+@pytest.mark.parametrize("name", ["hertz2d", "hertz3d", "ironing", "two_contacts"])
+def test_what_is_compared_is_open_and_closed(serial, name):
+    assert 0 in statuses(serial[name])
+    assert 2 in statuses(serial[name])
