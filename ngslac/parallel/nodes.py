@@ -38,7 +38,12 @@ class Nodes:
         vertices = np.zeros(len(motions), dtype=bool)
         if found is not None:
             vertices[found.dofs[found.dofs >= 0]] = True
-        return cls(blocks, np.any(vertices[blocks] & (blocks >= 0), axis=1), motions)
+        of_vertices = np.any(vertices[blocks] & (blocks >= 0), axis=1)
+        return cls(blocks, of_vertices, motions)
+
+    def With(self, dofs):
+        """Which nodes (k,) have one of the dofs (n,) bool."""
+        return np.any(dofs[self.blocks] & (self.blocks >= 0), axis=1)
 
 
 def DisplacementNodes(space, first, d):

@@ -36,18 +36,18 @@ class Numbering:
 
     def __init__(self, comm, n, dofs, nodes):
         PETSc = LoadPETSc()
-        self.comm = PETSc.COMM_SELF if comm is None else comm
+        self._comm, self.comm = comm, PETSc.COMM_SELF if comm is None else comm
         self.rank, ranks = (0, 1) if comm is None else (comm.rank, comm.size)
         self.n = n
         owner = np.full(n, ranks, dtype=np.int32)
         owner[dofs[dofs >= 0]] = self.rank
         if ranks > 1:
             owner = Least(comm, owner)
-        rows = None
+        rows = self._place = None
         if self.rank == 0:
             owner[owner == ranks] = 0
-            rows = Rows(owner, nodes.blocks, ranks)
-        self.new, counts, self.width = rows if ranks == 1 else comm.bcast(rows)
+            rows, self._place = Rows(owner, nodes.blocks, ranks)
+        self.new, counts, self.width = self.Tell(rows)
         starts = np.concatenate([[0], np.cumsum(counts)]) * self.width
         self.size, self.start, self.stop = int(starts[-1]), *map(int, starts[self.rank :][:2])
         self._Scatter(PETSc)
@@ -68,6 +68,24 @@ class Numbering:
         vec.setType("standard")
         return vec
 
+    def Tell(self, found):
+        """What rank 0 has found, on all ranks."""
+        return found if self._comm is None else self._comm.bcast(found)
+
+    def Total(self, values):
+        """The sum of an array over all ranks."""
+        if self._comm is None:
+            return values
+        total = np.empty_like(values)
+        self._comm.Allreduce(values, total)
+        return total
+
+    def Columns(self, values):
+        """A list of vectors of the columns of an array (n, m) that rank 0 has."""
+        count = self.Tell(None if values is None else values.shape[1])
+        columns = [None] * count if values is None else values.T
+        return [self.Put(column, self.Vector()) for column in columns]
+
     def Put(self, values, vec, fill=0.0):
         """Make a vector of values (n,) that rank 0 has, and `fill` in rows that have no dof."""
         if self.rank == 0:
@@ -76,6 +94,15 @@ class Numbering:
             self._all.array[:] = full
         self._scatter.scatter(self._all, vec, mode="reverse")
         return vec
+
+    def Rows(self, which):
+        """Which of this rank's rows are those of nodes (k,) bool that rank 0 chooses."""
+        vec = self.Vector()
+        if self.rank == 0:
+            full = self._all.array.reshape(-1, self.width)
+            full[self._place] = which[:, None]
+        self._scatter.scatter(self._all, vec, mode="reverse")
+        return vec.array != 0
 
     def Get(self, vec):
         """The values (n,) of a vector on rank 0, None elsewhere."""
@@ -93,7 +120,7 @@ def Least(comm, values):
 
 
 def Rows(owner, blocks, ranks):
-    """Row of each dof, blocks of each rank, rows of a block."""
+    """Row of each dof, blocks of each rank, rows of a block; and the place of each block."""
     k, width = blocks.shape
     of_block = np.where(blocks >= 0, owner[blocks], ranks).min(axis=1)
     order = np.argsort(of_block, kind="stable")
@@ -102,4 +129,4 @@ def Rows(owner, blocks, ranks):
     rows = place[:, None] * width + np.arange(width)
     new = np.full(len(owner), -1, dtype=np.int32)
     new[blocks[blocks >= 0]] = rows[blocks >= 0]
-    return new, np.bincount(of_block, minlength=ranks), width
+    return (new, np.bincount(of_block, minlength=ranks), width), place

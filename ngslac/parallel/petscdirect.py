@@ -19,6 +19,7 @@ class PetscDirect:
     Attributes
     ----------
     factorisations : int
+    mat : PETSc.Mat or None
     """
 
     refinements = 4
@@ -31,12 +32,12 @@ class PetscDirect:
 
     def Forget(self):
         """Keep no factors."""
-        self._mat = self._factors = self._symmetric = None
+        self.mat = self._factors = self._symmetric = None
 
     def Take(self, mat):
         """Another matrix."""
         self.Forget()
-        self._mat = mat
+        self.mat = mat
 
     def Solve(self, b, x):
         """Put the solution into x; returns its relative residual.
@@ -51,7 +52,7 @@ class PetscDirect:
         if size == 0:
             return 0.0
         if self._symmetric is None:
-            self._symmetric = IsSymmetric(self._mat)
+            self._symmetric = IsSymmetric(self.mat)
         if self._symmetric:
             error = self._Try("cholesky", b, x)
             if error <= self.small * size:
@@ -63,7 +64,7 @@ class PetscDirect:
         return error / size
 
     def _Try(self, kind, b, x):
-        """Norm of the residual of the solution by one kind of factors; infinity if there are none."""
+        """Norm of the residual with one kind of factors; infinity if there are none."""
         try:
             if self._factors is None:
                 self._factors = self._Factor(kind)
@@ -80,7 +81,7 @@ class PetscDirect:
         for _ in range(self.refinements):
             self._factors.apply(left, step)
             found.axpy(1.0, step)
-            self._mat.mult(found, left)
+            self.mat.mult(found, left)
             left.aypx(-1.0, b)
             before, error = best, left.norm()
             if not error < before:  # no better, or NaN
@@ -95,7 +96,7 @@ class PetscDirect:
         """Factors of MUMPS; collective errors, as its codes are those of all ranks."""
         for room in ROOM:
             self.factorisations += 1
-            factors, info = MUMPS(self._mat, kind, room)
+            factors, info = MUMPS(self.mat, kind, room)
             if info == 0:
                 return factors
             if info not in OUT_OF_ROOM:

@@ -168,3 +168,9 @@ class PetscSolver:
             self._failures = self._failures + 1 if name == "direct" else 0
             if self._failures == self.most_failures:
                 self.method = "direct"
+
+
+def Method(nodes, free):
+    """The way to solve systems of these Nodes and free dofs."""
+    suits = np.any(nodes.vertices)
+    return "iterative" if suits and free.sum() >= LARGE[nodes.blocks.shape[1]] else "direct"

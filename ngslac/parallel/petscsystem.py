@@ -1,12 +1,17 @@
 """Newton systems of contact, distributed, as matrices of PETSc."""
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from ngslac.bodies.constraints import ToCSR
+from ngslac.parallel.collective import OnRankZero
+from ngslac.parallel.condensation import NoContact
+from ngslac.parallel.contacts import Contacts
 from ngslac.parallel.matrices import Assembled, Sum
+from ngslac.parallel.multigrid import Multigrid
 from ngslac.parallel.numbering import Numbering
 from ngslac.parallel.petscdirect import PetscDirect
+from ngslac.parallel.petsciterative import PetscIterative
 
 __all__ = ["PetscSystem"]
 
@@ -38,19 +43,14 @@ class PetscSystem:
         self.dofs = np.asarray(dofs, dtype=np.int64)
         self.numbering = Numbering(comm, n, self.dofs, nodes)
         self.free = free if comm is None else comm.bcast(free)
-        self.nodes = nodes
-        self._bulk = self._scale = self._mat = None
-        self.direct = PetscDirect()
+        self._nodes, self._bulk, self._scale, self._multigrid = nodes, None, None, None
+        self._direct, self.krylov = PetscDirect(), 0
+        self.Forget()
 
     @property
     def factorisations(self):
         """Of matrices of full size, so far."""
-        return self.direct.factorisations
-
-    @property
-    def krylov(self):
-        """Krylov iterations so far."""
-        return 0
+        return self._direct.factorisations
 
     def SetBulk(self, mat):
         """Take this rank's part of the bulk's matrix; entries of the same dofs are added.
@@ -67,9 +67,9 @@ class PetscSystem:
         held = np.ones(numbering.size)
         held[numbering.new[self.free]] = 0
         held = held[numbering.start : numbering.stop]
-        self._bulk = None
+        self.Forget()
+        self._bulk = self._scale = None
         self._bulk = Assembled(numbering, part, rows, held)
-        self._scale = self._mat = None
 
     def _FreePart(self, mat):
         """Entries of free dofs, and the rows of these."""
@@ -95,32 +95,10 @@ class PetscSystem:
         shift : (n,) array, optional
             Is added to the diagonal of the scaled matrix.
         """
+        self.Forget()
         self._Scale(scale)
-        part = rows = None
         if self.numbering.rank == 0:
-            part, rows = self._ContactPart(mats, scale, shift)
-        self._mat = None
-        self._mat = Sum(self._bulk, Assembled(self.numbering, part, rows))
-        self.direct.Take(self._mat)
-
-    def _ContactPart(self, mats, scale, shift):
-        """The scaled sum on the dofs it touches, and their rows."""
-        n, free = self.numbering.n, self.free
-        total = csr_matrix((n, n))
-        for mat in mats:
-            total = total + ToCSR(mat)
-        total = total.tocoo()
-        kept = free[total.row] & free[total.col] & (total.data != 0)
-        row, column = total.row[kept], total.col[kept]
-        data = scale[row] * total.data[kept] * scale[column]
-        if shift is not None:
-            moved = np.flatnonzero(free & (shift != 0))
-            row, column = np.concatenate([row, moved]), np.concatenate([column, moved])
-            data = np.concatenate([data, shift[moved]])
-        dofs = np.union1d(row, column)
-        where = np.searchsorted(dofs, row), np.searchsorted(dofs, column)
-        part = coo_matrix((data, where), shape=(len(dofs),) * 2).tocsr()
-        return part, self.numbering.new[dofs]
+            self._contacts = Contacts(mats, multipliers, self._scale, shift, self.free)
 
     def _Scale(self, scale):
         """Scale the bulk, once for each scale."""
@@ -143,7 +121,7 @@ class PetscSystem:
             Scaled right hand side, 0 where nothing is free.
         accuracy : float
             Relative residual that is enough of an iteration.
-        method : {"direct"}
+        method : {"direct", "iterative"}
 
         Returns
         -------
@@ -157,11 +135,55 @@ class PetscSystem:
         LinearSolveError
             On all ranks.
         """
+        accuracy, method = self.numbering.Tell((accuracy, method))
         right, x = self.numbering.Put(b, self.numbering.Vector()), self.numbering.Vector()
-        error = self.direct.Solve(right, x)
+        if method == "direct":
+            error = self._Direct().Solve(right, x)
+        else:
+            error = self._Iterate(right, x, accuracy)
         return self.numbering.Get(x), error
 
     def Forget(self):
         """Keep nothing but the bulk."""
-        self._mat = None
-        self.direct.Forget()
+        self._contacts = self._iterative = None
+        self._direct.Forget()
+
+    def _Direct(self):
+        if self._direct.mat is None:
+            self._direct.Take(self._WithBulk(self._OnRankZero(Contacts.All)))
+        return self._direct
+
+    def _Iterate(self, b, x, accuracy):
+        if self._iterative is None:
+            self._iterative = self._Iterative()
+        before = self._iterative.krylov
+        try:
+            return self._iterative.Solve(b, x, accuracy)
+        finally:
+            self.krylov += self._iterative.krylov - before
+
+    def _Iterative(self):
+        """The PetscIterative for the matrices that were set."""
+        numbering, dim = self.numbering, self.numbering.width
+        condensed = self._OnRankZero(lambda contacts: contacts.Condensed(dim)) or NoContact()
+        mat = self._WithBulk(self._OnRankZero(lambda contacts: contacts.Sparse(condensed)))
+        if self._multigrid is None:
+            vertices = self._OnRankZero(lambda _: self._nodes.vertices)
+            self._multigrid = Multigrid(numbering, numbering.Rows(vertices))
+        touched = self._OnRankZero(lambda contacts: self._nodes.With(contacts.touched))
+        motions = numbering.Columns(self._OnRankZero(self._Motions))
+        pc = self._multigrid.Preconditioner(mat, numbering.Rows(touched), motions)
+        return PetscIterative(numbering, mat, condensed, pc)
+
+    def _Motions(self, _):
+        """The rigid motions in scaled variables."""
+        return np.where(self.free, 1 / self._scale, 0.0)[:, None] * self._nodes.motions
+
+    def _WithBulk(self, found):
+        """The sum of the bulk and what rank 0 has found: a matrix and its dofs."""
+        part, dofs = found or (None, None)
+        rows = None if part is None else self.numbering.new[dofs]
+        return Sum(self._bulk, Assembled(self.numbering, part, rows))
+
+    def _OnRankZero(self, function):
+        return OnRankZero(self.numbering, lambda: function(self._contacts))

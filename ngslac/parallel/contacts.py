@@ -1,0 +1,70 @@
+"""What contacts add to a system, on rank 0."""
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
+
+from ngslac.bodies.constraints import ToCSR
+from ngslac.parallel.condensation import LocalContact
+
+__all__ = ["Contacts"]
+
+
+class Contacts:
+    """The sum of scaled contact matrices on free dofs.
+
+    Parameters
+    ----------
+    mats : list[BaseMatrix]
+    multipliers : (m,) int
+        Their dofs, d in a row for each macro-element.
+    scale : (n,) array
+    shift : (n,) array or None
+        Is added to the diagonal of the scaled matrix.
+    free : (n,) bool
+
+    Attributes
+    ----------
+    touched : (n,) bool
+        Displacements with entries.
+    """
+
+    def __init__(self, mats, multipliers, scale, shift, free):
+        n, self._multipliers = len(free), np.asarray(multipliers, dtype=int)
+        total = sum((ToCSR(mat) for mat in mats), csr_matrix((n, n))).tocoo()
+        kept = free[total.row] & free[total.col] & (total.data != 0)
+        row, column = total.row[kept], total.col[kept]
+        values = scale[row] * total.data[kept] * scale[column]
+        self._mat = coo_matrix((values, (row, column)), shape=(n, n)).tocsr()
+        self._shift = np.where(free, 0.0 if shift is None else shift, 0.0)
+        self.ismultiplier = np.zeros(n, dtype=bool)
+        self.ismultiplier[self._multipliers] = True
+        self.touched = np.zeros(n, dtype=bool)
+        self.touched[row] = self.touched[column] = True
+        self.touched &= ~self.ismultiplier
+
+    def All(self):
+        """The matrix with the shift, on some dofs, and these."""
+        return OnItsDofs(self._mat + diags_array(self._shift))
+
+    def Condensed(self, dim):
+        """The LocalContact."""
+        return LocalContact(self._mat, self._multipliers, dim)
+
+    def Sparse(self, condensed):
+        """What is added to the bulk in its place, on some dofs, and these."""
+        mat = self._mat.tocoo()
+        apart = ~(self.ismultiplier[mat.row] | self.ismultiplier[mat.col])
+        where = mat.row[apart], mat.col[apart]
+        stiffness = csr_matrix((mat.data[apart], where), shape=mat.shape)
+        terms, dofs = condensed.terms.tocoo(), condensed.dofs
+        where = dofs[terms.row], dofs[terms.col]
+        terms = csr_matrix((terms.data, where), shape=mat.shape)
+        return OnItsDofs(stiffness + terms + diags_array(self._shift))
+
+
+def OnItsDofs(mat):
+    """The part of a matrix that is not empty, and its dofs."""
+    mat = mat.tocoo()
+    dofs = np.union1d(mat.row[mat.data != 0], mat.col[mat.data != 0])
+    mat = mat.tocsr()[dofs][:, dofs]
+    return mat, dofs
