@@ -4,7 +4,7 @@ from functools import wraps
 
 from ngsolve import FESpace, Mesh
 
-__all__ = ["Distributable", "Distributed", "OnManyProcesses"]
+__all__ = ["Distributable", "OnDistributedMeshes", "OnManyProcesses"]
 
 
 class OnManyProcesses:
@@ -31,7 +31,7 @@ class Distributable(type):
         return super().__call__(*args, **options)
 
 
-def Distributed(function):
+def OnDistributedMeshes(function):
     """A function of objects that may live on a distributed mesh."""
 
     @wraps(function)

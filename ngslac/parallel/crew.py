@@ -11,7 +11,7 @@ from collections import defaultdict, deque
 
 from netgen.meshing import NgException
 
-__all__ = ["Crew"]
+__all__ = ["Crew", "Portable"]
 
 # Kinds of messages to the conductor and from it.
 ENTERED, DONE, FAILED, ORDER, END = "entered", "done", "failed", "order", "end"

@@ -1,12 +1,13 @@
 """Values that processes send to each other as they are."""
 
 from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
 
 import numpy as np
 
 __all__ = ["IsPlain", "Reference", "View"]
 
-ATOMS = (type(None), bool, int, float, complex, str, bytes, np.ndarray, np.generic)
+ATOMS = (type(None), bool, int, float, complex, str, bytes, np.ndarray, np.generic, Path)
 
 
 @dataclass(frozen=True)

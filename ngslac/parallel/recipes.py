@@ -133,8 +133,10 @@ def OfFunction(given, ensemble):
         ensemble.Write()
         args = [ensemble.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
         own = lambda: ensemble.CallFunction(number, *args)  # noqa: E731
-        result, *parts = ensemble.Order("call", number, *args, own=own)
-        ensemble.Read()
+        try:
+            result, *parts = ensemble.Order("call", number, *args, own=own)
+        finally:
+            ensemble.Read()
         if not isinstance(result, VECTORS):
             return result
         return LoadOf(replica, parts)

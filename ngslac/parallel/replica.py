@@ -37,19 +37,19 @@ class MeshReplica:
             raise ValueError(
                 "the distributed mesh has a deformation: call mesh.UnsetDeformation(), or Curve it"
             )
-        return PieceOf(self.given)
+        return (*PieceOf(self.given), self.given.GetCurveOrder())
 
     def Gather(self):
         """Make the replica; the conductor only."""
         if self.mesh is not None:
             return self.mesh
-        pieces = self.crew.Order("piece", own=self._Piece)
-        mesh = WholeMesh(self.given, tuple(map(np.concatenate, zip(*pieces, strict=True))))
-        if self.given.GetCurveOrder() > 1:
-            mesh.Curve(self.given.GetCurveOrder())
-        _, _, volumes, surfaces, _, segments, _ = zip(*pieces[1:], strict=True)
+        *pieces, orders = zip(*self.crew.Order("piece", own=self._Piece), strict=True)
+        mesh = WholeMesh(self.given, tuple(map(np.concatenate, pieces)))
+        if max(orders) > 1:  # the conductor has nothing to curve, and does not know
+            mesh.Curve(max(orders))
+        _, _, volumes, surfaces, _, segments, _ = pieces
         tables = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
-        self.elements, self.faces = map(Places, tables)
+        self.elements, self.faces = (Places(table[1:]) for table in tables)
         self.mesh = mesh
         return mesh
 

@@ -5,6 +5,7 @@ import inspect
 from ngsolve import GridFunction
 
 from ngslac.distributable import OnManyProcesses
+from ngslac.parallel.crew import Portable
 from ngslac.parallel.ensemble import Ensemble
 from ngslac.parallel.plain import IsPlain, Reference, View
 from ngslac.parallel.recipes import Recipe
@@ -128,18 +129,24 @@ def RunEverywhere(ensemble, title, work):
     kept = []
 
     def Work():
+        error = None
         try:
             kept.append(work())
-        finally:
-            shown = {key: Shown(ensemble, key) for key in list(ensemble.twins) if key in ensemble.homes}
-        return Packed(kept[0], ensemble), shown
+        except Exception as problem:
+            kept.append(None)
+            error = problem
+        shown = {key: Shown(ensemble, key) for key in ensemble.twins if key in ensemble.homes}
+        kept.append(error)
+        return Packed(kept[0], ensemble), shown, Portable(error)
 
-    result, shown = ensemble.Call(title, Work)
+    result, shown, error = ensemble.Call(title, Work)
     for key, (public, text) in shown.items():
         public = {name: Unpacked(value, ensemble) for name, value in public.items()}
         vars(ensemble.twins[key]).update(_public=public, _text=text)
     ensemble.Complete()
-    return Unpacked(result, ensemble, *kept)
+    if error is not None:
+        raise kept[-1] if kept else error
+    return Unpacked(result, ensemble, *kept[:1])
 
 
 def Shown(ensemble, key):

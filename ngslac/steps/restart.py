@@ -5,7 +5,7 @@ import hashlib
 import numpy as np
 from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 
-from ngslac.distributable import Distributed
+from ngslac.distributable import OnDistributedMeshes
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
 from ngslac.files import PathOf
@@ -24,7 +24,7 @@ __all__ = ["LoadMesh", "LoadState", "SaveState"]
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
-@Distributed
+@OnDistributedMeshes
 def SaveState(file, tool, *, also=None) -> None:
     """Write all that the next step depends on to a file: solution, histories, mesh.
 
@@ -113,7 +113,7 @@ def LoadMesh(file, *, comm=None) -> Mesh:
     return Distributed(lambda: MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"]), comm)
 
 
-@Distributed
+@OnDistributedMeshes
 def LoadState(file, tool, *, also=None) -> None:
     """Put a computation into the state that `SaveState` wrote.
 
