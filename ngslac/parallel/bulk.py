@@ -1,14 +1,15 @@
 """The bulk on a distributed mesh, as the conductor sees it: its forces and its matrix."""
 
 import numpy as np
-from ngsolve import BaseMatrix, GridFunction
+from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ngslac._ngslac import FormDiagonal
+from ngslac._ngslac import FormDiagonal, ProxyPath
 from ngslac.bodies.constraints import ToCSR
 from ngslac.parallel.petscsolver import LARGE, PetscSolver
+from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
 
 __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
@@ -25,14 +26,14 @@ class FormPart:
     """
 
     def __init__(self, form, replica):
-        self.form, self._replica = form, replica
+        self.form, self.replica = form, replica
         self.vec = GridFunction(form.space).vec
         self.forces = self.vec.CreateVector()
 
     @property
     def dofs(self):
         """The number of each own scalar dof of the displacements in the replica."""
-        return self._replica.displacements
+        return self.replica.displacements
 
     def _At(self, values):
         self.vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
@@ -52,9 +53,9 @@ class FormPart:
         """Make the matrix of a linear form."""
         self.form.Assemble()
 
-    def Energy(self, values):
-        """Of the whole form."""
-        return self.form.Energy(self._At(values))
+    def Scale(self, _, factor):
+        """Multiply the matrix by a factor."""
+        self.Local("mat").AsVector().data *= factor
 
     def Local(self, operator):
         """A matrix of the own elements: "mat" or what belongs to condensation."""
@@ -103,7 +104,7 @@ class RemoteForm:
         self.space = ensemble.Space(given.space)
         self._matrices = {}
 
-    # --- forces and energy ---------------------------------------------------------------------
+    # --- forces --------------------------------------------------------------------------------
 
     def Ask(self, verb, values=None, *args):
         """What each process says of its part of values (n,)."""
@@ -124,10 +125,6 @@ class RemoteForm:
         """y = forces at x, vectors on the space."""
         y.FV().NumPy()[:] = self.Sum(self.Ask("Apply", x.FV().NumPy()))
 
-    def Energy(self, x):
-        """Of the whole form."""
-        return self.Ask("Energy", x.FV().NumPy())[0]
-
     # --- matrices ------------------------------------------------------------------------------
 
     def AssembleLinearization(self, x):
@@ -139,6 +136,21 @@ class RemoteForm:
         """Make the matrix of a linear form."""
         self._matrices.clear()
         self.Ask("Assemble")
+
+    def Scale(self, factor):
+        """Multiply the matrix by a factor."""
+        self._matrices.clear()
+        self.Ask("Scale", None, factor)
+
+    def WithMass(self, factor, density, u, _):
+        """The same form with inertia, see `WithMass`."""
+        ensemble = self.ensemble
+        if isinstance(density, CoefficientFunction):
+            density = Reference("given", ensemble.NumberOf(density))
+        given = self.number, ProxyPath(u, "u"), density
+        own = lambda: ensemble.AddMass(*given, factor)  # noqa: E731
+        number = ensemble.Order("mass", *given, own=own)[0]
+        return RemoteForm(ensemble, number, ensemble.things[number].form)
 
     @property
     def mat(self):

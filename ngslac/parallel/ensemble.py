@@ -1,12 +1,14 @@
 """What belongs to a distributed mesh: its processes, and what of it the conductor has twice."""
 
 import numpy as np
-from ngsolve import BaseVector, GridFunction, LinearForm, ProductSpace
+from ngsolve import BaseVector, GridFunction, Integrate, LinearForm, Parameter, ProductSpace
 from ngsolve.la import PARALLEL_STATUS, DynamicVectorExpression
 
 from ngslac._ngslac import LACSpace
 from ngslac.arrays import AsNumPy
+from ngslac.parallel.bulk import FormPart
 from ngslac.parallel.crew import Crew
+from ngslac.parallel.mass import WithMass
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.replica import MeshReplica, SpaceReplica
 from ngslac.parallel.team import TeamMember
@@ -78,6 +80,8 @@ class Ensemble:
             "petsc": TeamMember(self).Obey,
             "with": self._With,
             "call": self.CallFunction,
+            "integral": self.Integral,
+            "mass": self.AddMass,
             "bits": lambda number: AsNumPy(self.things[number]),
             "nothing": lambda: None,
         }
@@ -260,6 +264,33 @@ class Ensemble:
             self.crew.Call("values", self.Write)
 
     # --- functions of users ------------------------------------------------------------------
+
+    def Integral(self, number):
+        """Of a function over the whole mesh, asked for by all processes."""
+        return Integrate(self.things[number], self.mesh.given)
+
+    def AddMass(self, number, path, density, factor=None):
+        """The number of a form with inertia, made by all processes.
+
+        Parameters
+        ----------
+        number : int
+            Of the FormPart without it.
+        path : list[int]
+            Leads to the displacement among the components.
+        density : float or Reference
+        factor : Parameter, optional
+            That of the conductor.
+        """
+        part = self.things[number]
+        u, v = part.form.space.TnT()
+        for k in path:
+            u, v = u[k], v[k]
+        density = self.things[density.key] if isinstance(density, Reference) else density
+        factor = Parameter(1.0) if factor is None else factor
+        self.parameters.append(self.Add(factor))
+        form = WithMass(part.form, factor, density, u, v)
+        return self.Add(FormPart(form, part.replica))
 
     def CallFunction(self, number, *args):
         """What a function of users says here; of loads the values, and are they to be added?"""

@@ -16,6 +16,7 @@ from ngslac.arguments import IsFunction
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.parallel.bulk import FormPart, RemoteForm
 from ngslac.parallel.ensemble import VECTORS
+from ngslac.parallel.functions import RemoteIntegrand
 
 __all__ = ["Recipe"]
 
@@ -80,17 +81,11 @@ def OfParameter(given, ensemble):
 
 
 def OfCoefficient(given, ensemble):
-    """A function of place and parameters: itself."""
-
-    def Make():
-        if HoldsGridFunction(given):
-            raise ValueError(
-                f"a function of contact on a distributed mesh holds a GridFunction, of which no "
-                f"process has all: {given!s:.60}; give a function of x, y, z and parameters"
-            )
-        return given
-
-    return Make
+    """A function of place and parameters: itself. One of solutions: its integral, no more."""
+    number = ensemble.NumberOf(given)
+    if HoldsGridFunction(given):
+        return lambda: RemoteIntegrand(ensemble, number)
+    return lambda: given
 
 
 def OfBits(given, ensemble):

@@ -37,7 +37,9 @@ class Team:
     def Call(self, name, *args):
         """What a method gives here; what workers have no use for, or have themselves, stays."""
         told = [arg if isinstance(arg, (str, float)) else None for arg in args]
-        own = (None,) if name == "SetBulk" else args
+        own = args
+        if name == "SetBulk":
+            told, own = [args[0].form.number], (None,)
         given = self._form, name, *told
         return self._crew.Order("petsc", *given, own=lambda: self._Own(name, own))[0]
 
@@ -62,11 +64,12 @@ class TeamMember:
 
     def Obey(self, number, name, *args):
         """Call a method of the PetscSystem of the form with this number; None: make it."""
-        part = self._ensemble.things[number]
+        things = self._ensemble.things
         if name is None:
-            comm, dofs = self._ensemble.crew.messages.comm, part.dofs
+            comm, dofs = self._ensemble.crew.messages.comm, things[number].dofs
             self._systems[number] = PetscSystem(comm, *args, dofs)
         elif name == "SetBulk":
-            self._systems[number].SetBulk(part.Local("mat"))
+            (bulk,) = args
+            self._systems[number].SetBulk(things[bulk].Local("mat"))
         else:
             getattr(self._systems[number], name)(*args)

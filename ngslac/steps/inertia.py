@@ -23,6 +23,9 @@ from ngslac.arrays import Multiply
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.grounded import AreEqual
 from ngslac.linear.parts import PartsInverse
+from ngslac.parallel.bulk import RemoteForm
+from ngslac.parallel.functions import RemoteIntegrand
+from ngslac.parallel.mass import WithMass
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
 
@@ -95,6 +98,7 @@ class Mass:
         space = form.fes
         self.u, self.v = Displacement(space, form)
         self._changes = isinstance(density, CoefficientFunction)  # may hold a Parameter
+        self.given = density
         self.density = CheckScalar("density", density, "mass per reference volume, > 0")
         self._bodies = DefinedOn(form.component)
         self._masses = self._CheckPositive(2 * form.component.globalorder)
@@ -228,10 +232,8 @@ class DynamicForm:
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
         # For the matrix alone, which knows nothing of the start.
-        self._form = BilinearForm(a.space, condense=a.condense)
-        for integrator in a.integrators:
-            self._form += integrator
-        self._form += self.factor * mass.density * InnerProduct(mass.u, mass.v) * dx
+        add = a.WithMass if isinstance(a, RemoteForm) else lambda *given: WithMass(a, *given)
+        self._form = add(self.factor, mass.given, mass.u, mass.v)
         self._applied, self.renewed = None, True
 
     def SetStep(self, dt):
@@ -261,12 +263,18 @@ class DynamicForm:
     def AssembleLinearization(self, x):
         self.renewed = True
         self._form.AssembleLinearization(x)
-        self._form.mat.AsVector().data *= self.share
+        self._Scale()
 
     def Assemble(self):
         self.renewed = True
         self._form.Assemble()
-        self._form.mat.AsVector().data *= self.share
+        self._Scale()
+
+    def _Scale(self):
+        if isinstance(self._form, RemoteForm):
+            self._form.Scale(self.share)
+        else:
+            self._form.mat.AsVector().data *= self.share
 
     def Apply(self, x, y):
         self.elastic.Apply(x, y)
@@ -303,8 +311,8 @@ def CheckScalar(name, value, wanted):
 
 def CheckEnergy(energy):
     """The strain energy as a function, or None."""
-    if energy is None:
-        return None
+    if energy is None or isinstance(energy, RemoteIntegrand):
+        return energy
     return CheckScalar("energy", energy, "the strain energy per reference volume")
 
 

@@ -19,6 +19,7 @@ from ngslac.arguments import (
 )
 from ngslac.bodies.bodies import Bodies
 from ngslac.errors import ContactConvergenceError, RefuseCopy
+from ngslac.parallel.functions import RemoteIntegrand
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, OnBulk
 from ngslac.steps.balance import EnergyBalance, TimeStep
@@ -337,6 +338,8 @@ class TimeStepper(metaclass=Distributable):
 
     def _Energy(self):
         """The strain energy (None: unknown)."""
+        if isinstance(self.energy, RemoteIntegrand):
+            return self.energy.Integrate()
         return None if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
 
     def Table(self) -> dict[str, np.ndarray]:

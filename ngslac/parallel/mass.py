@@ -1,0 +1,23 @@
+"""Inertia added to a bulk form."""
+
+from ngsolve import BilinearForm, InnerProduct, dx
+
+__all__ = ["WithMass"]
+
+
+def WithMass(a, factor, density, u, v):
+    """The form ``a + factor * density * u.v``.
+
+    Parameters
+    ----------
+    a : BilinearForm
+    factor : Parameter
+    density : float or CoefficientFunction
+    u, v :
+        Trial and test function of the displacement on its space.
+    """
+    form = BilinearForm(a.space, condense=a.condense)
+    for integrator in a.integrators:
+        form += integrator
+    form += factor * density * InnerProduct(u, v) * dx
+    return form
