@@ -116,7 +116,7 @@ class Problem:
             force = CF((*(push * f for f in SHEAR), -press * PRESSURE))
         if self.name == "hertz":
             return -InnerProduct(force, v) * ds(definedon=mesh.BBoundaries("load"))
-        area = Integrate(CF(1) * ds("top"), mesh)
+        area = Integrate(1, mesh, definedon=mesh.Boundaries("top"))
         return -1 / area * InnerProduct(force, v) * ds("top")
 
     def Product(self, mesh):
