@@ -2,7 +2,6 @@
 
 from ngsolve import BaseMatrix, BilinearForm, GridFunction
 
-from ngslac.distributable import Distributable
 from ngslac._ngslac import ContactForm
 from ngslac.arguments import (
     CheckDistinct,
@@ -15,6 +14,7 @@ from ngslac.arguments import (
 from ngslac.contact import fields, results, switch
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
+from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures
 
@@ -230,7 +230,7 @@ class LACContact(metaclass=Distributable):
         bulk : BaseMatrix
             On the product space.
         form : BilinearForm or BaseMatrix, optional
-            The bulk without inertia, or a matrix with the diagonal of its elements. They tell which body is the stiffer one, and so the
+            The bulk without inertia. Its elements tell which body is the stiffer one, and so the
             contact direction; a matrix tells the same unless something is condensed.
 
         Raises

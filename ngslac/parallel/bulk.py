@@ -2,11 +2,11 @@
 
 import numpy as np
 from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
-from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
+from ngsolve.la import PARALLEL_STATUS
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ngslac._ngslac import FormDiagonal, ProxyPath
+from ngslac._ngslac import DiagonalMatrix, FormDiagonal, ProxyPath
 from ngslac.bodies.constraints import ToCSR
 from ngslac.parallel.petscsolver import LARGE, PetscSolver
 from ngslac.parallel.plain import Reference
@@ -53,7 +53,7 @@ class FormPart:
         """Make the matrix of a linear form."""
         self.form.Assemble()
 
-    def Scale(self, _, factor):
+    def Scale(self, factor, _):
         """Multiply the matrix by a factor."""
         self.Local("mat").AsVector().data *= factor
 
@@ -62,7 +62,7 @@ class FormPart:
         mat = getattr(self.form, operator)
         return getattr(mat, "local_mat", mat)
 
-    def Times(self, values, operator):
+    def Times(self, operator, values):
         """The product with such a matrix."""
         mat = self.Local(operator)
         factor, product = mat.CreateRowVector(), mat.CreateColVector()
@@ -101,7 +101,7 @@ class RemoteForm:
         self.ensemble, self.number, self.condense = ensemble, number, given.condense
         self.flags = given.flags
         self.replica = ensemble.SpaceOf(given.space)
-        self.space = ensemble.Space(given.space)
+        self.space = ensemble.Space(self.replica)
         self._matrices = {}
 
     # --- forces --------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ class RemoteForm:
         if isinstance(density, CoefficientFunction):
             density = Reference("given", ensemble.NumberOf(density))
         given = self.number, ProxyPath(u, "u"), density
-        own = lambda: ensemble.AddMass(*given, factor)  # noqa: E731
+        own = lambda: ensemble.crew.tasks["mass"](*given, factor)  # noqa: E731
         number = ensemble.Order("mass", *given, own=own)[0]
         return RemoteForm(ensemble, number, ensemble.things[number].form)
 
@@ -180,14 +180,14 @@ class RemoteForm:
     @property
     def elastic(self):
         """A matrix with the diagonal that the elements have without inertia."""
-        return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
+        return DiagonalMatrix(self.Sum(self.Ask("ElasticDiagonal")))
 
     def LinearSolver(self, contact, freedofs, wanted):
         """What solves the linear systems, see `ChooseSolver`."""
         if wanted not in (None, "petsc", "direct", "iterative"):
             raise ValueError(
-                f"solver={wanted!r} is for one process: leave it out on a distributed mesh, or take "
-                "'direct' or 'iterative', both on PETSc"
+                f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
+                "take 'direct' or 'iterative', both on PETSc"
             )
         team = Team(self.ensemble.crew, self, contact, freedofs)
         large = freedofs.NumSet() > LARGE[self.space.mesh.dim]
@@ -214,7 +214,7 @@ class RemoteMatrix(BaseMatrix):
     def diagonal(self):
         """A sparse matrix with the same diagonal."""
         if self._diagonal is None:
-            self._diagonal = Diagonal(self.form.Sum(self.form.Ask("Diagonal")))
+            self._diagonal = DiagonalMatrix(self.form.Sum(self.form.Ask("Diagonal")))
         return self._diagonal
 
     def Parts(self):
@@ -250,10 +250,3 @@ class RemoteMatrix(BaseMatrix):
     def CreateRowVector(self):
         """A vector of `Width`."""
         return GridFunction(self.form.space).vec
-
-
-def Diagonal(values):
-    """The sparse matrix with a diagonal (n,)."""
-    n = len(values)
-    where = np.arange(n).tolist()
-    return SparseMatrixd.CreateFromCOO(where, where, values.tolist(), n, n)

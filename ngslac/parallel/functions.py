@@ -1,6 +1,15 @@
 """Functions of users that only the processes with elements can evaluate."""
 
-__all__ = ["RemoteIntegrand"]
+from ngsolve import BaseVector, Integrate, LinearForm, Parameter
+from ngsolve.la import PARALLEL_STATUS, DynamicVectorExpression
+
+from ngslac.parallel.bulk import FormPart
+from ngslac.parallel.mass import WithMass
+from ngslac.parallel.plain import Reference
+
+__all__ = ["VECTORS", "RemoteIntegrand", "UserFunctions"]
+
+VECTORS = LinearForm, BaseVector, DynamicVectorExpression
 
 
 class RemoteIntegrand:
@@ -21,6 +30,63 @@ class RemoteIntegrand:
 
     def Integrate(self):
         """The integral over the mesh."""
-        self._ensemble.Write()
-        own = lambda: self._ensemble.Integral(self._number)  # noqa: E731
+        self._ensemble.Show()
+        own = lambda: UserFunctions(self._ensemble).Integral(self._number)  # noqa: E731
         return float(self._ensemble.Order("integral", self._number, own=own)[-1])
+
+
+class UserFunctions:
+    """What all processes do at once with functions of users.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+    """
+
+    def __init__(self, ensemble):
+        self._ensemble = ensemble
+
+    @property
+    def tasks(self):
+        """For the workers of a Crew."""
+        return {"call": self.Call, "integral": self.Integral, "mass": self.AddMass}
+
+    def Call(self, number, *args):
+        """What a function says here; of loads the values, and are they to be added up?"""
+        given = self._ensemble.pairs.Given
+        args = [given(arg) if isinstance(arg, Reference) else arg for arg in args]
+        load = self._ensemble.things[number](*args)
+        if self._ensemble.crew.conducts or not isinstance(load, VECTORS):
+            return load
+        load = load.Evaluate() if isinstance(load, DynamicVectorExpression) else load
+        vec = load.vec if isinstance(load, LinearForm) else load
+        added = vec.GetParallelStatus() == PARALLEL_STATUS.DISTRIBUTED
+        return vec.FV().NumPy().copy(), added
+
+    def Integral(self, number):
+        """Of a function over the whole mesh."""
+        return Integrate(self._ensemble.things[number], self._ensemble.mesh.given)
+
+    def AddMass(self, number, path, density, factor=None):
+        """The number of a form with inertia.
+
+        Parameters
+        ----------
+        number : int
+            Of the FormPart without it.
+        path : list[int]
+            Leads to the displacement among the components.
+        density : float or Reference
+        factor : Parameter, optional
+            That of the conductor.
+        """
+        ensemble = self._ensemble
+        part = ensemble.things[number]
+        u, v = part.form.space.TnT()
+        for k in path:
+            u, v = u[k], v[k]
+        density = ensemble.things[density.key] if isinstance(density, Reference) else density
+        factor = Parameter(1.0) if factor is None else factor
+        ensemble.AddParameter(factor)
+        form = WithMass(part.form, factor, density, u, v)
+        return ensemble.Add(FormPart(form, part.replica))

@@ -30,7 +30,7 @@ class Reference:
 def IsPlain(value):
     """Numbers, words, arrays, lists and dicts of these, and records that hold nothing else."""
     if isinstance(value, ATOMS):
-        return getattr(value, "dtype", None) != object
+        return getattr(value, "dtype", np.dtype(float)).kind != "O"
     if isinstance(value, dict):
         return all(IsPlain(part) for part in (*value, *value.values()))
     if isinstance(value, (list, tuple, set)):

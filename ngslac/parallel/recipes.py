@@ -15,8 +15,7 @@ from ngslac._ngslac import HoldsGridFunction, LACSpace, ProxyPath
 from ngslac.arguments import IsFunction
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.parallel.bulk import FormPart, RemoteForm
-from ngslac.parallel.ensemble import VECTORS
-from ngslac.parallel.functions import RemoteIntegrand
+from ngslac.parallel.functions import VECTORS, RemoteIntegrand
 
 __all__ = ["Recipe"]
 
@@ -38,17 +37,16 @@ def Recipe(given, ensemble):
 
 def OfFunctions(given, ensemble):
     """A GridFunction: that which stands for it."""
-    pair = ensemble.PairOf(given)
-    return lambda: ensemble.Function(pair)
+    pair = ensemble.pairs.Of(given)
+    return lambda: ensemble.pairs.Home(pair)
 
 
 def OfForm(given, ensemble):
     """A bulk form: orders to all parts of it."""
     replica = ensemble.context = ensemble.SpaceOf(given.space)
-    for number, known in enumerate(ensemble.things):
-        if isinstance(known, FormPart) and known.form is given:
-            break
-    else:
+    known = (n for n, t in ensemble.things.items() if isinstance(t, FormPart) and t.form is given)
+    number = next(known, None)
+    if number is None:
         number = ensemble.Add(FormPart(given, replica))
 
     def Make():
@@ -64,7 +62,7 @@ def OfProxy(given, ensemble):
     path, replica = ProxyPath(given, "u or lam"), ensemble.SpaceOf(given.space)
 
     def Make():
-        found = ensemble.Space(replica.given).TrialFunction()
+        found = ensemble.Space(replica).TrialFunction()
         for k in path:
             found = found[k]
         return found
@@ -74,9 +72,7 @@ def OfProxy(given, ensemble):
 
 def OfParameter(given, ensemble):
     """A parameter of the load: itself, with the same value everywhere."""
-    number = ensemble.NumberOf(given)
-    if number not in ensemble.parameters:
-        ensemble.parameters.append(number)
+    ensemble.AddParameter(given)
     return lambda: given
 
 
@@ -91,6 +87,7 @@ def OfCoefficient(given, ensemble):
 def OfBits(given, ensemble):
     """Dofs of the product space."""
     number, replica = ensemble.Add(given), ensemble.context
+    ensemble.passing.append(number)
 
     def Make():
         bits = AsNumPy(replica.space.FreeDofs())
@@ -122,16 +119,17 @@ def OfLoad(given, ensemble):
 
 def OfFunction(given, ensemble):
     """A function of users: all processes call it at once."""
-    number, replica = ensemble.Add(given), ensemble.context
+    number, replica, pairs = ensemble.Add(given), ensemble.context, ensemble.pairs
+    ensemble.passing.append(number)
 
     def Call(*args):
-        ensemble.Write()
-        args = [ensemble.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
-        own = lambda: ensemble.CallFunction(number, *args)  # noqa: E731
+        ensemble.Show()
+        args = [pairs.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
+        own = lambda: ensemble.crew.tasks["call"](number, *args)  # noqa: E731
         try:
             result, *parts = ensemble.Order("call", number, *args, own=own)
         finally:
-            ensemble.Read()
+            pairs.Read()
         if not isinstance(result, VECTORS):
             return result
         return LoadOf(replica, parts)

@@ -29,7 +29,7 @@ def MacroElements(V, slave, macros):
         By which the replica of the space is known.
     """
     ensemble = Ensemble.Of(V.mesh)
-    ensemble.SpaceOf(V)
+    replica = ensemble.SpaceOf(V)
     own = ensemble.Add([])
     tasks = ensemble.crew.tasks
     tasks["macros"] = lambda number, found: ensemble.things[number].append(found)
@@ -38,7 +38,7 @@ def MacroElements(V, slave, macros):
         if macros is not None:
             raise ValueError("LACSpace: macros= is not known on a distributed mesh: leave it out")
         mesh = ensemble.mesh.Gather()
-        space = ensemble.Space(V)
+        space = ensemble.Space(replica)
         region = Region(mesh, slave.VB(), slave.Mask()) if isinstance(slave, Region) else slave
         home = LACSpace(space, slave=region)
         numbers = np.array(list(home.macros), dtype=np.int32)

@@ -80,11 +80,17 @@ class Twin:
             args, options = given()
             return getattr(ensemble.homes[key], name)(*args, **options)
 
-        return RunEverywhere(ensemble, title, Work)
+        passing = list(ensemble.passing)
+        try:
+            return RunEverywhere(ensemble, title, Work)
+        finally:
+            for number in passing:
+                ensemble.Forget(number)
 
 
 def Given(args, options, ensemble):
     """Makes of arguments those of the conductor, when it is called there."""
+    ensemble.passing.clear()
     args = [Recipe(arg, ensemble) for arg in args]
     options = {name: Recipe(arg, ensemble) for name, arg in options.items()}
     return lambda: ([arg() for arg in args], {name: arg() for name, arg in options.items()})
@@ -143,7 +149,7 @@ def RunEverywhere(ensemble, title, work):
     for key, (public, text) in shown.items():
         public = {name: Unpacked(value, ensemble) for name, value in public.items()}
         vars(ensemble.twins[key]).update(_public=public, _text=text)
-    ensemble.Complete()
+    ensemble.pairs.Complete()
     if error is not None:
         raise kept[-1] if kept else error
     return Unpacked(result, ensemble, *kept[:1])
@@ -168,7 +174,7 @@ def Packed(value, ensemble, view=False):
     if isinstance(value, (list, tuple)) and value:
         return type(value)(Packed(part, ensemble, view) for part in value)
     if isinstance(value, GridFunction):
-        return ensemble.ReferenceTo(value)
+        return ensemble.pairs.ReferenceTo(value)
     for key, home in ensemble.homes.items():
         if home is value:
             return Reference("twin" if key in ensemble.twins else "given", key)
@@ -189,10 +195,9 @@ def Unpacked(value, ensemble, own=None):
     if not isinstance(value, Reference):
         return own if value is None else value
     if value.kind == "function":
-        return ensemble.GivenFunction(value)
+        return ensemble.pairs.Given(value)
     if value.kind == "given":
         return ensemble.Given(value.key)
     if value.key not in ensemble.twins:
         Twin(value.what, ensemble, value.key, {})
     return ensemble.twins[value.key]
-

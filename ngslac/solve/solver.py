@@ -3,7 +3,6 @@
 import numpy as np
 from ngsolve import GridFunction
 
-from ngslac.distributable import Distributable
 from ngslac.arguments import (
     CheckChoice,
     CheckCount,
@@ -15,6 +14,7 @@ from ngslac.arguments import (
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.contact.contact import LACContact
+from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver

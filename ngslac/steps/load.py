@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import Parameter
 
-from ngslac.distributable import Distributable
 from ngslac.arguments import (
     CheckCount,
     CheckFlag,
@@ -15,6 +14,7 @@ from ngslac.arguments import (
     CheckState,
 )
 from ngslac.bodies.messages import OverloadMessage
+from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips

@@ -5,9 +5,9 @@ import hashlib
 import numpy as np
 from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 
-from ngslac.distributable import OnDistributedMeshes
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
+from ngslac.distributable import OnDistributedMeshes
 from ngslac.files import PathOf
 from ngslac.meshes.distributed import Distributed
 from ngslac.solve.iteration import Iteration

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from ngsolve import GridFunction, Integrate, Parameter
 
-from ngslac.distributable import Distributable
 from ngslac.arguments import (
     LARGEST_COUNT,
     CheckCount,
@@ -18,6 +17,7 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.bodies.bodies import Bodies
+from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.parallel.functions import RemoteIntegrand
 from ngslac.solve.bulk import Bulk
