@@ -45,7 +45,7 @@ def FGMRES(product, precondition, b, x, total, *, tol, most, patience):
     -------
     Iteration
     """
-    size, image, given = b.norm(), b.duplicate(), b.duplicate()
+    size, (image, given, move) = b.norm(), (b.duplicate() for _ in range(3))
     x.set(0)
     if size == 0:
         return Iteration(0, 0.0)
@@ -54,7 +54,6 @@ def FGMRES(product, precondition, b, x, total, *, tol, most, patience):
     while residuals[-1] > tol and len(moves) < most:
         k = len(moves)
         given.array[:] = basis[k]
-        move = b.duplicate()
         precondition(given, move)
         product(move, image)
         moves.append(move.array.copy())

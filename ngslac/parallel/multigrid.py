@@ -9,9 +9,9 @@ __all__ = ["Multigrid"]
 # Blocks of nodes, and all dofs that contact touches as one more block: slip couples the dofs of a
 # macro-element in an unsymmetric way, which smaller blocks do not see.
 FINE = {
-    "mg_levels_ksp_type": "gmres",
+    "mg_levels_ksp_type": "chebyshev",
     "mg_levels_ksp_max_it": 4,
-    "mg_levels_ksp_convergence_test": "skip",
+    "mg_levels_ksp_chebyshev_esteig": "0,0.05,0,1.1",
     "mg_levels_pc_type": "fieldsplit",
     "mg_levels_pc_fieldsplit_type": "additive",
     "mg_levels_fieldsplit_nodes_ksp_type": "preonly",

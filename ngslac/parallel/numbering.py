@@ -68,6 +68,12 @@ class Numbering:
         vec.setType("standard")
         return vec
 
+    def CleanUp(self):
+        """Let PETSc free what Python has let go: it waits for all ranks to say so."""
+        PETSc = LoadPETSc()
+        for comm in (PETSc.COMM_SELF, self.comm):
+            PETSc.garbage_cleanup(comm)
+
     def Tell(self, found):
         """What rank 0 has found, on all ranks."""
         return found if self._comm is None else self._comm.bcast(found)

@@ -82,11 +82,9 @@ class PetscSolver:
         if inverse is not None or preconditioner is not None:
             name = "inverse" if inverse is not None else "preconditioner"
             raise ValueError(f"{name}= does not go with solver='petsc': leave it out")
-        free = AsNumPy(freedofs)
-        system = PetscSystem(
-            None, len(free), np.arange(len(free)), free, Nodes.Of(contact, freedofs)
-        )
-        return cls(Alone(system), freedofs, "direct")
+        free, nodes = AsNumPy(freedofs), Nodes.Of(contact, freedofs)
+        system = PetscSystem(None, len(free), np.arange(len(free)), free, nodes)
+        return cls(Alone(system), freedofs, Method(nodes, free))
 
     def __str__(self):
         ways = {"iterative": "FGMRES with multigrid", "direct": "factors of MUMPS"}

@@ -136,22 +136,24 @@ class PetscSystem:
             On all ranks.
         """
         accuracy, method = self.numbering.Tell((accuracy, method))
+        solve = self._Direct if method == "direct" else self._Iterate
         right, x = self.numbering.Put(b, self.numbering.Vector()), self.numbering.Vector()
-        if method == "direct":
-            error = self._Direct().Solve(right, x)
-        else:
-            error = self._Iterate(right, x, accuracy)
-        return self.numbering.Get(x), error
+        try:
+            error = solve(right, x, accuracy)
+            return self.numbering.Get(x), error
+        finally:
+            self.numbering.CleanUp()
 
     def Forget(self):
         """Keep nothing but the bulk."""
         self._contacts = self._iterative = None
         self._direct.Forget()
+        self.numbering.CleanUp()
 
-    def _Direct(self):
+    def _Direct(self, b, x, _):
         if self._direct.mat is None:
             self._direct.Take(self._WithBulk(self._OnRankZero(Contacts.All)))
-        return self._direct
+        return self._direct.Solve(b, x)
 
     def _Iterate(self, b, x, accuracy):
         if self._iterative is None:
