@@ -220,7 +220,8 @@ class RemoteMatrix(BaseMatrix):
     def Parts(self):
         """A number (n,) for each dof: the same where they are connected."""
         found = [part.astype(int) for part in self.form.Ask("Parts")]
-        n, first, ends = self.Height(), self.Height(), []
+        n = first = self.form.space.ndof * self.form.space.dim
+        ends = []
         for dofs, part in zip(self.form.replica.dofs, found, strict=True):
             used = dofs >= 0
             ends.append((dofs[used], first + part[used]))
