@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'EquilibrationScale', 'FacetCorners', 'GMRes', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'ElementDofs', 'EquilibrationScale', 'FacetCorners', 'FormDiagonal', 'GMRes', 'HoldsGridFunction', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PieceOf', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'ProxyPath', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs', 'WholeMesh']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -109,6 +109,11 @@ class LACSpace(ngsolve.comp.FESpace):
     def nmacros(self) -> int:
         """
         Number of macro-elements.
+        """
+    @property
+    def number(self) -> int:
+        """
+        Of its replica where the mesh is distributed, else -1.
         """
     @property
     def slave(self) -> ngsolve.comp.Region:
@@ -544,6 +549,30 @@ def BoundaryVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int3
 def DofFingerprint(fes: ngsolve.comp.FESpace) -> int:
     """
     A number that differs for spaces that number the dofs of their elements in different ways.
+    """
+def ElementDofs(fes: ngsolve.comp.FESpace) -> tuple:
+    """
+    How many dofs each volume element has, and these one after the other; negative: none.
+    """
+def FormDiagonal(form: ngsolve.comp.BilinearForm, wanted: pyngcore.pyngcore.BitArray) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Diagonal (n,) of the elements of a form that hold one of the wanted dofs.
+    """
+def HoldsGridFunction(function: ngsolve.fem.CoefficientFunction) -> bool:
+    """
+    Does a function hold a GridFunction?
+    """
+def PieceOf(mesh: ngsolve.comp.Mesh) -> tuple:
+    """
+    What this process has of a distributed mesh, as seven tables
+    """
+def ProxyPath(proxy: ngsolve.fem.CoefficientFunction, name: str) -> list[int]:
+    """
+    Numbers of components that lead from a product space to that of a trial function.
+    """
+def WholeMesh(empty: ngsolve.comp.Mesh, parts: tuple) -> ngsolve.comp.Mesh:
+    """
+    The mesh of all pieces, whose tables are stacked, on a process that has no elements
     """
 def EquilibrationScale(bulk: ngsolve.la.BaseMatrix, contacts: collections.abc.Sequence[ContactForm]) -> numpy.typing.NDArray[numpy.float64]:
     ...

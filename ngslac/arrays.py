@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import BaseVector, BitArray
 
-__all__ = ["AddToDiagonal", "AsBits", "AsNumPy", "Multiply", "ScalarDofs"]
+__all__ = ["AddToDiagonal", "AsBits", "AsNumPy", "Multiply", "SameEntries", "SameMatrix", "ScalarDofs"]
 
 
 def Multiply(mats, values):
@@ -43,3 +43,17 @@ def AddToDiagonal(mat, values):
     rows = np.repeat(np.arange(mat.height), np.diff(np.asarray(starts).astype(int)))
     where = np.flatnonzero(rows == np.asarray(columns))
     np.asarray(entries)[where] += values[rows[where]]
+
+
+def SameMatrix(one, other):
+    """Are two sparse matrices the same?"""
+    return one.shape == other.shape and (one != other).nnz == 0
+
+
+def SameEntries(ones, others):
+    """Are two lists of the arrays of matrices the same?"""
+    return len(ones) == len(others) and all(
+        np.array_equal(*pair)
+        for one, other in zip(ones, others, strict=True)
+        for pair in zip(one, other, strict=True)
+    )

@@ -1,5 +1,4 @@
 #include "gmres.hpp"
-#include "merge.hpp"
 #include "nodeblocks.hpp"
 #include "numpy.hpp"
 #include "orthogonal.hpp"
@@ -154,12 +153,6 @@ void ExportLinear(py::module & m) {
       "On the free dofs for a preconditioner M of A itself, to single precision.")
       .def(py::init<shared_ptr<TwoLevel>, shared_ptr<OrthogonalCondensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
-  m.def(
-      "DiagonalMatrix",
-      [](const Numbers<double> & values) -> shared_ptr<BaseMatrix> {
-        return DiagonalMatrix(FromNumPy(values));
-      },
-      py::arg("values"), "Sparse matrix with a diagonal (n,), for what looks at nothing else.");
   m.def(
       "GMRes",
       [](shared_ptr<PreconditionedProduct> product, shared_ptr<BaseVector> rhs,

@@ -1,19 +1,10 @@
 #include "inner.hpp"
-#include <comp.hpp>
-#include <python_comp.hpp>
+#include "numpy.hpp"
 
 namespace ngslac {
-using namespace ngcomp;
-
-namespace {
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-FlatVector<> View(const Numbers & values, const InnerElimination & self) {
-  if (values.size() != self.Left()->VHeight())
-    throw Exception("InnerElimination: a vector needs one entry per row of the matrix");
-  return FlatVector<>(values.size(), const_cast<double *>(values.data()));
+static size_t Size(const InnerElimination & self) {
+  return self.Left()->VHeight();
 }
-} // namespace
 
 void ExportInner(py::module & m) {
   py::class_<InnerElimination, shared_ptr<InnerElimination>>(
@@ -34,9 +25,9 @@ void ExportInner(py::module & m) {
           "Matrix of the other dofs; the inner ones have their diagonal alone.")
       .def(
           "Reduce",
-          [](const InnerElimination & self, Numbers rhs) {
-            Numbers reduced(rhs.size());
-            auto from = View(rhs, self), to = View(reduced, self);
+          [](const InnerElimination & self, Numbers<double> rhs) {
+            Numbers<double> reduced(rhs.size());
+            auto from = View(rhs, Size(self)), to = View(reduced, Size(self));
             py::gil_scoped_release release;
             self.Reduce(from, to);
             return reduced;
@@ -44,9 +35,10 @@ void ExportInner(py::module & m) {
           py::arg("rhs"), "Right hand side of `mat`, zero on inner dofs.")
       .def(
           "Expand",
-          [](const InnerElimination & self, Numbers rhs, Numbers x) {
-            Numbers solution(x.size());
-            auto from = View(rhs, self), part = View(x, self), to = View(solution, self);
+          [](const InnerElimination & self, Numbers<double> rhs, Numbers<double> x) {
+            Numbers<double> solution(x.size());
+            auto from = View(rhs, Size(self)), part = View(x, Size(self));
+            auto to = View(solution, Size(self));
             py::gil_scoped_release release;
             to = part;
             self.Expand(from, to);

@@ -41,17 +41,6 @@ Array<double> ScalarDiagonal(const BaseMatrix & mat) {
   });
 }
 
-shared_ptr<BaseMatrix> DiagonalMatrix(FlatArray<double> values) {
-  Array<int> one(values.Size());
-  one = 1;
-  auto mat = make_shared<SparseMatrix<double>>(one, values.Size());
-  for (int i : Range(values)) {
-    mat->CreatePosition(i, i);
-    (*mat)(i, i) = values[i];
-  }
-  return mat;
-}
-
 Array<double> EquilibrationScale(const BaseMatrix & bulk) {
   auto scale = ScalarDiagonal(bulk);
   for (double & s : scale)

@@ -20,6 +20,4 @@ shared_ptr<SparseMatrix<double>> MergeMatrices(const BaseMatrix & bulk,
 
 /// Scalar diagonal of a sparse matrix with scalar or block entries.
 Array<double> ScalarDiagonal(const BaseMatrix & mat);
-/// The sparse matrix that has a diagonal and nothing else.
-shared_ptr<BaseMatrix> DiagonalMatrix(FlatArray<double> values);
 } // namespace ngslac

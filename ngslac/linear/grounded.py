@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, hstack
 
 from ngslac._ngslac import MergeMatrices, SchurComplement
-from ngslac.arrays import AddToDiagonal, AsBits, Multiply
+from ngslac.arrays import AddToDiagonal, AsBits, Multiply, SameMatrix
 from ngslac.linear.factor import Factor, IsSymmetric, LinearSolveError
 from ngslac.linear.grounding import Grounded
 
@@ -68,7 +68,7 @@ class GroundedBulk:
 
     def Schur(self, columns):
         """Of columns C (n, m), and one more for each spring: a SchurComplement, and C^T K^-1 C."""
-        if self._columns is None or not AreEqual(self._columns, columns):
+        if self._columns is None or not SameMatrix(self._columns, columns):
             unit = UnitColumns(self.springs, len(self.free))
             given = hstack([columns, unit], format="csc")
             schur = SchurComplement(self.inverse, given.indptr, given.indices, given.data)
@@ -79,8 +79,3 @@ class GroundedBulk:
 def UnitColumns(dofs, n):
     """The columns (n, k) of the unit matrix of k dofs."""
     return csc_matrix((np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), (n, len(dofs)))
-
-
-def AreEqual(one, other):
-    """Are two sparse matrices the same?"""
-    return one.shape == other.shape and (one != other).nnz == 0

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ngslac._ngslac import MergeMatrices
+from ngslac.arrays import SameEntries
 
 __all__ = ["Merged"]
 
@@ -26,18 +27,9 @@ class Merged:
         """Make `mat` that of these matrices; False if it was so before, to the last bit."""
         mat, same = self.mat, bulk is self._bulk and np.array_equal(scale, self._scale)
         entries = [[np.array(part) for part in contact.CSR()] for contact in contacts]
-        if same and AreEqual(entries, self._contacts):
+        if same and SameEntries(entries, self._contacts):
             return False
         self.Forget()  # half changed, if that raises an error
         self.mat = MergeMatrices(bulk, contacts, scale, mat if same else None)
         self._bulk, self._scale, self._contacts = bulk, np.array(scale), entries
         return True
-
-
-def AreEqual(ones, others):
-    """Are two lists of arrays of matrices the same?"""
-    return len(ones) == len(others) and all(
-        np.array_equal(*pair)
-        for one, other in zip(ones, others, strict=True)
-        for pair in zip(one, other, strict=True)
-    )

@@ -51,7 +51,7 @@ class PartsInverse:
 
     def _Add(self, mat, dofs):
         for other, _, parts in self._groups:
-            if AreEqual(mat, other):
+            if AreNear(mat, other):
                 parts.append(dofs)
                 return
         free = AsBits(np.ones(len(dofs), dtype=bool))
@@ -100,7 +100,7 @@ def Exported(mat):
     return SparseMatrixd.CreateFromCOO(*places, entries.data, *mat.shape)
 
 
-def AreEqual(mat, other):
+def AreNear(mat, other):
     """Are two sparse matrices equal to rounding, and their graphs?"""
     if mat.shape != other.shape or not np.array_equal(mat.indptr, other.indptr):
         return False

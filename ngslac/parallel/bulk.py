@@ -2,11 +2,11 @@
 
 import numpy as np
 from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
-from ngsolve.la import PARALLEL_STATUS
+from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ngslac._ngslac import DiagonalMatrix, FormDiagonal, ProxyPath
+from ngslac._ngslac import FormDiagonal, ProxyPath
 from ngslac.bodies.constraints import ToCSR
 from ngslac.parallel.petscsolver import LARGE, PetscSolver
 from ngslac.parallel.plain import Reference
@@ -180,7 +180,7 @@ class RemoteForm:
     @property
     def elastic(self):
         """A matrix with the diagonal that the elements have without inertia."""
-        return DiagonalMatrix(self.Sum(self.Ask("ElasticDiagonal")))
+        return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
 
     def LinearSolver(self, contact, freedofs, wanted):
         """What solves the linear systems, see `ChooseSolver`."""
@@ -214,7 +214,7 @@ class RemoteMatrix(BaseMatrix):
     def diagonal(self):
         """A sparse matrix with the same diagonal."""
         if self._diagonal is None:
-            self._diagonal = DiagonalMatrix(self.form.Sum(self.form.Ask("Diagonal")))
+            self._diagonal = Diagonal(self.form.Sum(self.form.Ask("Diagonal")))
         return self._diagonal
 
     def Parts(self):
@@ -251,3 +251,9 @@ class RemoteMatrix(BaseMatrix):
     def CreateRowVector(self):
         """A vector of `Width`."""
         return GridFunction(self.form.space).vec
+
+
+def Diagonal(values):
+    """The sparse matrix with a diagonal (n,)."""
+    where = np.arange(len(values), dtype=np.int32)
+    return SparseMatrixd.CreateFromCOO(where, where, values, len(values), len(values))

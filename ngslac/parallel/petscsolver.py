@@ -3,9 +3,8 @@
 import numpy as np
 from ngsolve import BitArray
 
-from ngslac.arrays import AsNumPy
+from ngslac.arrays import AsNumPy, SameEntries
 from ngslac.linear.attempts import FirstGood, SolveShifted
-from ngslac.linear.merged import AreEqual
 from ngslac.parallel.nodes import Nodes
 from ngslac.parallel.petscsystem import PetscSystem
 
@@ -151,7 +150,7 @@ class PetscSolver:
         mats = [form.mat for form in forms]
         given = [[np.array(part) for part in mat.CSR()] for mat in mats]
         given.append([np.array(scale), np.zeros(0) if shift is None else np.array(shift)])
-        if self._given is None or not AreEqual(given, self._given):
+        if self._given is None or not SameEntries(given, self._given):
             self._given = None
             multipliers = np.concatenate([form.MultiplierDofs() for form in forms])
             self.team.Call("SetContacts", mats, multipliers, scale, shift)

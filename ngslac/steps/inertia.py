@@ -19,9 +19,8 @@ from ngsolve import (
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
-from ngslac.arrays import Multiply
+from ngslac.arrays import Multiply, SameMatrix
 from ngslac.bodies.constraints import ToCSR
-from ngslac.linear.grounded import AreEqual
 from ngslac.linear.parts import PartsInverse
 from ngslac.parallel.bulk import RemoteForm
 from ngslac.parallel.functions import RemoteIntegrand
@@ -149,7 +148,7 @@ class Mass:
     def _Compliance(self, rows):
         """What constraints see of the motion that impulses (k,) of their own cause, as function."""
         last, known = self._compliance
-        if last is not None and AreEqual(rows, last):
+        if last is not None and SameMatrix(rows, last):
             return known
         matrix, transposed = self._inverse.Complement(rows), rows.T.tocsr()
 
