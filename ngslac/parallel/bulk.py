@@ -7,6 +7,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
+from ngslac.arrays import AsBits, AsNumPy
 from ngslac.bodies.constraints import ToCSR
 from ngslac.parallel.petscsolver import LARGE, PetscSolver
 from ngslac.parallel.plain import Reference
@@ -76,8 +77,16 @@ class FormPart:
 
     def ElasticDiagonal(self, _):
         """That of the own elements at the boundary, see `FormDiagonal`."""
-        space = self.form.space
-        return FormDiagonal(self.form, space.GetDofs(space.mesh.Boundaries(".*")))
+        return FormDiagonal(self.form, self._AtBoundary())
+
+    def _AtBoundary(self):
+        """The own dofs at the boundary, of which other processes may have the faces."""
+        space, vec = self.form.space, self.vec.CreateVector()
+        here = AsNumPy(space.GetDofs(space.mesh.Boundaries(".*")))
+        vec.SetParallelStatus(PARALLEL_STATUS.DISTRIBUTED)
+        vec.FV().NumPy()[:] = np.repeat(here, space.dim)
+        vec.Cumulate()
+        return AsBits(vec.FV().NumPy()[:: space.dim] > 0)
 
     def Parts(self, _):
         """A number for each own dof: the same where the own elements connect them."""

@@ -98,7 +98,7 @@ def of_contact(contact, size):
     table = contact.Table()
     force = contact.Force()
     whole = float(np.linalg.norm(force)) or 1.0
-    return {name: (table[name], None) for name in ("x", "area", "status", "traction")} | {
+    return {name: (table[name], None) for name in ("x", "normal", "area", "status", "traction")} | {
         "pressure": (table["pressure"], float(np.abs(table["traction"]).max())),
         "gap": (table["gap"], size),
         "force": (force, whole),
