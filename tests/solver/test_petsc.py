@@ -1,0 +1,185 @@
+"""PETSc as solver of the linear systems: the same solutions, in one process and in several."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from press import mixed_press, mixed_press3d, press, press3d, same, solved
+
+from ngslac import FloatingBodyError
+from ngslac.parallel import petsc, petscsolver
+from ngslac.parallel.fgmres import FGMRES
+
+try:
+    petsc.LoadPETSc()
+    missing = ""
+except ImportError as error:
+    missing = str(error)
+needs_petsc = pytest.mark.skipif(bool(missing), reason=missing or "petsc4py is there")
+
+CASES = {
+    "stick": (press, {"friction": 5.0}),
+    "frictionless": (press, {}),
+    "mixed": (mixed_press, {}),
+    "large sliding": (mixed_press, {"finite": True}),
+    "nonlinear": (mixed_press, {"nonlinear": True}),
+    "condensed": (mixed_press, {"condense": True}),
+    "first order": (mixed_press, {"order": 1}),
+    "3D mixed": (mixed_press3d, {}),
+    "3D tets": (mixed_press3d, {"kinds": ("tet", "tet")}),
+    "3D third order": (mixed_press3d, {"order": 3, "n": (3, 2)}),
+    "3D tied": (press3d, {"tied": True, "friction": None}),
+}
+
+
+@needs_petsc
+@pytest.mark.parametrize("method", ["direct", "iterative"])
+@pytest.mark.parametrize("case", CASES)
+def test_same_solution(case, method, monkeypatch):
+    monkeypatch.setattr(petscsolver, "LARGE", dict.fromkeys((2, 3), 0 if method[0] == "i" else 1e9))
+    make, flags = CASES[case]
+    reference, problem = make(**flags), make(**flags)
+    solved(reference)
+    solver = solved(problem, solver="petsc")
+    assert solver.linear.method == method
+    assert (solver.linear.factorisations > 0) == (method == "direct")
+    assert (solver.linear.krylov > 0) == (method == "iterative")
+    # An iteration leaves what Newton takes for rounding, times the condition.
+    same(problem, reference, 1e-9 if method == "direct" else 1e-8)
+
+
+@needs_petsc
+@pytest.mark.parametrize("large", [0, 1e9])
+def test_floating_bodies_are_found(large, monkeypatch):
+    monkeypatch.setattr(petscsolver, "LARGE", {2: large})
+    problem = press(spring=0, push=(0.0, 0.02))
+    messages = []
+    for name in ("petsc", "saddle"):
+        with pytest.raises(FloatingBodyError) as error:
+            problem.solver(solver=name, initial="none").Solve(printing=False)
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+
+
+@needs_petsc
+@pytest.mark.parametrize("name", ["inverse", "preconditioner"])
+def test_other_choices_are_refused(name):
+    value = {"inverse": "umfpack", "preconditioner": lambda mat, freedofs: None}[name]
+    with pytest.raises(ValueError, match=f"{name}= does not go with solver='petsc'"):
+        press().solver(solver="petsc", **{name: value})
+
+
+@needs_petsc
+def test_matrices_that_did_not_change_are_not_factored_again():
+    problem = press()
+    solver = solved(problem, solver="petsc")
+    before = solver.linear.factorisations
+    solver.Solve(printing=False)
+    assert solver.linear.factorisations <= before + 1
+
+
+@needs_petsc
+def test_states_say_which_method_serves(monkeypatch):
+    monkeypatch.setattr(petscsolver, "LARGE", {2: 0})
+    one, other = (press().solver(solver="petsc").linear for _ in range(2))
+    one.method = "direct"
+    other.SetState(one.State())
+    assert (other.method, str(other)) == ("direct", "linear systems: PETSc, factors of MUMPS")
+
+
+def test_what_to_install_is_said_where_petsc_is_missing(monkeypatch):
+    def nothing():
+        raise ImportError("No module named 'petsc4py'")
+
+    monkeypatch.setattr(petsc, "Found", nothing)
+    monkeypatch.setattr(petscsystem_numbering(), "LoadPETSc", petsc.LoadPETSc.__wrapped__)
+    with pytest.raises(ImportError, match="python3-petsc4py"):
+        press().solver(solver="petsc")
+
+
+def petscsystem_numbering():
+    """The module that asks for PETSc first."""
+    from ngslac.parallel import numbering
+
+    return numbering
+
+
+def test_other_solvers_import_neither_petsc_nor_mpi():
+    code = "import press, sys; press.solved(press.press()); "
+    code += "assert not {'petsc4py', 'mpi4py'} & set(sys.modules)"
+    home = Path(__file__).parents[1] / "problems"
+    assert subprocess.run([sys.executable, "-c", code], cwd=home, timeout=120).returncode == 0
+
+
+@needs_petsc
+@pytest.mark.skipif(shutil.which("mpiexec") is None, reason="there is no mpiexec")
+def test_any_number_of_ranks_solves_the_same_system():
+    environment = os.environ | {f"OMPI_ALLOW_RUN_AS_ROOT{end}": "1" for end in ("", "_CONFIRM")}
+    environment |= {"OMPI_MCA_mpi_yield_when_idle": "1", "OPENBLAS_NUM_THREADS": "1"}
+    script = Path(__file__).with_name("petsc_ranks.py")
+    krylov = []
+    for ranks in (1, 4):
+        command = ["mpiexec", "--oversubscribe", "-n", str(ranks)]
+        command += [sys.executable, "-m", "mpi4py", str(script)]
+        flags = {"capture_output": True, "text": True, "timeout": 120, "env": environment}
+        found = json.loads(subprocess.run(command, **flags).stdout.splitlines()[-1])
+        assert found["ranks"] == ranks
+        assert max(found["direct"]) < 1e-11
+        assert found["iterative"][1] < 1e-9
+        assert found["iterative"][0] < 1e-7
+        assert found["singular fails"]
+        krylov.append(found["krylov"])
+    assert abs(krylov[1] - krylov[0]) <= 3
+
+
+class Array:
+    """As much of a PETSc.Vec as the iteration needs."""
+
+    def __init__(self, values):
+        self.array = np.array(values, dtype=float)
+
+    def norm(self):
+        return np.linalg.norm(self.array)
+
+    def duplicate(self):
+        return Array(0 * self.array)
+
+    def set(self, value):
+        self.array[:] = value
+
+
+def test_fgmres_solves_with_a_preconditioner_that_changes():
+    random = np.random.default_rng(0)
+    mat = np.eye(30) + 0.3 * random.standard_normal((30, 30)) / np.sqrt(30)
+    b, x, count = Array(random.standard_normal(30)), Array(np.zeros(30)), [0]
+
+    def product(z, image):
+        image.array[:] = mat @ z.array
+
+    def precondition(r, z):
+        count[0] += 1
+        z.array[:] = (1 + 0.3 * np.sin(count[0] * np.arange(30))) * r.array
+
+    limits = {"tol": 1e-10, "most": 40, "patience": 40}
+    iteration = FGMRES(product, precondition, b, x, lambda values: values, **limits)
+    assert np.linalg.norm(mat @ x.array - b.array) <= 1.01e-10 * b.norm()
+    assert iteration.number == count[0] <= 30
+
+
+def test_fgmres_ends_where_it_stalls():
+    b, x = Array(np.eye(30)[0]), Array(np.zeros(30))
+
+    def product(z, image):  # a cycle: no vector but the last one has a part of b
+        image.array[:] = np.roll(z.array, 1)
+
+    def precondition(r, z):
+        z.array[:] = r.array
+
+    limits = {"tol": 1e-10, "most": 40, "patience": 5}
+    iteration = FGMRES(product, precondition, b, x, lambda values: values, **limits)
+    assert (iteration.number, iteration.residual) == (5, 1.0)
