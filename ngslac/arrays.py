@@ -3,7 +3,15 @@
 import numpy as np
 from ngsolve import BaseVector, BitArray
 
-__all__ = ["AddToDiagonal", "AsBits", "AsNumPy", "Multiply", "SameEntries", "SameMatrix", "ScalarDofs"]
+__all__ = [
+    "AddToDiagonal",
+    "AsBits",
+    "AsNumPy",
+    "Multiply",
+    "SameEntries",
+    "SameMatrix",
+    "ScalarDofs",
+]
 
 
 def Multiply(mats, values):

@@ -117,17 +117,14 @@ class RemoteForm:
 
     def Ask(self, verb, values=None, *args):
         """What each process says of its part of values (n,)."""
-        each = [None] * len(self.replica.dofs)
-        if values is not None:
-            each = [np.where(dofs >= 0, values[dofs], 0.0) for dofs in self.replica.dofs]
+        count = len(self.replica.dofs)
+        each = [None] * count if values is None else self.replica.Split(values)
         return self.ensemble.Order("form", self.number, verb, *args, each=each)[1:]
 
     def Sum(self, parts):
         """Values (n,) that processes have parts of."""
         total = np.zeros(self.space.ndof * self.space.dim)
-        for dofs, part in zip(self.replica.dofs, parts, strict=True):
-            used = dofs >= 0
-            total += np.bincount(dofs[used], part[used], minlength=len(total))
+        self.replica.Add(parts, total)
         return total
 
     def Apply(self, x, y):

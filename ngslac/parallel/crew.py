@@ -22,7 +22,7 @@ class OutOfStepError(RuntimeError):
 
 
 class Messages:
-    """What goes between the conductor and the workers, with a count of the bytes.
+    """What goes between the conductor and one worker each; what comes too early can be put back.
 
     Parameters
     ----------
@@ -32,20 +32,17 @@ class Messages:
 
     def __init__(self, comm):
         self.comm = comm.Dup()
-        self.rank, self.size, self.bytes = comm.rank, comm.size, 0
         self._put_back = defaultdict(deque)
 
     def Send(self, rank, message):
-        """Send anything that can be pickled."""
-        data = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
-        self.bytes += len(data)
-        self.comm.send(data, dest=rank)
+        """Send what can be pickled."""
+        self.comm.send(message, dest=rank)
 
     def Receive(self, rank):
         """The next message of a process."""
         if self._put_back[rank]:
             return self._put_back[rank].popleft()
-        return pickle.loads(self.comm.recv(source=rank))
+        return self.comm.recv(source=rank)
 
     def PutBack(self, rank, message):
         """The next one is this one, once more."""

@@ -72,8 +72,7 @@ class Pairs:
     def _Read(self, pair):
         _, *parts = self._ensemble.crew.Order("get", self._pairs.index(pair))
         values = pair.home.vec.FV().NumPy()
-        for dofs, part in zip(pair.space.dofs, parts, strict=True):
-            values[dofs[dofs >= 0]] = part[dofs >= 0]
+        pair.space.Put(parts, values)
         pair.sent = values.copy()
 
     def Write(self):
@@ -82,8 +81,7 @@ class Pairs:
             values = pair.home.vec.FV().NumPy() if pair.whole else None
             if not pair.whole or (pair.sent is not None and np.array_equal(values, pair.sent)):
                 continue
-            each = [np.where(dofs >= 0, values[dofs], 0.0) for dofs in pair.space.dofs]
-            self._ensemble.crew.Order("put", number, each=each)
+            self._ensemble.crew.Order("put", number, each=pair.space.Split(values))
             pair.given.vec.FV().NumPy()[:] = values[pair.space.own]
             pair.sent = values.copy()
 

@@ -1,6 +1,5 @@
 """Arguments of users as those of the serial code on the conductor."""
 
-import numpy as np
 from ngsolve import (
     BilinearForm,
     BitArray,
@@ -138,16 +137,12 @@ def OfFunction(given, ensemble):
 
 
 def LoadOf(replica, parts):
-    """The vector that processes have parts of, of which some are to be added up."""
+    """The vector that processes have parts of, which may have to be added up."""
     load = GridFunction(replica.space).vec
     total = load.FV().NumPy()
     total[:] = 0
-    for dofs, (values, added) in zip(replica.dofs, parts, strict=True):
-        used = dofs >= 0
-        if added:
-            total += np.bincount(dofs[used], values[used], minlength=len(total))
-        else:
-            total[dofs[used]] = values[used]
+    values, added = zip(*parts, strict=True)
+    (replica.Add if any(added) else replica.Put)(values, total)
     return load
 
 

@@ -93,6 +93,7 @@ class SpaceReplica:
         self.given, self.mesh, self.parts = given, mesh, parts
         self.space = self.dofs = None
         self.own, self.multipliers = np.empty(0, dtype=int), None
+        self._places = None
 
     def Make(self, crew, number):
         """The replica; the conductor only. `number` is that by which workers know this one."""
@@ -111,6 +112,37 @@ class SpaceReplica:
         _, *self.dofs = crew.Order("dofs", number, each=each)
         self.TakeFree(crew, number)
         return self.space
+
+    # --- values on the conductor ---------------------------------------------------------------
+
+    def Split(self, values):
+        """For each worker the part of values (n,) that belongs to its dofs, 0 elsewhere."""
+        parts = [np.zeros(len(dofs)) for dofs in self.dofs]
+        for part, (own, numbers) in zip(parts, self._Places(), strict=True):
+            part[own] = values[numbers]
+        return parts
+
+    def Put(self, parts, values):
+        """Write parts of workers, which have the same at shared dofs, into values (n,)."""
+        for part, (own, numbers) in zip(parts, self._Places(), strict=True):
+            values[numbers] = part[own]
+
+    def Add(self, parts, values):
+        """Add parts of workers to values (n,)."""
+        for part, (own, numbers) in zip(parts, self._Places(), strict=True):
+            values[numbers] += part[own]  # each is there once
+
+    def _Places(self):
+        """For each worker the dofs that are in the replica, and their numbers there."""
+        if self._places is None:
+            known = [dofs >= 0 for dofs in self.dofs]
+            self._places = [
+                (slice(None) if np.all(yes) else np.flatnonzero(yes), dofs[yes])
+                for yes, dofs in zip(known, self.dofs, strict=True)
+            ]
+        return self._places
+
+    # --- dofs ----------------------------------------------------------------------------------
 
     def TakeFree(self, crew, number):
         """Let the same dofs be free as on the workers, where users may have changed them."""
@@ -168,7 +200,7 @@ class SpaceReplica:
         replica.multipliers = given.number
         replica.dofs = replica.own = np.arange(given.ndof * given.dim)
         if space is not None:
-            replica.dofs = [replica.dofs] * (mesh.crew.messages.size - 1)
+            replica.dofs = [replica.dofs] * len(mesh.crew.workers)
         return replica
 
 

@@ -45,7 +45,9 @@ class FormSum:
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, a, *contacts):
-        self.a = CheckBulk(a)
+        if CheckBulk(a).space.mesh.comm.size > 1:
+            raise ValueError("FormSum is for one process: take a ContactSolver on many")
+        self.a = a
         self.contacts = tuple(CheckContacts(contacts, a.space))
         self.mat = None
 
