@@ -18,6 +18,12 @@ Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const str
 string Text(py::handle given) {
   return py::isinstance<Region>(given) ? "<Region>" : Given<Region>::Text(given);
 }
+
+// Of a distributed mesh, some processes may have none.
+size_t FacesOfAll(const Region & region) {
+  size_t own = Faces(region).Size();
+  return region.Mesh()->GetCommunicator().AllReduce(own, NG_MPI_SUM);
+}
 } // namespace
 
 Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
@@ -40,7 +46,7 @@ Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::hand
 Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
                        bool any) {
   auto region = BoundaryRegion(mesh, name, given, any);
-  if (region.VB() == BND && Faces(region).Size() == 0)
+  if (region.VB() == BND && FacesOfAll(region) == 0)
     throw py::value_error(
         name + "=" + Text(given) +
         " matches no boundary face; the boundaries are: " + BoundaryNames(Region(mesh, BND, true)));

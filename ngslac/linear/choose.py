@@ -6,7 +6,7 @@ from ngslac.linear.solver import LinearSolver
 from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.vertices import VertexNodes
 
-__all__ = ["ChooseSolver"]
+__all__ = ["SOLVERS", "ChooseSolver"]
 
 SOLVERS = "interface", "direct", "iterative", "saddle", "petsc"
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.

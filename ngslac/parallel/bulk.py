@@ -7,8 +7,10 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
+from ngslac.arguments import CheckChoice
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.bodies.constraints import ToCSR
+from ngslac.linear.choose import SOLVERS
 from ngslac.parallel.petscsolver import LARGE, PetscSolver
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
@@ -188,8 +190,13 @@ class RemoteForm:
         """A matrix with the diagonal that the elements have without inertia."""
         return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
 
-    def LinearSolver(self, contact, freedofs, wanted):
+    def LinearSolver(self, contact, freedofs, wanted, inverse=None, preconditioner=None):
         """What solves the linear systems, see `ChooseSolver`."""
+        if wanted is not None:
+            CheckChoice("solver", wanted, SOLVERS)
+        for name, given in (("inverse", inverse), ("preconditioner", preconditioner)):
+            if given is not None:
+                raise ValueError(f"{name}= is for one process: leave it out on a distributed mesh")
         if wanted not in (None, "petsc", "direct", "iterative"):
             raise ValueError(
                 f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "

@@ -1,6 +1,7 @@
 """What belongs to a distributed mesh: its processes, and what of it the conductor has twice."""
 
 from itertools import count
+from weakref import WeakValueDictionary
 
 from ngsolve import ProductSpace
 
@@ -55,8 +56,9 @@ class Ensemble:
     def __init__(self, mesh):
         self.crew = Crew(mesh.comm.mpi4py)
         self.mesh = MeshReplica(mesh, self.crew)
-        self.things, self.homes, self.twins = {}, {}, {}
+        self.things, self.homes, self.twins = {}, {}, WeakValueDictionary()
         self._numbers, self._parameters, self.context = count(), [], None
+        self.results = count()
         self.passing = []
         self.pairs = Pairs(self)
         self.crew.tasks |= {
@@ -140,6 +142,8 @@ class Ensemble:
 
     def SpaceOf(self, space):
         """The SpaceReplica of a space on the distributed mesh."""
+        if space.mesh != self.mesh.given:
+            raise ValueError("parts of the problem live on different meshes: take one mesh for all")
         for known in self.Spaces():
             if known.given == space:
                 return known

@@ -25,13 +25,20 @@ def Recipe(given, ensemble):
     All processes ask for it at once; only the conductor calls it, in the middle of a call.
     """
     if "_ensemble" in getattr(given, "__dict__", {}):  # a Twin
-        return lambda: ensemble.homes[given._key]
+        return OfTwin(given, ensemble)
     for kinds, recipe in RECIPES:
         if isinstance(given, kinds):
             return recipe(given, ensemble)
     if IsFunction(given) and not isinstance(given, type):
         return OfFunction(given, ensemble)
     return lambda: given
+
+
+def OfTwin(given, ensemble):
+    """What stands for an object on the conductor: that object."""
+    if given._ensemble is not ensemble:
+        raise ValueError(f"{given} lives on another mesh: take one mesh for all")
+    return lambda: ensemble.homes[given._key]
 
 
 def OfFunctions(given, ensemble):
@@ -51,6 +58,7 @@ def OfForm(given, ensemble):
     def Make():
         if number not in ensemble.homes:
             ensemble.homes[number] = RemoteForm(ensemble, number, given)
+        replica.TakeFree(ensemble.crew, ensemble.NumberOf(replica))  # users may have changed them
         return ensemble.homes[number]
 
     return Make

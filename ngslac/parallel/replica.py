@@ -146,10 +146,12 @@ class SpaceReplica:
 
     def TakeFree(self, crew, number):
         """Let the same dofs be free as on the workers, where users may have changed them."""
-        bits = self.space.FreeDofs()
-        free = AsNumPy(bits)
         _, *found = crew.Order("free", number)
-        d = self.space.dim
+        for coupling in (False, True):
+            self._SetFree(self.space.FreeDofs(coupling), [own[coupling] for own in found])
+
+    def _SetFree(self, bits, found):
+        free, d = AsNumPy(bits), self.space.dim
         for dofs, own in zip(self.dofs, found, strict=True):
             inside = dofs[::d] >= 0
             free[dofs[::d][inside] // d] = own[inside]
@@ -189,8 +191,8 @@ class SpaceReplica:
         return np.where(apart, -1, self.dofs)
 
     def Free(self):
-        """On a worker: which of its dofs are free."""
-        return AsNumPy(self.given.FreeDofs())
+        """On a worker: which of its dofs are free, all and without condensed ones."""
+        return AsNumPy(self.given.FreeDofs()), AsNumPy(self.given.FreeDofs(True))
 
     @classmethod
     def OfMultipliers(cls, given, mesh, space):
@@ -214,7 +216,13 @@ def CopyOf(space, mesh):
     """The same kind of space on another mesh."""
     if isinstance(space, LACSpace) or type(space) is ProductSpace:
         raise ValueError(f"a {type(space).__name__} is not known on a distributed mesh here")
-    kind, _, flags = space.__getstate__()
+    state = space.__getstate__()
+    if len(state) != 3:  # one that another space is in
+        raise ValueError(
+            f"a {type(space).__name__} space ({space.type}) is not known on a distributed mesh: "
+            "take the space in it"
+        )
+    kind, _, flags = state
     copy = FESpace.__new__(FESpace)
     copy.__setstate__((kind, mesh, flags))
     return copy

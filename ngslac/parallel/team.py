@@ -1,5 +1,9 @@
 """The processes that solve linear systems together, as the conductor sees them."""
 
+from collections import defaultdict
+from itertools import count
+from weakref import finalize
+
 import numpy as np
 
 from ngslac.arrays import AsNumPy
@@ -12,6 +16,9 @@ __all__ = ["Team"]
 class Team:
     """Calls methods of a PetscSystem on all processes.
 
+    There may be several for a form, whose solvers take turns. All processes end theirs at once, as
+    PETSc wants it: when the next one is made.
+
     Parameters
     ----------
     crew : Crew
@@ -23,8 +30,11 @@ class Team:
         Scalar dofs.
     """
 
+    _numbers, _left = count(), defaultdict(dict)  # by number, what is left of teams that are gone
+
     def __init__(self, crew, form, contact, freedofs):
-        self._crew, self._form, self._system = crew, form.number, None
+        self._crew, self._system, self._number = crew, None, next(Team._numbers)
+        self._End(crew)
         free = AsNumPy(freedofs)
         given = free, Nodes.Of(contact, freedofs)
 
@@ -32,7 +42,16 @@ class Team:
             none = np.empty(0, dtype=int)
             self._system = PetscSystem(crew.messages.comm, len(free), none, *given)
 
-        crew.Order("petsc", form.number, None, len(free), own=Own)
+        crew.Order("petsc", self._number, None, form.number, len(free), own=Own)
+        left = Team._left[crew]
+        finalize(self, left.__setitem__, self._number, self._system).atexit = False
+
+    @staticmethod
+    def _End(crew):
+        left = Team._left[crew]
+        gone = [*left]
+        if gone:
+            crew.Order("petsc", gone, "End", own=lambda: [left.pop(number) for number in gone])
 
     def Call(self, name, *args):
         """What a method gives here; what workers have no use for, or have themselves, stays."""
@@ -40,7 +59,7 @@ class Team:
         own = args
         if name == "SetBulk":
             told, own = [args[0].form.number], (None,)
-        given = self._form, name, *told
+        given = self._number, name, *told
         return self._crew.Order("petsc", *given, own=lambda: self._Own(name, own))[0]
 
     def _Own(self, name, args):
@@ -63,11 +82,15 @@ class TeamMember:
         self._ensemble, self._systems = ensemble, {}
 
     def Obey(self, number, name, *args):
-        """Call a method of the PetscSystem of the form with this number; None: make it."""
+        """Call a method of the PetscSystem with this number; None: make it."""
         things = self._ensemble.things
         if name is None:
-            comm, dofs = self._ensemble.crew.messages.comm, things[number].dofs
-            self._systems[number] = PetscSystem(comm, *args, dofs)
+            form, size = args
+            comm, dofs = self._ensemble.crew.messages.comm, things[form].dofs
+            self._systems[number] = PetscSystem(comm, size, dofs)
+        elif name == "End":
+            for ended in number:
+                self._systems.pop(ended, None)
         elif name == "SetBulk":
             (bulk,) = args
             self._systems[number].SetBulk(things[bulk].Local("mat"))

@@ -1,6 +1,7 @@
 """What users hold on a distributed mesh in place of objects that live on the conductor."""
 
 import inspect
+import weakref
 
 from ngsolve import GridFunction
 
@@ -34,6 +35,7 @@ class Twin:
             _kind=kind, _ensemble=ensemble, _key=key, _given=given, _public={}, _text=""
         )
         ensemble.twins[key] = self
+        weakref.finalize(self, ensemble.homes.pop, key, None).atexit = False
 
     @property
     def __class__(self):
@@ -141,14 +143,17 @@ def RunEverywhere(ensemble, title, work):
         except Exception as problem:
             kept.append(None)
             error = problem
-        shown = {key: Shown(ensemble, key) for key in ensemble.twins if key in ensemble.homes}
+        known = [key for key in ensemble.twins if key in ensemble.homes]
+        shown = {key: Shown(ensemble, key) for key in known}
         kept.append(error)
         return Packed(kept[0], ensemble), shown, Portable(error)
 
     result, shown, error = ensemble.Call(title, Work)
     for key, (public, text) in shown.items():
-        public = {name: Unpacked(value, ensemble) for name, value in public.items()}
-        vars(ensemble.twins[key]).update(_public=public, _text=text)
+        twin = ensemble.twins.get(key)
+        if twin is not None:
+            public = {name: Unpacked(value, ensemble) for name, value in public.items()}
+            vars(twin).update(_public=public, _text=text)
     ensemble.pairs.Complete()
     if error is not None:
         raise kept[-1] if kept else error
@@ -161,8 +166,9 @@ def Shown(ensemble, key):
     names = {name for name, kind in inspect.getmembers(type(home)) if isinstance(kind, property)}
     for name in sorted({*names, *vars(home)}):
         if not name.startswith("_"):
-            packed = Packed(getattr(home, name, None), ensemble, view=True)
-            if packed is not None:
+            value = getattr(home, name, None)
+            packed = Packed(value, ensemble, view=True)
+            if packed is not None or value is None:
                 public[name] = packed
     return public, repr(home)
 
@@ -175,7 +181,7 @@ def Packed(value, ensemble, view=False):
         return type(value)(Packed(part, ensemble, view) for part in value)
     if isinstance(value, GridFunction):
         return ensemble.pairs.ReferenceTo(value)
-    for key, home in ensemble.homes.items():
+    for key, home in [*ensemble.homes.items()]:
         if home is value:
             return Reference("twin" if key in ensemble.twins else "given", key)
     if hasattr(type(value), "shown"):
@@ -183,7 +189,7 @@ def Packed(value, ensemble, view=False):
     module = type(value).__module__
     if view or not module.startswith("ngslac") or module == "ngslac._ngslac":
         return None
-    key = ("result", len(ensemble.homes))
+    key = ("result", next(ensemble.results))
     ensemble.homes[key] = value
     return Reference("twin", key, type(value))
 
@@ -198,6 +204,5 @@ def Unpacked(value, ensemble, own=None):
         return ensemble.pairs.Given(value)
     if value.kind == "given":
         return ensemble.Given(value.key)
-    if value.key not in ensemble.twins:
-        Twin(value.what, ensemble, value.key, {})
-    return ensemble.twins[value.key]
+    twin = ensemble.twins.get(value.key)
+    return Twin(value.what, ensemble, value.key, {}) if twin is None else twin

@@ -126,7 +126,7 @@ class ContactSolver(metaclass=Distributable):
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         given = inverse, solver, preconditioner, lambda: MotionsOf(contacts[0])
         if isinstance(a, RemoteForm):
-            linear = a.LinearSolver(contacts[0], scalars, solver)
+            linear = a.LinearSolver(contacts[0], scalars, solver, inverse, preconditioner)
         elif solver == "petsc":
             linear = PetscSolver.Serial(contacts[0], scalars, inverse, preconditioner)
         else:

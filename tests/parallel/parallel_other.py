@@ -1,0 +1,116 @@
+"""Cases of other spaces, and of several objects on one mesh."""
+
+import numpy as np
+from ngsolve import (
+    CF,
+    H1,
+    L2,
+    BilinearForm,
+    FESpace,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Parameter,
+    Sym,
+    VectorH1,
+    div,
+    dx,
+    x,
+)
+from parallel_misuse import refused
+from parallel_problem import QUIET, Problem, linear, problem, results
+from parallel_shapes import block_on_block, disc_on_block
+from parallel_world import case
+
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
+
+HELD = {"dirichlet": "bottom|top"}
+COARSE = 0.25
+
+
+def solved(made, solver=None, tilt=0.03):
+    """Iterations with the top moved."""
+    made.u.Set(CF((0.01, -0.02 - tilt * x)), definedon=made.mesh.Boundaries("top"))
+    return (solver or made.solver()).Solve(**QUIET).number
+
+
+def on_space(world, kind, **flags):
+    """The problem with other displacements."""
+    mesh = block_on_block(world.comm, COARSE)
+    V = kind(mesh, **HELD, **flags)
+    X = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = X.TnT()
+    a = BilinearForm(X)
+    a += linear(u, v, 100.0)
+    contacts = [LACContact(u, lam, master="master", friction=0.3)]
+    return Problem(mesh, X, a, GridFunction(X), contacts, Parameter(0.0))
+
+
+class Inner:
+    """The components of a solution's first component, displacement first."""
+
+    def __init__(self, gf):
+        self.components = gf.components[0].components[::-1]
+
+
+@case
+def blocks_of_dofs(world):
+    made = on_space(world, H1, order=2, dim=2)
+    return results(made, iterations=solved(made))
+
+
+@case
+def bubbles(world):
+    """Where some processes have no slave faces."""
+    made = on_space(world, BubbleVectorH1, order=1, slave="slave")
+    return results(made, iterations=solved(made))
+
+
+@case
+def product_in_product(world):
+    """Displacement and pressure are one component, and the multiplier another."""
+    mesh = block_on_block(world.comm, COARSE)
+    V = VectorH1(mesh, order=2, **HELD)
+    X = FESpace([FESpace([L2(mesh, order=0), V]), LACSpace(V, slave="slave")])
+    ((p, u), lam), ((q, v), _) = X.TnT()
+    a, gf = BilinearForm(X), GridFunction(X)
+    a += 80 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx
+    a += (p * div(v) + q * div(u) - 0.005 * p * q) * dx
+    contacts = [LACContact(u, lam, master="master", friction=0.3)]
+    made = Problem(mesh, X, a, Inner(gf), contacts, Parameter(0.0))
+    solver = ContactSolver(a, gf, contacts)
+    return results(made, iterations=solved(made, solver))
+
+
+@case
+def held_by_hand(world):
+    """Dofs are taken away after the contact was made, and again for another solver."""
+    made = problem(block_on_block(world.comm, COARSE), friction=0.3, flags={"dirichlet": "bottom"})
+    for region in ("top", "side"):
+        held = made.X.components[0].GetDofs(made.mesh.Boundaries(region))
+        for k in np.flatnonzero(list(held)):
+            made.X.FreeDofs()[made.X.Range(0).start + int(k)] = False
+        iterations = solved(made)
+    return results(made, iterations=iterations)
+
+
+@case
+def two_solvers(world):
+    """Of one form, which take turns; other ones come and go."""
+    made = problem(block_on_block(world.comm, COARSE), friction=0.3)
+    solvers = [made.solver(solver="direct"), made.solver()]
+    solved(made, made.solver())
+    tilts = (0.03, 0.0, 0.01, 0.04)
+    return results(made, iterations=[solved(made, solvers[k % 2], t) for k, t in enumerate(tilts)])
+
+
+@case
+def two_meshes(world):
+    """Each has its problem; both in one solver are refused."""
+    one = problem(block_on_block(world.comm, COARSE), friction=0.3)
+    two = problem(disc_on_block(world.comm, 0.1), friction=0.2)
+    error = refused(lambda: ContactSolver(one.a, one.gf, two.contacts), ValueError)
+    solvers = [one.solver(), two.solver()]
+    iterations = [solved(*pair) for pair in zip((one, two) * 2, solvers * 2, strict=True)]
+    others = {f"other {name}": value for name, value in results(two).items()}
+    return results(one, error=error, iterations=iterations) | others
