@@ -1,6 +1,10 @@
 """Errors that a contact computation can end with."""
 
-__all__ = ["ContactConvergenceError", "FloatingBodyError", "RefuseCopy"]
+import pickle
+
+from netgen.meshing import NgException
+
+__all__ = ["ContactConvergenceError", "FloatingBodyError", "Portable", "RefuseCopy"]
 
 
 class ContactConvergenceError(RuntimeError):
@@ -64,3 +68,13 @@ def RefuseCopy(self, *_):
         f"a {type(self).__name__} can be neither pickled nor copied: make another one in the same "
         "way; SaveState and LoadState carry the state from one to the other"
     )
+
+
+def Portable(error):
+    """An error that can be sent to other processes: itself, or one of a similar kind."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        kind = next((k for k in (NgException, ValueError) if isinstance(error, k)), RuntimeError)
+        return kind(f"{type(error).__name__}: {error}" if kind is RuntimeError else str(error))
+    return error

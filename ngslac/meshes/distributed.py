@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
-
 from netgen.meshing import Mesh as NetgenMesh
 from netgen.meshing import NetgenGeometry
 from ngsolve import Integrate, Mesh
+
+from ngslac.errors import Portable
 
 __all__ = ["Distributed"]
 
@@ -80,7 +80,7 @@ def _Made(make, comm):
         known = geometry, order, Integrate(1, mesh)
         comm.bcast((None, *known))  # raises, too, if the geometry cannot be sent
     except BaseException as error:
-        comm.bcast((_Portable(error), None, 1, 0.0))
+        comm.bcast((Portable(error), None, 1, 0.0))
         raise
     return ngmesh, known
 
@@ -92,12 +92,3 @@ def _Copied(mesh):
     if mesh.deformation is not None:
         raise ValueError("a mesh with a deformation cannot be distributed: call UnsetDeformation()")
     return mesh.ngmesh.Copy(), mesh.GetCurveOrder()
-
-
-def _Portable(error):
-    """An error that can be sent: if need be its text."""
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        return RuntimeError(f"{type(error).__name__}: {error}")
-    return error

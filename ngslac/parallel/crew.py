@@ -6,12 +6,11 @@ parts of the mesh, and to take part in linear solves. All messages go between th
 worker each, so that nobody waits for somebody who has failed.
 """
 
-import pickle
 from collections import defaultdict, deque
 
-from netgen.meshing import NgException
+from ngslac.errors import Portable
 
-__all__ = ["Crew", "Portable"]
+__all__ = ["Crew"]
 
 # Kinds of messages to the conductor and from it.
 ENTERED, DONE, FAILED, ORDER, END = "entered", "done", "failed", "order", "end"
@@ -173,13 +172,3 @@ class Crew:
         if errors:  # where one fails, others only miss it
             raise min(errors, key=lambda error: isinstance(error, OutOfStepError))
         return answers
-
-
-def Portable(error):
-    """An error that can be sent."""
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        kind = next((k for k in (NgException, ValueError) if isinstance(error, k)), RuntimeError)
-        return kind(f"{type(error).__name__}: {error}" if kind is RuntimeError else str(error))
-    return error

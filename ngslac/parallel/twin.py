@@ -6,7 +6,7 @@ import weakref
 from ngsolve import GridFunction
 
 from ngslac.distributable import OnManyProcesses
-from ngslac.parallel.crew import Portable
+from ngslac.errors import Portable
 from ngslac.parallel.ensemble import Ensemble
 from ngslac.parallel.plain import IsPlain, Reference, View
 from ngslac.parallel.recipes import Recipe
