@@ -13,6 +13,8 @@ from ngslac.parallel.recipes import Recipe
 
 __all__ = ["CallEverywhere", "Twin"]
 
+RESULT = "result"  # kind of key
+
 
 class Twin:
     """Stands for an object on the conductor: the same attributes and methods, on all processes.
@@ -143,12 +145,15 @@ def RunEverywhere(ensemble, title, work):
         except Exception as problem:
             kept.append(None)
             error = problem
-        known = [key for key in ensemble.twins if key in ensemble.homes]
-        shown = {key: Shown(ensemble, key) for key in known}
         kept.append(error)
-        return Packed(kept[0], ensemble), shown, Portable(error)
+        before = set(ensemble.homes)
+        packed = Packed(kept[0], ensemble)
+        keys = [key for key in ensemble.homes if key not in before or key in ensemble.twins]
+        shown = {key: Shown(ensemble, key) for key in keys if key not in before or Changes(key)}
+        return packed, shown, Portable(error)
 
     result, shown, error = ensemble.Call(title, Work)
+    found = Unpacked(result, ensemble, *kept[:1])
     for key, (public, text) in shown.items():
         twin = ensemble.twins.get(key)
         if twin is not None:
@@ -157,7 +162,12 @@ def RunEverywhere(ensemble, title, work):
     ensemble.pairs.Complete()
     if error is not None:
         raise kept[-1] if kept else error
-    return Unpacked(result, ensemble, *kept[:1])
+    return found
+
+
+def Changes(key):
+    """Has an object other attributes after each call? Results, such as reports, have not."""
+    return not (isinstance(key, tuple) and key[0] == RESULT)
 
 
 def Shown(ensemble, key):
@@ -189,7 +199,7 @@ def Packed(value, ensemble, view=False):
     module = type(value).__module__
     if view or not module.startswith("ngslac") or module == "ngslac._ngslac":
         return None
-    key = ("result", next(ensemble.results))
+    key = (RESULT, next(ensemble.results))
     ensemble.homes[key] = value
     return Reference("twin", key, type(value))
 

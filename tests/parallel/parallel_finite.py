@@ -30,7 +30,7 @@ def ironing(world):
     """The die goes along all of the slab: its partners are on one rank after the other."""
     mesh = die_on_slab(world.comm)
     made = problem(mesh, bulk=rubber, young={"die": 1000.0}, friction=0.2, finite=True)
-    return slide(made, 16, 2.4)
+    return slide(made, 12, 2.0)
 
 
 @case
@@ -67,12 +67,12 @@ def moving_tool(world):
 
     def tool(load):
         along, down = IfPos(load - 1, load - 1, 0), IfPos(load - 1, 1, load)
-        return tools.Sphere((0.8, 0.52), 0.5).Moved(shift=(2.0 * along, -0.1 * down))
+        return tools.Sphere((0.8, 0.52), 0.5).Moved(shift=(1.6 * along, -0.1 * down))
 
     law = {"obstacle": tool, "finite": True, "friction": 0.1}
     made = problem(die_on_slab(world.comm, 0.3), {"master": {}}, bulk=rubber, **law)
     stepper = LoadStepper(made.solver(), made.load)
-    done = stepper.Integrate(2.0, steps=16, **QUIET)
+    done = stepper.Integrate(2.0, steps=12, **QUIET)
     return results(made, iterations=[step.iterations for step in done])
 
 

@@ -110,7 +110,7 @@ def ring_and_disc(comm, h=0.25):
     return meshed(comm, disc, ring)
 
 
-def sphere_on_block(comm, h=0.18):
+def sphere_on_block(comm, h=0.25):
     sphere = Sphere(Pnt(0, 0, 1.003), 1).Rotate(Axis((0, 0, 1.003), X), 90)
     cap = sphere * Box(Pnt(-2, -2, -1), Pnt(2, 2, 0.6))
     block = Box(Pnt(-0.9, -1, -0.8), Pnt(1, 0.9, 0))

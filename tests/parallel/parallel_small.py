@@ -36,7 +36,7 @@ def hertz2d(world):
 @case
 def hertz3d(world):
     made = problem(sphere_on_block(world.comm), young=YOUNG, friction=0.3)
-    return press(made, (0.03, 0.01, -0.12))
+    return press(made, (0.06, 0.02, -0.12))
 
 
 @case
@@ -70,7 +70,7 @@ def curved(world):
 @case
 def curved3d(world):
     mesh = sphere_on_block(world.comm).Curve(2)
-    return press(problem(mesh, young=YOUNG, friction=0.3), (0.03, 0.01, -0.12))
+    return press(problem(mesh, young=YOUNG, friction=0.3), (0.06, 0.02, -0.12))
 
 
 @case

@@ -16,11 +16,19 @@ import numpy as np
 import parallel_files
 import parallel_finite
 import parallel_misuse
+import parallel_more
 import parallel_other
 import parallel_small
 from parallel_world import CASES, World
 
-MODULES = (parallel_small, parallel_finite, parallel_files, parallel_misuse, parallel_other)
+MODULES = (
+    parallel_small,
+    parallel_finite,
+    parallel_files,
+    parallel_misuse,
+    parallel_more,
+    parallel_other,
+)
 
 
 def plain(value):

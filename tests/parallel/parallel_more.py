@@ -1,0 +1,231 @@
+"""Cases of what else a user may write: other spaces, functions, options and queries."""
+
+import numpy as np
+from ngsolve import (
+    CF,
+    H1,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Integrate,
+    Parameter,
+    Sym,
+    Trace,
+    VectorH1,
+    ds,
+    dx,
+    x,
+    y,
+)
+from parallel_problem import QUIET, Problem, linear, problem, results, rubber
+from parallel_shapes import block_on_block, cube_on_block, disc_on_block
+from parallel_small import press
+from parallel_world import case
+
+from ngslac import (
+    LACContact,
+    LACSpace,
+    LoadStepper,
+    SplitSlaveFaces,
+    TimeStepper,
+)
+from ngslac.meshes import Distributed, SphereOnBlock, TwoBlocks3D
+
+
+def on_space(mesh, V, *more, bulk=linear, **law):
+    """A problem on another space of displacements, and on more components."""
+    X = V
+    for space in more:
+        X = X * space
+    X = X * LACSpace(V, slave=law.pop("slave", "slave"))
+    u, *_, lam = X.TrialFunction()
+    v, *_ = X.TestFunction()
+    a = BilinearForm(X)
+    a += bulk(u, v, CF(100.0))
+    contact = LACContact(u, lam, **({"master": "master"} | law))
+    return Problem(mesh, X, a, GridFunction(X), [contact], Parameter(0.0))
+
+
+@case
+def split(world):
+    mesh = Distributed(lambda: SplitSlaveFaces(block_on_block(None), "slave"), world.comm)
+    made = problem(mesh, order=1, friction=0.3)
+    return press(made, (0.02, -0.03 + 0.05 * x))
+
+
+@case
+def mixed(world):
+    """Nearly incompressible: with hydrostatic pressures."""
+
+    def bulk(u, v, _):
+        return 100 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx
+
+    mesh = block_on_block(world.comm)
+    V = VectorH1(mesh, order=2, dirichlet="bottom|top")
+    made = on_space(mesh, V, H1(mesh, order=1), bulk=bulk, friction=0.3)
+    (u, p, _), (v, q, _) = made.X.TnT()
+    made.a += (p * Trace(Grad(v)) + q * Trace(Grad(u)) - 1e-3 * p * q) * dx
+    return press(made, (0.02, -0.03 + 0.05 * x))
+
+
+@case
+def part_of_a_space(world):
+    """Displacements of one body only; the obstacle is a function."""
+    mesh = block_on_block(world.comm)
+    V = VectorH1(mesh, order=2, definedon="upper", dirichlet="top")
+    made = on_space(mesh, V, master=None, obstacle=0.01 + 0.02 * x, friction=0.2)
+    return press(made, (0.02, -0.04))
+
+
+@case
+def hexahedra(world):
+    kinds = ("hex", "prism", 3, 2)
+    mesh = Distributed(lambda: TwoBlocks3D(*kinds, overhang=0.2, aligned=False), world.comm)
+    return press(problem(mesh, friction=0.3), (0.02, 0.01, -0.03 + 0.03 * x))
+
+
+@case
+def sphere(world):
+    """Curved by the builder, with symmetry planes."""
+    mesh = Distributed(lambda: SphereOnBlock(2.0, zone=6.5), world.comm)
+    flags = {"dirichletx": "bottom|sym_x", "dirichlety": "bottom|sym_y", "dirichletz": "bottom|top"}
+    return press(problem(mesh, flags=flags), (0.0, 0.0, -0.3))
+
+
+@case
+def regions(world):
+    """Regions in place of names, and two names in one pattern."""
+    mesh = block_on_block(world.comm)
+    V = VectorH1(mesh, order=2, dirichlet="bottom|top")
+    slave, master = mesh.Boundaries("slave|nothing"), mesh.Boundaries("master|side")
+    made = on_space(mesh, V, slave=slave, master=master - mesh.Boundaries("side"), friction=0.3)
+    return press(made, (0.02, -0.03 + 0.05 * x))
+
+
+@case
+def field_as_friction(world):
+    """A coefficient that is a GridFunction on the distributed mesh, and one of materials."""
+    mesh = block_on_block(world.comm)
+    friction = GridFunction(H1(mesh, order=2))
+    friction.Set(0.1 + 0.3 * x * x)
+    made = problem(mesh, friction=friction, offset=CF(0.002) * (1 + y))
+    return press(made, (0.05, -0.03 + 0.02 * x))
+
+
+@case
+def parameter_as_friction(world):
+    """A coefficient that grows with the load, and a press fit that does."""
+    mesh = block_on_block(world.comm)
+    law = {"friction": lambda load: 0.1 + 0.2 * load, "offset": lambda load: -0.01 * load}
+    return press(problem(mesh, **law), (0.05, -0.01))
+
+
+@case
+def field_as_load(world):
+    """A temperature on the distributed mesh."""
+    mesh = block_on_block(world.comm)
+    made = problem(mesh, friction=0.3)
+    heat = GridFunction(H1(mesh, order=2))
+    heat.Set(1 + x * y)
+    v = made.X.TestFunction()[0]
+    made.a += -made.load * heat * Trace(Grad(v)) * dx
+    done = LoadStepper(made.solver(), made.load).Integrate(steps=2, **QUIET)
+    return results(made, iterations=[step.iterations for step in done])
+
+
+@case
+def switched(world):
+    """Switched off and on between steps."""
+    made = problem(block_on_block(world.comm), friction=0.3)
+    (contact,) = made.contacts
+    way = {"top": made.load * CF((0.02, -0.03))}
+    stepper = LoadStepper(made.solver(), made.load, prescribe=way)
+    stepper.Integrate(0.5, steps=1, **QUIET)
+    contact.Deactivate()
+    stepper.Integrate(0.75, steps=1, **QUIET)
+    contact.Activate(made.gf)
+    stepper.Integrate(1.0, steps=1, **QUIET)
+    return results(made, active=contact.active)
+
+
+@case
+def ends(world):
+    """Sharp ends, and a strain-free start."""
+    made = problem(block_on_block(world.comm, gap=0.003), friction=0.3, edges=True, adjust=0.01)
+    return press(made, (0.01, -0.02))
+
+
+@case
+def queries(world):
+    """What can be asked of a contact."""
+    made = problem(disc_on_block(world.comm), friction=0.3)
+    found = press(made, (0.03, -0.1))
+    (contact,) = made.contacts
+    segments, report = contact.Segments(), contact.Check()
+    more = {
+        "unpaired": report.unpaired,
+        "name": repr(contact),
+        "gaps": np.sort(segments.gap),
+        "areas": np.sort(segments.area),
+        "macros": contact.space.nmacros,
+        "moment about": contact.Moment((0.3, 0.2)),
+    }
+    return found | {name: (value, None) for name, value in more.items()}
+
+
+@case
+def fields(world):
+    """Fields of the contact on the slave, integrated by NGSolve."""
+    made = problem(disc_on_block(world.comm), friction=0.3)
+    found = press(made, (0.03, -0.1))
+    (contact,) = made.contacts
+    slave = made.mesh.Boundaries("slave")
+    for name in ("pressure", "gap", "status", "traction", "slip", "normal"):
+        found[f"integral of {name}"] = Integrate(getattr(contact, name), slave), None
+    found["lam"] = Integrate(made.gf.components[1], slave), None
+    return found
+
+
+@case
+def dynamics3d(world):
+    """A density that is a function, and the energy balance."""
+    made = problem(cube_on_block(world.comm, 0.4), bulk=rubber, flags={"dirichlet": "bottom"})
+    density = made.mesh.MaterialCF({"upper": 2.0}, default=1.0) * (1 + 0.1 * x)
+    stepper = TimeStepper(made.solver(), density, dt=0.02, rho_inf=0.8)
+    stepper.velocity.components[0].Set(CF((0.1, 0, -1)), definedon=made.mesh.Materials("upper"))
+    stepper.Integrate(0.06, printing=False)
+    total = stepper.balance.total
+    return results(made, total=total)
+
+
+@case
+def by_iterations(world):
+    """The iterative solver by name."""
+    made = problem(cube_on_block(world.comm, 0.2), friction=0.3)
+    found = press(made, (0.02, 0.0, -0.06 + 0.08 * x), solver=made.solver(solver="iterative"))
+    del found["iterations"]
+    return found
+
+
+@case
+def condensed_rubber(world):
+    """Condensed, of third order, nonlinear."""
+    made = problem(block_on_block(world.comm), order=3, bulk=rubber, condense=True, friction=0.3)
+    return press(made, (0.05, -0.1 + 0.1 * x))
+
+
+@case
+def freedofs(world):
+    made = problem(block_on_block(world.comm), friction=0.3)
+    return press(made, (0.02, -0.03 + 0.05 * x), solver=made.solver(freedofs=made.X.FreeDofs()))
+
+
+@case
+def traction_in_3d(world):
+    made = problem(cube_on_block(world.comm), flags={"dirichlet": "bottom"}, friction=0.5)
+    v = made.X.TestFunction()[0]
+    made.a += -made.load * InnerProduct(CF((0.1, 0.1 * y, -1.0)), v) * ds("top")
+    made.load.Set(1.0)
+    last = made.solver().Solve(**QUIET)
+    return results(made, iterations=last.number)
