@@ -26,7 +26,10 @@ class RemoteIntegrand:
         self._ensemble, self._number = ensemble, number
 
     def __repr__(self):
-        return "<function that holds a GridFunction of a distributed mesh>"
+        return (
+            "<function that holds a GridFunction: on a distributed mesh there are functions of place "
+            "and Parameters only>"
+        )
 
     def Integrate(self):
         """The integral over the mesh."""

@@ -8,6 +8,7 @@ from ngsolve import GridFunction
 from ngslac.distributable import OnManyProcesses
 from ngslac.errors import Portable
 from ngslac.parallel.ensemble import Ensemble
+from ngslac.parallel.functions import VECTORS
 from ngslac.parallel.plain import IsPlain, Reference, View
 from ngslac.parallel.recipes import Recipe
 
@@ -79,6 +80,8 @@ class Twin:
         ensemble, key = self._ensemble, self._key
         given = Given(args, options, ensemble)
         title = f"{self._kind.__name__}.{name}"
+        if any(isinstance(arg, VECTORS) for arg in (*args, *options.values())):
+            raise ValueError(f"{title} is not known on a distributed mesh: it takes vectors")
 
         def Work():
             args, options = given()

@@ -45,9 +45,12 @@ class FormSum:
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, a, *contacts):
-        if CheckBulk(a).space.mesh.comm.size > 1:
-            raise ValueError("FormSum is for one process: take a ContactSolver on many")
-        self.a = a
+        self.a = CheckBulk(a)
+        if a.space.mesh.comm.size > 1:
+            raise ValueError(
+                "FormSum is not known on a distributed mesh: take a ContactSolver, which adds a and "
+                "the contacts itself"
+            )
         self.contacts = tuple(CheckContacts(contacts, a.space))
         self.mat = None
 
