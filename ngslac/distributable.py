@@ -1,10 +1,15 @@
 """Classes and functions that know what to do with a mesh that NGSolve distributes."""
 
+import os
+import warnings
 from functools import wraps
 
 from ngsolve import FESpace, Mesh
 
-__all__ = ["Distributable", "OnDistributedMeshes", "OnManyProcesses"]
+__all__ = ["Distributable", "OnDistributedMeshes", "OnManyProcesses", "WarnOfCopies"]
+
+# By which Open MPI, and MPICH and its kin, tell how many processes there are, and which this is.
+STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"))
 
 
 class OnManyProcesses:
@@ -60,3 +65,15 @@ def MeshOf(thing):
     space = thing if isinstance(thing, FESpace) else getattr(thing, "space", None)
     mesh = getattr(space if isinstance(space, FESpace) else thing, "mesh", None)
     return mesh if isinstance(mesh, Mesh) else None
+
+
+def WarnOfCopies(mesh):
+    """Say it where mpiexec has started many processes, but each has the whole mesh."""
+    for size, rank in STARTED:
+        count = int(os.environ.get(size, 1))
+        if count > 1 and mesh.comm.size == 1 and os.environ.get(rank) == "0":
+            warnings.warn(
+                f"each of {count} processes solves the whole problem: to share the work distribute "
+                "the mesh, Mesh(geometry.GenerateMesh(comm=MPI.COMM_WORLD))",
+                stacklevel=4,
+            )

@@ -1,5 +1,7 @@
 """The bulk on a distributed mesh, as the conductor sees it: its forces and its matrix."""
 
+from functools import partial
+
 import numpy as np
 from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
@@ -156,7 +158,7 @@ class RemoteForm:
         if isinstance(density, CoefficientFunction):
             density = Reference("given", ensemble.NumberOf(density))
         given = self.number, ProxyPath(u, "u"), density
-        own = lambda: ensemble.crew.tasks["mass"](*given, factor)  # noqa: E731
+        own = partial(ensemble.crew.tasks["mass"], *given, factor)
         number = ensemble.Order("mass", *given, own=own)[0]
         return RemoteForm(ensemble, number, ensemble.things[number].form)
 

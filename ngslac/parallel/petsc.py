@@ -26,9 +26,9 @@ def LoadPETSc():
         from petsc4py import PETSc
     except (ImportError, ValueError) as error:
         raise ImportError(
-            "solver='petsc' needs petsc4py, on Debian the packages python3-petsc4py and "
-            "python3-mpi4py, with a NumPy of the version they were built for (Debian 12: numpy<2): "
-            f"{error}"
+            "PETSc, for distributed meshes and solver='petsc', needs petsc4py, on Debian the "
+            "packages python3-petsc4py and python3-mpi4py, with a NumPy of the version they were "
+            f"built for (Debian 12: numpy<2): {error}"
         ) from error
     return PETSc
 

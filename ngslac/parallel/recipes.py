@@ -1,5 +1,7 @@
 """Arguments of users as those of the serial code on the conductor."""
 
+from functools import partial
+
 from ngsolve import (
     BilinearForm,
     BitArray,
@@ -132,7 +134,7 @@ def OfFunction(given, ensemble):
     def Call(*args):
         ensemble.Show()
         args = [pairs.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
-        own = lambda: ensemble.crew.tasks["call"](number, *args)  # noqa: E731
+        own = partial(ensemble.crew.tasks["call"], number, *args)
         try:
             result, *parts = ensemble.Order("call", number, *args, own=own)
         finally:

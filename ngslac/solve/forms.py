@@ -48,8 +48,8 @@ class FormSum:
         self.a = CheckBulk(a)
         if a.space.mesh.comm.size > 1:
             raise ValueError(
-                "FormSum is not known on a distributed mesh: take a ContactSolver, which adds a and "
-                "the contacts itself"
+                "FormSum is not known on a distributed mesh: take a ContactSolver, which adds a "
+                "and the contacts itself"
             )
         self.contacts = tuple(CheckContacts(contacts, a.space))
         self.mat = None

@@ -14,7 +14,7 @@ from ngslac.arguments import (
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.contact.contact import LACContact
-from ngslac.distributable import Distributable
+from ngslac.distributable import Distributable, WarnOfCopies
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
@@ -118,6 +118,8 @@ class ContactSolver(metaclass=Distributable):
         initial="gap",
     ):
         space = CheckBulk(a).space
+        if not isinstance(a, RemoteForm):
+            WarnOfCopies(space.mesh)
         CheckStart(gf, space)
         contacts = CheckContacts(contacts, space)
         self.initial = CheckChoice("initial", initial, ("gap", "none"))
