@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ngslac.parallel.petsc import LoadPETSc, Options
+from ngslac.parallel.petsc import Checked, LoadPETSc, Options
 
 __all__ = ["Multigrid"]
 
@@ -87,8 +87,9 @@ class Multigrid:
         smoother.getPC().setFieldSplitIS(("nodes", parts[0]), ("contact", parts[1]))
         pc.getMGCoarseSolve().setOperators(self._Coarse(mat, motions))
         try:
-            pc.setUp()
-            pc.setUpOnBlocks()
+            with Checked():
+                pc.setUp()
+                pc.setUpOnBlocks()
         finally:
             options.Clear()
         return pc

@@ -1,10 +1,13 @@
 """PETSc, found where Debian hides it, and loaded when it is first needed."""
 
 import sys
+from contextlib import contextmanager
 from functools import cache
 from glob import glob
 
-__all__ = ["LoadPETSc", "Options"]
+from ngslac.linear.factor import LinearSolveError
+
+__all__ = ["Checked", "LoadPETSc", "Options"]
 
 HIDDEN = "/usr/lib/petscdir/*/*/lib/python3/dist-packages"
 # PETSc's own handlers would print pages where Python raises errors.
@@ -47,6 +50,15 @@ def Found():
         finally:
             sys.path.remove(places[-1])
     return petsc4py
+
+
+@contextmanager
+def Checked():
+    """Errors of PETSc that have come up on all ranks are those of a linear solver."""
+    try:
+        yield
+    except LoadPETSc().Error as error:
+        raise LinearSolveError(f"PETSc ended with error {error.ierr}") from error
 
 
 class Options:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ngslac.linear.factor import LinearSolveError
-from ngslac.parallel.petsc import LoadPETSc
+from ngslac.parallel.petsc import Checked, LoadPETSc
 
 __all__ = ["PetscDirect"]
 
@@ -116,10 +116,8 @@ def MUMPS(mat, kind, room):
     factors = pc.getFactorMatrix()
     factors.setMumpsIcntl(14, room)
     factors.setMumpsIcntl(24, 0)
-    try:
+    with Checked():
         pc.setUp()
-    except PETSc.Error as error:
-        raise LinearSolveError(f"MUMPS: {error}") from error
     return pc, min(factors.getMumpsInfog(1), 0)
 
 

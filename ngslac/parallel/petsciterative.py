@@ -5,7 +5,7 @@ import numpy as np
 from ngslac.linear.factor import LinearSolveError
 from ngslac.parallel.condensed import CondensedSystem
 from ngslac.parallel.fgmres import FGMRES
-from ngslac.parallel.petsc import LoadPETSc
+from ngslac.parallel.petsc import Checked
 
 __all__ = ["PetscIterative"]
 
@@ -78,7 +78,5 @@ class PetscIterative:
         return self._system.Expand(b, w)
 
     def _Precondition(self, r, z):
-        try:
+        with Checked():
             self._preconditioner.apply(r, z)
-        except LoadPETSc().Error as error:
-            raise LinearSolveError(f"PETSc: {error}") from error

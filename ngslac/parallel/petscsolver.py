@@ -12,6 +12,8 @@ __all__ = ["Alone", "PetscSolver"]
 
 # From this many unknowns on an iteration needs less time and memory: 2D and 3D.
 LARGE = {2: 100_000, 3: 30_000}
+# Up to this many factors may take over where the iteration fails: in 3D they need 20 GB by then.
+MOST_DIRECT = 1_000_000
 
 
 class Alone:
@@ -157,7 +159,10 @@ class PetscSolver:
             self._given = given
 
     def _Attempts(self, b, accuracy):
-        for name in ("iterative", "direct") if self.method == "iterative" else ("direct",):
+        names = ["iterative"] if self.method == "iterative" else []
+        if not names or self.free.sum() <= MOST_DIRECT:
+            names.append("direct")
+        for name in names:
             yield name, lambda name=name: self.team.Call("Solve", b, accuracy, name)
 
     def _LearnFrom(self, name):

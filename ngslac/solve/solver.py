@@ -62,7 +62,7 @@ class ContactSolver(metaclass=Distributable):
         NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else
         "sparsecholesky" for symmetric matrices and "umfpack" for others. A result with a bad
         residual is recomputed by "umfpack".
-    solver : {"interface", "direct", "iterative", "saddle"}, optional
+    solver : {"interface", "direct", "iterative", "saddle", "petsc"}, optional
         How linear systems are solved. "interface": the bulk, held by a few springs whose forces are
         unknowns, is factored once by "sparsecholesky" for all systems of the same matrix; each of
         them takes a dense matrix of the closed macro-elements. "direct": each macro-element's
@@ -71,7 +71,9 @@ class ContactSolver(metaclass=Distributable):
         factorisation serves again while few macro-elements change. "iterative": GMRES on the
         displacements that keep the constraints, preconditioned by sweeps over vertices with their
         edges and algebraic multigrid on the vertices: least memory. "saddle": LU of the whole
-        system. Default: "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and
+        system. "petsc": by PETSc, which is installed apart (Debian: python3-petsc4py), in one
+        process: MUMPS, and from 30,000 free dofs in 3D and 100,000 in 2D on FGMRES with GAMG.
+        Default: "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and
         systems that it does not suit, as those of a nonlinear bulk, whose matrix is another one
         each time: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where
         the iteration fails, the next of the two others. With `inverse` always "direct".

@@ -25,7 +25,7 @@ WORLD = MPI.COMM_WORLD
 
 def last_system():
     """Of a Newton iteration that has converged: the same one on all ranks."""
-    problem = mixed_press3d(n=(4, 3))
+    problem = mixed_press3d(n=(3, 2))
     solver = problem.solver(solver="saddle")
     linear, seen = solver.linear, {}
     solve = linear.Solve

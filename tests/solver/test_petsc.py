@@ -123,7 +123,7 @@ def test_any_number_of_ranks_solves_the_same_system():
     environment |= {"OMPI_MCA_mpi_yield_when_idle": "1", "OPENBLAS_NUM_THREADS": "1"}
     script = Path(__file__).with_name("petsc_ranks.py")
     krylov = []
-    for ranks in (1, 4):
+    for ranks in (1, 3):
         command = ["mpiexec", "--oversubscribe", "-n", str(ranks)]
         command += [sys.executable, "-m", "mpi4py", str(script)]
         flags = {"capture_output": True, "text": True, "timeout": 120, "env": environment}
