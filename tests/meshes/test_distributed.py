@@ -3,8 +3,9 @@
 import pytest
 from ngsolve import GridFunction, VectorH1
 
+from ngslac.errors import Portable
 from ngslac.meshes import Distributed, TwoBlocks
-from ngslac.meshes.distributed import _Copied, _Portable
+from ngslac.meshes.distributed import _Copied
 
 
 class One:
@@ -42,5 +43,5 @@ def test_errors_that_cannot_be_sent_go_as_their_text():
     class LocalError(Exception):
         pass
 
-    assert str(_Portable(LocalError("why"))) == "LocalError: why"
-    assert isinstance(_Portable(KeyError("name")), KeyError)
+    assert str(Portable(LocalError("why"))) == "LocalError: why"
+    assert isinstance(Portable(KeyError("name")), KeyError)
