@@ -9,6 +9,7 @@ worker each, so that nobody waits for somebody who has failed.
 from collections import defaultdict, deque
 
 from ngslac.errors import Portable
+from ngslac.parallel.interrupts import Interrupts
 
 __all__ = ["Crew"]
 
@@ -61,12 +62,13 @@ class Crew:
         Is this the process without elements?
     tasks : dict
         Functions by name that workers carry out: ``tasks[name](*args)``.
+    interrupts : Interrupts
     """
 
     def __init__(self, comm):
         self.messages = Messages(comm)
         self.conducts, self.workers = comm.rank == 0, range(1, comm.size)
-        self.tasks, self._depth = {}, 0
+        self.tasks, self._depth, self.interrupts = {}, 0, Interrupts()
 
     def Call(self, name, work):
         """What `work` gives on the conductor, on all processes; workers serve meanwhile.
@@ -80,14 +82,18 @@ class Crew:
         """
         self._depth += 1
         try:
-            return self._Conduct(name, work) if self.conducts else self._Serve(name)
+            if self.conducts:
+                return self._Conduct(name, work)
+            with self.interrupts.Held():
+                return self._Serve(name)
         finally:
             self._depth -= 1
 
     def _Conduct(self, name, work):
         entered = []
         try:
-            self._Gather(name, entered)
+            with self.interrupts.Held():
+                self._Gather(name, entered)
             result, error = work(), None
         except BaseException as problem:
             result, error = None, problem
@@ -133,6 +139,7 @@ class Crew:
             if kind == END and depth == self._depth:
                 result, error = rest
                 if error is not None:
+                    self.interrupts.came = False
                     raise error
                 return result
             if kind == ORDER and depth == self._depth:
@@ -143,6 +150,9 @@ class Crew:
             answer = DONE, self._depth, self.tasks[task](*args)
         except BaseException as error:
             answer = FAILED, self._depth, Portable(error)
+        if self.interrupts.came:
+            self.interrupts.came = False
+            answer = FAILED, self._depth, KeyboardInterrupt()
         self.messages.Send(0, answer)
 
     def Order(self, task, *args, own=None, each=None):
@@ -158,6 +168,10 @@ class Crew:
         each : list, optional
             A last argument for each worker.
         """
+        with self.interrupts.Held():
+            return self._Order(task, args, own, each)
+
+    def _Order(self, task, args, own, each):
         for k, rank in enumerate(self.workers):
             special = () if each is None else (each[k],)
             self.messages.Send(rank, (ORDER, self._depth, task, (*args, *special)))

@@ -60,9 +60,13 @@ class UserFunctions:
         """What a function says here; of loads the values, and are they to be added up?"""
         given = self._ensemble.pairs.Given
         args = [given(arg) if isinstance(arg, Reference) else arg for arg in args]
-        load = self._ensemble.things[number](*args)
-        if self._ensemble.crew.conducts or not isinstance(load, VECTORS):
+        crew = self._ensemble.crew
+        with crew.interrupts.Let():
+            load = self._ensemble.things[number](*args)
+        if crew.conducts:
             return load
+        if not isinstance(load, VECTORS):
+            return None  # it may be what cannot be sent
         load = load.Evaluate() if isinstance(load, DynamicVectorExpression) else load
         vec = load.vec if isinstance(load, LinearForm) else load
         added = vec.GetParallelStatus() == PARALLEL_STATUS.DISTRIBUTED

@@ -15,6 +15,7 @@ from ngsolve.comp import ProxyFunction
 from ngslac._ngslac import HoldsGridFunction, LACSpace, ProxyPath
 from ngslac.arguments import IsFunction
 from ngslac.arrays import AsBits, AsNumPy
+from ngslac.loads import LoadVector
 from ngslac.parallel.bulk import FormPart, RemoteForm
 from ngslac.parallel.functions import VECTORS, RemoteIntegrand
 
@@ -99,6 +100,11 @@ def OfBits(given, ensemble):
     ensemble.passing.append(number)
 
     def Make():
+        if len(given) != replica.given.ndof:
+            raise ValueError(
+                f"a BitArray has {len(given)} bits, the space {replica.given.ndof} dofs on this "
+                "process: take a copy of X.FreeDofs()"
+            )
         bits = AsNumPy(replica.space.FreeDofs())
         _, *found = ensemble.Order("bits", number)
         d = replica.space.dim
@@ -128,7 +134,8 @@ def OfLoad(given, ensemble):
 
 def OfFunction(given, ensemble):
     """A function of users: all processes call it at once."""
-    number, replica, pairs = ensemble.Add(given), ensemble.context, ensemble.pairs
+    replica, pairs = ensemble.context, ensemble.pairs
+    number = ensemble.Add(lambda *args: Checked(given(*args), replica))
     ensemble.passing.append(number)
 
     def Call(*args):
@@ -144,6 +151,13 @@ def OfFunction(given, ensemble):
         return LoadOf(replica, parts)
 
     return lambda: Call
+
+
+def Checked(load, replica):
+    """What a function gives, of loads those that suit the space."""
+    if isinstance(load, VECTORS):
+        LoadVector(lambda: load, GridFunction(replica.given).vec)
+    return load
 
 
 def LoadOf(replica, parts):

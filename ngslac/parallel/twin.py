@@ -149,6 +149,7 @@ def RunEverywhere(ensemble, title, work):
             kept.append(None)
             error = problem
         kept.append(error)
+        kept.append([*ensemble.twins.values()])  # which keep what they stand for
         before = set(ensemble.homes)
         packed = Packed(kept[0], ensemble)
         keys = [key for key in ensemble.homes if key not in before or key in ensemble.twins]
@@ -164,7 +165,7 @@ def RunEverywhere(ensemble, title, work):
             vars(twin).update(_public=public, _text=text)
     ensemble.pairs.Complete()
     if error is not None:
-        raise kept[-1] if kept else error
+        raise kept[1] if kept else error
     return found
 
 
@@ -196,7 +197,7 @@ def Packed(value, ensemble, view=False):
         return ensemble.pairs.ReferenceTo(value)
     for key, home in [*ensemble.homes.items()]:
         if home is value:
-            return Reference("twin" if key in ensemble.twins else "given", key)
+            return Reference("twin" if key in ensemble.twins else "given", key, type(value))
     if hasattr(type(value), "shown"):
         return View.Of(value)
     module = type(value).__module__

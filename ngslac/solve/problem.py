@@ -36,9 +36,8 @@ REFUSED = {
 
 def CheckBulk(a):
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
-    if isinstance(a, RemoteForm):
-        return a
-    CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
+    if not isinstance(a, RemoteForm):
+        CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
         raise ValueError("a lives on a complex space: contact needs a real one")
     flags = a.flags.ToDict()

@@ -1,13 +1,16 @@
 """Cases that fail, or in which a user's function does: all processes say so, and none waits."""
 
+import signal
+import threading
+
 import numpy as np
-from ngsolve import CF, InnerProduct, VectorH1, ds
+from ngsolve import CF, BilinearForm, InnerProduct, LinearForm, VectorH1, ds
 from parallel_problem import QUIET, problem, results
 from parallel_shapes import block_on_block, disc_on_block
 from parallel_small import YOUNG, floating_blocks
 from parallel_world import case
 
-from ngslac import ContactConvergenceError, LACContact, LACSpace, LoadStepper
+from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 
 
 def refused(function, kinds=(Exception,)):
@@ -119,3 +122,45 @@ def asking_callback(world):
     stepper = LoadStepper(made.solver(), made.load)
     stepper.Integrate(steps=2, callback=step_done, **QUIET)
     return results(made, seen=np.array(seen))
+
+
+@case
+def bad_loads(world):
+    """Among them one that cannot be sent."""
+    made = problem(block_on_block(world.comm, 0.25), friction=0.3)
+    rhs = LinearForm(made.X)
+    rhs += InnerProduct(CF((0, -1)), made.X.TestFunction()[0]) * ds("side")
+    errors = [
+        refused(lambda load=load: made.solver(rhs=lambda: load).Solve(**QUIET))
+        for load in (None, made.gf, rhs)
+    ]
+    return {"errors": (" ".join(errors), None)}
+
+
+@case
+def bad_form(world):
+    made = problem(block_on_block(world.comm, 0.25), friction=0.3)
+    a = BilinearForm(made.X, symmetric_storage=True)
+    return {"error": (text(lambda: ContactSolver(a, made.gf, made.contacts)), None)}
+
+
+@case
+def interrupted(world):
+    """One process is, in the middle of its work; then all go on."""
+    made = problem(block_on_block(world.comm, 0.25), friction=0.3)
+    stepper = LoadStepper(made.solver(), made.load, prescribe={"top": made.load * CF((0, -1e-5))})
+    stepper.Integrate(0.1, steps=1, **QUIET)
+    before = signal.getsignal(signal.SIGINT)
+    errors = []
+    for rank in (0, world.size - 1):
+        if world.rank == rank:
+            threading.Timer(0.1, signal.raise_signal, (signal.SIGINT,)).start()
+        endless = lambda: stepper.Integrate(made.load.Get() + 1, steps=10**5, **QUIET)  # noqa: E731
+        errors.append(refused(endless, KeyboardInterrupt))
+    assert signal.getsignal(signal.SIGINT) is before
+    made.u.Set(CF((0, -0.02)), definedon=made.mesh.Boundaries("top"))
+    made.solver().Solve(**QUIET)
+    return {
+        "errors": (" ".join(errors), None),
+        "force": (made.contacts[0].Force()[1:], None),
+    }
