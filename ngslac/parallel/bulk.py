@@ -198,7 +198,7 @@ class RemoteForm:
             CheckChoice("solver", wanted, SOLVERS)
         for name, given in (("inverse", inverse), ("preconditioner", preconditioner)):
             if given is not None:
-                raise ValueError(f"{name}= is for one process: leave it out on a distributed mesh")
+                raise ValueError(f"{name}= is not known on a distributed mesh: leave it out")
         if wanted not in (None, "petsc", "direct", "iterative"):
             raise ValueError(
                 f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "

@@ -11,7 +11,7 @@ from collections import defaultdict, deque
 from ngslac.errors import Portable
 from ngslac.parallel.interrupts import Interrupts
 
-__all__ = ["Crew"]
+__all__ = ["Crew", "OutOfStepError"]
 
 # Kinds of messages to the conductor and from it.
 ENTERED, DONE, FAILED, ORDER, END = "entered", "done", "failed", "order", "end"

@@ -7,7 +7,7 @@ from ngsolve import ProductSpace
 
 from ngslac._ngslac import LACSpace
 from ngslac.arrays import AsNumPy
-from ngslac.parallel.crew import Crew
+from ngslac.parallel.crew import Crew, OutOfStepError
 from ngslac.parallel.functions import UserFunctions
 from ngslac.parallel.pairs import Pairs
 from ngslac.parallel.replica import MeshReplica, SpaceReplica
@@ -57,10 +57,11 @@ class Ensemble:
         self.crew = Crew(mesh.comm.mpi4py)
         self.mesh = MeshReplica(mesh, self.crew)
         self.things, self.homes, self.twins = {}, {}, WeakValueDictionary()
-        self._numbers, self._parameters, self.context = count(), [], None
+        self._next, self._parameters, self.context = 0, [], None
         self.results = count()
         self.passing = []
         self.pairs = Pairs(self)
+        self.Agree()
         self.crew.tasks |= {
             "dofs": lambda number, told: self.things[number].LearnDofs(told),
             "free": lambda number: self.things[number].Free(),
@@ -83,7 +84,25 @@ class Ensemble:
             finally:
                 self.Show()
 
-        return self.crew.Call(name, Work)
+        return self.InStep(name, Work)
+
+    def InStep(self, name, work):
+        """See `Crew.Call`; what processes that are out of step have added loses its number."""
+        try:
+            return self.crew.Call(name, work)
+        except OutOfStepError:
+            self._next, pairs = self._agreed
+            self.pairs.Keep(pairs)
+            for number in [*self.things]:
+                if number >= self._next:
+                    self.Forget(number)
+            raise
+        finally:
+            self.Agree()
+
+    def Agree(self):
+        """So far all processes have the same numbers."""
+        self._agreed = self._next, self.pairs.count
 
     def Show(self):
         """Let users see the conductor's functions and parameters."""
@@ -106,9 +125,9 @@ class Ensemble:
 
     def Add(self, thing):
         """The number of a thing that all processes have."""
-        number = next(self._numbers)
-        self.things[number] = thing
-        return number
+        self.things[self._next] = thing
+        self._next += 1
+        return self._next - 1
 
     def NumberOf(self, thing):
         """The number of a thing; a new one where it is not known."""
@@ -119,7 +138,9 @@ class Ensemble:
 
     def Forget(self, number):
         """All processes drop a thing."""
-        del self.things[number]
+        self.things.pop(number, None)
+        if number in self._parameters:
+            self._parameters.remove(number)
 
     def AddParameter(self, parameter):
         """Let a parameter have the conductor's value everywhere, from the next order on."""

@@ -60,6 +60,7 @@ class UserFunctions:
         """What a function says here; of loads the values, and are they to be added up?"""
         given = self._ensemble.pairs.Given
         args = [given(arg) if isinstance(arg, Reference) else arg for arg in args]
+        self._ensemble.Agree()
         crew = self._ensemble.crew
         with crew.interrupts.Let():
             load = self._ensemble.things[number](*args)

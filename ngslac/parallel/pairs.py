@@ -54,6 +54,15 @@ class Pairs:
         self._pairs.append(Pair(given, self._ensemble.SpaceOf(given.space)))
         return self._pairs[-1]
 
+    @property
+    def count(self):
+        """How many there are."""
+        return len(self._pairs)
+
+    def Keep(self, count):
+        """Drop all but the first."""
+        del self._pairs[count:]
+
     def Home(self, pair):
         """The function on the conductor."""
         if pair.home is None:
@@ -138,7 +147,7 @@ class Pairs:
         """Fill new functions of users; all processes call it."""
         if self._fresh:
             self._fresh = False
-            self._ensemble.crew.Call("values", self.Write)
+            self._ensemble.InStep("values", self.Write)
 
 
 def SameMacroElements(*spaces):

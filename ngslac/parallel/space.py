@@ -46,6 +46,6 @@ def MacroElements(V, slave, macros):
         ensemble.homes[own] = home
         return home.nmacros
 
-    count = ensemble.crew.Call("LACSpace", Make)
+    count = ensemble.InStep("LACSpace", Make)
     faces = ensemble.things[own][0] if ensemble.things[own] else np.empty(0, np.int32)
     return count, faces, own

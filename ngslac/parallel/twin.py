@@ -38,7 +38,6 @@ class Twin:
             _kind=kind, _ensemble=ensemble, _key=key, _given=given, _public={}, _text=""
         )
         ensemble.twins[key] = self
-        weakref.finalize(self, ensemble.homes.pop, key, None).atexit = False
 
     @property
     def __class__(self):
@@ -111,12 +110,18 @@ def MakeTwin(mesh, kind, args, options):
     def Work():
         args, options = given()
         ensemble.homes[number] = kind(*args, **options)
+        ForgetWith(twin)
 
     bound = inspect.signature(kind.__init__).bind_partial(None, *args, **options)
     names = dict(list(bound.arguments.items())[1:])
     twin = Twin(kind, ensemble, number, names)
     RunEverywhere(ensemble, kind.__name__, Work)
     return twin
+
+
+def ForgetWith(twin):
+    """Keep what a Twin stands for as long as users have the twin."""
+    weakref.finalize(twin, twin._ensemble.homes.pop, twin._key, None).atexit = False
 
 
 def CallEverywhere(mesh, function, args, options):
@@ -219,4 +224,7 @@ def Unpacked(value, ensemble, own=None):
     if value.kind == "given":
         return ensemble.Given(value.key)
     twin = ensemble.twins.get(value.key)
-    return Twin(value.what, ensemble, value.key, {}) if twin is None else twin
+    if twin is None:
+        twin = Twin(value.what, ensemble, value.key, {})
+        ForgetWith(twin)
+    return twin

@@ -164,3 +164,22 @@ def interrupted(world):
         "errors": (" ".join(errors), None),
         "force": (made.contacts[0].Force()[1:], None),
     }
+
+
+@case
+def alone(world):
+    """One process calls what the others do not, and all go on."""
+    made = problem(block_on_block(world.comm, 0.25), friction=0.3)
+    (contact,), errors = made.contacts, []
+    for rank in range(min(world.size, 2)) if world.comm is not None else ():
+
+        def Alone(rank=rank):
+            if world.rank == rank:
+                LACContact(*made.X.TrialFunction(), master="master")
+            contact.Check()
+
+        errors.append(refused(Alone))
+    made.u.Set(CF((0.01, -0.02)), definedon=made.mesh.Boundaries("top"))
+    made.solver().Solve(**QUIET)
+    assert errors == ["OutOfStepError"] * len(errors)
+    return results(made)
