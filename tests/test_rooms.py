@@ -19,6 +19,7 @@ FLOORS = (
         "recovery",
         "contact",
         "bodies",
+        "petsc",
         "parallel",
         "solve",
         "steps",

@@ -13,9 +13,9 @@ from ngslac.arguments import CheckChoice
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.choose import SOLVERS
-from ngslac.parallel.petscsolver import LARGE, PetscSolver
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
+from ngslac.petsc.solver import LARGE, PetscSolver
 
 __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
 

@@ -7,8 +7,8 @@ from weakref import finalize
 import numpy as np
 
 from ngslac.arrays import AsNumPy
-from ngslac.parallel.nodes import Nodes
-from ngslac.parallel.petscsystem import PetscSystem
+from ngslac.petsc.nodes import Nodes
+from ngslac.petsc.system import PetscSystem
 
 __all__ = ["Team"]
 

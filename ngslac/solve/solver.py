@@ -19,7 +19,7 @@ from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
 from ngslac.parallel.bulk import RemoteForm
-from ngslac.parallel.petscsolver import PetscSolver
+from ngslac.petsc.solver import PetscSolver
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.iteration import Iteration

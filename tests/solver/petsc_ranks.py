@@ -17,8 +17,8 @@ from press import mixed_press3d
 
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.factor import LinearSolveError
-from ngslac.parallel.nodes import Nodes
-from ngslac.parallel.petscsystem import PetscSystem
+from ngslac.petsc.nodes import Nodes
+from ngslac.petsc.system import PetscSystem
 
 WORLD = MPI.COMM_WORLD
 

@@ -13,7 +13,7 @@ from press import mixed_press, mixed_press3d, press, press3d, same, solved
 
 from ngslac import FloatingBodyError
 from ngslac.parallel import petsc, petscsolver
-from ngslac.parallel.fgmres import FGMRES
+from ngslac.petsc.fgmres import FGMRES
 
 try:
     petsc.LoadPETSc()

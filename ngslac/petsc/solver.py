@@ -5,8 +5,8 @@ from ngsolve import BitArray
 
 from ngslac.arrays import AsNumPy, SameEntries
 from ngslac.linear.attempts import FirstGood, SolveShifted
-from ngslac.parallel.nodes import Nodes
-from ngslac.parallel.petscsystem import PetscSystem
+from ngslac.petsc.nodes import Nodes
+from ngslac.petsc.system import PetscSystem
 
 __all__ = ["Alone", "PetscSolver"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ngslac.parallel.petsc import LoadPETSc
+from ngslac.petsc.library import LoadPETSc
 
 __all__ = ["Assembled", "Sum"]
 

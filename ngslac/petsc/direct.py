@@ -3,7 +3,7 @@
 import numpy as np
 
 from ngslac.linear.factor import LinearSolveError
-from ngslac.parallel.petsc import Checked, LoadPETSc
+from ngslac.petsc.library import Checked, LoadPETSc
 
 __all__ = ["PetscDirect"]
 

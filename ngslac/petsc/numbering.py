@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ngslac.parallel.petsc import LoadPETSc
+from ngslac.petsc.library import LoadPETSc
 
 __all__ = ["Numbering"]
 

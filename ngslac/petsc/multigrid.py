@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ngslac.parallel.petsc import Checked, LoadPETSc, Options
+from ngslac.petsc.library import Checked, LoadPETSc, Options
 
 __all__ = ["Multigrid"]
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 
 from ngslac.bodies.constraints import ToCSR
-from ngslac.parallel.condensation import LocalContact
+from ngslac.petsc.condensation import LocalContact
 
 __all__ = ["Contacts"]
 

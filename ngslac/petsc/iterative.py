@@ -3,9 +3,9 @@
 import numpy as np
 
 from ngslac.linear.factor import LinearSolveError
-from ngslac.parallel.condensed import CondensedSystem
-from ngslac.parallel.fgmres import FGMRES
-from ngslac.parallel.petsc import Checked
+from ngslac.petsc.condensed import CondensedSystem
+from ngslac.petsc.fgmres import FGMRES
+from ngslac.petsc.library import Checked
 
 __all__ = ["PetscIterative"]
 

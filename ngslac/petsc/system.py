@@ -4,14 +4,14 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ngslac.bodies.constraints import ToCSR
-from ngslac.parallel.collective import OnRankZero
-from ngslac.parallel.condensation import NoContact
-from ngslac.parallel.contacts import Contacts
-from ngslac.parallel.matrices import Assembled, Sum
-from ngslac.parallel.multigrid import Multigrid
-from ngslac.parallel.numbering import Numbering
-from ngslac.parallel.petscdirect import PetscDirect
-from ngslac.parallel.petsciterative import PetscIterative
+from ngslac.petsc.collective import OnRankZero
+from ngslac.petsc.condensation import NoContact
+from ngslac.petsc.contacts import Contacts
+from ngslac.petsc.direct import PetscDirect
+from ngslac.petsc.iterative import PetscIterative
+from ngslac.petsc.matrices import Assembled, Sum
+from ngslac.petsc.multigrid import Multigrid
+from ngslac.petsc.numbering import Numbering
 
 __all__ = ["PetscSystem"]
 

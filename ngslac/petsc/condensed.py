@@ -1,6 +1,6 @@
 """The condensed system as operator, and the way to its right hand side and back."""
 
-from ngslac.parallel.petsc import LoadPETSc
+from ngslac.petsc.library import LoadPETSc
 
 __all__ = ["CondensedSystem"]
 

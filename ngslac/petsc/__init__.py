@@ -1,0 +1,1 @@
+"""Linear systems on PETSc, in one process or on many."""
