@@ -1,3 +1,4 @@
+#include "formdiagonal.hpp"
 #include "gmres.hpp"
 #include "nodeblocks.hpp"
 #include "numpy.hpp"
@@ -153,6 +154,14 @@ void ExportLinear(py::module & m) {
       "On the free dofs for a preconditioner M of A itself, to single precision.")
       .def(py::init<shared_ptr<TwoLevel>, shared_ptr<OrthogonalCondensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
+  m.def(
+      "FormDiagonal",
+      [](const BilinearForm & form, const BitArray & wanted) {
+        return ToNumPy(FlatVector<>(FormDiagonal(form, wanted)));
+      },
+      py::arg("form"), py::arg("wanted"),
+      "Diagonal (n,) of the elements of a form that hold one of the wanted dofs.");
+
   m.def(
       "GMRes",
       [](shared_ptr<PreconditionedProduct> product, shared_ptr<BaseVector> rhs,

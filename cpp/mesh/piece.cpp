@@ -20,8 +20,12 @@ template struct Numbers<&netgen::ParallelMeshTopology::glob_segm>;
 
 constexpr int head = 4, most2 = ELEMENT2D_MAXPOINTS, most3 = ELEMENT_MAXPOINTS;
 
-int Nr0(PointIndex pi) { return pi - netgen::IndexBASE<PointIndex>(); }
-PointIndex FromNr0(int nr) { return netgen::IndexBASE<PointIndex>() + nr; }
+int Nr0(PointIndex pi) {
+  return pi - netgen::IndexBASE<PointIndex>();
+}
+PointIndex FromNr0(int nr) {
+  return netgen::IndexBASE<PointIndex>() + nr;
+}
 
 /// Numbers of the points of a process in the whole mesh.
 class GlobalPoints {

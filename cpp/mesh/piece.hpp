@@ -6,10 +6,10 @@ using namespace ngcomp;
 
 /// What one process has of a distributed mesh, in global numbers, as tables with a row each.
 ///
-/// Points count from 0. Columns of integers: number in the whole mesh (of points, surface and volume
-/// elements), type, region, number of points, points; of surface elements and segments also the
-/// triangle of the geometry for each point. Columns of reals: coordinates of points; parameters of
-/// the geometry (u, v, and along segments the distance) for each point.
+/// Points count from 0. Columns of integers: number in the whole mesh (of points, surface and
+/// volume elements), type, region, number of points, points; of surface elements and segments also
+/// the triangle of the geometry for each point. Columns of reals: coordinates of points; parameters
+/// of the geometry (u, v, and along segments the distance) for each point.
 struct MeshPiece {
   Matrix<int> point_numbers, segments, surfaces, volumes;
   Matrix<double> points, segment_parameters, surface_parameters;

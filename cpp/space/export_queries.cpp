@@ -1,5 +1,4 @@
 #include "fingerprint.hpp"
-#include "linear/formdiagonal.hpp"
 #include "numpy.hpp"
 
 #include <python_comp.hpp>
@@ -92,14 +91,6 @@ void ExportQueries(py::module & m) {
 
   m.def("ElementDofs", &ElementDofs, py::arg("fes"),
         "How many dofs each volume element has, and these one after the other; negative: none.");
-
-  m.def(
-      "FormDiagonal",
-      [](const BilinearForm & form, const BitArray & wanted) {
-        return ToNumPy(FlatVector<>(FormDiagonal(form, wanted)));
-      },
-      py::arg("form"), py::arg("wanted"),
-      "Diagonal (n,) of the elements of a form that hold one of the wanted dofs.");
 
   m.def("BoundaryVertices", &BoundaryVertices, py::arg("mesh"),
         "Vertices (n, 4) of the boundary elements of a mesh, -1 behind the last of each.");

@@ -12,11 +12,12 @@ import pytest
 from press import mixed_press, mixed_press3d, press, press3d, same, solved
 
 from ngslac import FloatingBodyError
-from ngslac.parallel import petsc, petscsolver
+from ngslac.petsc import library
+from ngslac.petsc import solver as petscsolver
 from ngslac.petsc.fgmres import FGMRES
 
 try:
-    petsc.LoadPETSc()
+    library.LoadPETSc()
     missing = ""
 except ImportError as error:
     missing = str(error)
@@ -96,17 +97,10 @@ def test_what_to_install_is_said_where_petsc_is_missing(monkeypatch):
     def nothing():
         raise ImportError("No module named 'petsc4py'")
 
-    monkeypatch.setattr(petsc, "Found", nothing)
-    monkeypatch.setattr(petscsystem_numbering(), "LoadPETSc", petsc.LoadPETSc.__wrapped__)
+    monkeypatch.setattr(library, "Found", nothing)
+    monkeypatch.setattr(numbering, "LoadPETSc", library.LoadPETSc.__wrapped__)
     with pytest.raises(ImportError, match="python3-petsc4py"):
         press().solver(solver="petsc")
-
-
-def petscsystem_numbering():
-    """The module that asks for PETSc first."""
-    from ngslac.parallel import numbering
-
-    return numbering
 
 
 def test_other_solvers_import_neither_petsc_nor_mpi():
