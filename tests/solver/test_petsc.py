@@ -12,7 +12,7 @@ import pytest
 from press import mixed_press, mixed_press3d, press, press3d, same, solved
 
 from ngslac import FloatingBodyError
-from ngslac.petsc import library
+from ngslac.petsc import library, numbering
 from ngslac.petsc import solver as petscsolver
 from ngslac.petsc.fgmres import FGMRES
 
