@@ -78,6 +78,7 @@ class Ensemble:
         """What `work` gives on the conductor, on all processes; users' functions follow."""
 
         def Work():
+            self.mesh.Follow()
             self.pairs.Read()
             try:
                 return work()

@@ -30,14 +30,23 @@ class MeshReplica:
 
     def __init__(self, mesh, crew):
         self.given, self.crew, self.mesh = mesh, crew, None
-        crew.tasks["piece"] = self._Piece
+        crew.tasks |= {"piece": self._Piece, "order": self._Order}
 
     def _Piece(self):
+        return (*PieceOf(self.given), self._Order())
+
+    def _Order(self):
+        """That of curved elements of the own part, which has to be as it was distributed."""
         if self.given.deformation is not None:
             raise ValueError(
                 "the distributed mesh has a deformation: call mesh.UnsetDeformation(), or Curve it"
             )
-        return (*PieceOf(self.given), self.given.GetCurveOrder())
+        if self.given.levels > 1:
+            raise ValueError(
+                "the mesh was refined after its distribution, which tears it: refine it before, "
+                "see ngslac.meshes.Distributed"
+            )
+        return self.given.GetCurveOrder()
 
     def Gather(self):
         """Make the replica; the conductor only."""
@@ -45,13 +54,21 @@ class MeshReplica:
             return self.mesh
         *pieces, orders = zip(*self.crew.Order("piece", own=self._Piece), strict=True)
         mesh = WholeMesh(self.given, tuple(map(np.concatenate, pieces)))
-        if max(orders) > 1:  # the conductor has nothing to curve, and does not know
-            mesh.Curve(max(orders))
+        self._Curve(mesh, max(orders))
         _, _, volumes, surfaces, _, segments, _ = pieces
         tables = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
         self.elements, self.faces = (Places(table[1:]) for table in tables)
         self.mesh = mesh
         return mesh
+
+    def _Curve(self, mesh, order):
+        if mesh.GetCurveOrder() != order:
+            mesh.Curve(order)
+
+    def Follow(self):
+        """See to it that the replica is as the distributed mesh is now; the conductor only."""
+        if self.mesh is not None:  # the conductor has nothing to curve, and does not know
+            self._Curve(self.mesh, max(self.crew.Order("order", own=self._Order)))
 
     def Region(self, given):
         """What a region of the distributed mesh is on the replica."""

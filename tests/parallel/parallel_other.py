@@ -114,3 +114,13 @@ def two_meshes(world):
     iterations = [solved(*pair) for pair in zip((one, two) * 2, solvers * 2, strict=True)]
     others = {f"other {name}": value for name, value in results(two).items()}
     return results(one, error=error, iterations=iterations) | others
+
+
+@case
+def curved_later(world):
+    """After the first use of the mesh."""
+    mesh = disc_on_block(world.comm, 0.1)
+    solved(problem(mesh, friction=0.2))
+    mesh.Curve(2)
+    made = problem(mesh, friction=0.2)
+    return results(made, iterations=solved(made))
