@@ -1,5 +1,6 @@
 """Classes and functions that know what to do with a mesh that NGSolve distributes."""
 
+import inspect
 import os
 import warnings
 from functools import wraps
@@ -27,6 +28,12 @@ class OnManyProcesses:
 
 class Distributable(type):
     """Class of classes whose objects on a distributed mesh live on its first process."""
+
+    @property
+    def __signature__(cls):
+        """That of the constructor, which `__call__` would hide."""
+        _, *others = inspect.signature(cls.__init__).parameters.values()
+        return inspect.Signature(others)
 
     def __call__(cls, *args, **options):
         """An object, or what stands for it."""
