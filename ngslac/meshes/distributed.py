@@ -6,6 +6,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.meshing import NetgenGeometry
 from ngsolve import Integrate, Mesh
 
+from ngslac.arguments import Wrong
 from ngslac.errors import Portable
 
 __all__ = ["Distributed"]
@@ -40,7 +41,7 @@ def Distributed(make, comm=None) -> Mesh:
         If the mesh has a deformation, or curved elements that do not follow from its geometry:
         neither goes along.
     TypeError
-        If `make` returns no mesh.
+        If `make` returns no mesh, or `comm` is no communicator.
 
     Examples
     --------
@@ -49,6 +50,8 @@ def Distributed(make, comm=None) -> Mesh:
 
     In a script for several processes ``from mpi4py import MPI`` and ``comm=MPI.COMM_WORLD``.
     """
+    if comm is not None and not hasattr(comm, "size"):
+        raise Wrong(TypeError, "comm", comm, "a communicator of mpi4py, or None")
     if comm is None or comm.size == 1:
         return make()
     if comm.rank == 0:

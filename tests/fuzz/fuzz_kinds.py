@@ -86,6 +86,7 @@ FIELDS = {label for label in VALUES if "CF" in label and "trial" not in label}
 # Patterns and regions without a boundary.
 NOWHERE = {"empty region", "name with a zero", "folder", "file in a missing folder"}
 NONE = "count tensor word pattern region bulk bits motion trial state point saved-file axes"
+NONE += " communicator"
 
 # What may be given, besides what the targets give themselves; "?" behind a kind adds None.
 KINDS = dict.fromkeys([*NONE.split(), "values", "body"], frozenset()) | {

@@ -147,7 +147,7 @@ TimeStepper.Integrate | end:positive callback printing maxit tol | end=0.1, prin
 TimeStepper.SetState | state
 SaveState | file:path tool also | file=w.folder.name + "/new", tool=w.solver
 LoadState | file tool also | file=w.file, tool=w.solver
-LoadMesh | file
+LoadMesh | file comm:communicator? | file=w.file
 """
 
 
