@@ -176,13 +176,12 @@ def test_killed_process_is_told(monkeypatch, capsys):
 
 
 def test_peak_memory_sees_what_is_gone():
-    with benchmark_runs.Meter() as before:
-        pass
     with benchmark_runs.Meter() as meter:
-        np.ones(30_000_000)
-    assert meter.memory > before.memory + 0.2
+        before = benchmark_runs.PeakMemory()
+        np.ones(30_000_000)  # .24 GB; the system may take back other pages meanwhile
+    assert meter.memory > before + 0.12
     if benchmark_runs.ForgetPeak():
-        assert benchmark_runs.PeakMemory() < meter.memory - 0.2
+        assert benchmark_runs.PeakMemory() < meter.memory - 0.12
 
 
 def synthetic(problem, size, kind, **options):
