@@ -1,8 +1,8 @@
-"""The sphere on a block by several processes: iterations, messages, memory, balance.
+"""A benchmark's problem by several processes: iterations, messages, memory, balance.
 
-Frictional contact of a quarter of a sphere with a block, of second order, in one step, on each
-number of ranks, which may be more than there are cores: times mean something only where they are
-not. The first rank has no elements (none is for one rank).
+Contact of second order in one step on each number of ranks, which may be more than there are cores:
+times mean something only where they are not. The first rank has no elements (none is for one rank).
+Slip is the share of closed macro-elements that slip.
 
     python tests/benchmarks/parallel.py --size 20000 --ranks 1 2 4 8 --json parallel.json
 
@@ -27,6 +27,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "parallel"))
 
+import numpy as np
 from benchmark_frame import Markdown, Parser, WriteJSON
 from benchmark_problems import SIZES, Problem
 from ngsolve import GridFunction
@@ -37,7 +38,6 @@ from ngslac.meshes import Distributed
 
 SENT = re.compile(r"^[EI]\t\d+\t\d+\t(\d+) bytes", re.MULTILINE)  # to another rank
 COUNT = ("--mca", "pml_monitoring_enable", "2", "--mca", "pml_monitoring_enable_output", "3")
-FRICTION = 0.3
 
 
 # ---------------------------------------------------------------- one rank of a run
@@ -57,13 +57,18 @@ def Solved(mesh, problem, options):
         "method": str(solver.linear),
         "force": float(contact.Force()[2]),
         "imbalance": problem.Imbalance(contact.Force()),
-        "macros": len(contact.Table()["pressure"]),
+        "slip": Share(contact.Table()["status"]),
     }
 
 
-def Rank(size, options, *, solve, comm=None):
+def Share(status):
+    """Of those that are closed how many slip (2)."""
+    return float(np.mean(status[status > 0] == 2))
+
+
+def Rank(given, options, *, solve, comm=None):
     """Figures of a run, with those of each rank as lists; None but on the first one."""
-    problem = Problem("sphere", size, FRICTION)
+    problem = Problem(**given)
     mesh = Distributed(problem.Mesh, comm)
     V = problem.Space(mesh)
     found = {"ndof": V.ndofglobal} | (Solved(mesh, problem, options) if solve else {})
@@ -110,12 +115,12 @@ def Sent(log):
     return sum(map(int, SENT.findall(points)))
 
 
-def Run(ranks, size, options):
+def Run(ranks, **given):
     """The row of a number of ranks."""
     with tempfile.TemporaryDirectory() as folder:
-        mesh = Start(ranks, Path(folder), size=size, options=options, solve=False)
+        mesh = Start(ranks, Path(folder), **given, solve=False)
     with tempfile.TemporaryDirectory() as folder:
-        row = Start(ranks, Path(folder), size=size, options=options, solve=True)
+        row = Start(ranks, Path(folder), **given, solve=True)
     row["sent"] = [all_ - before for all_, before in zip(row["sent"], mesh["sent"], strict=True)]
     row["memory_mesh"] = mesh["memory"]
     working = row["elements"][1:] or row["elements"]
@@ -134,6 +139,7 @@ def Line(row):
         f"{row['ndof']}",
         f"{row['newton']}",
         f"{row['krylov']}",
+        f"{row['slip']:.2f}",
         f"{row['ghosts']}",
         f"{row['sent'][0] / 1e6:.1f}",
         f"{max(row['sent'][workers]) / 1e6:.1f}",
@@ -145,22 +151,25 @@ def Line(row):
 
 
 HEAD = (
-    "ranks", "dofs", "Newton", "Krylov", "ghosts", "sent by the first [MB]", "by others [MB]",
-    "memory of the first [GB]", "of others [GB]", "most elements over mean", "time [s]",
+    "ranks", "dofs", "Newton", "Krylov", "slip", "ghosts", "sent by the first [MB]",
+    "by others [MB]", "memory of the first [GB]", "of others [GB]", "most elements over mean",
+    "time [s]",
 )  # fmt: skip
 
 
 def main(arguments=None):
     parser = Parser(__doc__)
-    sizes = sorted(SIZES["sphere"])
-    parser.add_argument("--size", type=int, choices=sizes, default=sizes[1], help="displacements")
+    parser.add_argument("--problem", choices=SIZES, default="sphere")
+    parser.add_argument("--size", type=int, default=20_000, help="displacements, as in SIZES")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 4, 8])
+    parser.add_argument("--friction", type=float, default=0.3)
     parser.add_argument("--solver", help="option of ContactSolver; default: its choice")
     args = parser.parse_args(arguments)
     if max(args.ranks) > 1 and (lacks := missing()):
         sys.exit(lacks)
     options = {"solver": args.solver} if args.solver else {}
-    rows = [Run(ranks, args.size, options) for ranks in args.ranks]
+    given = {"name": args.problem, "size": args.size, "friction": args.friction}
+    rows = [Run(ranks, given=given, options=options) for ranks in args.ranks]
     print("\n".join(Markdown(HEAD, [Line(row) for row in rows])))
     print("; ".join(f"{row['ranks']} ranks: {row['method']}" for row in rows))
     WriteJSON(args.json, rows)
