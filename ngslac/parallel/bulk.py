@@ -1,6 +1,7 @@
 """The bulk on a distributed mesh, as the conductor sees it: its forces and its matrix."""
 
 from functools import partial
+from weakref import WeakValueDictionary
 
 import numpy as np
 from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
@@ -115,7 +116,8 @@ class RemoteForm:
         self.flags = given.flags
         self.replica = ensemble.SpaceOf(given.space)
         self.space = ensemble.Space(self.replica)
-        self._matrices = {}
+        self._matrices, self._diagonal = WeakValueDictionary(), None  # these hold the form
+        ensemble.Need(number, self)
 
     # --- forces --------------------------------------------------------------------------------
 
@@ -139,18 +141,19 @@ class RemoteForm:
 
     def AssembleLinearization(self, x):
         """Make the matrix at x."""
-        self._matrices.clear()
-        self.Ask("AssembleLinearization", x.FV().NumPy())
+        self._Change("AssembleLinearization", x.FV().NumPy())
 
     def Assemble(self):
         """Make the matrix of a linear form."""
-        self._matrices.clear()
-        self.Ask("Assemble")
+        self._Change("Assemble")
 
     def Scale(self, factor):
         """Multiply the matrix by a factor."""
-        self._matrices.clear()
-        self.Ask("Scale", None, factor)
+        self._Change("Scale", None, factor)
+
+    def _Change(self, verb, *given):
+        self._matrices, self._diagonal = WeakValueDictionary(), None
+        self.Ask(verb, *given)
 
     def WithMass(self, factor, density, u, _):
         """The same form with inertia, see `WithMass`."""
@@ -183,9 +186,14 @@ class RemoteForm:
         return self._Matrix("inner_solve")
 
     def _Matrix(self, operator):
-        if operator not in self._matrices:
-            self._matrices[operator] = RemoteMatrix(self, operator)
-        return self._matrices[operator]
+        return self._matrices.setdefault(operator, RemoteMatrix(self, operator))
+
+    @property
+    def diagonal(self):
+        """A sparse matrix with the diagonal of the matrix made last."""
+        if self._diagonal is None:
+            self._diagonal = Diagonal(self.Sum(self.Ask("Diagonal")))
+        return self._diagonal
 
     @property
     def elastic(self):
@@ -204,7 +212,7 @@ class RemoteForm:
                 f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
                 "take 'direct' or 'iterative', both on PETSc"
             )
-        team = Team(self.ensemble.crew, self, contact, freedofs)
+        team = Team(self.ensemble, self, contact, freedofs)
         large = freedofs.NumSet() > LARGE[self.space.mesh.dim]
         method = "iterative" if large else "direct"
         return PetscSolver(team, freedofs, method if wanted in (None, "petsc") else wanted)
@@ -223,14 +231,11 @@ class RemoteMatrix(BaseMatrix):
     def __init__(self, form, operator):
         super().__init__()
         self.form, self.operator = form, operator
-        self._diagonal = None
 
     @property
     def diagonal(self):
         """A sparse matrix with the same diagonal."""
-        if self._diagonal is None:
-            self._diagonal = Diagonal(self.form.Sum(self.form.Ask("Diagonal")))
-        return self._diagonal
+        return self.form.diagonal
 
     def Parts(self):
         """A number (n,) for each dof: the same where they are connected."""

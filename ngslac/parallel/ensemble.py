@@ -32,7 +32,7 @@ class Ensemble:
     crew : Crew
     mesh : MeshReplica
     things : dict
-        By number, on all processes.
+        By number, on all processes, as long as the conductor needs them.
     homes : dict
         On the conductor what stands there for a thing, by its number.
     twins : dict
@@ -40,8 +40,6 @@ class Ensemble:
     pairs : Pairs
     context : SpaceReplica or None
         Of the product space that was spoken of last.
-    passing : list[int]
-        Numbers of functions that have been handed over since this was emptied.
     """
 
     @classmethod
@@ -59,14 +57,17 @@ class Ensemble:
         self.things, self.homes, self.twins = {}, {}, WeakValueDictionary()
         self._next, self._parameters, self.context = 0, [], None
         self.results = count()
-        self.passing = []
+        self._needs = WeakValueDictionary()
         self.pairs = Pairs(self)
         self.Agree()
+        team = TeamMember(self)
         self.crew.tasks |= {
             "dofs": lambda number, told: self.things[number].LearnDofs(told),
             "free": lambda number: self.things[number].Free(),
             "form": lambda number, verb, *args: getattr(self.things[number], verb)(*args),
-            "petsc": TeamMember(self).Obey,
+            "drop": self._Drop,
+            "system": team.Make,
+            "petsc": team.Obey,
             "with": self._With,
             "bits": lambda number: AsNumPy(self.things[number]),
             "nothing": lambda: None,
@@ -84,6 +85,7 @@ class Ensemble:
                 return work()
             finally:
                 self.Show()
+                self._Tidy()
 
         return self.InStep(name, Work)
 
@@ -92,18 +94,16 @@ class Ensemble:
         try:
             return self.crew.Call(name, work)
         except OutOfStepError:
-            self._next, pairs = self._agreed
-            self.pairs.Keep(pairs)
-            for number in [*self.things]:
-                if number >= self._next:
-                    self.Forget(number)
+            self._next, self.pairs.next = self._agreed
+            new = [number for number in self.things if number >= self._next]
+            self._Drop(new, [key for key in self.pairs.known if key >= self.pairs.next])
             raise
         finally:
             self.Agree()
 
     def Agree(self):
         """So far all processes have the same numbers."""
-        self._agreed = self._next, self.pairs.count
+        self._agreed = self._next, self.pairs.next
 
     def Show(self):
         """Let users see the conductor's functions and parameters."""
@@ -124,11 +124,25 @@ class Ensemble:
 
     # --- things --------------------------------------------------------------------------------
 
-    def Add(self, thing):
-        """The number of a thing that all processes have."""
-        self.things[self._next] = thing
+    def NewNumber(self):
+        """One that all processes take at once."""
         self._next += 1
         return self._next - 1
+
+    def Add(self, thing):
+        """The number of a thing that all processes have."""
+        number = self.NewNumber()
+        self.things[number] = thing
+        return number
+
+    def Need(self, number, home):
+        """The conductor needs a thing as long as it has a certain object."""
+        if self.crew.conducts:
+            self._needs[number] = home
+
+    def NeededBy(self, number):
+        """The object on the conductor that needs a thing; None: it is gone."""
+        return self._needs.get(number)
 
     def NumberOf(self, thing):
         """The number of a thing; a new one where it is not known."""
@@ -137,17 +151,29 @@ class Ensemble:
                 return number
         return self.Add(thing)
 
-    def Forget(self, number):
-        """All processes drop a thing."""
-        self.things.pop(number, None)
-        if number in self._parameters:
-            self._parameters.remove(number)
+    def _Tidy(self):
+        """All processes drop what the conductor needs no more, but for spaces."""
+        things = self.things.items()
+        gone = [(n, thing) for n, thing in things if n not in self._needs]
+        numbers = [n for n, thing in gone if not isinstance(thing, SpaceReplica)]
+        keys = self.pairs.Ended()
+        if numbers or keys:
+            self.Order("drop", numbers, keys, own=lambda: self._Drop(numbers, keys))
+
+    def _Drop(self, numbers, keys):
+        for number in numbers:
+            self.things.pop(number, None)
+            if number in self._parameters:
+                self._parameters.remove(number)
+        for key in keys:
+            self.pairs.known.pop(key, None)
 
     def AddParameter(self, parameter):
         """Let a parameter have the conductor's value everywhere, from the next order on."""
         number = self.NumberOf(parameter)
         if number not in self._parameters:
             self._parameters.append(number)
+            self.Need(number, parameter)
 
     def Given(self, number):
         """What users have of a form or a LACSpace with this number on the conductor."""

@@ -26,6 +26,7 @@ class RemoteIntegrand:
 
     def __init__(self, ensemble, number):
         self._ensemble, self._number = ensemble, number
+        ensemble.Need(number, self)
 
     def __repr__(self):
         return (

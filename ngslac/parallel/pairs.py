@@ -1,11 +1,15 @@
 """GridFunctions on a distributed mesh and those on the conductor: the same values."""
 
+from itertools import count
+from weakref import ref
+
 import numpy as np
 from ngsolve import GridFunction
 from ngsolve.la import PARALLEL_STATUS
 
 from ngslac._ngslac import LACSpace
 from ngslac.parallel.plain import Reference
+from ngslac.parallel.replica import SpaceReplica
 
 __all__ = ["Pairs"]
 
@@ -13,25 +17,47 @@ __all__ = ["Pairs"]
 class Pair:
     """A GridFunction on a distributed mesh and the one on the conductor that stands for it.
 
+    The conductor keeps neither: it ends the pair on all processes when one of them is gone.
+
     Parameters
     ----------
-    given : GridFunction or None
-        On the distributed mesh; None: users do not have it yet.
+    what : tuple or None
+        Of a function that the conductor makes: what users need to make theirs.
+
+    Attributes
+    ----------
+    given, home : callable
+        Return the function on the distributed mesh and that on the conductor; None: there is no
+        such, not yet or no longer.
     space : SpaceReplica or None
-    home : GridFunction or None
-        On the conductor, if it needs it.
-    reads : bool
-        May users change it?
+        Of both.
+    sent : (n,) array or None
+        Values that both had last.
     """
 
-    def __init__(self, given, space, home=None, reads=True):
-        self.given, self.space, self.home, self.reads = given, space, home, reads
-        self.sent = None
+    def __init__(self, what=None):
+        self.given = self.home = Nothing
+        self.space = self.sent = None
+        self.what = what
+
+    @property
+    def reads(self):
+        """May users change the values?"""
+        return self.what is None or self.what[1] is None
 
     @property
     def whole(self):
         """Are there both, on the conductor?"""
-        return self.home is not None and self.given is not None
+        return self.home() is not None and self.given() is not None
+
+    @property
+    def ended(self):
+        """Has one of them gone, on the conductor?"""
+        return self.home() is None or (self.given() is None and self.given is not Nothing)
+
+
+def Nothing():
+    """No function."""
 
 
 class Pairs:
@@ -40,65 +66,80 @@ class Pairs:
     Parameters
     ----------
     ensemble : Ensemble
+
+    Attributes
+    ----------
+    known : dict[int, Pair]
+        By keys that are the same on all processes, those below 0 of functions that the conductor
+        makes.
+    next : int
+        The next key of what users make.
     """
 
     def __init__(self, ensemble):
-        self._ensemble, self._pairs, self._fresh = ensemble, [], False
+        self._ensemble, self.known, self.next, self._fresh = ensemble, {}, 0, False
+        self._own = count(-1, -1)
         ensemble.crew.tasks |= {"get": self._Get, "put": self._Put}
 
     def Of(self, given):
-        """The Pair of a user's function; all processes ask for it."""
-        for pair in self._pairs:
-            if pair.given is given:
-                return pair
-        self._pairs.append(Pair(given, self._ensemble.SpaceOf(given.space)))
-        return self._pairs[-1]
+        """The key of the pair of a user's function; all processes ask for it."""
+        for key, pair in self.known.items():
+            if pair.given() is given:
+                return key
+        key = self.next
+        self.next, self.known[key] = key + 1, Pair()
+        self._Give(self.known[key], given, self._ensemble.SpaceOf(given.space))
+        return key
 
-    @property
-    def count(self):
-        """How many there are."""
-        return len(self._pairs)
+    def _Give(self, pair, given, space):
+        """Let a pair have the function of users, which workers keep until the conductor ends it."""
+        pair.given = ref(given) if self._ensemble.crew.conducts else lambda: given
+        pair.space = space
 
-    def Keep(self, count):
-        """Drop all but the first."""
-        del self._pairs[count:]
+    def Ended(self):
+        """Keys of pairs that are of no more use; the conductor knows."""
+        return [key for key, pair in self.known.items() if pair.ended]
 
-    def Home(self, pair):
-        """The function on the conductor."""
-        if pair.home is None:
-            pair.home = GridFunction(self._ensemble.Space(pair.space))
-            self._Read(pair)
-        return pair.home
+    def Home(self, key):
+        """The function on the conductor; who asks for it keeps it."""
+        pair = self.known[key]
+        home = pair.home()
+        if home is None:
+            home = GridFunction(self._ensemble.Space(pair.space))
+            pair.home = ref(home)
+            self._Read(key)
+        return home
 
     # --- values --------------------------------------------------------------------------------
 
     def Read(self):
         """Take over what users have done to their functions."""
-        for pair in self._pairs:
+        for key, pair in self.known.items():
             if pair.whole and pair.reads:
-                self._Read(pair)
+                self._Read(key)
 
-    def _Read(self, pair):
-        _, *parts = self._ensemble.crew.Order("get", self._pairs.index(pair))
-        values = pair.home.vec.FV().NumPy()
+    def _Read(self, key):
+        pair = self.known[key]
+        _, *parts = self._ensemble.crew.Order("get", key)
+        values = pair.home().vec.FV().NumPy()
         pair.space.Put(parts, values)
         pair.sent = values.copy()
 
     def Write(self):
         """Show users what has become of their functions."""
-        for number, pair in enumerate(self._pairs):
-            values = pair.home.vec.FV().NumPy() if pair.whole else None
+        for key, pair in self.known.items():
+            values = pair.home().vec.FV().NumPy() if pair.whole else None
             if not pair.whole or (pair.sent is not None and np.array_equal(values, pair.sent)):
                 continue
-            self._ensemble.crew.Order("put", number, each=pair.space.Split(values))
-            pair.given.vec.FV().NumPy()[:] = values[pair.space.own]
+            self._ensemble.crew.Order("put", key, each=pair.space.Split(values))
+            pair.given().vec.FV().NumPy()[:] = values[pair.space.own]
             pair.sent = values.copy()
 
-    def _Get(self, number):
-        return self._pairs[number].given.vec.FV().NumPy().copy()
+    def _Get(self, key):
+        return self.known[key].given().vec.FV().NumPy().copy()
 
-    def _Put(self, number, values):
-        vec = self._pairs[number].given.vec
+    def _Put(self, key, values):
+        vec = self.known[key].given().vec
         vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
         vec.FV().NumPy()[:] = values
 
@@ -106,14 +147,16 @@ class Pairs:
 
     def ReferenceTo(self, home):
         """What stands for a function of the conductor in a message; None: nothing can."""
-        for key, pair in enumerate(self._pairs):
-            if pair.home is home:
-                return Reference("function", key)
+        for key, pair in self.known.items():
+            if pair.home() is home and not pair.ended:
+                return Reference("function", key, pair.what)
         what = self._SpaceLike(home.space)
         if what is None:
             return None
-        self._pairs.append(Pair(None, None, home, reads=what[1] is None))
-        return Reference("function", len(self._pairs) - 1, (*what, home.name))
+        key = next(self._own)
+        pair = self.known[key] = Pair((*what, home.name))
+        pair.home = ref(home)
+        return Reference("function", key, pair.what)
 
     def _SpaceLike(self, space):
         """The number of a space, or of a LACSpace, and of components where these are others."""
@@ -127,21 +170,23 @@ class Pairs:
 
     def Given(self, reference):
         """The function of users; a new one where there is none."""
-        known = self._pairs[reference.key] if reference.key < len(self._pairs) else None
-        if known is not None and known.given is not None:
-            return known.given
-        number, components, name = reference.what
-        if components is None:
-            space = self._ensemble.things[number].given
-        else:
-            space = self._ensemble.Given(number).WithComponents(components)
-        given = GridFunction(space, name=name)
-        if known is None:
-            known = Pair(given, None)
-            self._pairs.append(known)
-        known.given, known.space = given, self._ensemble.SpaceOf(space)
-        self._fresh = True
+        pair = self.known.setdefault(reference.key, Pair(reference.what))
+        given = pair.given()
+        if given is None:
+            given, space = self._Made(*pair.what)
+            self._Give(pair, given, space)
+            self._fresh = True
         return given
+
+    def _Made(self, number, components, name):
+        """A function of users, and the SpaceReplica of its space."""
+        ensemble = self._ensemble
+        if components is None:
+            replica = ensemble.things[number]
+            return GridFunction(replica.given, name=name), replica
+        space = ensemble.Given(number).WithComponents(components)
+        replica = SpaceReplica.OfMultipliers(space, ensemble.mesh, ensemble.homes.get(number))
+        return GridFunction(space, name=name), replica
 
     def Complete(self):
         """Fill new functions of users; all processes call it."""

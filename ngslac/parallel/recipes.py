@@ -18,6 +18,7 @@ from ngslac.arrays import AsBits, AsNumPy
 from ngslac.loads import LoadVector
 from ngslac.parallel.bulk import FormPart, RemoteForm
 from ngslac.parallel.functions import VECTORS, RemoteIntegrand
+from ngslac.parallel.plain import Reference
 
 __all__ = ["Recipe"]
 
@@ -46,8 +47,13 @@ def OfTwin(given, ensemble):
 
 def OfFunctions(given, ensemble):
     """A GridFunction: that which stands for it."""
-    pair = ensemble.pairs.Of(given)
-    return lambda: ensemble.pairs.Home(pair)
+    key, kept = ensemble.pairs.Of(given), []
+
+    def Make():
+        kept.append(ensemble.pairs.Home(key))  # to the end of the call, when users see its values
+        return kept[-1]
+
+    return Make
 
 
 def OfForm(given, ensemble):
@@ -59,10 +65,9 @@ def OfForm(given, ensemble):
         number = ensemble.Add(FormPart(given, replica))
 
     def Make():
-        if number not in ensemble.homes:
-            ensemble.homes[number] = RemoteForm(ensemble, number, given)
+        form = ensemble.NeededBy(number) or RemoteForm(ensemble, number, given)
         replica.TakeFree(ensemble.crew, ensemble.NumberOf(replica))  # users may have changed them
-        return ensemble.homes[number]
+        return form
 
     return Make
 
@@ -88,16 +93,16 @@ def OfParameter(given, ensemble):
 
 def OfCoefficient(given, ensemble):
     """A function of place and parameters: itself. One of solutions: its integral, no more."""
-    number = ensemble.NumberOf(given)
+    number = ensemble.Add(given)
     if HoldsGridFunction(given):
         return lambda: RemoteIntegrand(ensemble, number)
+    ensemble.Need(number, given)
     return lambda: given
 
 
 def OfBits(given, ensemble):
     """Dofs of the product space."""
     number, replica = ensemble.Add(given), ensemble.context
-    ensemble.passing.append(number)
 
     def Make():
         if len(given) != replica.given.ndof:
@@ -136,12 +141,12 @@ def OfFunction(given, ensemble):
     """A function of users: all processes call it at once."""
     replica, pairs = ensemble.context, ensemble.pairs
     number = ensemble.Add(lambda *args: Checked(given(*args), replica))
-    ensemble.passing.append(number)
 
     def Call(*args):
         ensemble.Show()
         args = [pairs.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
-        own = partial(ensemble.crew.tasks["call"], number, *args)
+        users = [pairs.Given(a) if isinstance(a, Reference) else a for a in args]
+        own = partial(ensemble.crew.tasks["call"], number, *users)
         try:
             result, *parts = ensemble.Order("call", number, *args, own=own)
         finally:
@@ -150,6 +155,7 @@ def OfFunction(given, ensemble):
             return result
         return LoadOf(replica, parts)
 
+    ensemble.Need(number, Call)
     return lambda: Call
 
 

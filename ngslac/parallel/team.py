@@ -1,8 +1,6 @@
 """The processes that solve linear systems together, as the conductor sees them."""
 
-from collections import defaultdict
-from itertools import count
-from weakref import finalize
+from functools import partial
 
 import numpy as np
 
@@ -17,11 +15,11 @@ class Team:
     """Calls methods of a PetscSystem on all processes.
 
     There may be several for a form, whose solvers take turns. All processes end theirs at once, as
-    PETSc wants it: when the next one is made.
+    PETSc wants it: when the conductor has let go its Team.
 
     Parameters
     ----------
-    crew : Crew
+    ensemble : Ensemble
     form : RemoteForm
         The bulk.
     contact : LACContact
@@ -30,28 +28,14 @@ class Team:
         Scalar dofs.
     """
 
-    _numbers, _left = count(), defaultdict(dict)  # by number, what is left of teams that are gone
-
-    def __init__(self, crew, form, contact, freedofs):
-        self._crew, self._system, self._number = crew, None, next(Team._numbers)
-        self._End(crew)
+    def __init__(self, ensemble, form, contact, freedofs):
         free = AsNumPy(freedofs)
-        given = free, Nodes.Of(contact, freedofs)
-
-        def Own():
-            none = np.empty(0, dtype=int)
-            self._system = PetscSystem(crew.messages.comm, len(free), none, *given)
-
-        crew.Order("petsc", self._number, None, form.number, len(free), own=Own)
-        left = Team._left[crew]
-        finalize(self, left.__setitem__, self._number, self._system).atexit = False
-
-    @staticmethod
-    def _End(crew):
-        left = Team._left[crew]
-        gone = [*left]
-        if gone:
-            crew.Order("petsc", gone, "End", own=lambda: [left.pop(number) for number in gone])
+        nodes = Nodes.Of(contact, freedofs)
+        given = form.number, len(free)
+        own = partial(ensemble.crew.tasks["system"], *given, free, nodes)
+        self._crew, self._number = ensemble.crew, ensemble.Order("system", *given, own=own)[0]
+        self._system = ensemble.things[self._number]
+        ensemble.Need(self._number, self)
 
     def Call(self, name, *args):
         """What a method gives here; what workers have no use for, or have themselves, stays."""
@@ -71,7 +55,7 @@ class Team:
 
 
 class TeamMember:
-    """A worker's part of linear systems.
+    """A process's part of linear systems.
 
     Parameters
     ----------
@@ -79,20 +63,19 @@ class TeamMember:
     """
 
     def __init__(self, ensemble):
-        self._ensemble, self._systems = ensemble, {}
+        self._ensemble = ensemble
+
+    def Make(self, form, size, *given):
+        """The number of a PetscSystem of the bulk; `given` is what the conductor tells."""
+        ensemble, crew = self._ensemble, self._ensemble.crew
+        number = ensemble.NewNumber()  # also where it cannot be made
+        dofs = np.empty(0, dtype=int) if crew.conducts else ensemble.things[form].dofs
+        ensemble.things[number] = PetscSystem(crew.messages.comm, size, dofs, *given)
+        return number
 
     def Obey(self, number, name, *args):
-        """Call a method of the PetscSystem with this number; None: make it."""
+        """Call a method of the PetscSystem with this number."""
         things = self._ensemble.things
-        if name is None:
-            form, size = args
-            comm, dofs = self._ensemble.crew.messages.comm, things[form].dofs
-            self._systems[number] = PetscSystem(comm, size, dofs)
-        elif name == "End":
-            for ended in number:
-                self._systems.pop(ended, None)
-        elif name == "SetBulk":
-            (bulk,) = args
-            self._systems[number].SetBulk(things[bulk].Local("mat"))
-        else:
-            getattr(self._systems[number], name)(*args)
+        if name == "SetBulk":
+            args = [things[form].Local("mat") for form in args]
+        getattr(things[number], name)(*args)

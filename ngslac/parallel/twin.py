@@ -7,6 +7,7 @@ from ngsolve import GridFunction
 
 from ngslac.distributable import OnManyProcesses
 from ngslac.errors import Portable
+from ngslac.parallel.bulk import RemoteForm
 from ngslac.parallel.ensemble import Ensemble
 from ngslac.parallel.functions import VECTORS
 from ngslac.parallel.plain import IsPlain, Reference, View
@@ -29,14 +30,15 @@ class Twin:
     ensemble : Ensemble
     key :
         By which the conductor knows it.
-    given : dict
+
+    Attributes
+    ----------
+    _given : dict
         Arguments that it was made of, by name.
     """
 
-    def __init__(self, kind, ensemble, key, given):
-        vars(self).update(
-            _kind=kind, _ensemble=ensemble, _key=key, _given=given, _public={}, _text=""
-        )
+    def __init__(self, kind, ensemble, key):
+        vars(self).update(_kind=kind, _ensemble=ensemble, _key=key, _given={}, _public={}, _text="")
         ensemble.twins[key] = self
 
     @property
@@ -86,17 +88,11 @@ class Twin:
             args, options = given()
             return getattr(ensemble.homes[key], name)(*args, **options)
 
-        passing = list(ensemble.passing)
-        try:
-            return RunEverywhere(ensemble, title, Work)
-        finally:
-            for number in passing:
-                ensemble.Forget(number)
+        return RunEverywhere(ensemble, title, Work)
 
 
 def Given(args, options, ensemble):
     """Makes of arguments those of the conductor, when it is called there."""
-    ensemble.passing.clear()
     args = [Recipe(arg, ensemble) for arg in args]
     options = {name: Recipe(arg, ensemble) for name, arg in options.items()}
     return lambda: ([arg() for arg in args], {name: arg() for name, arg in options.items()})
@@ -105,17 +101,16 @@ def Given(args, options, ensemble):
 def MakeTwin(mesh, kind, args, options):
     """The Twin of a new object."""
     ensemble = Ensemble.Of(mesh)
-    number, given = ensemble.Add(kind), Given(args, options, ensemble)
+    key, given = ensemble.NewNumber(), Given(args, options, ensemble)
 
     def Work():
         args, options = given()
-        ensemble.homes[number] = kind(*args, **options)
+        ensemble.homes[key] = kind(*args, **options)
         ForgetWith(twin)
 
-    bound = inspect.signature(kind.__init__).bind_partial(None, *args, **options)
-    names = dict(list(bound.arguments.items())[1:])
-    twin = Twin(kind, ensemble, number, names)
-    RunEverywhere(ensemble, kind.__name__, Work)
+    twin = Twin(kind, ensemble, key)
+    RunEverywhere(ensemble, kind.__name__, Work)  # refuses wrong arguments
+    twin._given.update(inspect.signature(kind).bind_partial(*args, **options).arguments)
     return twin
 
 
@@ -200,6 +195,8 @@ def Packed(value, ensemble, view=False):
         return type(value)(Packed(part, ensemble, view) for part in value)
     if isinstance(value, GridFunction):
         return ensemble.pairs.ReferenceTo(value)
+    if isinstance(value, RemoteForm):
+        return Reference("given", value.number)
     for key, home in [*ensemble.homes.items()]:
         if home is value:
             return Reference("twin" if key in ensemble.twins else "given", key, type(value))
@@ -225,6 +222,6 @@ def Unpacked(value, ensemble, own=None):
         return ensemble.Given(value.key)
     twin = ensemble.twins.get(value.key)
     if twin is None:
-        twin = Twin(value.what, ensemble, value.key, {})
+        twin = Twin(value.what, ensemble, value.key)
         ForgetWith(twin)
     return twin

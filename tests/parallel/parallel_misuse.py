@@ -75,6 +75,21 @@ def unknown_master(world):
 
 
 @case
+def unknown_options(world):
+    """The words are those of a single process."""
+    made = problem(block_on_block(world.comm, 0.25))
+    u, lam = made.X.TrialFunction()
+    wrong = (
+        lambda: LACContact(u, lam, mastr="master"),
+        lambda: ContactSolver(made.a, made.gf, made.contacts, slver="direct"),
+        lambda: ContactSolver(made.a, made.gf),
+        lambda: LoadStepper(made.solver(), made.load, maxcutz=2),
+        lambda: LoadStepper(3, made.load),
+    )
+    return {"errors": (" ".join(map(text, wrong)), None)}
+
+
+@case
 def negative_friction(world):
     """Which only those see that have slave faces."""
     made = problem(block_on_block(world.comm), friction=CF(-0.1))

@@ -23,6 +23,7 @@ from parallel_shapes import block_on_block, disc_on_block
 from parallel_world import case
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
+from ngslac.parallel.ensemble import Ensemble
 
 HELD = {"dirichlet": "bottom|top"}
 COARSE = 0.25
@@ -124,3 +125,32 @@ def curved_later(world):
     mesh.Curve(2)
     made = problem(mesh, friction=0.2)
     return results(made, iterations=solved(made))
+
+
+@case
+def many_solvers(world):
+    """What no solver needs any more is dropped: copies of forms, their matrices and vectors."""
+    made, counts, weights = problem(block_on_block(world.comm, COARSE)), [], []
+    for weight in (1.0, 2.0, 3.0):
+        a = BilinearForm(made.X)
+        (u, _), (v, _) = made.X.TnT()
+        a += weight * linear(u, v, 100.0)
+        again = Problem(
+            made.mesh, made.X, a, GridFunction(made.X), made.contacts, Parameter(weight)
+        )
+        solved(again)
+        (contact,) = made.contacts
+        counts.append(known(made.mesh))
+        weights.append(contact.Force()[1])
+    if world.comm is not None:
+        assert len({*world.comm.allgather(tuple(counts[1:]))}) == 1  # all are in step
+        assert counts[1] == counts[2], counts
+    return results(again, weights=np.array(weights))
+
+
+def known(mesh):
+    """How many objects and functions of users this process keeps; 0 in a serial run."""
+    if mesh.comm.size == 1:
+        return 0, 0
+    ensemble = Ensemble.Of(mesh)
+    return len(ensemble.things), len(ensemble.pairs.known)
