@@ -6,6 +6,8 @@ parts of the mesh, and to take part in linear solves. All messages go between th
 worker each, so that nobody waits for somebody who has failed.
 """
 
+import sys
+import time
 from collections import defaultdict, deque
 
 from ngslac.errors import Portable
@@ -15,6 +17,10 @@ __all__ = ["Crew", "OutOfStepError"]
 
 # Kinds of messages to the conductor and from it.
 ENTERED, DONE, FAILED, ORDER, END = "entered", "done", "failed", "order", "end"
+LEFT = "left"  # of a worker whose script has ended
+
+PATIENCE = 60.0  # seconds to wait for others without a word
+RULE = "what belongs to a distributed mesh has to be called on all processes, in the same order"
 
 
 class OutOfStepError(RuntimeError):
@@ -38,11 +44,31 @@ class Messages:
         """Send what can be pickled."""
         self.comm.send(message, dest=rank)
 
-    def Receive(self, rank):
-        """The next message of a process."""
+    def Receive(self, rank, name=None):
+        """The next message of a process, which may never come where it does not call `name`."""
         if self._put_back[rank]:
             return self._put_back[rank].popleft()
+        if name is not None:
+            self._Await(rank, name)
         return self.comm.recv(source=rank)
+
+    def Has(self, rank):
+        """Is there a message of a process?"""
+        return bool(self._put_back[rank]) or self.comm.iprobe(source=rank)
+
+    def _Await(self, rank, name):
+        """Wait for a message, and say it when that takes long: others may be in calls of MPI."""
+        end = time.monotonic() + PATIENCE
+        while not self.comm.iprobe(source=rank):
+            if time.monotonic() > end:
+                print(
+                    f"process {self.comm.rank} has been waiting for {PATIENCE:g} s for process "
+                    f"{rank} to call {name}, too: {RULE}",
+                    file=sys.stderr,
+                    flush=True,
+                )
+                return
+            time.sleep(1e-4)
 
     def PutBack(self, rank, message):
         """The next one is this one, once more."""
@@ -69,6 +95,7 @@ class Crew:
         self.messages = Messages(comm)
         self.conducts, self.workers = comm.rank == 0, range(1, comm.size)
         self.tasks, self._depth, self.interrupts = {}, 0, Interrupts()
+        self._present = set(self.workers)
 
     def Call(self, name, work):
         """What `work` gives on the conductor, on all processes; workers serve meanwhile.
@@ -107,24 +134,22 @@ class Crew:
         """Wait until all workers make this call; who makes any is noted in `entered`."""
         others = {}
         for rank in self.workers:
-            message = kind, depth, called, *_ = self._Hear(rank, self._depth)
+            message = kind, depth, called, *_ = self._Hear(rank, self._depth, name)
             if depth < self._depth:
                 self.messages.PutBack(rank, message)
             else:
                 entered.append(rank)
             if (kind, depth, called) != (ENTERED, self._depth, name):
-                others[rank] = called if kind == ENTERED else "nothing"
+                does = {ENTERED: f"calls {called}", LEFT: "has ended"}
+                others[rank] = does.get(kind, "calls nothing")
         if others:
-            rank, called = next(iter(others.items()))
-            raise OutOfStepError(
-                f"process 0 calls {name} while process {rank} calls {called}: what belongs to a "
-                "distributed mesh has to be called on all processes, in the same order"
-            )
+            rank, does = next(iter(others.items()))
+            raise OutOfStepError(f"process 0 calls {name} while process {rank} {does}: {RULE}")
 
-    def _Hear(self, rank, depth):
+    def _Hear(self, rank, depth, name=None):
         """The next message of a worker at a depth; what it calls alone is refused."""
         while True:
-            message = kind, at, *rest = self.messages.Receive(rank)
+            message = kind, at, *rest = self.messages.Receive(rank, name)
             if kind != ENTERED or at <= depth:
                 return message
             error = OutOfStepError(
@@ -135,7 +160,8 @@ class Crew:
     def _Serve(self, name):
         self.messages.Send(0, (ENTERED, self._depth, name))
         while True:
-            kind, depth, *rest = self.messages.Receive(0)
+            kind, depth, *rest = self.messages.Receive(0, name)
+            name = None  # it has come
             if kind == END and depth == self._depth:
                 result, error = rest
                 if error is not None:
@@ -186,3 +212,26 @@ class Crew:
         if errors:  # where one fails, others only miss it
             raise min(errors, key=lambda error: isinstance(error, OutOfStepError))
         return answers
+
+    # --- the end -------------------------------------------------------------------------------
+
+    def Leave(self):
+        """A worker calls nothing any more."""
+        if not self.conducts:
+            self.messages.Send(0, (LEFT, 0, None))
+
+    def Dismiss(self):
+        """Refuse what workers call of a conductor that has ended; False: some may call more."""
+        if not self.conducts:
+            return True
+        for rank in sorted(self._present):
+            while rank in self._present and self.messages.Has(rank):
+                kind, at, called, *_ = self.messages.Receive(rank)
+                if kind == LEFT:
+                    self._present.remove(rank)
+                elif kind == ENTERED:
+                    error = OutOfStepError(
+                        f"process {rank} calls {called} while process 0 has ended: {RULE}"
+                    )
+                    self.messages.Send(rank, (END, at, None, error))
+        return not self._present

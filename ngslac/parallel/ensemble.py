@@ -8,6 +8,7 @@ from ngsolve import ProductSpace
 from ngslac._ngslac import LACSpace
 from ngslac.arrays import AsNumPy
 from ngslac.parallel.crew import Crew, OutOfStepError
+from ngslac.parallel.farewell import Join
 from ngslac.parallel.functions import UserFunctions
 from ngslac.parallel.pairs import Pairs
 from ngslac.parallel.replica import MeshReplica, SpaceReplica
@@ -53,6 +54,7 @@ class Ensemble:
 
     def __init__(self, mesh):
         self.crew = Crew(mesh.comm.mpi4py)
+        Join(self.crew)
         self.mesh = MeshReplica(mesh, self.crew)
         self.things, self.homes, self.twins = {}, {}, WeakValueDictionary()
         self._next, self._parameters, self.context = 0, [], None

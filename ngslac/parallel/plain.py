@@ -16,7 +16,7 @@ class Reference:
 
     Attributes
     ----------
-    kind : {"twin", "function", "given"}
+    kind : {"twin", "function", "given", "boundary"}
     key :
     what : type or tuple
         What to make where it is not there yet.

@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 
 from ngslac.arrays import AsNumPy
+from ngslac.parallel.farewell import BeforeOthers
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 
@@ -71,6 +72,7 @@ class TeamMember:
         number = ensemble.NewNumber()  # also where it cannot be made
         dofs = np.empty(0, dtype=int) if crew.conducts else ensemble.things[form].dofs
         ensemble.things[number] = PetscSystem(crew.messages.comm, size, dofs, *given)
+        BeforeOthers()
         return number
 
     def Obey(self, number, name, *args):

@@ -2,8 +2,10 @@
 
 import inspect
 import weakref
+from functools import wraps
+from types import MethodType
 
-from ngsolve import GridFunction
+from ngsolve import BND, BitArray, GridFunction, Region
 
 from ngslac.distributable import OnManyProcesses
 from ngslac.errors import Portable
@@ -59,14 +61,24 @@ class Twin:
     def __getattr__(self, name):
         if name.startswith("_"):
             raise AttributeError(name)
-        if inspect.isfunction(getattr(self._kind, name, None)):
-            return lambda *args, **options: self._Call(name, args, options)
+        method = getattr(self._kind, name, None)
+        if inspect.isfunction(method):
+
+            @wraps(MethodType(method, self))
+            def Method(*args, **options):
+                return self._Call(name, args, options)
+
+            return Method
         for known in (self._public, self._given):
             if name in known:
                 return known[name]
         raise AttributeError(
             f"{name} of a {self._kind.__name__} is not known on a distributed mesh"
         )
+
+    def __dir__(self):
+        methods = {name for name, _ in inspect.getmembers(self._kind, inspect.isfunction)}
+        return sorted({*methods, *self._public, *self._given, "mesh"})
 
     def __setattr__(self, name, value):
         value = Recipe(value, self._ensemble)
@@ -197,6 +209,8 @@ def Packed(value, ensemble, view=False):
         return ensemble.pairs.ReferenceTo(value)
     if isinstance(value, RemoteForm):
         return Reference("given", value.number)
+    if isinstance(value, Region) and value.VB() == BND:
+        return Reference("boundary", [*value.Mask()])
     for key, home in [*ensemble.homes.items()]:
         if home is value:
             return Reference("twin" if key in ensemble.twins else "given", key, type(value))
@@ -218,6 +232,8 @@ def Unpacked(value, ensemble, own=None):
         return own if value is None else value
     if value.kind == "function":
         return ensemble.pairs.Given(value)
+    if value.kind == "boundary":
+        return Region(ensemble.mesh.given, BND, BitArray(value.key))
     if value.kind == "given":
         return ensemble.Given(value.key)
     twin = ensemble.twins.get(value.key)

@@ -126,6 +126,11 @@ class PetscSolver:
         """The bulk matrix has got other values."""
         self._bulk = self._given = None
 
+    @property
+    def used(self):
+        """Has it solved anything since then?"""
+        return self._bulk is not None
+
     def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
         """See LinearSolver."""
         self._Take(bulk, forms, scale, shift)

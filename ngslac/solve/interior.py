@@ -8,6 +8,8 @@ from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
 from ngslac.linear.factor import CHOLESKY
 from ngslac.linear.primal import PrimalSolver
+from ngslac.petsc.primal import PrimalPetsc
+from ngslac.petsc.solver import PetscSolver
 from ngslac.solve.barrier import Barrier, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
@@ -44,8 +46,7 @@ class InteriorPoint:
     def __init__(self, system, state):
         self.system, self.vec, self.values = system, system.gf.vec, system.values
         self.multipliers, self.returns = system.residual.multipliers, 0
-        wanted = system.linear.wanted
-        self.linear = PrimalSolver(system.linear, wanted if wanted in CHOLESKY else None)
+        self.linear = Primal(system.linear)
         self.linear.Leave(self.multipliers)
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
         self.approximates = any(np.any(c.form.Scalars("ends") > 0) for c in system.contacts)
@@ -152,6 +153,14 @@ class InteriorPoint:
             spring.law.Take(step, part)
         self.system.Moved(state, trial, motion, part)
         return trial, part
+
+
+def Primal(linear):
+    """What solves for the displacements alone, of the same kind as a solver of all."""
+    if isinstance(linear, PetscSolver):
+        return PrimalPetsc(linear)
+    wanted = linear.wanted
+    return PrimalSolver(linear, wanted if wanted in CHOLESKY else None)
 
 
 @contextmanager

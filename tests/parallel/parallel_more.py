@@ -1,5 +1,7 @@
 """Cases of what else a user may write: other spaces, functions, options and queries."""
 
+import inspect
+
 import numpy as np
 from ngsolve import (
     CF,
@@ -170,6 +172,9 @@ def queries(world):
         "areas": np.sort(segments.area),
         "macros": contact.space.nmacros,
         "moment about": contact.Moment((0.3, 0.2)),
+        "master": Integrate(1, contact.master),
+        "method": str(inspect.signature(contact.Force)) + contact.Force.__doc__,
+        "to complete": sorted({"Table", "mesh", "pressure", "master"} & {*dir(contact)}),
     }
     return found | {name: (value, None) for name, value in more.items()}
 

@@ -1,5 +1,8 @@
 """Cases of other spaces, and of several objects on one mesh."""
 
+import gc
+import weakref
+
 import numpy as np
 from ngsolve import (
     CF,
@@ -22,7 +25,7 @@ from parallel_problem import QUIET, Problem, linear, problem, results
 from parallel_shapes import block_on_block, disc_on_block
 from parallel_world import case
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace
+from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, TimeStepper
 from ngslac.parallel.ensemble import Ensemble
 
 HELD = {"dirichlet": "bottom|top"}
@@ -154,3 +157,20 @@ def known(mesh):
         return 0, 0
     ensemble = Ensemble.Of(mesh)
     return len(ensemble.things), len(ensemble.pairs.known)
+
+
+@case
+def one_after_the_other(world):
+    """Problems on one mesh: the forms of those before, and so their matrices, are dropped."""
+    mesh, forms = block_on_block(world.comm, 0.3), []
+    for _ in range(3):
+        made = problem(mesh, friction=0.3)
+        stepper = TimeStepper(made.solver(), 1.0, dt=0.01)
+        stepper.Integrate(0.01, printing=False)
+        made.u.Set(CF((0.01, -0.02)), definedon=mesh.Boundaries("top"))
+        made.solver().Solve(**QUIET)
+        forms.append(weakref.ref(made.a))
+        found = results(made)
+        del made, stepper
+        gc.collect()
+    return found | {"forms": ([form() is None for form in forms[:-1]], None)}

@@ -68,6 +68,18 @@ def block_on_block(comm, h=0.12, gap=0.0):
     return meshed(comm, upper, lower)
 
 
+def leaves(comm):
+    """Two thin leaves, clamped at the left; the upper one is to be pressed down at its tip."""
+    faces = [
+        rectangle((0, k), (15, k + 1), h, f"leaf{k}", top=top, bottom=bottom)
+        for k, h, top, bottom in ((0, 1.3, "master", "under"), (1, 1.0, "over", "slave"))
+    ]
+    for face in faces:
+        face.edges.Min(X).name, face.edges.Max(X).name = "clamp", "tip"
+    faces[1].edges.Max(X).name = "pressed"
+    return meshed(comm, *faces)
+
+
 def die_on_slab(comm, h=0.2):
     die = bowl((0.75, 0.52), 0.5, 0.7 * h, "die", "slave")
     slab = rectangle((0, -1), (4, 0), h, "slab", top="master", bottom="bottom")

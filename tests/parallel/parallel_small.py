@@ -1,11 +1,14 @@
 """Cases of small sliding."""
 
+from contextlib import contextmanager
+
 from ngsolve import CF, InnerProduct, LinearForm, ds, dx, x
 from parallel_problem import QUIET, problem, results, rubber
 from parallel_shapes import (
     block_on_block,
     cube_on_block,
     disc_on_block,
+    leaves,
     ring_and_disc,
     sphere_on_block,
     two_discs_on_block,
@@ -14,6 +17,7 @@ from parallel_world import case
 
 from ngslac import AugmentedLagrangianSolver, LoadStepper
 from ngslac.meshes import Distributed, TwoBlocks
+from ngslac.solve.system import Saddle
 
 YOUNG = {"disc": 200.0, "sphere": 200.0}
 
@@ -225,3 +229,30 @@ def one_solve(world):
     made.u.Set(CF((0.01, -0.02)), definedon=made.mesh.Boundaries("top"))
     last = made.solver().Solve(printing=False)
     return results(made, iterations=last.number)
+
+
+@contextmanager
+def few_iterations(most=2):
+    """Newton's method gives up soon, and the interior point method takes over."""
+    before, Saddle.most = Saddle.most, most
+    try:
+        yield
+    finally:
+        Saddle.most = before
+
+
+@case
+def interior_point(world):
+    """Condensed, too, and with prescribed motions of the next step."""
+    found = {}
+    for condense in (False, True):
+        made = problem(
+            leaves(world.comm), flags={"dirichlet": "clamp"}, friction=0.3, condense=condense
+        )
+        v = made.X.TestFunction()[0]
+        made.a += 1e-4 * made.load * v[1] * ds("pressed")
+        with few_iterations():
+            done = LoadStepper(made.solver(), made.load).Integrate(steps=2, **QUIET)
+        numbers = results(made, iterations=[step.iterations for step in done])
+        found |= {f"{name}, {condense}": value for name, value in numbers.items()}
+    return found

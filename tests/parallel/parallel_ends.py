@@ -1,0 +1,29 @@
+"""Scripts that end in different ways on different processes; the argument says which.
+
+"first": the first process asks for what the others do not; "last": the last one does; "error": the
+last one raises something. With "slow" the last one is late, and all is well.
+"""
+
+import sys
+import time
+
+from mpi4py import MPI
+from ngsolve import CF
+from parallel_problem import QUIET, problem
+from parallel_shapes import block_on_block
+
+from ngslac.parallel import crew
+
+comm, end = MPI.COMM_WORLD, sys.argv[1]
+made = problem(block_on_block(comm, 0.4), friction=0.3)
+made.u.Set(CF((0.01, -0.02)), definedon=made.mesh.Boundaries("top"))
+made.solver().Solve(**QUIET)  # which starts PETSc, whose end waits for all
+(contact,) = made.contacts
+last = comm.rank == comm.size - 1
+if end == "error" and last:
+    raise KeyError("of the user")
+if end == "slow":
+    crew.PATIENCE = 0.1
+    time.sleep(0.5 * last)
+if end in ("error", "slow") or (end == "first" and comm.rank == 0) or (end == "last" and last):
+    contact.Force()

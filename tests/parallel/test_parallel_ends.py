@@ -1,0 +1,42 @@
+"""Scripts end on all processes, whatever some of them leave out."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from parallel_start import ENVIRONMENT, OPTIONS, missing
+
+SCRIPT = Path(__file__).with_name("parallel_ends.py")
+LIMIT = 120.0  # seconds
+
+pytestmark = pytest.mark.skipif(missing() is not None, reason=f"distributed runs: {missing()}")
+
+
+def ended(how):
+    """The exit status of a script on three processes, and what it said."""
+    start = ["mpiexec", *OPTIONS, "-n", "3", sys.executable, str(SCRIPT), how]
+    environment = os.environ | ENVIRONMENT
+    done = subprocess.run(start, capture_output=True, text=True, env=environment, timeout=LIMIT)
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("first", "process 0 calls LACContact.Force while process 1 has ended"),
+        ("last", "process 2 calls LACContact.Force while process 0 has ended"),
+        ("error", "process 0 calls LACContact.Force while process 2 has ended"),
+    ],
+)
+def test_what_is_called_on_some_processes_is_an_error_at_the_end(how, said):
+    status, words = ended(how)
+    assert status != 0
+    assert f"OutOfStepError: {said}" in words
+
+
+def test_a_long_wait_is_said():
+    status, words = ended("slow")
+    assert status == 0, words
+    assert "for process 2 to call LACContact.Force, too: what belongs to a distributed" in words
