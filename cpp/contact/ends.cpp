@@ -12,11 +12,11 @@ constexpr double least_share = 1e-3;
 
 /// A side of a face: a corner in 2D, where both points are the same, an edge in 3D.
 template <int D>
-struct Side {
+struct FaceSide {
   std::array<int, 2> vertices; // sorted
   int face;
   Vec<D> from, to;
-  bool operator<(const Side & other) const {
+  bool operator<(const FaceSide & other) const {
     return pair(vertices, face) < pair(other.vertices, other.face);
   }
   Vec<D> Middle() const { return 0.5 * (from + to); }
@@ -38,8 +38,8 @@ int NSides(ELEMENT_TYPE type) {
 
 /// Sorted by their vertices, so that faces with the same side follow each other.
 template <int D>
-Array<Side<D>> SidesOf(const Surface<D> & surface, const MeshAccess & ma) {
-  Array<Side<D>> sides;
+Array<FaceSide<D>> SidesOf(const Surface<D> & surface, const MeshAccess & ma) {
+  Array<FaceSide<D>> sides;
   for (size_t f : Range(surface.Size())) {
     auto vertices = ma.GetElement(ElementId(BND, surface.Element(f))).Vertices();
     auto type = surface.Type(f);
@@ -53,7 +53,7 @@ Array<Side<D>> SidesOf(const Surface<D> & surface, const MeshAccess & ma) {
     for (int i : Range(NSides<D>(type))) {
       auto [from, to] = SideCorners<D>(type, i);
       int a = vertices[from], b = vertices[to];
-      sides.Append(Side<D>{{min(a, b), max(a, b)}, int(f), corner(from), corner(to)});
+      sides.Append(FaceSide<D>{{min(a, b), max(a, b)}, int(f), corner(from), corner(to)});
     }
   }
   QuickSort(sides);
@@ -62,7 +62,7 @@ Array<Side<D>> SidesOf(const Surface<D> & surface, const MeshAccess & ma) {
 
 /// Calls f with the sides at the same place, one range after the other.
 template <int D, typename F>
-void ForSamePlace(FlatArray<Side<D>> sides, F f) {
+void ForSamePlace(FlatArray<FaceSide<D>> sides, F f) {
   for (size_t i = 0, next = 0; i < sides.Size(); i = next) {
     while (next < sides.Size() && sides[next].vertices == sides[i].vertices)
       next++;
@@ -72,9 +72,9 @@ void ForSamePlace(FlatArray<Side<D>> sides, F f) {
 
 /// The sides that only one face has.
 template <int D>
-Array<Side<D>> FreeSides(FlatArray<Side<D>> sides) {
-  Array<Side<D>> free;
-  ForSamePlace<D>(sides, [&](FlatArray<Side<D>> same) {
+Array<FaceSide<D>> FreeSides(FlatArray<FaceSide<D>> sides) {
+  Array<FaceSide<D>> free;
+  ForSamePlace<D>(sides, [&](FlatArray<FaceSide<D>> same) {
     if (same.Size() == 1)
       free.Append(same[0]);
   });
@@ -86,7 +86,7 @@ template <int D>
 struct SlaveEnd {
   Vec<D> point, outwards, along;
 
-  SlaveEnd(const Surface<D> & slave, const Side<D> & side)
+  SlaveEnd(const Surface<D> & slave, const FaceSide<D> & side)
       : point(side.Middle()), along(side.to - side.from) {
     Vec<D> center = 0.0;
     auto corners = Corners<D - 1>(slave.Type(side.face));
@@ -100,7 +100,7 @@ struct SlaveEnd {
   }
 
   /// How far the master goes on beyond, at most `size`; negative: it ends before.
-  double Beyond(FlatArray<Side<D>> master_ends, double size) const {
+  double Beyond(FlatArray<FaceSide<D>> master_ends, double size) const {
     double nearest = size;
     for (auto & end : master_ends) {
       double before = InnerProduct(along, end.from - point);
@@ -118,7 +118,7 @@ struct SlaveEnd {
 
 /// At which ends of the slave does its body not go on nearly in the same direction?
 template <int D>
-BitArray AreSharp(FlatArray<Side<D>> ends, const Surface<D> & slave, const MeshAccess & ma) {
+BitArray AreSharp(FlatArray<FaceSide<D>> ends, const Surface<D> & slave, const MeshAccess & ma) {
   std::map<std::array<int, 2>, int> number;
   for (int i : Range(ends))
     number[ends[i].vertices] = i;
@@ -167,11 +167,11 @@ Array<double> Parallels(const LACSpace & space, const Surface<D> & slave,
 
 /// The largest part that the neighbours of each macro-element have without a partner.
 template <int D>
-Array<double> OpenNeighbours(FlatArray<Side<D>> sides, const std::function<int(int)> & macro,
+Array<double> OpenNeighbours(FlatArray<FaceSide<D>> sides, const std::function<int(int)> & macro,
                              FlatArray<double> open) {
   Array<double> largest(open.Size());
   largest = 0.0;
-  ForSamePlace<D>(sides, [&](FlatArray<Side<D>> same) {
+  ForSamePlace<D>(sides, [&](FlatArray<FaceSide<D>> same) {
     for (auto & one : same)
       for (auto & other : same)
         if (int m = macro(one.face), n = macro(other.face); m != n)

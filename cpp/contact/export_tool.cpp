@@ -11,7 +11,7 @@ Vec<3> AsVec3(const std::array<double, 3> & x) {
 
 /// The rotation row by row, and the shift.
 template <int D>
-std::vector<double> Numbers(const Placement<D> & place) {
+std::vector<double> RowByRow(const Placement<D> & place) {
   std::vector<double> result;
   for (int k : Range(D))
     for (int l : Range(D))
@@ -42,7 +42,7 @@ void ExportRigidTool(py::module & m) {
            py::arg("travel").none(false), py::arg("load"), py::arg("component"), py::arg("center"),
            py::arg("axis"));
   m.def("PlacementOf", [](const std::vector<ToolMotion> & motions, int dim) {
-    return dim == 2 ? Numbers<2>(Follow<2>(motions)) : Numbers<3>(Follow<3>(motions));
+    return dim == 2 ? RowByRow<2>(Follow<2>(motions)) : RowByRow<3>(Follow<3>(motions));
   });
   py::class_<RigidTool, shared_ptr<RigidTool>>(m, "RigidTool")
       .def(py::init([](shared_ptr<ToolShape> shape, std::vector<ToolMotion> motions,

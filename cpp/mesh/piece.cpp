@@ -13,10 +13,10 @@ using netgen::SurfaceElementIndex;
 // Netgen has no function that tells the numbers of segments.
 Array<int> netgen::ParallelMeshTopology::* NumbersOfSegments();
 template <auto member>
-struct Numbers {
+struct SegmentNumbers {
   friend Array<int> netgen::ParallelMeshTopology::* NumbersOfSegments() { return member; }
 };
-template struct Numbers<&netgen::ParallelMeshTopology::glob_segm>;
+template struct SegmentNumbers<&netgen::ParallelMeshTopology::glob_segm>;
 
 constexpr int head = 4, most2 = ELEMENT2D_MAXPOINTS, most3 = ELEMENT_MAXPOINTS;
 

@@ -41,7 +41,7 @@ struct Hit {
 };
 
 /// Pairs one slave face after the other; owns the buffers.
-class FacePairer {
+class SegmentPairer {
   const Surface<2> & slave;
   const Surface<2> & master;
   const BoxTree<2> & tree;
@@ -58,8 +58,8 @@ class FacePairer {
   Array<pair<int, optional<Hit>>> nearest; // from each break point to the next
 
 public:
-  FacePairer(const Surface<2> & aslave, const Surface<2> & amaster, const BoxTree<2> & atree,
-             const PairingOptions & aoptions, const IntegrationRule & arule)
+  SegmentPairer(const Surface<2> & aslave, const Surface<2> & amaster, const BoxTree<2> & atree,
+                const PairingOptions & aoptions, const IntegrationRule & arule)
       : slave(aslave), master(amaster), tree(atree), options(aoptions), rule(arule) {}
 
   void Do(int aface, Pairing<2> & result) {
@@ -309,7 +309,7 @@ Pairing<2> Pair(const Surface<2> & slave, const Surface<2> & master,
 
   IntegrationRule rule(ET_SEGM, options.order);
   return InPieces<2>(slave.Size(), [&](IntRange faces, Pairing<2> & part) {
-    FacePairer pairer(slave, master, tree, options, rule);
+    SegmentPairer pairer(slave, master, tree, options, rule);
     for (auto f : faces)
       pairer.Do(f, part);
   });

@@ -116,6 +116,7 @@ class Copy:
     def _Build(self):
         build, quiet = self.folder / "build", {"check": True, "stdout": subprocess.DEVNULL}
         options = ["-DCMAKE_BUILD_TYPE=Release", f"-DPython3_EXECUTABLE={sys.executable}"]
+        options.append("-DCMAKE_UNITY_BUILD=OFF")  # a mutant is one file
         if shutil.which("ccache"):
             options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
         environment = {"env": os.environ | CCACHE | {"CCACHE_BASEDIR": str(self.folder)}}
