@@ -26,15 +26,17 @@ exclude_patterns = ["_ext", "_generated"]
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"  # the extension `sources` runs them
+nb_merge_streams = True  # what is printed in several calls is one text
 
 autodoc_member_order = "bysource"
 napoleon_use_rtype = False
 
 html_theme = "furo"
 html_title = "ngslac"
+html_favicon = "_static/favicon.svg"
 html_static_path = ["_static", "_generated/static"]
 html_js_files = ["webgui.js", "scenes.js"]
-html_css_files = ["scenes.css"]
+html_css_files = ["scenes.css", "pages.css"]
 
 # The webgui's own script, from the package that brings it to Jupyter.
 webgui_script = str(Path(find_spec("webgui_jupyter_widgets").origin).parent / "js" / "webgui.js")

@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import contextmanager
 from html.parser import HTMLParser
 from io import BytesIO
 from pathlib import Path
@@ -77,16 +78,24 @@ def browser():
         browser.close()
 
 
-@pytest.fixture
-def page(browser):
+@contextmanager
+def Opened(browser, width, scheme="light"):
     """A page of the browser, and a list of what goes wrong in it."""
-    page, errors = browser.new_page(viewport={"width": 1200, "height": 900}), []
+    size, errors = {"width": width, "height": 900}, []
+    page = browser.new_page(viewport=size, color_scheme=scheme)
     page.set_default_timeout(120_000)  # pictures are drawn without a graphics card
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("requestfailed", lambda request: errors.append(request.url))
+    aborted = "net::ERR_ABORTED"  # the page was left before
+    page.on("requestfailed", lambda r: r.failure == aborted or errors.append(r.url))
     yield page, errors
     page.close()
+
+
+@pytest.fixture
+def page(browser):
+    with Opened(browser, 1200) as opened:
+        yield opened
 
 
 def Colours(box):
@@ -122,4 +131,29 @@ def test_pages_in_a_browser(site, page, name):
     pictures = page.locator("article img")
     for k in range(pictures.count()):
         assert pictures.nth(k).evaluate("picture => picture.naturalWidth") > 100
+    assert not errors
+
+
+# What sticks out of the window and cannot be scrolled to; formulas for screen readers are not seen.
+WIDER = """() => {
+  const width = document.documentElement.clientWidth;
+  const scrolled = node => { for (; node.tagName != "ARTICLE"; node = node.parentElement)
+    if (["auto", "scroll"].includes(getComputedStyle(node).overflowX)) return true; };
+  const wide = node => node.getBoundingClientRect().right > width + 1
+    && !node.closest("mjx-assistive-mml") && !scrolled(node);
+  const found = [...document.querySelectorAll("article *")].filter(wide);
+  return found.map(node => node.tagName + " " + node.textContent.slice(0, 60));
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1600])
+def test_pages_fit_into_phones_and_wide_screens(site, browser, width, scheme):
+    faults = {}
+    with Opened(browser, width, scheme) as (page, errors):
+        for path in sorted(site.rglob("*.html")):
+            page.goto(path.as_uri())
+            if found := page.evaluate(WIDER):
+                faults[path.name] = found
+    assert not faults
     assert not errors
