@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Builds with the NGSolve that is installed, and writes its version into the dependencies.
 
 A compiled add-on fits exactly one monthly release. Where pip builds in an environment of its own,

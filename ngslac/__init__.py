@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Local Average Contact (LAC) for NGSolve.
 
 Two elastic bodies touch along independently meshed surfaces; non-penetration and Coulomb friction

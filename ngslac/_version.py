@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The versions that fit together."""
 
 from importlib.metadata import PackageNotFoundError, requires, version

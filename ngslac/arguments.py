@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Arguments as users write them, checked: a message holds the name, the value and the remedy."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs and products of matrices as numpy arrays of scalar entries."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Calls back to the user, who may look at everything but not change what a solver works on."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Classes and functions that know what to do with a mesh that NGSolve distributes."""
 
 import inspect

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Tools with surfaces of plane facets: from corners, files, meshes and shapes."""
 
 import re

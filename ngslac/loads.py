@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Loads besides those of the bulk form, as users hand them over: checked, and as numbers."""
 
 import numpy as np

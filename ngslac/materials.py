@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Laws of elastic materials, as coefficient functions of a strain or of a deformation gradient.
 
 Numbers are checked. The values of coefficient functions are not: a law has no mesh.

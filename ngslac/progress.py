@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What NGSolve's status line and progress bar show of a long computation."""
 
 import sys

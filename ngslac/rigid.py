@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Rigid motions, as tables and at points."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A rigid body given by its signed distance, and how it moves."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Rigid tools that are no meshes: what they are, and how they move.
 
 A tool is given by its signed distance in the coordinates of the space, > 0 outside. It is the

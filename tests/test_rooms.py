@@ -24,12 +24,13 @@ FLOORS = (
         "solve",
         "steps",
         "reference",
+        "installation",
     ),
 )
 MODULES = {
     ".".join(("ngslac", *path.relative_to(HOME).with_suffix("").parts)): path
     for path in sorted(HOME.rglob("*.py"))
-    if path != HOME / "__init__.py"
+    if path not in (HOME / "__init__.py", HOME / "__main__.py")
 }
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What contact prevents, as rows of a sparse matrix on the displacements."""
 
 import numpy as np

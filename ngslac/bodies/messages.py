@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What is said of bodies that nothing holds."""
 
 import numpy as np

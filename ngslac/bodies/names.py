@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What bodies are called in messages."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Which rows of a sparse matrix are connected."""
 
 import numpy as np

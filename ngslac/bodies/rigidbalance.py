@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Can contact within its friction balance the loads on bodies that nothing else holds?
 
 Moved as rigid ones, bodies feel the loads and contact alone. Their balance is linear in the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Rigid motions as coefficients of a displacement space."""
 
 import numpy as np

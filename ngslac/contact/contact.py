@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact of a slave with a master surface, as a nonlinear form."""
 
 from ngsolve import BaseMatrix, BilinearForm, GridFunction

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of LACContact for its fields, which follow the form."""
 
 from contextlib import contextmanager

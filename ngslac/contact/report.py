@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What to look at when a contact does not do what it should."""
 
 import numpy as np

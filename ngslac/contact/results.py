@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` that tell of it: its line, resultants, operators, segments, a report."""
 
 import numpy as np

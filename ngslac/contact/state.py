@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a contact depends on from one step to the next: noted, saved, and put back."""
 
 from contextlib import contextmanager, suppress

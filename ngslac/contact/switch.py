@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` that switch it off and on between steps."""
 
 __all__ = ["Activate", "Deactivate"]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What to do with linear systems that one method does not solve, whatever the methods are."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The blocks of a Newton system: what contacts add to the matrix of the bulk."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The way of solving linear systems that suits a problem."""
 
 from ngslac.arguments import CheckChoice, CheckFunction

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Solution of the Newton system without multipliers, by a Krylov method."""
 
 from dataclasses import dataclass

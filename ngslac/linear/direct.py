@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Condensed Newton systems by sparse factorisations, which are kept while they serve."""
 
 from dataclasses import dataclass

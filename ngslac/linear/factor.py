@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Sparse factorisations, as preconditioners of the condensed system."""
 
 import ctypes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The bulk, held by a few springs and factored once, for all systems of contact on it."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Springs that hold each body by itself, on as few dofs as it has rigid motions."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs inside of elements, which are eliminated before linear systems are solved."""
 
 from netgen.meshing import NgException

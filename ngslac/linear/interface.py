@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems on the interface: the bulk is factored once for all of them."""
 
 import numpy as np

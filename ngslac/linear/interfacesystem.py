@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """One Newton system as a dense one of its closed macro-elements."""
 
 import numpy as np

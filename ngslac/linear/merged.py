@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The scaled matrix of bulk and contacts, changed where contacts change."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Preconditioner of bulks with a pressure of their own, as for incompressible materials."""
 
 import numpy as np

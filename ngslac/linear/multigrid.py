@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Algebraic multigrid by smoothed aggregation of nodes, whose setup serves again."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Inverse of a matrix that falls into parts which nothing couples, many of them equal."""
 
 import numpy as np

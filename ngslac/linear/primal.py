@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Linear systems of the displacements alone."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Checked solution of the merged and scaled linear systems."""
 
 import numpy as np

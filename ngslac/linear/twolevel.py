@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Sweeps over all dofs and algebraic multigrid on the vertices, for condensed systems."""
 
 import numpy as np

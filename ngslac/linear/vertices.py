@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs of first order: those of the vertices, and the rigid motions on them."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes of two bodies whose surfaces do not match: for tests, tutorials and first trials.
 
 Every builder makes sure that no node of one surface lies on the other, as those of bodies that are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Two blocks on each other in 3D, in every element shape: meshes for patch tests."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Structured boxes of every element shape, made by hand: no mesher, no geometry.
 
 A grid of cubes is cut into cells, each written with its first face counter-clockwise seen from

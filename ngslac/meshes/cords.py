@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes of round bodies: a cord under a plate, and a disc in a ring."""
 
 from __future__ import annotations

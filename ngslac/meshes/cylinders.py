@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A slice of a cylinder on a block, of prisms: a plane mesh of triangles drawn into the depth."""
 
 from __future__ import annotations

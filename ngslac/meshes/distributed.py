@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes that are made in one process and distributed to all of them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What all contact meshes share: bodies from named sides, divisions, meshing, a check.
 
 The bodies are separate: they share no node, and their contact edges are divided so that no

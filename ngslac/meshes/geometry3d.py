@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the contact meshes in 3D share: rotations, and meshing."""
 
 from __future__ import annotations

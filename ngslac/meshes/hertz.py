@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Plane meshes of a cylinder on a block, for the Hertz problem and indentation; nodal forces."""
 
 from __future__ import annotations

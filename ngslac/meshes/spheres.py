@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Spheres in contact: meshes for Hertz, Mindlin and twist problems in 3D."""
 
 from __future__ import annotations

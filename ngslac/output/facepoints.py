@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Points on the slave faces, where glyphs stand and profiles are taken."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Lines and dots that show a field on the slave faces, as objects of a webgui scene."""
 
 import numpy as np

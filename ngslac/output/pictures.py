@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` that show it: webgui scenes, profiles by matplotlib, ParaView files."""
 
 from pathlib import Path

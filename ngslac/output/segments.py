@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The segments of a pairing as numpy arrays, for pictures and for ParaView."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Functions on a mesh as files for ParaView, which are whole or not there."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The bulk on a distributed mesh, as the conductor sees it: its forces and its matrix."""
 
 from functools import partial

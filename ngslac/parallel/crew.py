@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The processes of a distributed mesh: the first one conducts, the others work for it.
 
 NGSolve leaves the first process without elements. It runs the serial code of contact, Newton's

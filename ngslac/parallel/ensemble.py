@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What belongs to a distributed mesh: its processes, and what of it the conductor has twice."""
 
 from itertools import count

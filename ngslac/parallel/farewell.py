@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The end of scripts: what others still call then is refused, so that nobody waits for ever."""
 
 import atexit

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Functions of users that only the processes with elements can evaluate."""
 
 from functools import partial

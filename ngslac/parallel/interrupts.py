@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Interrupts (SIGINT) wait while processes work together: who left alone would be waited for."""
 
 import signal

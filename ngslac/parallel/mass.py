@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Inertia added to a bulk form."""
 
 from ngsolve import BilinearForm, InnerProduct, dx

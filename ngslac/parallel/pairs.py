@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """GridFunctions on a distributed mesh and those on the conductor: the same values."""
 
 from itertools import count

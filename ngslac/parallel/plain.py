@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Values that processes send to each other as they are."""
 
 from dataclasses import dataclass, fields, is_dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Arguments of users as those of the serial code on the conductor."""
 
 from functools import partial

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The whole mesh and its spaces on the conductor, and the dofs of each process among theirs."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Macro-elements of a distributed slave surface: those of the whole mesh."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The processes that solve linear systems together, as the conductor sees them."""
 
 from functools import partial

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What users hold on a distributed mesh in place of objects that live on the conductor."""
 
 import inspect

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What only rank 0 computes, and all have to know that it failed."""
 
 from ngslac.linear.factor import LinearSolveError

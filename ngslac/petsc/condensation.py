@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems without multipliers: contact is condensed on rank 0, the bulk is distributed."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The condensed system as operator, and the way to its right hand side and back."""
 
 from ngslac.petsc.library import LoadPETSc

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What contacts add to a system, on rank 0."""
 
 import numpy as np

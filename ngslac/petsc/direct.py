@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Factorisation of the whole system by MUMPS."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Flexible GMRES on vectors of which each rank has a part."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Condensed Newton systems by FGMRES and multigrid."""
 
 import numpy as np

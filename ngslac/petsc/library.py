@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """PETSc, found where Debian hides it, and loaded when it is first needed."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Matrices of PETSc from what each rank has."""
 
 import numpy as np

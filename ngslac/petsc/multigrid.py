@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Preconditioner: all dofs, contact at once, and GAMG on the dofs of the vertices."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Scalar dofs in blocks, as preconditioners and PETSc's block matrices want them."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Which rank owns which row, and its number there."""
 
 import numpy as np

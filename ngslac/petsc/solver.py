@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """PETSc as solver of the linear systems of a ContactSolver."""
 
 import numpy as np

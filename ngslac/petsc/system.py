@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems of contact, distributed, as matrices of PETSc."""
 
 import numpy as np

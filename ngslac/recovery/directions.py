@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Continuous vectors that have given means over macro-elements."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Parts of the slave side whose macro-elements hang together."""
 
 import numpy as np

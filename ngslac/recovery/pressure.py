@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A continuous pressure that does not pull.
 
 Where contact ends between two macro-elements the pressure falls to zero like the square root of the

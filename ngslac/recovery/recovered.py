@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Continuous pressure and traction, as functions on the slave side."""
 
 import numpy as np

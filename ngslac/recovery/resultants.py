@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Corrections that give a continuous traction the force and moment of the multipliers."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Second differences on the vertices of a surface."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The slave side as arrays: its vertices, and the points where contact acts."""
 
 from functools import cached_property

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Closed-form solutions and benchmark data, used by tests and tutorials.
 
 Pressure is positive in compression; tractions act on the slave, which is body 1. Any consistent

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Input checks shared by the reference solutions: say what is wrong, and what to do."""
 
 from math import inf, isfinite, isnan

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Pressures like a semi-ellipse, and averages over intervals for piecewise constant multipliers."""
 
 import numpy as np

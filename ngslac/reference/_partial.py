@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Partial slip under a load along the surface, first and reversed: of lines, points and twists."""
 
 from dataclasses import dataclass, fields, replace

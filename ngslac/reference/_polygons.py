@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Averages over polygons in the plane of contact, for comparison with multipliers on faces."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Elastic constants of a pair of bodies in plane strain."""
 
 from math import inf, isinf

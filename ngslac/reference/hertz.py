@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact of two elastic cylinders (plane strain) or spheres without friction (Hertz)."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Published forces of the shallow ironing problem.
 
 The curves were read from the figures of the papers and agree with each other to about 20 %. Kept

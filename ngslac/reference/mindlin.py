@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Partial slip under a tangential load at constant normal load (Cattaneo, Mindlin)."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Exact solutions of plane contact problems between two bodies without friction (Signorini)."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """An exact solution of the frictionless contact problem in 3D, with a circular contact."""
 
 from dataclasses import dataclass

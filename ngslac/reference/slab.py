@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The friction benchmark of a compressed slab on a rigid plane."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Two bodies of different materials, pressed together ever harder with friction (Spence)."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Partial slip of spheres that are twisted about their common normal (Lubkin)."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Augmented Lagrangian method: the multipliers move on after each Newton step."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The contact conditions of macro-elements, kept in the inside of what they allow."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The bulk form with its loads: matrix, residual, and whether it is linear."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What is known of a solve that fails: whether the loads have a balance at all."""
 
 import numpy as np

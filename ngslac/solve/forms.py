@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact as one form."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How much of a Newton step to take."""
 
 import numpy as np

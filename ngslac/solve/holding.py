@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact that has to hold bodies: what floats, and which macro-elements close for it."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The contact status by an interior point method, where Newton's method with active set fails."""
 
 from contextlib import contextmanager

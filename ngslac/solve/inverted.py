@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Elements that a deformation turns inside out."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The convergence table of a solve, as it grows."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """One solve by a generalised Newton method with active set."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Pressures of macro-elements on the way of an interior point method: with signs, and without."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Whether a bulk form is linear, asked by a random displacement."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The parts of a problem as users hand them to a solver, checked."""
 
 from collections.abc import Iterable

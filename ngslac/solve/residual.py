@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The residual of bulk plus contact, and how large it is."""
 
 from dataclasses import dataclass, field

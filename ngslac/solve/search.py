@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Where Newton's method finds no contact status: another method does, and Newton's ends it."""
 
 import numpy as np

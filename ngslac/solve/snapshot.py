@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a computation depends on from one step to the next: noted, and put back after a failure."""
 
 __all__ = ["Snapshot"]

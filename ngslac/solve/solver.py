@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact in equilibrium: the solver that users call."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts as one system of equations: residual, matrices and corrections."""
 
 import numpy as np

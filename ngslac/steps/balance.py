@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Where the energy of a motion goes."""
 
 from dataclasses import astuple, dataclass, fields

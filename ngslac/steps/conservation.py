@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Energy and momentum of bodies in a time step: what is wrong goes out of the velocities again."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How long the next step is, and what is left of those that converged."""
 
 import math

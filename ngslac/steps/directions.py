@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Directions of pressures that do no work where surfaces slide along each other."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Forces of the bulk at the ends of a step, and on the way."""
 
 from ngslac.solve.residual import Norm

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The largest load that a structure carries before it snaps or collapses."""
 
 import numpy as np

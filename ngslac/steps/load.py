@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Load stepping with control of the step size."""
 
 from dataclasses import dataclass

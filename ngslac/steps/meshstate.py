@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A mesh with its geometry as the bytes of NGSolve's archives, from which it comes back exactly.
 
 NGSolve's text format would round the curved elements.

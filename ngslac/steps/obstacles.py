@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How fast what is no body moves: obstacles, tools, and offsets with a Parameter."""
 
 import numpy as np

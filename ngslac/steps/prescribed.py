@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What goes with the load: Dirichlet values that change with it, and a load that stays."""
 
 from collections.abc import Mapping

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Save the state of a computation, and continue it in another process."""
 
 import hashlib

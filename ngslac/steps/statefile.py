@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A file of numbers, text and arrays with a check sum, from which no code can run."""
 
 import hashlib

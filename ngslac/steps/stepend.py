@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How a time step ends: forces, velocities, and where the energy went."""
 
 import numpy as np

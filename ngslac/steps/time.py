@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Implicit dynamics with contact."""
 
 from dataclasses import replace

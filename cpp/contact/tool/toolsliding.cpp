@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "contact/finite/couplings.hpp"
 #include "contact/finite/forceblocks.hpp"
 #include "contact/finite/multiplierlines.hpp"

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What is installed, and with ``--check`` whether it works: ``python -m ngslac``."""
+
+import argparse
+import sys
+
+from ngslac.installation.inventory import Inventory
+from ngslac.installation.selfcheck import CASES
+
+CHECK = "python -m ngslac --check"
+
+
+def Check():
+    """Solve small problems, print what becomes of them; the number of those that fail."""
+    found = {case.name: case.Differs() for case in CASES}
+    for name, differs in found.items():
+        print(f"{name + ':':16}{differs or 'pass'}")
+    wrong = sum(map(bool, found.values()))
+    print(f"{wrong} of {len(found)} checks failed" if wrong else "pass")
+    return wrong
+
+
+def main(arguments=None):
+    """Print versions, and check if asked to; the exit status, 1 for a check that failed."""
+    parser = argparse.ArgumentParser(prog="python -m ngslac", description=__doc__)
+    parser.add_argument(
+        "--check", action="store_true", help="solve small problems with known solutions"
+    )
+    check = parser.parse_args(arguments).check
+    for name, what in Inventory().items():
+        print(f"{name + ':':16}{what}")
+    if check:
+        return int(Check() > 0)
+    print(f"to check:       {CHECK}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
