@@ -58,6 +58,7 @@ def test_where_it_is_published_is_the_same_everywhere():
     facts = (ROOT / "pyproject.toml").read_text()
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert f'Repository = "{cited["repository-code"]}"' in facts
+    assert f"git clone {cited['repository-code']} " in (ROOT / "README.md").read_text()
     assert [f'{{ name = "{author["name"]}" }}' in facts for author in cited["authors"]] == [True]
     assert f'license = "{cited["license"]}"' in facts
 
