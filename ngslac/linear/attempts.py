@@ -13,15 +13,17 @@ ACCEPTABLE = 1e-5  # nearly singular: the next Newton step makes up for it
 SHIFT, MOST_SHIFTS = 1e-4, 5
 
 
-def FirstGood(attempts, limit):
+def FirstGood(attempts, tolerance, accuracy):
     """The first good solution of several attempts, or the best one if that is acceptable.
 
     Parameters
     ----------
     attempts : iterable of (str, callable)
         Names and functions that return a solution and its relative residual.
-    limit : callable
-        Gives the largest residual of a good solution for a name.
+    tolerance : float
+        The largest residual of a good solution.
+    accuracy : float
+        That which is asked for of an "iterative" one, of which three times that is good, too.
 
     Returns
     -------
@@ -41,7 +43,7 @@ def FirstGood(attempts, limit):
         except (LinearSolveError, NgException) as failure:
             errors.append(f"{name}: {failure}")
             continue
-        if error <= limit(name):
+        if error <= max(tolerance, 3 * accuracy * (name == "iterative")):
             return x, name
         errors.append(f"{name}: relative residual {error:.1e}")
         if error < best[1]:

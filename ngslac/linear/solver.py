@@ -170,9 +170,7 @@ class LinearSolver:
         self.nearly_singular = True
         b = scale * rhs * self.free
         attempts = self._Attempts((bulk, forms, scale, shift), b, accuracy)
-        x, name = FirstGood(
-            attempts, lambda name: max(self.tolerance, 3 * accuracy * (name == "iterative"))
-        )
+        x, name = FirstGood(attempts, self.tolerance, accuracy)
         if name is not None:
             self.nearly_singular = False
             if name == SAFE:

@@ -46,10 +46,7 @@ class Team:
         if name == "SetBulk":
             told, own = [args[0].form.number], (None,)
         given = self._number, name, *told
-        return self._crew.Order("petsc", *given, own=lambda: self._Own(name, own))[0]
-
-    def _Own(self, name, args):
-        return getattr(self._system, name)(*args)
+        return self._crew.Order("petsc", *given, own=lambda: self.Get(name)(*own))[0]
 
     def Get(self, name):
         """An attribute of the PetscSystem here."""

@@ -138,9 +138,7 @@ class PetscSolver:
         self.nearly_singular = True
         b = scale * rhs * self.free
         attempts = self._Attempts(b, accuracy)
-        x, name = FirstGood(
-            attempts, lambda name: max(self.tolerance, 3 * accuracy * (name == "iterative"))
-        )
+        x, name = FirstGood(attempts, self.tolerance, accuracy)
         if name is not None:
             self.nearly_singular = False
             self._LearnFrom(name)
