@@ -21,7 +21,7 @@ except ModuleNotFoundError as error:
     ) from error
 
 from ngslac.contact.contact import LACContact  # noqa: E402
-from ngslac.errors import ContactConvergenceError, FloatingBodyError  # noqa: E402
+from ngslac.errors import ContactConvergenceError, ContactWarning, FloatingBodyError  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
 from ngslac.parallel import twin as _twin  # noqa: E402, F401  # for distributed meshes
 from ngslac.solve.augmented import AugmentedLagrangianSolver  # noqa: E402
@@ -36,6 +36,7 @@ __all__ = [
     "BubbleVectorH1",
     "ContactConvergenceError",
     "ContactSolver",
+    "ContactWarning",
     "FloatingBodyError",
     "FormSum",
     "LACContact",

@@ -2,10 +2,22 @@
 """Errors that a contact computation can end with."""
 
 import pickle
+import sys
+import warnings
+from pathlib import Path
 
 from netgen.meshing import NgException
 
-__all__ = ["ContactConvergenceError", "FloatingBodyError", "Portable", "RefuseCopy"]
+__all__ = [
+    "ContactConvergenceError",
+    "ContactWarning",
+    "FloatingBodyError",
+    "Portable",
+    "RefuseCopy",
+    "Warn",
+]
+
+HOME = str(Path(__file__).parent)
 
 
 class ContactConvergenceError(RuntimeError):
@@ -61,6 +73,22 @@ class FloatingBodyError(ContactConvergenceError):
     ...     print("upper" in str(error))
     True
     """
+
+
+class ContactWarning(UserWarning):
+    """A result that was found, and that may not be what was meant.
+
+    The message says where, how much, and what to do about it. Turn it into an error by
+    ``warnings.simplefilter("error", ContactWarning)``.
+    """
+
+
+def Warn(message: str) -> None:
+    """A ContactWarning at the line of the user's script that called the package."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, ContactWarning, stacklevel=level)
 
 
 def RefuseCopy(self, *_):
