@@ -119,6 +119,8 @@ Array<double> Form<D>::Vectors(const string & name) const {
       for (int k : Range(D))
         values.Append(facing(k));
     }
+  else if (name == "slave normal")
+    SaveVectors<D>(values, kinematics->Jump().normal);
   else if (name == "center")
     SaveVectors<D>(values, kinematics->Jump().center);
   else if (name == "reference")

@@ -38,7 +38,7 @@ public:
       AddForces(m, law->Multiplier(m, x), forces, lh);
     });
   }
-  /// Finite sliding: mean normal of the master where a macro-element sees it, else zero.
+  /// Mean normal of the master where a macro-element sees it, else zero.
   virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
   /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
   virtual void Lean(FlatArray<double> /* vectors */) {}

@@ -70,6 +70,10 @@ public:
 
   Array<double> Ends() const override { return Array<double>(ends.Shares()); }
 
+  Vec<D> FacingNormal(size_t m) const override {
+    return setup.obstacle ? Vec<D>(0.0) : master_normal[m];
+  }
+
   void At(FlatVector<> x) override { ends.Look(*law, direction, x); }
 
   /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is

@@ -3,12 +3,14 @@
 
 import numpy as np
 from scipy.linalg import qr
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csr_matrix
 
-from ngslac.bodies.constraints import ActiveRows, ToolDofs
+from ngslac.bodies.constraints import CONTACT, Resistances, ToolDofs
+from ngslac.bodies.falsestiffness import FalseStiffness
+from ngslac.bodies.freedom import Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
-from ngslac.bodies.rigidmotions import RigidMotions, Turned
+from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
 
 __all__ = ["Bodies"]
 
@@ -21,6 +23,13 @@ FAR = 1.0
 
 class Bodies:
     """The connected parts of the bulk matrix with their free rigid motions.
+
+    Attributes
+    ----------
+    floating : list of (int, (m, k) array)
+        Parts, and the combinations of rigid motions that neither conditions nor the bulk prevents.
+    false : bool
+        Does the bulk resist some of them, as its space cannot represent rotations?
 
     Parameters
     ----------
@@ -38,6 +47,7 @@ class Bodies:
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
+        self._integrals, self.false = None, False
         # Coordinates far from the origin hold rounding errors.
         far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
@@ -62,7 +72,8 @@ class Bodies:
     def Heavy(cls):
         """Bodies with mass, however small: nothing floats but tools, which have none."""
         bodies = object.__new__(cls)
-        bodies.floating, bodies.names, bodies.motions = [], ["unknown"], None
+        bodies.floating, bodies.names, bodies.motions = [], ["unknown"], np.zeros((0, 0))
+        bodies.false = False
         return bodies
 
     def _Allowed(self, used, free):
@@ -83,7 +94,7 @@ class Bodies:
         All parts move at once: no two of them are connected.
         """
         random = np.random.default_rng(1).standard_normal(len(self.names))
-        moved = self._Moved(parts, forces, random)
+        moved = self._ForcesOf(parts, forces, random)
         scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
         # Mostly constraints hold a part, or nothing does, which a random motion tells.
         held = [
@@ -92,45 +103,89 @@ class Bodies:
         ]
         resisted = [part for part, yes in zip(parts, held, strict=True) if yes]
         most = max((motions.shape[1] for _, motions in resisted), default=0)
-        columns = [self._Moved(resisted, forces, weights) for weights in np.eye(most)]
+        columns = [self._ForcesOf(resisted, forces, weights) for weights in np.eye(most)]
+        false = FalseStiffness(self, forces) if most else None
         for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
             if yes:
                 moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
-                motions = motions @ NullSpace(moved / scale, self.resists)
+                free = NullSpace(moved / scale, self.resists)
+                if free.shape[1] < motions.shape[1] and false.any:
+                    free, self.false = false.Unresisted(dofs, motions, moved, scale), True
+                motions = motions @ free
             if motions.shape[1]:
                 yield dofs, motions
 
-    def _Moved(self, parts, forces, weights):
+    def _ForcesOf(self, parts, forces, weights):
         """The forces where each part moves by its combinations, weighted."""
         values = np.zeros(self.count)
         for dofs, motions in parts:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
-    def Floats(self, contacts, holds="now"):
-        """Does contact leave any free rigid motion, see `ActiveRows`?"""
-        if not self.floating and not len(ToolDofs(contacts)):
-            return False
-        return self._Left(contacts, holds).shape[1] > 0
+    def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT):
+        """The motions that contact leaves, as a Freedom.
 
-    def Floating(self, contacts, holds="now"):
-        """Descriptions of the free rigid motions that contact leaves, see `ActiveRows`."""
+        Parameters
+        ----------
+        contacts : list[LACContact]
+        holds : str
+            See `ActiveRows`.
+        displacement : (n,) array, optional
+            Of the solution: bodies turn where they are then, not where they were.
+        normals : str
+            See `Resistances`.
+        """
         tools = ToolDofs(contacts)
-        if not self.floating and not len(tools):
+        motions = self.motions
+        if displacement is not None and self.floating:
+            own = displacement[self.first : self.first + self.count]
+            motions = motions + Turned(self.space, own, self.size)
+
+        def Move(rows):
+            parts = [self._Moved(rows, part, motions) @ own for part, own in self.floating]
+            return np.concatenate([*parts, rows[:, tools].toarray()], axis=1)
+
+        seen = [Resistances(contact, holds, Move, normals) for contact in contacts]
+        weights, resistance = Unresisted(*map(np.concatenate, zip(*seen, strict=True)))
+        all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
+        turning, at, d = np.zeros(weights.shape[1]), 0, contacts[0].mesh.dim
+        for part, combinations in self.floating:
+            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
+            own, at = combinations @ weights[at : at + count], at + count
+            all_dofs[self.first + inside] = motions[inside] @ own
+            turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
+        all_dofs[tools] = weights[at:]
+        return Freedom(weights, resistance, all_dofs, turning)
+
+    def Measure(self, contacts, freedom):
+        """Integrals of free motions times displacements, as (n, k) array; tools count once."""
+        if self._integrals is None:
+            self._integrals = MotionIntegrals(self.space)
+        result, at = np.zeros_like(freedom.motions), 0
+        for part, combinations in self.floating:
+            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
+            weights = combinations @ freedom.weights[at : at + count]
+            result[self.first + inside] = self._integrals[inside] @ weights
+            at += count
+        result[ToolDofs(contacts)] = freedom.weights[at:]
+        return result
+
+    def Names(self, weights):
+        """Descriptions of motions, columns of weights as those of a Freedom."""
+        if not weights.shape[1]:
             return []
-        left = self._Left(contacts, holds)
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
         place = self._Places()
         coordinates = np.zeros((len(self.floating), len(self.names), len(place)))
-        for at, (body, weights) in enumerate(zip(place, self._Weights(), strict=True)):
-            coordinates[body, :, at] = weights
+        for at, (body, own) in enumerate(zip(place, self._Weights(), strict=True)):
+            coordinates[body, :, at] = own
         coordinates = coordinates.reshape(len(self.floating) * len(self.names), len(place))
-        of_bodies = coordinates @ left[: len(place)]
-        wanted = np.concatenate([of_bodies, left[len(place) :]])
+        of_bodies = coordinates @ weights[: len(place)]
+        wanted = np.concatenate([of_bodies, weights[len(place) :]])
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = qr(wanted.T, pivoting=True)
-        chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: left.shape[1]])]
+        chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: weights.shape[1]])]
         return [self._Named(body, k) for body, k in chosen]
 
     def _Named(self, body, k):
@@ -139,51 +194,6 @@ class Bodies:
             return f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
         number = (body - len(self.floating)) * len(self.names) + k
         return f"the tool floats (unknown {number + 1} of its motion)"
-
-    def AreIdle(self, contacts, holds, forces, least, displacement=None):
-        """Do no forces push along the motions that contact leaves? Then bodies may stay.
-
-        Parameters
-        ----------
-        contacts, holds :
-            As in `Floating`.
-        forces : ((n,), (n,))
-            Scaled, and what they have to be multiplied with.
-        least : float
-            Norm of scaled forces that are none.
-        displacement : (n,) array, optional
-            Bodies turn where they are then, not where they were.
-        """
-        tools = ToolDofs(contacts)
-        if not self.floating and not len(tools):
-            return False  # what is held, if only just, may not stay anywhere else
-        scaled, factors = forces
-        left = self._Left(contacts, holds)
-        if len(tools) and not left.shape[1]:
-            return False
-        weights, at = np.zeros((len(scaled), left.shape[1])), 0
-        motions = self.motions if displacement is None else self._Displaced(displacement)
-        for part, combinations in self.floating:
-            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
-            moved = motions[inside] @ (combinations @ left[at : at + count])
-            weights[self.first + inside], at = moved, at + count
-        weights[tools] = left[at:]
-        weights *= factors[:, None]
-        works, gross = np.abs(scaled @ weights), np.abs(scaled) @ np.abs(weights)
-        none = least * np.linalg.norm(weights, axis=0)
-        return bool(np.all(works <= np.maximum(1e-8 * gross, none)))
-
-    def _Displaced(self, displacement):
-        """The rigid motions of the displaced bodies."""
-        own = displacement[self.first : self.first + self.count]
-        return self.motions + Turned(self.space, own, self.size)
-
-    def _Left(self, contacts, holds):
-        """The motions that contact leaves: columns of weights of all motions, and of tools."""
-        rows = vstack([ActiveRows(contact, holds) for contact in contacts]).tocsr()
-        prevented = [self._Jump(rows, part) @ motions for part, motions in self.floating]
-        prevented.append(rows[:, ToolDofs(contacts)].toarray())
-        return NullSpace(np.concatenate(prevented, axis=1))
 
     def _Weights(self):
         """All combinations, one after the other."""
@@ -212,25 +222,14 @@ class Bodies:
                 lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
         return lost
 
-    def _Jump(self, rows, part):
-        """What the constraints see of the rigid motions of one part."""
+    def _Moved(self, rows, part, motions):
+        """What rows of a sparse matrix on all scalar dofs see of the motions of one part."""
         columns = rows.indices - self.first
         own = (columns >= 0) & (columns < self.count)
         columns = np.where(own, columns, 0)
         values = rows.data * (own & (self.part[columns] == part))
         shape = rows.shape[0], self.count
-        return csr_matrix((values, columns, rows.indptr), shape=shape) @ self.motions
-
-
-def NullSpace(matrix, tolerance=TOLERANCE):
-    """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
-    if not matrix.size:
-        return np.eye(matrix.shape[1])
-    if matrix.shape[0] > matrix.shape[1]:
-        matrix = np.linalg.qr(matrix, mode="r")
-    _, singular, vectors = np.linalg.svd(matrix)
-    rank = int(np.sum(singular > tolerance * max(1.0, singular.max(initial=0.0))))
-    return vectors[rank:].T
+        return csr_matrix((values, columns, rows.indptr), shape=shape) @ motions
 
 
 def Norm(matrix):

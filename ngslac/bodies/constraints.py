@@ -3,13 +3,39 @@
 
 import numpy as np
 from scipy.sparse import bsr_matrix, csr_matrix, vstack
+from scipy.spatial import KDTree
 
 from ngslac._ngslac import Side
 
-__all__ = ["ActiveRates", "ActiveRows", "JumpRows", "ToCSR", "ToolDofs", "ToolRows", "ToolsSlipFar"]
+__all__ = [
+    "CONTACT",
+    "MASTER",
+    "SLAVE",
+    "TIGHT",
+    "ActiveRates",
+    "ActiveRows",
+    "AllJumps",
+    "JumpRows",
+    "Resistances",
+    "ToCSR",
+    "ToolDofs",
+    "ToolRows",
+    "ToolsSlipFar",
+]
 
 # Of the size of the slave: a tool that nothing but friction holds goes no farther at once.
 FAR_SLIP = 0.1
+# Approach over motion along a flat surface that is rounding.
+TIGHT = 1e-5
+# Approach over motion along a curved surface that its mesh makes: at least, per square of the angle
+# by which a macro-element bends, and at most. Discs and balls have 1e-5 to 2e-2.
+COARSE, PER_BEND, MOST_COARSE = 2e-3, 0.2, 0.05
+# Normals that are one, and the cosine from which on neighbours are a curved surface, no edge.
+SAME_NORMAL, SMOOTH = 1e-6, 0.5
+
+# Normals that may tell what slides: those of contact, or of one side, along which this slides
+# whatever the gap between both.
+CONTACT, SLAVE, MASTER = "normal", "slave normal", "facing"
 
 
 def ToCSR(mat):
@@ -33,12 +59,11 @@ def ActiveRows(contact, holds="now"):
         What contact prevents: nothing but approach where it slips; all motion where it rubs; or as
         if all of it were closed.
     """
-    table, form = contact.Table(), contact.form
-    d = contact.mesh.dim
+    table, d = contact.Table(), contact.mesh.dim
     stick, slip = _AtWork(contact, table, holds)
     if not len(slip) and not np.any(stick):
         return csr_matrix((0, contact.nscalars))
-    jump = JumpRows(contact)
+    jump = AllJumps(contact)
     normals = csr_matrix(
         (
             table["normal"][slip].ravel(),
@@ -46,17 +71,78 @@ def ActiveRows(contact, holds="now"):
         ),
         shape=(len(slip), jump.shape[0]),
     )
-
-    def AtWork(jump):
-        return vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
-
-    rows = AtWork(jump)
-    columns = rows.indices + form.offset * form.fes.dim
-    shape = rows.shape[0], contact.nscalars
-    rows = csr_matrix((rows.data, columns, rows.indptr), shape=shape)
-    if len(form.ToolDofs()):
-        rows = rows + AtWork(ToolRows(contact))
+    rows = vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
     return rows / table["fullarea"].mean()
+
+
+def AllJumps(contact):
+    """What macro-elements see of displacements and tools: d rows each, on all scalar dofs."""
+    form, jump = contact.form, JumpRows(contact)
+    columns = jump.indices + form.offset * form.fes.dim
+    shape = jump.shape[0], contact.nscalars
+    rows = csr_matrix((jump.data, columns, jump.indptr), shape=shape)
+    return rows + ToolRows(contact) if len(form.ToolDofs()) else rows
+
+
+def Resistances(contact, holds, move, normals=CONTACT):
+    """How the macro-elements at work see motions.
+
+    Parameters
+    ----------
+    contact : LACContact
+    holds : {"now", "rubbing", "closed"}
+        See `ActiveRows`.
+    move : callable
+        The product of a sparse matrix on all scalar dofs with the motions, (r, k).
+    normals : {CONTACT, SLAVE, MASTER}
+
+    Returns
+    -------
+    prevented : (r, k) array
+        The parts of the motions that contact prevents.
+    coarse : (r,) array
+        How much of a motion along the surface the mesh makes one across it.
+    seen : (s, k) array
+        All relative motion of the same macro-elements.
+    """
+    table, d = contact.Table(), contact.mesh.dim
+    stick, slip = _AtWork(contact, table, holds)
+    if not len(slip) and not np.any(stick):
+        none = move(csr_matrix((0, contact.nscalars)))
+        return none, np.zeros(0), none
+    stuck = np.flatnonzero(stick)
+    own = np.concatenate([stuck, slip])
+    jump = AllJumps(contact)[(d * own[:, None] + np.arange(d)).ravel()]
+    seen = move(jump / table["fullarea"].mean())
+    sliding = seen[d * len(stuck) :].reshape(len(slip), d, seen.shape[1])
+    across = np.einsum("md,mdk->mk", _Normals(contact, table, normals)[slip], sliding)
+    held = seen[: d * len(stuck)]
+    coarse = np.concatenate([np.full(len(held), TIGHT), _Coarseness(contact, table)[slip]])
+    return np.concatenate([held, across]), coarse, seen
+
+
+def _Normals(contact, table, kind):
+    """Of all macro-elements (m, d); those of contact where a side has none."""
+    if kind == CONTACT:
+        return table["normal"]
+    normals = contact.form.Vectors(kind).reshape(-1, contact.mesh.dim)
+    there = np.any(normals, axis=1)[:, None]
+    return np.where(there, normals, table["normal"])
+
+
+def _Coarseness(contact, table):
+    """Approach over motion along the surface that the mesh may make, of each macro-element."""
+    normal, paired = table["normal"], np.flatnonzero(table["area"] > 0)
+    bend = 24 * np.maximum(1 - contact.form.Scalars("flatness"), 0)
+    curved = bend > SAME_NORMAL**2
+    count = min(len(paired), 3 if contact.mesh.dim == 2 else 7)
+    if count > 1:
+        _, near = KDTree(table["x"][paired]).query(table["x"][paired], k=count)
+        angles = np.linalg.norm(normal[paired][near] - normal[paired][:, None], axis=2)
+        smooth = (angles > SAME_NORMAL) & (angles < 2 * (1 - SMOOTH))
+        curved[paired] |= np.any(smooth, axis=1)
+    coarse = np.clip(PER_BEND * bend, COARSE, MOST_COARSE)
+    return np.where(curved, coarse, TIGHT)
 
 
 def _AtWork(contact, table, holds):

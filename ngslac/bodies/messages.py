@@ -3,7 +3,15 @@
 
 import numpy as np
 
-__all__ = ["FewMessage", "FloatingMessage", "LostMessage", "OverloadMessage", "SlidingMessage"]
+__all__ = [
+    "DrivenMessage",
+    "FewMessage",
+    "FloatingMessage",
+    "IdleMessage",
+    "LostMessage",
+    "OverloadMessage",
+    "SlidingMessage",
+]
 
 
 def FloatingMessage(floating):
@@ -11,6 +19,23 @@ def FloatingMessage(floating):
         "; ".join(floating)
         + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
         "contact, or prescribe a displacement in place of a force"
+    )
+
+
+def DrivenMessage(floating):
+    return (
+        "no equilibrium: "
+        + "; ".join(floating)
+        + " under the loads: no Dirichlet condition and no contact resists this motion. Constrain "
+        "it, add friction, or prescribe a displacement in place of a force"
+    )
+
+
+def IdleMessage(floating):
+    return (
+        "; ".join(floating).replace(" floats (", " is free (")
+        + ": nothing holds it and nothing drives it, so that it stays where it was. Constrain it "
+        "if that is not meant"
     )
 
 

@@ -7,10 +7,14 @@ from ngsolve import (
     VOL,
     BitArray,
     CoefficientFunction,
+    Grad,
     GridFunction,
     InnerProduct,
     Integrate,
+    LinearForm,
     Region,
+    Sym,
+    dx,
     x,
     y,
     z,
@@ -18,7 +22,14 @@ from ngsolve import (
 
 from ngslac.rigid import Tables
 
-__all__ = ["DofsOfMaterials", "MotionsOf", "RigidMotions", "Turned"]
+__all__ = [
+    "DofsOfMaterials",
+    "MotionIntegrals",
+    "MotionsOf",
+    "RigidMotions",
+    "StrainIntegrals",
+    "Turned",
+]
 
 ACCURACY = 1e-10
 
@@ -61,6 +72,41 @@ def MotionsOf(contact):
     motions = np.zeros((form.fes.ndof * block, own.shape[1]))
     motions[form.offset * block :][: len(own)] = own
     return motions
+
+
+def MotionIntegrals(space):
+    """Integrals of each of the `RigidMotions` times the basis functions (n, m)."""
+    arms, tables, _ = Arms(space.mesh)
+    return Integrals(space, [Field(table, arms) for table in tables], lambda v: v)
+
+
+def StrainIntegrals(space, motions):
+    """Integrals of the strains of motions (n, m) times those of the basis functions, (n, m)."""
+    strains = []
+    for values in motions.T:
+        gf = GridFunction(space)
+        gf.vec.FV().NumPy()[:] = values
+        strains.append(Sym(Grad(gf)))
+    return Integrals(space, strains, lambda v: Sym(Grad(v)))
+
+
+def Integrals(space, fields, of):
+    """Of fields times what is made of the basis functions, (n, m)."""
+    columns, v = [], space.TestFunction()
+    for field in fields:
+        form = LinearForm(space)
+        form += InnerProduct(field, of(v)) * dx
+        columns.append(form.Assemble().vec.FV().NumPy().copy())
+    return np.stack(columns, axis=1)
+
+
+def Arms(mesh):
+    """Coordinates from the middle of the mesh over its size, the tables of motions, their names."""
+    d = mesh.dim
+    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
+    center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    arms = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
+    return arms, *Tables(d)
 
 
 def Turned(space, displacement, size):

@@ -104,6 +104,8 @@ class LACContact(metaclass=Distributable):
     space : LACSpace
     master : Region or None
     tool : Tool or None
+    penetration : float or None
+        As given.
 
     Raises
     ------
@@ -160,7 +162,7 @@ class LACContact(metaclass=Distributable):
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral = tied, bilateral
-        self.stiffness = stiffness
+        self.stiffness, self.penetration = stiffness, penetration
         self.gap_is_driven = obstacle is not None or offset is not None
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self._state = FormState(setup, stiffness)

@@ -54,25 +54,28 @@ class Holding:
         system.idle = False
         if not guess or (touching and not start):
             return False
-        floating = system.WhatFloats("rubbing")
-        wanted = self.initial == "gap" and bool(floating)
-        system.idle = wanted and system.AreIdle("rubbing")
-        if system.idle or not floating:
+        free = system.Freedom("rubbing")
+        system.idle = (
+            system.rubs and bool(free) and self.initial == "gap" and not system.IsPushed(free)
+        )
+        if not free or (self.initial == "gap" and not system.IsPushed(free)):
             return False
         self.closings += 1
         if self.closings > MOST_CLOSINGS:
             raise FloatingBodyError(
-                FloatingMessage(floating)
+                FloatingMessage(system.bodies.Names(free.weights))
                 + ". The loads pull it away from the contact, or too little touches at first"
             )
         if self.initial == "gap" and CloseNearest(system):
             return True
-        few = FewMessage(system.contacts)
-        raise FloatingBodyError(FloatingMessage(system.WhatFloats()) + few)
+        few, free = FewMessage(system.contacts), system.Freedom()
+        floating = system.DrivenMotion(free) if system.IsDriven(free) else system.WhatFloats()
+        raise FloatingBodyError(FloatingMessage(floating) + few)
 
     def MayHold(self):
-        """Would contact hold all bodies, if all of it were closed?"""
-        return self.initial == "gap" and not self.system.WhatFloats("closed")
+        """Would contact hold all bodies that loads move, if all of it were closed?"""
+        system = self.system
+        return self.initial == "gap" and not system.IsDriven(system.Freedom("closed"), "closed")
 
     def WhatSlides(self, history):
         """What loads carry off where the status has settled, with friction at its limit."""
@@ -82,12 +85,12 @@ class Holding:
         pushed = history and history[-1].equilibrium > PUSHED
         if not (settled and pushed and system.islinear and system.rubs):
             return ""
-        floats = system.WhatFloats()
-        return SlidingMessage(floats) if floats and not system.AreIdle("now") else ""
+        free = system.Freedom("now")
+        return SlidingMessage(system.WhatFloats()) if system.IsPushed(free) else ""
 
 
 def CloseNearest(system):
-    """Close macro-elements, the nearest first, until no body floats; False if that does not help.
+    """Close macro-elements, the nearest first, until loads move no body; False if none helps.
 
     Farther contacts are left alone where the nearest ones hold all bodies, and so is what does not
     touch where that does which touches: a sheet between two tools that are round beside it would be
@@ -97,13 +100,10 @@ def CloseNearest(system):
     for count in range(len(nearest)):
         for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
             for contact in nearest[: count + 1]:
-                # Without friction the tilted normals of distant macro-elements would only hide a
-                # motion that is free.
-                reach = distance if contact.holds_tangentially else min(distance, 0.05)
-                contact.form.Close(NearestMacros(contact, reach), system.gf.vec)
+                contact.form.Close(NearestMacros(contact, distance), system.gf.vec)
                 contact.Evaluate(system.gf)
             now = [contact.Table()["status"].tobytes() for contact in nearest]
-            if now != before and not system.Floats():
+            if now != before and not system.IsDriven(system.Freedom()):
                 return True
             before = now
     return False

@@ -110,10 +110,12 @@ class InteriorPoint:
 
     def _Solve(self, residual):
         system = self.system
+        given = system.bulk.mat, [], system.scale, residual
+        if system.ground:
+            residual[system.ground.pins] = 0
+            return self.linear.Solve(*given, system.ground.Shift())
         # What nothing pushes in the end stays where it is.
-        return self.linear.SolveShifted(
-            system.bulk.mat, [], system.scale, residual, ~self.multipliers
-        )
+        return self.linear.SolveShifted(*given, ~self.multipliers)
 
     def _Motion(self, state, mats):
         """How displacements answer to the tractions shown, with these matrices of the springs."""
@@ -123,6 +125,7 @@ class InteriorPoint:
             spring.contact.AddApply(self.vec, residual)
         residual.FV().NumPy()[self.multipliers] = 0
         self.linear.contacts = mats
+        self.system.HoldIdle("closed")
         return -self.system.Displace(residual, self._Solve, mats)
 
     def _Direction(self, state, mats, mu, corrections=None):

@@ -9,6 +9,7 @@ from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
 from ngslac.solve.iteration import MostlySlips, Unchanged
+from ngslac.solve.look import Look
 from ngslac.solve.search import FAILURES, StatusSearch
 
 __all__ = ["Newton"]
@@ -142,6 +143,7 @@ class Newton:
         """The last line, if the state that it tells of is possible."""
         if message := self.system.Inverted():
             raise InvertedError(message + "; take smaller steps, or a finer mesh there")
+        Look(self.system)()
         self.system.residual.Accept()
         return self.history[-1]
 
@@ -163,17 +165,18 @@ class Newton:
         correction = system.Correction(system.Linearize(state), self._Accuracy(state))
         start = vec.CreateVector()
         start.data = vec
+        longest = system.Sight(correction)
 
-        def go(damping):
+        def go(part):
             vec.data = start
-            vec.FV().NumPy()[:] -= damping * correction
+            vec.FV().NumPy()[:] -= part * longest * correction
 
-        def move(damping):
-            go(damping)
-            return system.Trial(state, damping)
+        def move(part):
+            go(part)
+            return system.Trial(state, part * longest)
 
-        def closed(damping):
-            go(damping)
+        def closed(part):
+            go(part)
             return system.residual.Closed()
 
         found = None
@@ -182,7 +185,8 @@ class Newton:
         elif system.loose and system.motion is None:
             found = self._Stick(state, move)
         moving = system.motion is not None
-        trial, damping = found or self.globalization.Search(move, moving)
+        trial, part = found or self.globalization.Search(move, moving)
+        damping = part * longest
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
         system.Moved(state, trial, -correction, damping)

@@ -83,8 +83,12 @@ class Residual:
     multipliers : (n,) bool
         Rows of multipliers; the others are of displacements. Known from `Begin` on, as all that
         follows.
+    held : (k,) int
+        Rows that do not count, as something holds idle bodies there.
+    parts : (2, n) array
+        The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
-        The residual measured last times the factors of the rows.
+        It, times the factors of the rows.
     forces, first, reference, rounding, places : float
         What counts as zero: of the loads and reactions, now and where the solve began, of earlier
         solves, and rounding errors, in the rows of multipliers those of positions.
@@ -92,6 +96,7 @@ class Residual:
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
+        self.held = np.empty(0, dtype=int)
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
 
@@ -189,13 +194,14 @@ class Residual:
         }
         bulk = bulk - load
         scaled = scale * (bulk + pushed) * self.free
+        scaled[self.held] = 0
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}
             wrong = (name for name, part in parts.items() if not np.all(np.isfinite(part)))
             return Measurement.Nothing(
                 f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
             )
-        self.forces, self.scaled = forces, scaled
+        self.forces, self.scaled, self.parts = forces, scaled, np.stack([bulk, pushed])
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
         self.places = self._RoundingOfPlaces(scale)
         state = self._StateOf(bulk, honest)

@@ -7,7 +7,8 @@ from ngslac._ngslac import EquilibrationScale
 from ngslac.arguments import FillVector
 from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
-from ngslac.bodies.constraints import ToolDofs, ToolsSlipFar
+from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
+from ngslac.bodies.freedom import Ground
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
@@ -22,6 +23,8 @@ IDLE_SHIFT = 1e-6
 TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
+# How deep contact looks for the master by default, over the extent of the slave.
+DEPTH = 0.1
 # Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
@@ -72,8 +75,8 @@ class System:
         How the multipliers are found.
     motion : (n,) array or None
         How far constrained dofs still have to move: the next correction carries it.
-    idle : bool
-        Do bodies float that nothing pushes? They stay where they are.
+    ground : Ground or None
+        What held bodies that float and that nothing pushes, in the last linear system.
     lean : list of (m, d) array or None
         What the pressures of each contact are turned by, see `Directions`.
     loose : bool
@@ -83,8 +86,8 @@ class System:
     def __init__(self, bulk, contacts, linear, free, bodies=None):
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
-        self.scale = self.motion = self._rest = None
-        self.idle = self.loose = False
+        self.scale = self.motion = self._rest = self.ground = self._start = None
+        self.loose = self.idle = False
         self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -178,7 +181,8 @@ class System:
         constrained : (n,) bool
             Those of which that counts.
         """
-        self.motion, self.linear.shifts = None, 0
+        self.motion, self.linear.shifts, self._start = None, 0, self.values.copy()
+        self.SetGround(None)
         self.Lean()
         if motion is not None and np.any(motion[constrained]):
             self.motion = np.where(constrained, motion, 0.0)
@@ -223,6 +227,11 @@ class System:
         """The Measurement of the solution and its multipliers, by the bulk form itself."""
         return self.residual.Measure(self.scale, honest=True)
 
+    def Sight(self, correction):
+        """The part of a correction (n,) that takes no face farther than contact looks for it."""
+        meshed = (c for c in self.contacts if c.finite and c.tool is None and not c.tied)
+        return min((Sight(contact, -correction) for contact in meshed), default=1.0)
+
     def Trial(self, state, part):
         """The Measurement after a part of a step from another Measurement."""
         trial = self.Measure()
@@ -258,26 +267,31 @@ class System:
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         given = self.bulk.mat, self._Forms(), self.scale
+        self.loose = False
+        self.HoldIdle("rubbing")
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
-            self.loose = False
-            if not self.idle:
-                found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
-                singular = self.linear.nearly_singular or self.linear.shifts
-                if ToolsSlipFar(self.contacts, found):
-                    found, singular = self._WithHeldTools(given, residual, accuracy), True
-                if not (singular and self._MayStay(found[displacements])):
-                    self.loose = bool(singular)
-                    return found
-            return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
+            if self.idle:
+                return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
+            if self.ground:
+                residual[self.ground.pins] = 0
+                return self.linear.Solve(*given, residual, self.ground.Shift(), accuracy)
+            found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
+            singular = self.linear.nearly_singular or self.linear.shifts
+            if ToolsSlipFar(self.contacts, found):
+                found, singular = self._WithHeldTools(given, residual, accuracy), True
+            if singular and self._MayStay(found[displacements]):
+                return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
+            self.loose = bool(singular)
+            return found
 
         return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
 
     def _MayStay(self, displacements):
         """May bodies stay where they are, in place of displacements of a nearly singular system?"""
-        if self.Floats():
-            return self.AreIdle("now")
+        if free := self.Freedom():
+            return not self.IsPushed(free)
         # What holds them is soft, then, unless it hardly holds them.
         return self.bodies.floating and np.max(np.abs(displacements)) > self.bodies.size
 
@@ -310,7 +324,8 @@ class System:
         if self.motion is not None:
             correction.FV().NumPy()[:] -= self.motion
         bulk.Extend(correction, residual)
-        return correction.FV().NumPy().copy()
+        correction = correction.FV().NumPy().copy()
+        return self.ground.Nearest(self.values, correction) if self.ground else correction
 
     # --- bodies --------------------------------------------------------------------------------
 
@@ -321,26 +336,92 @@ class System:
             self._bodies = Bodies(self.bulk.mat, self.contacts[0], self.linear.free)
         return self._bodies
 
+    def Freedom(self, holds="now", normals=CONTACT):
+        """The motions that contact leaves, see `Bodies.Freedom`."""
+        turns = self.finite or self.bulk.islinear is False
+        return self.bodies.Freedom(self.contacts, holds, self.values if turns else None, normals)
+
     def WhatFloats(self, holds="now"):
-        """Descriptions of the motions that nothing prevents, see `Bodies.Floating`."""
-        return self.bodies.Floating(self.contacts, holds)
+        """Descriptions of these motions."""
+        return self.bodies.Names(self.Freedom(holds).weights)
 
-    def Floats(self):
-        """Does contact leave a motion that nothing prevents?"""
-        return self.bodies.Floats(self.contacts)
+    def IsDriven(self, freedom, holds="now"):
+        """Do the forces measured last do work on the motions that contact leaves?
 
-    def AreIdle(self, holds):
-        """Does nothing push the bodies that float? Then nothing has to hold them."""
+        Where both sides have other normals, as in a hole with play, bodies slide along either.
+        """
+        if not freedom or not np.any(self._Works(freedom)):
+            return False
+        rough = freedom.resistance.max()
+        sides = (self.Freedom(holds, normals).Rougher(rough) for normals in (SLAVE, MASTER))
+        return all(np.any(self._Works(side)) for side in sides if side)
+
+    def IsPushed(self, freedom):
+        """Does the residual measured last do work on them, with all multipliers as they are?"""
+        return bool(freedom) and bool(np.any(self._WorksOf(freedom, self.residual.parts[1])))
+
+    def DrivenMotion(self, freedom):
+        """Description of the free motion along which the forces measured last do work."""
+        works = self._Works(freedom)
+        return self.bodies.Names((freedom.weights @ works / np.linalg.norm(works))[:, None])
+
+    def _Works(self, freedom):
+        """The work of loads and friction along free motions, 0 where it is none."""
+        return self._WorksOf(freedom, self._Rubbing())
+
+    def _WorksOf(self, freedom, contact):
+        """The same of other forces of the contacts."""
         residual = self.residual
         # Loads may be in balance: then the springs that hold bodies leave a part of them.
         forces = max(residual.reference, residual.first)
-        least = max(IDLE * forces, 10 * residual.rounding)
-        given = self.contacts, holds, (residual.scaled, 1 / self.scale), least
-        if self.bodies.AreIdle(*given):
-            return True
-        # Forces within a body that knows finite rotations do not turn it where it is now.
-        turns = bool(self.bodies.floating) and self.bulk.islinear is False
-        return turns and self.bodies.AreIdle(*given, self.values)
+        least = max(IDLE * forces, 10 * residual.rounding) / self.scale
+        bulk = residual.parts[0] - self._FalseForces()
+        return freedom.Works(np.stack([bulk, contact]), least, self._Blur())
+
+    def _FalseForces(self):
+        """What the bulk says of the displacement, if that does false work along rigid motions."""
+        if not (self.bodies.false and self.bulk.islinear):
+            return 0.0
+        return Multiply([self.bulk.mat], np.where(self.residual.multipliers, 0.0, self.values))
+
+    def _Rubbing(self):
+        """The forces of friction where contact is closed: pressures do not drive what they hold."""
+        vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        vec.data, forces[:] = self.gf.vec, 0
+        for contact in self.contacts:
+            table = contact.Table()
+            tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
+            tangential[table["status"] == 0] = 0
+            dofs = np.asarray(contact.form.MultiplierDofs())
+            vec.FV().NumPy()[dofs] = tangential.ravel()
+            contact.AddApply(vec, forces)
+        return np.where(self.residual.multipliers, 0.0, forces.FV().NumPy())
+
+    def _Blur(self):
+        """How different the gaps are that have to close: so far is where they meet not known."""
+        tables = [contact.Table() for contact in self.contacts]
+        closed = [t["gap"][t["status"] > 0] for t in tables]
+        return max((np.ptp(gaps) for gaps in closed if len(gaps)), default=0.0)
+
+    def HoldIdle(self, holds):
+        """Hold bodies that nothing pushes and nothing else holds, not even friction."""
+        freedom = self.Freedom(holds) if self.MayFloat() else None
+        # Along curved surfaces nothing but their meshes resists: bodies wait there for the end.
+        if not freedom or self.IsDriven(freedom.Outright(), holds):
+            self.SetGround(None)
+            return
+        ground = Ground(freedom, self.bodies.Measure(self.contacts, freedom), self._start)
+        ground.Pin(self.linear.free, self.ground)
+        self.SetGround(ground)
+
+    def SetGround(self, ground):
+        """Take what holds idle bodies, or None."""
+        self.ground = ground
+        self.residual.held = np.empty(0, dtype=int) if ground is None else ground.pins
+
+    def MayFloat(self):
+        """Are there bodies or tools that contact has to hold?"""
+        return bool(self.bodies.floating) or len(ToolDofs(self.contacts)) > 0
 
     def Inverted(self):
         """Which elements are inside out, where the determinant of the deformation has a meaning."""
@@ -352,3 +433,20 @@ class System:
         if self._turning is None:
             self._turning = TurningMaterials(getattr(a, "bulk", a), form, self.gf)
         return InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
+
+
+def Sight(contact, motion):
+    """The part of a motion (n,) of the solution after which a contact still sees its master.
+
+    Macro-elements may come as near as they are to it, and pass it by the depth of the search.
+    """
+    table, d = contact.Table(), contact.mesh.dim
+    area = table["area"]
+    moved = (AllJumps(contact) @ motion).reshape(len(area), d)
+    approach = np.sum(moved * table["normal"], axis=1)
+    coming = np.flatnonzero((area > 0) & (approach > 0))
+    if not len(coming):
+        return 1.0
+    depth = contact.penetration or DEPTH * np.linalg.norm(np.ptp(table["x"], axis=0))
+    way = np.maximum(table["gap"][coming], 0) + depth
+    return min(1.0, np.min(way * area[coming] / approach[coming]))

@@ -5,8 +5,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ngslac.bodies.bodies import NullSpace
 from ngslac.bodies.constraints import ToCSR
+from ngslac.bodies.freedom import NullSpace
 from ngslac.bodies.parts import ConnectedParts
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
 

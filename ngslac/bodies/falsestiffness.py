@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Rotations that a bulk resists since its space cannot represent them."""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import VOL, CoefficientFunction, GridFunction
+
+from ngslac.arrays import AsNumPy, ScalarDofs
+from ngslac.bodies.freedom import NullSpace
+from ngslac.bodies.rigidmotions import Arms, MotionIntegrals, StrainIntegrals
+
+__all__ = ["FalseStiffness"]
+
+# Strain of a rotation that is rounding, and how much stiffer than shear it may be.
+EXACT, STIFFER = 1e-10, 10.0
+
+
+class FalseStiffness:
+    """Strains of the rigid motions in a displacement space, and what forces they explain.
+
+    On curved elements of a degree above that of the displacement a rotation has strains. A body
+    that nothing holds then seems to have weak springs.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    forces : callable
+        The bulk's forces for coefficients (n,).
+    """
+
+    def __init__(self, bodies, forces):
+        self.bodies, self.forces, self.space = bodies, forces, bodies.space
+
+    @cached_property
+    def strains(self):
+        """Integrals of the strains of the motions times those of the basis functions (n, m)."""
+        return StrainIntegrals(self.space, self.bodies.motions)
+
+    @cached_property
+    def any(self):
+        """Has a motion strains at all?"""
+        if self.space.mesh.GetCurveOrder() <= 1:
+            return False
+        squares = np.sum(self.bodies.motions * self.strains, axis=0)
+        volume = MotionIntegrals(self.space)[:, 0] @ self.bodies.motions[:, 0]
+        return bool(np.any(squares > EXACT**2 * volume))
+
+    @cached_property
+    def inside(self):
+        """(n,) bool: dofs that no element of the boundary has."""
+        space, forces = self.space, self.forces
+        outer = AsNumPy(ScalarDofs(space.GetDofs(space.mesh.Boundaries(".*")), space))
+        values = np.where(outer, np.random.default_rng(2).uniform(1, 2, len(outer)), 0.0)
+        return ~outer & (forces(values) == 0)
+
+    @cached_property
+    def shear(self):
+        """A simple shear, what it does as `forces`, and integrals of its strains (n,)."""
+        arms, *_ = Arms(self.space.mesh)
+        gf = GridFunction(self.space)
+        gf.Set(CoefficientFunction((arms[1], *([0] * (len(arms) - 1)))), VOL)
+        values = gf.vec.FV().NumPy().copy()
+        return values, self.forces(values), StrainIntegrals(self.space, values[:, None])[:, 0]
+
+    def Unresisted(self, dofs, motions, moved, scale):
+        """Combinations (m, k) of the motions of a body that nothing but false stiffness resists.
+
+        Parameters
+        ----------
+        dofs : (n,) int
+            Of the body.
+        motions : (r, m) array
+            Combinations of the rigid motions.
+        moved : (n, m) array
+            Forces against them.
+        scale : float
+            Size of forces.
+        """
+        rigid, values = self.bodies.motions[dofs] @ motions, self.shear
+        inner = np.where(self.inside[dofs, None], moved, 0.0) / scale
+        kept = NullSpace(inner, self.bodies.resists)
+        shear, force, strain = (part[dofs] for part in values)
+        modulus = (shear @ force) / (shear @ strain)
+        energy = rigid.T @ moved
+        false = rigid.T @ self.strains[dofs] @ motions
+        excess = (
+            kept.T @ ((energy + energy.T) / 2 - STIFFER * modulus * (false + false.T) / 2) @ kept
+        )
+        sizes, vectors = np.linalg.eigh(excess)
+        return kept @ vectors[:, sizes <= self.bodies.resists * scale * np.linalg.norm(rigid, 2)]

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Motions that nothing resists, and what drives them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ngslac.bodies.constraints import TIGHT
+from ngslac.linear.grounding import Spread
+
+__all__ = ["Freedom", "Ground", "NullSpace", "Unresisted"]
+
+TOLERANCE = 1e-8
+
+# Work of forces that is none: relative to that of their sizes, and to what the mesh of a curved
+# surface makes of forces across it.
+IDLE, MESH = 1e-8, 2.0
+# Motions seen by contact that are rounding.
+UNSEEN = 1e-8
+# Condition of springs that hold motions well.
+REGULAR = 1e3
+# Springs that hold idle motions, relative to the scaled diagonal of the bulk.
+SPRING = 1.0
+
+
+@dataclass
+class Freedom:
+    """Motions of bodies and tools that neither the bulk nor contact resists.
+
+    Attributes
+    ----------
+    weights : (m, k)
+        Of all free rigid motions of the bodies, and of the unknowns of tools.
+    resistance : (k,)
+        Approach over motion along the surfaces, which is none but for their meshes.
+    motions : (n, k)
+        The same as coefficients of the solution.
+    turning : (k,)
+        By what angles bodies turn, at most.
+    """
+
+    weights: np.ndarray
+    resistance: np.ndarray
+    motions: np.ndarray
+    turning: np.ndarray
+
+    def __bool__(self):
+        return self.weights.shape[1] > 0
+
+    def Outright(self):
+        """The motions that no mesh makes look as if something resisted."""
+        own = self.resistance <= TIGHT
+        parts = self.weights[:, own], self.resistance[own], self.motions[:, own]
+        return Freedom(*parts, self.turning[own])
+
+    def Rougher(self, resistance):
+        """The same motions, with a resistance of the meshes that is at least this one."""
+        own = np.maximum(self.resistance, resistance)
+        return Freedom(self.weights, own, self.motions, self.turning)
+
+    def Works(self, forces, least, blur=0.0):
+        """The work of forces along each motion, 0 where it is none.
+
+        Parameters
+        ----------
+        forces : (l, n) array
+            Summands, such as those of the bulk and those of contact.
+        least : (n,) array
+            Sizes of forces that are rounding.
+        blur : float
+            How far forces may be from where they are taken to act, as long as gaps have to close.
+
+        Returns
+        -------
+        (k,) array
+        """
+        sizes = np.abs(self.motions)
+        works = np.sum(forces, axis=0) @ self.motions
+        gross = np.max([np.abs(force) @ sizes for force in forces], axis=0)
+        none = np.linalg.norm(least[:, None] * self.motions, axis=0)
+        none += blur * self.turning * max(np.abs(force).sum() for force in forces)
+        allowed = np.maximum(np.maximum(IDLE, MESH * self.resistance) * gross, none)
+        return np.where(np.abs(works) > allowed, works, 0.0)
+
+
+class Ground:
+    """Holds motions that nothing drives, so that bodies stay nearest to where they were.
+
+    Parameters
+    ----------
+    freedom : Freedom
+    measure : (n, k) array
+        Integrals of the motions times the displacements: what has to stay.
+    start : (n,) array
+        The solution from which bodies do not go away.
+
+    Attributes
+    ----------
+    pins : (k,) int
+        Dofs with springs, once there are some.
+    """
+
+    def __init__(self, freedom, measure, start):
+        self.motions, self.measure, self.start, self.pins = freedom.motions, measure, start, None
+        gram = measure.T @ self.motions
+        if np.linalg.cond(gram) > 1 / UNSEEN:  # as where a body has turned by a right angle
+            self.measure, gram = self.motions, self.motions.T @ self.motions
+        self.gram = gram
+
+    def Pin(self, free, before):
+        """Choose springs: those of another Ground, or None, if they serve.
+
+        `free` (n,) bool are the scalar dofs that may be held.
+        """
+        serves = before is not None and before.motions.shape == self.motions.shape
+        if serves and np.linalg.cond(self.motions[before.pins]) < REGULAR:
+            self.pins = before.pins
+            return
+        dofs = np.flatnonzero(free & np.any(self.motions, axis=1))
+        self.pins = Spread(dofs, self.motions[dofs])
+
+    def Shift(self):
+        """What the scaled diagonal of the matrix gets."""
+        shift = np.zeros(len(self.start))
+        shift[self.pins] = SPRING
+        return shift
+
+    def Away(self, values):
+        """How far (n,) the bodies have gone from the start along the motions."""
+        away = self.measure.T @ (values - self.start)
+        return self.motions @ np.linalg.solve(self.gram, away)
+
+    def Nearest(self, values, correction):
+        """The correction (n,) of the solution that leaves bodies nearest to the start."""
+        return correction + self.Away(values - correction)
+
+
+def Unresisted(prevented, coarse, seen):
+    """Combinations of motions that contact does not resist.
+
+    Parameters
+    ----------
+    prevented, coarse, seen :
+        (r, m), (r,) and (s, m) arrays of `Resistances`.
+
+    Returns
+    -------
+    combinations : (m, k) array
+    resistance : (k,) array
+        What contact prevents of them, relative to all that it sees.
+    """
+    prevented_there = prevented / coarse[:, None]
+    both = np.concatenate([prevented_there, seen])
+    if not both.size:
+        return np.eye(both.shape[1]), np.zeros(both.shape[1])
+    sizes, basis = Triangular(both)
+    rank = int(np.sum(sizes > UNSEEN * max(1.0, np.abs(seen).max(initial=0.0))))
+    outright, others = basis[rank:].T, basis[:rank].T
+    if not rank:
+        return outright, np.zeros(outright.shape[1])
+    q, r = np.linalg.qr(both @ others)
+    cosines, turned = Triangular(q[: len(prevented)])
+    near = others @ np.linalg.solve(r, turned[cosines**2 <= 0.5].T)
+    near /= np.linalg.norm(near, axis=0)
+    sizes = [np.linalg.norm(rows @ near, axis=0) for rows in (prevented, seen)]
+    resistance = np.concatenate([np.zeros(outright.shape[1]), sizes[0] / sizes[1]])
+    return np.concatenate([outright, near], axis=1), resistance
+
+
+def Triangular(matrix):
+    """Singular values of a matrix (r, m), m of them, and its right singular vectors as rows."""
+    _, sizes, basis = np.linalg.svd(np.linalg.qr(matrix, mode="r"))
+    return np.pad(sizes, (0, len(basis) - len(sizes))), basis
+
+
+def NullSpace(matrix, tolerance=TOLERANCE):
+    """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
+    if not matrix.size:
+        return np.eye(matrix.shape[1])
+    if matrix.shape[0] > matrix.shape[1]:
+        matrix = np.linalg.qr(matrix, mode="r")
+    _, singular, vectors = np.linalg.svd(matrix)
+    rank = int(np.sum(singular > tolerance * max(1.0, singular.max(initial=0.0))))
+    return vectors[rank:].T
