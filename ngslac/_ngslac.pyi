@@ -8,7 +8,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'ElementDofs', 'EquilibrationScale', 'FacetCorners', 'FormDiagonal', 'GMRes', 'HoldsGridFunction', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'OrthogonalCondensation', 'PieceOf', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'ProxyPath', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'VertexDofs', 'WholeMesh']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'ElementDofs', 'EquilibrationScale', 'FacetCorners', 'FormDiagonal', 'GMRes', 'HoldsGridFunction', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'NamesInstead', 'OrthogonalCondensation', 'PieceOf', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'ProxyPath', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'Unmatched', 'VertexDofs', 'WholeMesh']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -571,6 +571,10 @@ def ProxyPath(proxy: ngsolve.fem.CoefficientFunction, name: str) -> list[int]:
     """
     Numbers of components that lead from a product space to that of a trial function.
     """
+def Unmatched(mesh: ngsolve.comp.Mesh, vb: ngsolve.comp.VorB, pattern: str) -> collections.abc.Sequence[str]:
+    """
+    Of the alternatives of a pattern those that match no name
+    """
 def WholeMesh(empty: ngsolve.comp.Mesh, parts: tuple) -> ngsolve.comp.Mesh:
     """
     The mesh of all pieces, whose tables are stacked, on a process that has no elements
@@ -607,6 +611,10 @@ def PolygonIntersection(p: collections.abc.Sequence[typing.Annotated[collections
     ...
 def PolygonOverlap(p: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], q: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> bool:
     ...
+def NamesInstead(mesh: ngsolve.comp.Mesh, vb: ngsolve.comp.VorB, pattern: str) -> str:
+    """
+    The names that there are, the closest one, and what is special in patterns, for messages
+    """
 def RegionWithFaces(mesh: ngsolve.comp.Mesh, name: str, given: typing.Any, any: bool = False) -> ngsolve.comp.Region:
     """
     The boundary region that a pattern or a Region stands for; raises where it has no faces. any: a Region may be of any dimension

@@ -2,6 +2,7 @@
 #include "boundaries.hpp"
 #include "faces.hpp"
 #include "given.hpp"
+#include "names.hpp"
 
 #include <regex>
 #include <set>
@@ -10,9 +11,11 @@ namespace ngslac {
 namespace {
 Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const string & pattern) {
   try {
-    return Region(mesh, BND, pattern);
+    return NamedRegion(mesh, BND, pattern);
   } catch (const std::regex_error & error) {
-    throw py::value_error(name + " = '" + pattern + "' is no regular expression: " + error.what());
+    throw py::value_error(
+        name + " = '" + pattern + "' is no regular expression (" + error.what() +
+        "), and no name; the boundaries are: " + NamesInstead(*mesh, BND, pattern));
   }
 }
 
@@ -49,8 +52,8 @@ Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::han
   auto region = BoundaryRegion(mesh, name, given, any);
   if (region.VB() == BND && FacesOfAll(region) == 0)
     throw py::value_error(
-        name + "=" + Text(given) +
-        " matches no boundary face; the boundaries are: " + BoundaryNames(Region(mesh, BND, true)));
+        name + "=" + Text(given) + " matches no boundary face; the boundaries are: " +
+        NamesInstead(*mesh, BND, py::isinstance<py::str>(given) ? py::cast<string>(given) : ""));
   return region;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "boundaries.hpp"
+#include "names.hpp"
 #include "numpy.hpp"
 #include "piece.hpp"
 #include "split.hpp"
@@ -48,6 +49,20 @@ void ExportMesh(py::module & m) {
       py::arg("mesh"), py::arg("name"), py::arg("given"), py::arg("any") = false,
       "The boundary region that a pattern or a Region stands for; raises where it has no faces. "
       "any: a Region may be of any dimension");
+  m.def(
+      "Unmatched",
+      [](shared_ptr<MeshAccess> mesh, VorB vb, const string & pattern) {
+        return Unmatched(mesh, vb, pattern);
+      },
+      py::arg("mesh"), py::arg("vb"), py::arg("pattern"),
+      "Of the alternatives of a pattern those that match no name");
+  m.def(
+      "NamesInstead",
+      [](shared_ptr<MeshAccess> mesh, VorB vb, const string & pattern) {
+        return NamesInstead(*mesh, vb, pattern);
+      },
+      py::arg("mesh"), py::arg("vb"), py::arg("pattern"),
+      "The names that there are, the closest one, and what is special in patterns, for messages");
   m.def(
       "SplitSlaveFaces",
       [](shared_ptr<MeshAccess> mesh, const Region & slave, const string & hexes) {

@@ -2,6 +2,7 @@
 #include "bubble.hpp"
 #include "mesh/boundaries.hpp"
 #include "mesh/faces.hpp"
+#include "mesh/names.hpp"
 
 #include <prolongation.hpp>
 
@@ -23,7 +24,7 @@ BitArray SlaveRegions(shared_ptr<MeshAccess> ma, const Flags & flags) {
   string given;
   if (flags.StringFlagDefined("slave")) {
     string pattern = flags.GetStringFlag("slave");
-    slave = Region(ma, BND, pattern).Mask();
+    slave = NamedRegion(ma, BND, pattern).Mask();
     given = "pattern '" + pattern + "'";
   } else if (flags.NumListFlagDefined("slave")) {
     slave = BoundariesOf(*ma, flags.GetNumListFlag("slave"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "bubblearguments.hpp"
 #include "mesh/boundaries.hpp"
+#include "mesh/names.hpp"
 
 namespace ngslac {
 namespace {
@@ -29,10 +30,17 @@ bool HoldsIntegers(py::handle value) {
   return true;
 }
 
+VorB KindOf(const string & flag) {
+  return flag.find("bbbnd") != string::npos  ? BBBND
+         : flag.find("bbnd") != string::npos ? BBND
+                                             : BND;
+}
 } // namespace
 
-void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::kwargs & flags) {
+py::dict CheckedBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh,
+                                const py::kwargs & flags) {
   auto on = mesh.As(Named("mesh"), "an ngsolve.Mesh");
+  py::dict checked;
   for (auto [key, value] : flags) {
     auto name = py::cast<string>(key);
     if (name == "order")
@@ -42,6 +50,11 @@ void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::
     else if (name.rfind("dirichlet", 0) == 0 && name.find("bbnd") == string::npos)
       if (!value.is_none() && !HoldsIntegers(value)) // numbers of boundaries: NGSolve's own flags
         BoundaryRegion(on, Named(name), value);
+    bool pattern = name == "slave" || name.rfind("dirichlet", 0) == 0;
+    checked[key] = pattern && py::isinstance<py::str>(value)
+                       ? py::cast(LiteralNames(*on, KindOf(name), py::cast<string>(value)))
+                       : py::reinterpret_borrow<py::object>(value);
   }
+  return checked;
 }
 } // namespace ngslac

@@ -3,6 +3,8 @@
 #include "given.hpp"
 
 namespace ngslac {
-/// Throws for arguments of BubbleVectorH1 that NGSolve falls over, or takes without a word.
-void CheckBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh, const py::kwargs & flags);
+/// The flags of BubbleVectorH1, where names of boundaries stand for themselves. Throws for those
+/// that NGSolve falls over, or takes without a word.
+py::dict CheckedBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh,
+                                const py::kwargs & flags);
 } // namespace ngslac

@@ -29,8 +29,7 @@ void ExportBubble(py::module & m) {
   py::object make = space.attr("__init__");
   space.attr("__init__") = py::cpp_function(
       [make](py::object self, Given<shared_ptr<MeshAccess>> mesh, py::kwargs flags) {
-        CheckBubbleArguments(mesh, flags);
-        make(self, mesh.value, **flags);
+        make(self, mesh.value, **CheckedBubbleArguments(mesh, flags));
       },
       py::name("__init__"), py::is_method(space), py::arg("mesh"));
 }
