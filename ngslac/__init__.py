@@ -21,6 +21,7 @@ except ModuleNotFoundError as error:
     ) from error
 
 from ngslac.contact.contact import LACContact  # noqa: E402
+from ngslac.dirichlet import KeepPatterns as _KeepPatterns  # noqa: E402
 from ngslac.errors import ContactConvergenceError, ContactWarning, FloatingBodyError  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
 from ngslac.parallel import twin as _twin  # noqa: E402, F401  # for distributed meshes
@@ -30,6 +31,8 @@ from ngslac.solve.solver import ContactSolver  # noqa: E402
 from ngslac.steps.load import LoadStepper  # noqa: E402
 from ngslac.steps.restart import LoadMesh, LoadState, SaveState  # noqa: E402
 from ngslac.steps.time import TimeStepper  # noqa: E402
+
+_KeepPatterns()
 
 __all__ = [
     "AugmentedLagrangianSolver",

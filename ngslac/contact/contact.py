@@ -15,6 +15,7 @@ from ngslac.arguments import (
 from ngslac.contact import fields, results, switch
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
+from ngslac.dirichlet import WarnOfUnheld
 from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures
@@ -167,6 +168,7 @@ class LACContact(metaclass=Distributable):
         self.holds_tangentially = tied or friction is not None or tresca is not None
         self._state = FormState(setup, stiffness)
         self.space = self.form.space
+        self._unheld = WarnOfUnheld(self.form.component)
         if region is not None:
             CheckMoves(region, self.form.fes, self.form.component)
             together = tied or bilateral

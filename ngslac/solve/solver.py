@@ -15,6 +15,7 @@ from ngslac.arguments import (
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.contact.contact import LACContact
+from ngslac.dirichlet import Blame
 from ngslac.distributable import Distributable, WarnOfCopies
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.choose import ChooseSolver
@@ -246,6 +247,7 @@ class ContactSolver(metaclass=Distributable):
             if not (unsolved or isinstance(error, ContactConvergenceError)):
                 raise
             known = newton.failure.Error(error, floating, self.history)
+            Blame(known, self.contacts[0]._unheld)
             if known is error:
                 raise  # with what it came from, such as the error of the other method
             raise known from error

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Dirichlet conditions of displacement spaces that hold nothing: NGSolve takes them in silence."""
+
+from ngsolve import BBBND, BBND, BND, FESpace, ProductSpace, Region, VectorValued
+
+from ngslac._ngslac import NamesInstead, Unmatched
+from ngslac.errors import FloatingBodyError, Warn
+
+__all__ = ["Blame", "KeepPatterns", "Unheld", "WarnOfUnheld"]
+
+FLAG, KEPT = "dirichlet", "dirichlet_pattern"
+COMPOUNDS = (ProductSpace, VectorValued)
+KINDS = {"_bbbnd": (BBBND, "point"), "_bbnd": (BBND, "edge or point"), "": (BND, "boundary")}
+
+
+def KeepPatterns() -> None:
+    """Let spaces keep the pattern of dirichlet=, in place of which NGSolve keeps numbers."""
+    treated = FESpace.__special_treated_flags__
+
+    def Treated():
+        known = dict(treated())
+        replace = known[FLAG]
+
+        def Keep(given, flags, info):
+            replace(given, flags, info)
+            if isinstance(given, str):
+                flags.Set(KEPT, given)
+
+        return known | {FLAG: Keep}
+
+    FESpace.__special_treated_flags__ = staticmethod(Treated)
+
+
+def Unheld(space) -> str:
+    """What is wrong with Dirichlet conditions that hold nothing, or of which a part does not."""
+    return "; ".join(filter(None, (_Words(space.mesh, *c) for c in _Conditions(space))))
+
+
+def WarnOfUnheld(space) -> str:
+    """Warn of what `Unheld` says; returns it."""
+    words = Unheld(space)
+    if words:
+        Warn(words)
+    return words
+
+
+def Blame(error, words):
+    """Say in the error of a body that nothing holds which conditions hold nothing."""
+    if isinstance(error, FloatingBodyError) and words and words not in str(error):
+        error.args = (f"{error}. Note: {words}",)
+
+
+def _Words(mesh, name, given):
+    vb, what = next(kind for end, kind in KINDS.items() if name.endswith(end))
+    if isinstance(given, Region):
+        dead, shown = [] if given.Mask().NumSet() else [""], "<Region>"
+    else:
+        dead, shown = Unmatched(mesh, vb, given), repr(given)
+    if not dead:
+        return ""
+    some = isinstance(given, str) and Region(mesh, vb, given).Mask().NumSet()
+    part = f"of which {', '.join(map(repr, dead))}" if some else "which"
+    return (
+        f"the displacement space has {name}={shown}, {part} matches no {what} and holds nothing; "
+        f"the names are: {NamesInstead(mesh, vb, '|'.join(dead))}"
+    )
+
+
+def _Conditions(space):
+    """Pairs of flag and pattern or region: of a space, or else of its components."""
+    flags = {k: v for k, v in space.flags.ToDict().items() if k.startswith(FLAG)}
+    if not flags:
+        parts = space.components if isinstance(space, COMPOUNDS) else ()
+        return list(dict.fromkeys(pair for part in parts for pair in _Conditions(part)))
+    if KEPT in flags:
+        flags[FLAG] = flags.pop(KEPT)
+    return [(k, v) for k, v in flags.items() if isinstance(v, (str, Region))]
