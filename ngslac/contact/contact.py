@@ -209,9 +209,12 @@ class LACContact(metaclass=Distributable):
     def _Pair(self, gf, active=None):
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
-        with self._Changing(self._state.FormKept()):
+
+        def change():
             self._state.Pair(gf, active=active)
             self._solution = self._accepted = None
+
+        self._Change(self._state.FormKept(), change)
 
     @property
     def active(self) -> bool:
@@ -305,9 +308,12 @@ class LACContact(metaclass=Distributable):
             On the product space.
         """
         CheckOnSpace("gf", gf, self.form.fes)
-        with self._Changing(self._state.WholeOrNot(gf)):
+
+        def change():
             self._state.Commit(gf)
             self._solution = self._accepted = _Entries(gf)
+
+        self._Change(self._state.WholeOrNot(gf), change)
 
     def Evaluate(self, gf) -> None:
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
@@ -360,7 +366,8 @@ class LACContact(metaclass=Distributable):
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
         kept = self._state.FormKept() if self._state.follows else self._state.WholeOrNot(gf)
-        with self._Changing(kept):
+
+        def change():
             self._state.SetState(state, gf)
             self._solution = self._accepted = None if gf is None else _Entries(gf)
 
@@ -369,9 +376,11 @@ class LACContact(metaclass=Distributable):
     def _GetWebguiData(self):
         return self.Segments()._GetWebguiData()
 
+        self._Change(kept, change)
+
     _MakeFields = fields.Make
     _Fill = fields.Fill
-    _Changing = fields.Changing
+    _Change = fields.Change
     Activate = switch.Activate
     Deactivate = switch.Deactivate
     __repr__ = results.Describe

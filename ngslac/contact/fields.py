@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of LACContact for its fields, which follow the form."""
 
-from contextlib import contextmanager
-
 from ngsolve import GridFunction
 
-__all__ = ["Changing", "Fill", "Make"]
+__all__ = ["Change", "Fill", "Make"]
 
 SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
 
@@ -27,19 +25,26 @@ def Fill(self):
         getattr(self, name).vec.FV().NumPy()[:] = values
 
 
-@contextmanager
-def Changing(self, kept):
-    """Fields follow the form; in the context `kept` what fails leaves both as they were."""
+def Change(self, kept, change):
+    """Call `change`, and let fields follow the form.
+
+    In the context `kept` what fails, or is interrupted, leaves both as they were.
+    """
     fits = len(self.pressure.vec) == self.space.nmacros
     if self._state.refined or not fits:  # no way back
-        yield
+        change()
         self._MakeFields()
         self._Fill()
         return
+    before = self._solution, self._accepted
     try:
         with kept:
-            yield
-            self._Fill()
+            try:
+                change()
+                self._Fill()
+            except BaseException:
+                self._solution, self._accepted = before
+                raise
     except BaseException:
         self._Fill()
         raise

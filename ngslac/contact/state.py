@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a contact depends on from one step to the next: noted, saved, and put back."""
 
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 
 import numpy as np
 from netgen.meshing import NgException
@@ -130,25 +130,40 @@ class FormState:
         gf.vec.FV().NumPy()[:] = values
         return gf
 
-    @contextmanager
     def FormKept(self):
         """What fails in the block, or is interrupted, changes nothing: it makes a new form."""
-        before = self.form, self.scaled, self.paired
-        try:
-            yield
-        except BaseException:
-            self.form, self.scaled, self.paired = before
-            raise
+        return _FormKept(self)
 
-    @contextmanager
     def WholeOrNot(self, gf):
         """What fails in the block, or is interrupted, changes nothing: `gf` is the solution."""
-        before = self.State()
-        try:
-            yield
-        except BaseException:
-            self.SetState(before, gf)
-            raise
+        return _WholeOrNot(self, gf)
+
+
+# Classes: a generator may not hear of an interrupt that comes before the first line of the block.
+
+
+class _FormKept:
+    def __init__(self, state):
+        self.state, self.before = state, (state.form, state.scaled, state.paired)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is not None:
+            self.state.form, self.state.scaled, self.state.paired = self.before
+
+
+class _WholeOrNot:
+    def __init__(self, state, gf):
+        self.state, self.gf, self.before = state, gf, state.State()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is not None:
+            self.state.SetState(self.before, self.gf)
 
 
 def CheckSaved(state):

@@ -4,7 +4,7 @@
 import ctypes
 import importlib.metadata
 import importlib.util
-from contextlib import contextmanager
+from contextlib import ContextDecorator
 from functools import cache
 from pathlib import Path
 
@@ -66,21 +66,24 @@ def BLASThreads():
     return [pair for pair in found if all(pair)]
 
 
-@contextmanager
-def OneBLASThread():
+class OneBLASThread(ContextDecorator):
     """Let BLAS use one thread.
 
     The small dense blocks of a sparse factorisation gain nothing from more, and inside of a
     TaskManager, whose workers spin on all cores, they cost a factor of ten. After the solutions on
     the coarsest level of a multigrid method the others wait in loops.
     """
-    before = [tell() for tell, _ in BLASThreads()]
-    try:
+
+    def __init__(self):
+        self.before = []  # of each call that it is around
+
+    def __enter__(self):
+        self.before.append([tell() for tell, _ in BLASThreads()])
         for _, set_threads in BLASThreads():
             set_threads(1)
-        yield
-    finally:
-        for (_, set_threads), threads in zip(BLASThreads(), before, strict=True):
+
+    def __exit__(self, *_):
+        for (_, set_threads), threads in zip(BLASThreads(), self.before.pop(), strict=True):
             set_threads(threads)
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The contact status by an interior point method, where Newton's method with active set fails."""
 
-from contextlib import contextmanager
-
 import numpy as np
 
 from ngslac.arrays import Multiply
@@ -167,16 +165,25 @@ def Primal(linear):
     return PrimalSolver(linear, wanted if wanted in CHOLESKY else None)
 
 
-@contextmanager
-def EvenPressures(contacts, even=True):
+class EvenPressures:
     """Pressures of the contacts are even where contact ends; or not, inside of such a context."""
-    for contact in contacts:
-        contact.form.SetEven(even)
-    try:
-        yield
-    finally:
-        for contact in contacts:
-            contact.form.SetEven(not even)
+
+    def __init__(self, contacts, even=True):
+        self.contacts, self.even = contacts, even
+
+    def __enter__(self):
+        try:
+            self._Set(self.even)
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __exit__(self, *_):
+        self._Set(not self.even)
+
+    def _Set(self, even):
+        for contact in self.contacts:
+            contact.form.SetEven(even)
 
 
 class Springs:
