@@ -14,7 +14,6 @@ from ngslac.meshes.boxes import AddBody, Cells
 from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
-    CheckPositive,
     Divisions,
     GenerateMesh,
     Incline,
@@ -23,6 +22,14 @@ from ngslac.meshes.geometry import (
     MovePoints,
     NonMatchingDivisions,
     Side,
+)
+from ngslac.meshes.sizes import (
+    CheckAlike,
+    CheckElements,
+    CheckFinite,
+    CheckMoved,
+    CheckOrder,
+    CheckPositive,
 )
 
 __all__ = ["TwoBlocks"]
@@ -110,7 +117,17 @@ def TwoBlocks(
     ngsolve.Mesh
     """
     h_master = 0.73 * h_slave if h_master is None else h_master
-    CheckPositive(h_slave=h_slave, h_master=h_master, width=width, height=height, scale=scale)
+    CheckPositive(h_slave=h_slave, h_master=h_master, width=width, height=height)
+    CheckFinite(overhang=overhang)
+    wider = {"overhang": abs(overhang)} if overhang else {}
+    CheckAlike(width=width, height=height, **wider)
+    CheckMoved(scale, angle)
+    order = (2 if curved else 1) if order is None else order
+    CheckOrder(order)
+    fine, area = min(h_slave, h_master), 2 * (width + 2 * abs(overhang)) * height
+    coarse = fine if structured else max(h_slave, h_master)
+    number = 2 * area / coarse**2 + 2 * (width + 2 * abs(overhang)) / fine
+    CheckElements(number, h_slave=h_slave, h_master=h_master)
     if structured and curved:
         raise ValueError("a structured mesh has no curved edges: structured or curved, not both")
     incline = Incline(shape, slope, width / 2 + abs(overhang), height)
@@ -120,7 +137,7 @@ def TwoBlocks(
     else:
         mesh = GenerateMesh(
             [_Shape(side, curved) for side in sides],
-            order=order or (2 if curved else 1),
+            order=order,
             scale=scale,
             angle=angle,
             maxh=max(h_slave, h_master),

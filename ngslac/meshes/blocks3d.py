@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from numbers import Integral
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
@@ -12,8 +13,9 @@ from netgen.occ import Box, OCCGeometry, Pnt
 from ngsolve import Mesh
 
 from ngslac.meshes.boxes import AddBody, Cells, SideOf, StructuredBox
-from ngslac.meshes.geometry import CheckNonMatching, CheckPositive, Incline
+from ngslac.meshes.geometry import CheckNonMatching, Incline
 from ngslac.meshes.geometry3d import RotationMatrix
+from ngslac.meshes.sizes import CheckAlike, CheckElements, CheckFinite, CheckPositive
 
 __all__ = ["TwoBlocks3D"]
 
@@ -105,10 +107,17 @@ def TwoBlocks3D(
     (('upper', 'lower'), 58)
     """
     CheckPositive(width=width, height=height, scale=scale)
+    CheckFinite(azimuth=azimuth, overhang=overhang)
+    CheckAlike(width=width, height=height, **({"overhang": abs(overhang)} if overhang else {}))
     if unstructured and (perturb or (overhang and aligned)):
         raise ValueError("an unstructured mesh has no perturb, and aligned=False with an overhang")
     frame = _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation)
-    grids = _Grids(_Pair(n_slave), _Pair(n_master), overhang, aligned, width)
+    n_slave, n_master = _Pair("n_slave", n_slave), _Pair("n_master", n_master)
+    layers = _Pair("layers", layers)
+    wider = (1 + 2 * abs(overhang) / width) ** 2
+    for counts, deep in zip((n_slave, n_master), layers, strict=True):
+        CheckElements(math.prod(counts) * deep * wider, overhang=overhang, width=width)
+    grids = _Grids(n_slave, n_master, overhang, aligned, width)
     z = [np.linspace(0, height, layers[0] + 1), np.linspace(-height, 0, layers[1] + 1)]
     kinds = (kind_upper, kind_lower or kind_upper)
     ngmesh = NetgenMesh(dim=3)
@@ -129,10 +138,11 @@ def TwoBlocks3D(
 # ---------------------------------------------------------------- pieces
 
 
-def _Pair(n):
-    pair = (n, n) if isinstance(n, int) else tuple(n)
-    if len(pair) != 2 or min(pair) < 1:
-        raise ValueError(f"divisions must be one or two positive integers, but are {n}")
+def _Pair(name, n):
+    pair = tuple(n) if isinstance(n, (tuple, list, np.ndarray)) else (n, n)
+    whole = all(isinstance(k, Integral) and not isinstance(k, bool) and k > 0 for k in pair)
+    if len(pair) != 2 or not whole:
+        raise ValueError(f"{name}: divisions must be one or two positive integers, but are {n}")
     return pair
 
 

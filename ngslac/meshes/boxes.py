@@ -12,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from netgen.meshing import Element1D, Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
 
+from ngslac.arguments import CheckCount
+from ngslac.meshes.sizes import CheckElements
+
 __all__ = ["KINDS", "AddBody", "Cells", "SideOf", "StructuredBox"]
 
 # The corners of a cube: 0-3 below and 4-7 above, both counter-clockwise; 8 is its middle.
@@ -93,10 +96,12 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, but is {kind!r}")
     if not 0 <= perturb < 0.3:
         raise ValueError(f"perturb must be at least 0 and less than 0.3, but is {perturb}")
+    CheckCount("seed", seed, least=0)
     grid = [np.asarray(c, dtype=float) for c in (x, y, z)]
     for name, c in zip("xyz", grid, strict=True):
-        if c.ndim != 1 or len(c) < 2 or not np.all(np.diff(c) > 0):
-            raise ValueError(f"{name} must be at least two increasing positions")
+        if c.ndim != 1 or len(c) < 2 or not (np.isfinite(c).all() and np.all(np.diff(c) > 0)):
+            raise ValueError(f"{name} must be at least two increasing positions, all finite")
+    CheckElements(len(KINDS[kind]) * np.prod([len(c) - 1.0 for c in grid]), **_Least(grid))
     flat = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3)
     cubes = _Cubes(*(len(c) for c in grid))
     points = flat + _Shifts(grid, perturb, fixed, seed) if perturb else flat
@@ -160,6 +165,11 @@ def _AddBoundary(ngmesh, label, domain):
     index = ngmesh.Add(FaceDescriptor(surfnr=number, domin=domain, bc=number))
     ngmesh.SetBCName(number - 1, label)
     return index
+
+
+def _Least(grid):
+    """The least spacing of each coordinate."""
+    return {f"spacing of {name}": np.diff(c).min() for name, c in zip("xyz", grid, strict=True)}
 
 
 def SideOf(corners, low, high):

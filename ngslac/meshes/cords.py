@@ -11,13 +11,13 @@ from ngslac.meshes.geometry import (
     Arc,
     Body,
     CheckNonMatching,
-    CheckPositive,
     Divisions,
     GenerateMesh,
     Line,
     NonMatchingDivisions,
     Polygon,
 )
+from ngslac.meshes.sizes import CheckAlike, CheckElements, CheckPositive, Graded
 
 __all__ = ["CordMesh", "DiscInRing"]
 
@@ -48,6 +48,10 @@ def CordMesh(h, *, zone=1.25) -> Mesh:
     """
     CheckPositive(h=h, zone=zone)
     r = _RADIUS
+    if not zone < math.pi / 2:
+        raise ValueError(f"zone = {zone:g} must be an angle less than pi/2, in radians")
+    CheckAlike(zone=zone, angle=math.pi / 2)
+    CheckElements(Graded(0.73 * h, 0.3, 1.6 * r, 1.6 * r, 2), h=h)
     count = Divisions(r * zone, h)
     nodes = [r * math.sin(zone * k / count) for k in range(count + 1)]
     width, top = 1.6 * r, 1.2 * r
@@ -86,7 +90,11 @@ def DiscInRing(h, *, clearance, outer=100.0) -> Mesh:
         Curved of order 3, with different numbers of edges on the two sides.
     """
     CheckPositive(h=h, clearance=clearance, outer=outer)
+    CheckAlike(clearance=clearance, radius=_RADIUS, outer=outer)
     r, inner = _RADIUS, _RADIUS + clearance
+    if not inner < outer:
+        raise ValueError(f"outer = {outer:g} must be more than the inner radius, {inner:g}")
+    CheckElements(2 * Graded(0.73 * h, 0.3, 2 * inner, outer, 2), h=h)
     length = math.pi / 2 * r
     count = Divisions(length, h)
     nodes = [length * k / count for k in range(count + 1)]

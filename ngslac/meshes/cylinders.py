@@ -16,11 +16,11 @@ from ngslac.meshes.geometry import (
     Arc,
     Body,
     CheckNonMatching,
-    CheckPositive,
     Line,
     Polygon,
     Touching,
 )
+from ngslac.meshes.sizes import CheckAlike, CheckElements, CheckGrading, CheckPositive, Graded
 
 __all__ = ["THICKNESS", "CylinderOnBlock"]
 
@@ -68,6 +68,11 @@ def CylinderOnBlock(
         raise ValueError(f'model must be "quarter" or "full", but is {model!r}')
     if not zone < min(0.9 * radius, 0.9 * width):
         raise ValueError("zone is too wide")
+    CheckGrading(grading)
+    CheckAlike(zone=zone, radius=radius, width=width, thickness=THICKNESS)
+    fine, layers = h * min(1.0, ratio), sum(LAYERS.values())
+    number = Graded(fine, grading, 2 * zone, 2 * max(radius, width), 2)
+    CheckElements(layers * number, h=h, ratio=ratio, grading=grading)
     full = model == "full"
     disc = _HalfDisc(radius, zone, full), h
     block = _Rectangle(width, zone * 16 / 15, full), ratio * h

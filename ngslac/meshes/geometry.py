@@ -26,20 +26,16 @@ from netgen.occ import (
 )
 from ngsolve import CF, Integrate, Mesh
 
-
-def CheckPositive(**values):
-    """Raise a ``ValueError`` that names the first value which is not positive and finite."""
-    for name, value in values.items():
-        if not (math.isfinite(value) and value > 0):
-            raise ValueError(f"{name} must be positive, but is {value}")
+from ngslac.meshes.sizes import CheckFinite, CheckPositive
 
 
 def Incline(shape, slope, reach, height):
     """Return the slope, as a ratio, of an interface that rises by up to `reach` times that."""
     if shape not in ("flat", "oblique"):
         raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
+    CheckFinite(slope=slope)
     rise = math.tan(math.radians(slope)) if shape == "oblique" else 0.0
-    if abs(rise) * reach >= height:
+    if not abs(rise) * reach < height:
         raise ValueError(f"an interface inclined by {slope} degrees leaves the blocks")
     return rise
 
@@ -130,6 +126,7 @@ def GenerateMesh(shapes, *, order=1, scale=1.0, angle=0.0, **options):
     transformed shape, on which `Curve` projects. Numbering and connectivity are therefore the same
     for all of them.
     """
+    angle = math.fmod(angle, 360)  # OCC takes turn after turn away
     shape = Compound(shapes)
     ngmesh = OCCGeometry(shape, dim=2).GenerateMesh(minedgelen=None, **options)
     area, wanted = Integrate(CF(1), Mesh(ngmesh)), sum(face.mass for face in shape.faces)
@@ -189,6 +186,7 @@ def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4) -> float
     >>> round(CheckNonMatching(TwoBlocks3D("hex", "hex", 2, 3)), 6)
     0.707107
     """
+    CheckPositive(tol=tol)
     (s, s_rim, s_faces), (m, m_rim, m_faces) = (_BoundaryNodes(mesh, p) for p in (slave, master))
     centre = m.mean(axis=0)
     along = np.linalg.svd(m - centre)[2][: mesh.dim - 1]

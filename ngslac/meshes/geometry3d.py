@@ -41,9 +41,11 @@ def RotationMatrix(rotation) -> np.ndarray:
         axis, angle = rotation
         axis = [c == axis for c in "xyz"] if isinstance(axis, str) else axis
         axis = np.array(axis, dtype=float)
-        if axis.shape != (3,) or not np.linalg.norm(axis) > 0 or not math.isfinite(angle):
+        given = axis.shape == (3,) and np.isfinite(axis).all() and np.any(axis)
+        if not (given and math.isfinite(angle)):
             raise ValueError(f"a rotation needs an axis of three numbers and an angle: {rotation}")
-        e, t = axis / np.linalg.norm(axis), math.radians(angle)
+        e = axis / np.abs(axis).max()  # whose square neither over- nor underflows
+        e, t = e / np.linalg.norm(e), math.radians(angle)
         cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
         return np.eye(3) + math.sin(t) * cross + (1 - math.cos(t)) * cross @ cross
     matrix = np.array(rotation, dtype=float)

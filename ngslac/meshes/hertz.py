@@ -9,17 +9,27 @@ from itertools import pairwise
 import numpy as np
 from ngsolve import BBND, CF, BaseVector, InnerProduct, LinearForm, Mesh, SymbolicLFI
 
+from ngslac.arguments import CheckPoint
 from ngslac.meshes.geometry import (
     Arc,
     Body,
     CheckNonMatching,
-    CheckPositive,
     Divisions,
     GenerateMesh,
     Line,
     NonMatchingDivisions,
     Polygon,
     Touching,
+)
+from ngslac.meshes.sizes import (
+    FLATTEST,
+    CheckAlike,
+    CheckElements,
+    CheckGrading,
+    CheckMoved,
+    CheckOrder,
+    CheckPositive,
+    Graded,
 )
 
 __all__ = ["HertzMesh", "IndentationMesh", "PointForce"]
@@ -51,6 +61,7 @@ def PointForce(space, force, *, vertex="load", component=None) -> BaseVector:
     In a form the same force reads
     ``-load * InnerProduct(CF(force), v) * ds(definedon=mesh.BBoundaries("load"))``.
     """
+    CheckPoint("force", force, space.mesh.dim)
     region = space.mesh.BBoundaries(vertex)
     if not any(region.Mask()):
         raise ValueError(f"the mesh has no vertex named {vertex!r}")
@@ -106,14 +117,22 @@ def HertzMesh(
     -------
     ngsolve.Mesh
     """
-    CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
+    CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio)
+    CheckMoved(scale, angle)
+    CheckOrder(order)
     size = radius / _RADIUS
     h, width, height = h / size, width / size, height / size
     zone = 0.3 * _RADIUS if zone is None else zone / size
     CheckPositive(zone=zone)
+    CheckAlike(zone=zone * size, radius=radius, width=width * size, height=height * size)
     if not (zone * 16 / 15 < width and zone < 1.5 * _RADIUS):
         raise ValueError("zone is too long for the cylinder or the block")
     grading = min(0.12 * math.sqrt(2 * h), 0.3) if grading is None else grading
+    CheckPositive(grading=grading)
+    fine, largest = h * min(1.0, ratio), max(_RADIUS, width, height)
+    number = Graded(fine, max(grading, FLATTEST), 2 * zone, 2 * largest, 2)
+    CheckElements(number, h=h * size, ratio=ratio, grading=grading)
+    CheckGrading(grading)
     ns, nm = _HertzDivisions(h, ratio, zone, half)
     mesh = GenerateMesh(
         [_Cylinder(zone, ns, half), _Block(width, height, zone * 16 / 15, nm, half)],
@@ -197,10 +216,13 @@ def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3) -> Mes
         Curved of order 3.
     """
     CheckPositive(h=h, radius=radius, zone=zone, size=size)
+    CheckGrading(grading)
+    CheckAlike(radius=radius, zone=zone, size=size)
     scale = radius / _PUNCH
     h, zone, size = h / scale, zone / scale, size / scale
     if not zone < min(0.8 * size, 0.5 * _PUNCH):
         raise ValueError(f"zone = {zone * scale:g} is too long for the block or the cylinder")
+    CheckElements(Graded(h, grading, zone, size, 2), h=h * scale, grading=grading)
     mesh = GenerateMesh(
         [_HalfBlock(size, zone, Divisions(zone, h)), _Segment(zone, Divisions(zone, h))],
         order=3,

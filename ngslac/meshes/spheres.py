@@ -9,8 +9,16 @@ from itertools import pairwise
 from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
 from ngsolve import Mesh
 
-from ngslac.meshes.geometry import CheckNonMatching, CheckPositive
+from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import GenerateMesh3D
+from ngslac.meshes.sizes import (
+    CheckAlike,
+    CheckElements,
+    CheckGrading,
+    CheckOrder,
+    CheckPositive,
+    Graded,
+)
 
 __all__ = ["SphereOnBlock", "TwoSpheres"]
 
@@ -79,8 +87,11 @@ def SphereOnBlock(
     width = 2 * radius if width is None else width
     height = 2 * radius if height is None else height
     CheckPositive(h=h, radius=radius, width=width, height=height, ratio=ratio, scale=scale)
+    zone = _Zone(zone, radius, model)
+    CheckAlike(zone=zone, radius=radius, width=width, height=height)
+    _CheckSizes(h, ratio, grading, maxh, max(radius, width, height), zone, order)
     size = radius / _RADIUS
-    zone, h = _Zone(zone, radius, model) / size, h / size
+    zone, h = zone / size, h / size
     if zone * 16 / 15 >= width / size:
         raise ValueError("zone is too wide for the block")
 
@@ -131,8 +142,11 @@ def TwoSpheres(
     """
     radius_lower = radius if radius_lower is None else radius_lower
     CheckPositive(h=h, radius=radius, radius_lower=radius_lower, ratio=ratio, scale=scale)
+    zone = _Zone(zone, radius, model)
+    CheckAlike(zone=zone, radius=radius, radius_lower=radius_lower)
+    _CheckSizes(h, ratio, grading, maxh, max(radius, radius_lower), zone, order)
     size = radius / _RADIUS
-    zone, h, lower = _Zone(zone, radius, model) / size, h / size, radius_lower / size
+    zone, h, lower = zone / size, h / size, radius_lower / size
     if zone * 16 / 15 >= 0.9 * lower:
         raise ValueError("zone is too wide for the lower sphere")
 
@@ -148,16 +162,27 @@ def TwoSpheres(
 
 def _Mesh(above, Below, size, order, scale, rotation, maxh, grading):
     """Mesh the upper body and the lower one, moved down by a distance at first."""
+    maxh = _RADIUS / 2 if maxh is None else maxh / size
     mesh = GenerateMesh3D(
         lambda distance: [above, Below(distance)],
         order=order,
         scale=scale * size,
         rotation=rotation,
-        maxh=_RADIUS / 2 if maxh is None else maxh / size,
+        maxh=maxh,
         grading=grading,
     )
     CheckNonMatching(mesh)
     return mesh
+
+
+def _CheckSizes(h, ratio, grading, maxh, size, zone, order):
+    """Refuse what is no size, or makes too many elements, before anything is meshed."""
+    CheckOrder(order)
+    CheckGrading(grading)
+    CheckPositive(maxh=size if maxh is None else maxh)
+    number = Graded(h * min(1.0, ratio), grading, zone, size, 3)
+    number += 0 if maxh is None else 6 * (size / maxh) ** 3
+    CheckElements(number, h=h, ratio=ratio, grading=grading, maxh=maxh or size / 2)
 
 
 # ---------------------------------------------------------------- shapes

@@ -4,6 +4,7 @@ import doctest
 import importlib
 import math
 
+import numpy as np
 import pytest
 from refused import calls, check_refused
 
@@ -81,6 +82,95 @@ def test_bad_sizes(make, name, value):
     sizes = ({} if "Blocks" in make else {"h": 2.0}) | {name: value}
     with pytest.raises(ValueError, match=f"{name} must be positive"):
         getattr(meshes, make)(**sizes)
+
+
+USUAL = {
+    "DiscInRing": {"h": 10.0, "clearance": 1.0},
+    "CordMesh": {"h": 10.0},
+    "TwoBlocks": {},
+    "TwoBlocks3D": {},
+}
+FINITE = {
+    "TwoBlocks": ["overhang", "angle", "slope"],
+    "TwoBlocks3D": ["overhang", "azimuth", "slope"],
+    "HertzMesh": ["angle"],
+}
+SIZES = {
+    "HertzMesh": ["h", "grading", "order", "ratio"],
+    "SphereOnBlock": ["h", "grading", "order", "maxh", "ratio"],
+    "TwoSpheres": ["h", "grading", "order", "maxh", "ratio"],
+    "CylinderOnBlock": ["h", "grading", "ratio"],
+    "IndentationMesh": ["h", "grading"],
+    "CordMesh": ["h"],
+    "DiscInRing": ["h", "clearance", "outer"],
+    "TwoBlocks": ["h_slave", "h_master", "order"],
+    "TwoBlocks3D": ["n_slave", "n_master", "layers", "seed", "perturb"],
+}
+
+
+def made(name, **given):
+    return getattr(meshes, name)(**(USUAL.get(name, {"h": 3.0}) | given))
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(("name", "argument"), [(n, a) for n in FINITE for a in FINITE[n]])
+def test_a_number_that_is_none(name, argument, value):
+    """A mesher may work on it for ever."""
+    with pytest.raises(ValueError, match=f"{argument} = .* must be a finite number"):
+        made(name, **{argument: value, **({"shape": "oblique"} if "Blocks" in name else {})})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -1, 1e-9, 1e-300])
+@pytest.mark.parametrize(("name", "argument"), [(n, a) for n in SIZES for a in SIZES[n]])
+def test_sizes_that_nobody_can_mesh(name, argument, value):
+    if (name, argument, value) in {("TwoBlocks3D", "perturb", v) for v in (1e-9, 1e-300)}:
+        return  # is as good as none
+    with pytest.raises((ValueError, TypeError), match=argument):
+        made(name, **{argument: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("TwoBlocks", {"h_slave": 1e-9}),
+        ("TwoBlocks", {"h_slave": 1e-4, "structured": True}),
+        ("TwoBlocks", {"overhang": 1e5}),
+        ("TwoBlocks3D", {"n_slave": 10_000}),
+        ("TwoBlocks3D", {"layers": (1, 10**9)}),
+        ("TwoBlocks3D", {"unstructured": True, "n_master": 10_000}),
+        ("HertzMesh", {"h": 1e-9}),
+        ("SphereOnBlock", {"h": 1e-9}),
+        ("TwoSpheres", {"maxh": 1e-3}),
+        ("CylinderOnBlock", {"h": 1e-9}),
+        ("CordMesh", {"h": 1e-9}),
+        ("DiscInRing", {"h": 1e-9}),
+        ("IndentationMesh", {"h": 1e-9}),
+    ],
+)
+def test_the_number_of_elements_is_told(name, given):
+    with pytest.raises(ValueError, match=r"would make about \d.\de\+\d+ elements"):
+        made(name, **given)
+
+
+@pytest.mark.parametrize(("name", "given"), [("HertzMesh", {}), ("SphereOnBlock", {"h": 2.0})])
+def test_the_number_of_elements_is_about_right(name, given, monkeypatch):
+    told = []
+    module = importlib.import_module(getattr(meshes, name).__module__)
+    monkeypatch.setattr(module, "CheckElements", lambda number, **_: told.append(number))
+    mesh = made(name, **given)
+    assert 0.2 < told[0] / mesh.ne < 5
+
+
+@pytest.mark.parametrize("axis", [(1e308, 1e308, 0), (1e-320, 1e-320, 0), (3e-200, 3e-200, 0)])
+def test_an_axis_of_any_length(axis):
+    turn = meshes.RotationMatrix((axis, 30.0))
+    assert turn == pytest.approx(meshes.RotationMatrix(((1, 1, 0), 30.0)), abs=1e-3)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)
+
+
+def test_many_turns():
+    mesh = meshes.TwoBlocks(0.5, angle=1e308)
+    assert mesh.ne == meshes.TwoBlocks(0.5).ne
 
 
 @pytest.mark.parametrize(
