@@ -25,6 +25,8 @@ HEADER = 84  # bytes before the first triangle of a binary file
 SAME = 1e-6
 # Along each side of a curved face; of the size of a shape along its longest edge.
 DIVISIONS, PARTS = 4, 40
+# Sizes whose sixth power is a number.
+SMALLEST, LARGEST = 1e-50, 1e50
 
 
 def Polygon(points, *, closed=True) -> Tool:
@@ -57,6 +59,7 @@ def Polygon(points, *, closed=True) -> Tool:
     least = 3 if CheckFlag("closed", closed) else 2
     if len(points) < least:
         raise ValueError(f"points must be at least {least} corners, got {len(points)}")
+    _CheckSize(points)
     _CheckEncloses(points, closed)
     first = np.arange(len(points) if closed else len(points) - 1)
     edges = np.stack([first, (first + 1) % len(points)], axis=1)
@@ -175,7 +178,18 @@ def FromShape(shape, *, maxh=None, closed=True) -> Tool:
     return _Facets(*FacetsOfShape(shape, maxh), closed)
 
 
+def _CheckSize(points):
+    """Refuse corners whose areas would be infinite, or zero, or that are no numbers."""
+    size = np.ptp(points, axis=0).max(initial=0.0)
+    if not np.isfinite(points).all() or not (size == 0 or SMALLEST < size < LARGEST):
+        raise ValueError(
+            f"the corners of the tool are {size:.3g} apart: give finite coordinates in a unit of "
+            f"length in which that is between {SMALLEST:g} and {LARGEST:g}"
+        )
+
+
 def _Facets(points, corners, closed):
+    _CheckSize(points)
     flat = np.asarray(points, float).ravel(), np.asarray(corners, np.int32).ravel()
     return Tool(ToolShape.Facets(*flat, points.shape[1], CheckFlag("closed", closed)))
 

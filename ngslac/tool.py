@@ -205,11 +205,13 @@ class Tool:
         >>> punch = tools.Sphere((0.5, 2), 1).Driven(travel=(None, down), force=(0, -5))
         >>> contact = LACContact(u, lam, obstacle=punch, finite=True)
         """
-        if travel is None and turn is None:
-            raise ValueError("give travel= or turn=: what of the motion is unknown")
         if self._drives:
             raise ValueError("the tool is driven already: give all in one call")
-        travel = _Components("travel", [None] * self.dim if travel is None else travel, self.dim)
+        given, travel = travel, [None] * self.dim if travel is None else travel
+        travel = _Components("travel", travel, self.dim)
+        if turn is None and all(way is None for way in travel):
+            nothing = "" if given is None else f"; travel = {Shown(given)} names nothing"
+            raise ValueError("give travel= or turn=: what of the motion is unknown" + nothing)
         loads = _Components("force", [0.0] * self.dim if force is None else force, self.dim)
         for way, load in zip(travel, loads, strict=True):
             if way is None and not (isinstance(load, Real) and load == 0):
@@ -277,8 +279,9 @@ def _Axis(center, axis, dim, turns):
 
 
 def Direction(name, value, dim):
-    """A vector that is not zero."""
+    """The unit vector along one that is not zero."""
     vector = CheckPoint(name, value, dim)
     if not np.any(vector):
         raise Wrong(ValueError, name, value, "a direction, no vector of zeros")
-    return vector
+    vector = vector / np.abs(vector).max()  # whose square neither over- nor underflows
+    return vector / np.linalg.norm(vector)

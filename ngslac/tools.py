@@ -266,8 +266,8 @@ def SignedDistance(function, *, dim=3) -> Tool:
     [3.0]
     """
     CheckInstance("function", function, CoefficientFunction, "a function of x, y, z")
-    if dim not in (2, 3):
-        raise Wrong(ValueError, "dim", dim, "2 or 3")
+    wanted = "2 or 3"
+    dim = int(CheckNumber("dim", dim, wanted, lambda number: number in (2, 3)))
     function = Coefficient("function", CheckValues("function", function))
     return Tool(ToolShape.Expression(function, dim))
 

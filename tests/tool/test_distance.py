@@ -246,3 +246,65 @@ def test_functions_by_cases_have_derivatives():
     tool = tools.SignedDistance(IfPos(x, x, 2 * x) + 0 * y, dim=2)
     _, gradient, _ = evaluate(tool, np.array([[1.0, 0], [-1, 0]]))
     assert gradient == pytest.approx(np.array([[1.0, 0], [2, 0]]))
+
+
+# --- directions of any length --------------------------------------------------------------------
+
+LENGTHS = [1e308, 1e200, 1.0, 1e-170, 1e-300, 1e-310]
+ALONG = np.array([1.0, 2.0, -2.0]) / 3
+TO = {  # a tool by its direction, and a point
+    "plane": lambda n: tools.Plane((0, 1, 0), n),
+    "cylinder": lambda n: tools.Cylinder((0, 1, 0), n, 0.5),
+    "cone": lambda n: tools.Cone((0, 1, 0), n, 0.4),
+    "torus": lambda n: tools.Torus((0, 1, 0), n, 2, 0.5),
+    "revolved": lambda n: tools.Revolved(tools.Plane((0, 1), (1, 1)), (0, 1, 0), n),
+    "moved": lambda n: tools.Plane((0, 0, 1), (0, 0, 1)).Moved(angle=1, axis=n, center=(0, 1, 0)),
+    "line": lambda n: tools.Plane((0, 1), n[:2]),
+}
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize("name", TO)
+def test_only_the_sense_of_a_direction_counts(name, length):
+    expected, found = TO[name](ALONG), TO[name](length * 1.5 * ALONG)
+    points = POINTS[:20, : expected.dim]
+    np.testing.assert_allclose(found.Distance(points), expected.Distance(points), atol=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [0.0, np.nan, np.inf])
+@pytest.mark.parametrize("name", TO)
+def test_what_is_no_direction(name, wrong):
+    with pytest.raises(ValueError, match=r"(normal|axis) = .* must be "):
+        TO[name](wrong * ALONG)
+
+
+@pytest.mark.parametrize("dim", [2, 2.0, np.int64(2), np.float32(2)])
+def test_the_dimension_of_a_signed_distance(dim):
+    tool = tools.SignedDistance(sqrt(x**2 + y**2) - 1, dim=dim)
+    assert tool.dim == 2
+    assert tool.Distance([(3, 4)]).tolist() == [4.0]
+
+
+@pytest.mark.parametrize("dim", [2.5, 4, 1, True, "2", None, np.nan, (2,), 10**400])
+def test_what_is_no_dimension(dim):
+    with pytest.raises((ValueError, TypeError), match=r"dim = .* must be 2 or 3"):
+        tools.SignedDistance(sqrt(x**2 + y**2) - 1, dim=dim)
+
+
+@pytest.mark.parametrize("travel", [None, (None, None), [None, None]])
+def test_a_driven_tool_of_which_nothing_is_unknown(travel):
+    with pytest.raises(ValueError, match="what of the motion is unknown"):
+        tools.Sphere((0, 2), 1).Driven(travel=travel)
+
+
+@pytest.mark.parametrize("size", [1e-60, 1e60, np.nan, np.inf])
+@pytest.mark.parametrize("closed", [True, False])
+def test_facets_whose_areas_are_no_numbers(size, closed):
+    with pytest.raises(ValueError, match="corners of the tool are"):
+        tools.Polygon(size * np.array(SQUARE), closed=closed)
+
+
+@pytest.mark.parametrize("size", [1e-40, 1e40])
+def test_facets_of_odd_units(size):
+    square = tools.Polygon(size * np.array(SQUARE))
+    assert square.Distance([(0, 3 * size)])[0] == pytest.approx(2 * size)
