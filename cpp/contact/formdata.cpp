@@ -148,6 +148,10 @@ Array<double> Form<D>::Scalars(const string & name) const {
     none = 0.0;
     return none;
   }
+  if (name.rfind("present ", 0) == 0) {
+    law->Reevaluate();
+    return Scalars(name.substr(8));
+  }
   if (name == "ends") {
     auto ends = kinematics->Ends();
     for (size_t m = ends.Size(); m < states.Size(); m++)
@@ -155,8 +159,10 @@ Array<double> Form<D>::Scalars(const string & name) const {
     return ends;
   }
   std::map<string, const Array<double> *> known{
-      {"area", &jump.area},  {"fullarea", &jump.fullarea}, {"flatness", &jump.flatness},
-      {"c", &law->c},        {"friction", &law->friction}, {"threshold", &law->threshold},
+      {"area", &jump.area},         {"fullarea", &jump.fullarea},
+      {"flatness", &jump.flatness}, {"c", &law->c},
+      {"friction", &law->friction}, {"threshold", &law->threshold},
+      {"tresca", &law->threshold},  {"offset", &law->offset},
       {"end_c", &law->end_c}};
   if (auto found = known.find(name); found != known.end())
     return Array<double>(FlatArray<double>(*found->second));

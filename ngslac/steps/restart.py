@@ -9,6 +9,7 @@ from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
 from ngslac.distributable import OnDistributedMeshes
+from ngslac.errors import Warn
 from ngslac.files import PathOf
 from ngslac.meshes.distributed import Distributed
 from ngslac.solve.iteration import Iteration
@@ -22,6 +23,7 @@ from ngslac.steps.time import TimeStepper
 
 __all__ = ["LoadMesh", "LoadState", "SaveState"]
 
+SAME = 1e-9  # relative difference of means that are computed anew
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
@@ -73,6 +75,7 @@ def SaveState(file, tool, *, also=None) -> None:
         "tool": type(tool).__name__,
         "space": _Fingerprint(solver.gf.space),
         "contacts": [_Kind(contact) for contact in solver.contacts],
+        "limits": [_Limits(contact) for contact in solver.contacts],
         "state": tool.State(),
         "linear": solver.linear.State(),
         "also": {name: thing.State() for name, thing in also.items()},
@@ -133,6 +136,12 @@ def LoadState(file, tool, *, also=None) -> None:
         If the file is no saved state, or damaged, or belongs to another kind of tool, mesh, space,
         contacts or dict `also`. Nothing is changed then, nor by any other error.
 
+    Warns
+    -----
+    ContactWarning
+        If a contact has other values of `friction`, `tresca`, `offset`, `maxdist`, `penetration` or
+        `adjust` than in the file, with all Parameters as they are after the load.
+
     Examples
     --------
     Back to a saved state, of a parameter as well:
@@ -162,6 +171,39 @@ def LoadState(file, tool, *, also=None) -> None:
             thing.SetState(found["also"][name])
         tool.SetState(found["state"])
         solver.linear.SetState(found["linear"])
+        limits = found.get("limits", [])  # older files have none
+        for number, saved in enumerate(limits):
+            _WarnOfOther(f"contact number {number}", saved, _Limits(solver.contacts[number]))
+
+
+def _Limits(contact):
+    """What the law depends on besides its kind, of each macro-element, with Parameters as now."""
+    given, form = contact._state.setup, contact.form
+    limits = {name: given[name] for name in ("maxdist", "penetration", "adjust")}
+    if form.paired:
+        limits |= {
+            name: form.Scalars(f"present {name}") for name in ("friction", "tresca", "offset")
+        }
+    return limits
+
+
+def _WarnOfOther(contact, saved, here):
+    """Warn of values that are not the saved ones: they may have been changed on purpose."""
+    for name in saved.keys() & here.keys():
+        there, now = np.broadcast_arrays(saved[name], here[name])
+        far = np.abs(there - now) > SAME * np.maximum(np.abs(there), np.abs(now))
+        if np.any(far):
+            there, now = (_ShownLimit(name, values[far].flat[0]) for values in (there, now))
+            Warn(
+                f"{contact} has {name} = {now} where the saved state has {there}: its forces and "
+                "slips are those of another law. Make the contact as it was made then, if that is "
+                "not what you mean"
+            )
+
+
+def _ShownLimit(name, value):
+    none = value < 0 if name in ("friction", "tresca") else value == 0 and name != "offset"
+    return "None" if none else f"{value:g}"
 
 
 def _Compare(what, saved, here):
@@ -181,7 +223,11 @@ def _Fingerprint(space):
 
 def _Kind(contact):
     sliding = "finite" if contact.finite else "small"
-    return f"{sliding} sliding of {contact.space.nmacros} macro-elements"
+    given = contact._state.setup
+    sides = {"master": "a master", "tool": "a tool", "obstacle": "an obstacle"}
+    words = [words for name, words in sides.items() if given[name] is not None]
+    words += [name for name in ("tied", "bilateral", "edges") if given[name]]
+    return f"{sliding} sliding of {contact.space.nmacros} macro-elements on {', '.join(words)}"
 
 
 def _Solver(tool):
