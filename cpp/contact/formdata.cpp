@@ -10,15 +10,17 @@ void Form<D>::Evaluate(const BaseVector & bx) {
   kinematics->At(x);
   ParallelFor(states.Size(), [&](size_t m) {
     auto place = Place(m, x);
-    Vec<D> traction = setup.active ? law->Multiplier(m, x) : Vec<D>(0.0);
     auto & state = states[m];
-    state.pressure = -InnerProduct(traction, place.normal);
+    state.status = law->ProjectAt(m, place, x).status;
+    // What is left of the multiplier of an open one is rounding, or part of an iteration.
+    bool acts = setup.active && state.status != Status::open;
+    Vec<D> traction = acts ? law->Multiplier(m, x) : Vec<D>(0.0);
+    state.pressure = 0.0 - InnerProduct(traction, place.normal); // no -0
     state.gap = place.gap;
     state.traction = 0.0, state.slip = 0.0;
     for (int k : Range(D))
       state.traction(k) = traction(k), state.slip(k) = place.slip(k);
     normal[m] = place.normal;
-    state.status = law->ProjectAt(m, place, x).status;
   });
 }
 

@@ -97,8 +97,8 @@ class LACContact(metaclass=Distributable):
     ----------
     pressure, gap, status : GridFunction
         One number per macro-element, on the slave surface: pressure (> 0 compression, stress
-        units), mean gap (> 0 open, length), 0 open, 1 stick, 2 slip. Filled by `Evaluate`, which
-        the solver calls.
+        units; 0 where open), mean gap (> 0 open, length; NaN without a partner), 0 open, 1 stick, 2
+        slip. Filled by `Evaluate`, which the solver calls.
     traction, slip, normal : GridFunction
         Vectors: traction on the slave, tangential slip of the last step (slave minus master;
         not known for ``finite=True`` without friction), contact direction out of the slave.
@@ -329,6 +329,11 @@ class LACContact(metaclass=Distributable):
         self._solution = _Entries(gf)
         self._Fill()
 
+    def _ClearOpen(self, gf):
+        """Of a solution that was evaluated last: what is open has no traction, nor rounding."""
+        is_open = self.Table()["status"] == 0
+        gf.vec.FV().NumPy()[self.form.MultiplierDofs().reshape(len(is_open), -1)[is_open]] = 0
+
     def Restore(self) -> None:
         """Fields, table, pairing and resultants as at the last `Commit`."""
         self.form.Restore()
@@ -371,12 +376,12 @@ class LACContact(metaclass=Distributable):
             self._state.SetState(state, gf)
             self._solution = self._accepted = None if gf is None else _Entries(gf)
 
+        self._Change(kept, change)
+
     # --- results -------------------------------------------------------------------------------
 
     def _GetWebguiData(self):
         return self.Segments()._GetWebguiData()
-
-        self._Change(kept, change)
 
     _MakeFields = fields.Make
     _Fill = fields.Fill

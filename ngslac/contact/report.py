@@ -61,7 +61,8 @@ class ContactReport:
         faces = _FacesOf(contact.space)
         self.large = np.flatnonzero(faces > 4 * np.median(faces))
         self.bent = np.flatnonzero(contact.form.Scalars("flatness") < 0.9)
-        finite = [np.isfinite(table[name]) for name in ("area", "fullarea", "gap")]
+        finite = [np.isfinite(table[name]) for name in ("area", "fullarea")]
+        finite.append(np.isfinite(table["gap"]) | ~paired)
         self.undefined = np.flatnonzero(~np.all([*finite, *np.isfinite(table["normal"]).T], axis=0))
         self.macro_size = (float(size.min()), float(size.max()))
         self.where = table["x"]

@@ -39,18 +39,20 @@ def Table(self) -> dict[str, np.ndarray]:
     dict
         ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
         both of the reference configuration with ``finite=True``,
-        ``pressure`` (n), ``traction`` (n, d) on the slave, ``gap`` (n) > 0 open,
+        ``pressure`` (n), ``traction`` (n, d) on the slave, both 0 where the status is 0,
+        ``gap`` (n) > 0 open, NaN without a partner,
         ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
         ``friction`` (n) coefficient, -1 without Coulomb friction.
     """
     d = self.mesh.dim
     states = self.form.States().reshape(-1, 9)
     table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
+    alone = table["area"] == 0
     return table | {
         "x": self.form.Vectors("center").reshape(-1, d),
         "normal": self.form.Vectors("normal").reshape(-1, d),
         "pressure": states[:, 0],
-        "gap": states[:, 1],
+        "gap": np.where(alone, np.nan, states[:, 1]),
         "status": states[:, 2].astype(int),
         "traction": states[:, 3 : 3 + d],
         "slip": states[:, 6 : 6 + d],

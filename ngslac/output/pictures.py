@@ -39,7 +39,8 @@ def Draw(
 
     In 3D numbers are colours on the slave faces and vectors are arrows on them. In 2D the faces
     are edges: numbers are bars along the outward normal, vectors arrows, each status a
-    colour of dots (gray open, blue stick, orange slip), drawn on the bodies.
+    colour of dots (gray open, blue stick, orange slip), drawn on the bodies. Gray dots beside
+    gaps: no partner.
 
     Parameters
     ----------
@@ -96,6 +97,8 @@ def Draw(
         objects.append(self)
     elif field in ARROWS or flat:
         objects += _Glyphs(self, field, FacePoints(self, deformation), size)
+    if field == "gap":
+        objects += _Alone(self, FacePoints(self, deformation))
     if not flat:
         shown, defaults = _Colours(self, field)
         return webgui.Draw(shown, self.space.slave, objects=objects, **(defaults | options))
@@ -114,7 +117,13 @@ def _Glyphs(contact, field, faces, size):
     if field == "status":
         return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
     kind = Arrows if field in ARROWS else Bars
-    return [kind(faces, field, COLOUR, values, size)]
+    return [kind(faces, field, COLOUR, np.nan_to_num(values), size)]
+
+
+def _Alone(contact, faces):
+    """Dots where there is no partner, and so no gap."""
+    alone = np.isnan(contact.Table()["gap"])[faces.macro]
+    return [Dots(faces, "no partner", STATUS["open"], alone)] if np.any(alone) else []
 
 
 def _Colours(contact, field):
@@ -125,8 +134,10 @@ def _Colours(contact, field):
         # Neighbours have nearly the same number: in order they would have the same colour.
         order = np.random.default_rng(1).permutation(contact.space.nmacros)
         return _Numbers(contact, order), {"settings": {"colormap_ncolors": 32}}
-    if field == "segments":
-        return contact.gap, {}
+    if field in ("gap", "segments"):  # a colour needs a number: without a partner the largest
+        gaps = contact.Table()["gap"]
+        known = gaps[np.isfinite(gaps)]
+        return _Numbers(contact, np.nan_to_num(gaps, nan=known.max(initial=0.0))), {}
     values = _Field(contact, field)
     return (InnerProduct(values, values) ** 0.5 if field in ARROWS else values), {}
 

@@ -216,9 +216,13 @@ class Springs:
             return 0.0
         table = self.contact.Table()
         change = -np.sum(self._Follow(motion) * table["normal"][self.own], axis=1)
-        overlap = change - self.stiffness / WIDE * table["gap"][self.own]
+        overlap = change - self.stiffness / WIDE * self._Gaps(table)
         start = np.abs(table["pressure"][self.own])
         return max(np.max(sizes, initial=0.0) for sizes in (np.abs(change), overlap, start))
+
+    def _Gaps(self, table):
+        """Of its macro-elements: 0 for those that have lost their partner since."""
+        return np.nan_to_num(table["gap"][self.own])
 
     def Start(self, pressure):
         """Start with pressures of this size."""
@@ -227,7 +231,7 @@ class Springs:
         if self.contact.tied:
             self.law = Tie(table["traction"][self.own], self.stiffness)
             return
-        normal, gap = table["normal"][self.own], table["gap"][self.own]
+        normal, gap = table["normal"][self.own], self._Gaps(table)
         press = Unilateral(gap, self.stiffness, pressure)
         product = np.mean(press.products) if len(gap) else 0.0
         if self.contact.bilateral:
@@ -262,7 +266,7 @@ class Springs:
         table = self.contact.Table()
         area, full = table["area"][self.own], table["fullarea"][self.own]
         self.area = np.where(area > 0, area, full)
-        self.law.Place(*(table[name][self.own] for name in ("normal", "gap", "slip")))
+        self.law.Place(table["normal"][self.own], self._Gaps(table), table["slip"][self.own])
         self.law.Bound(self._Bound(self.law.press.size, table))
 
     def Show(self, values, traction):

@@ -144,6 +144,8 @@ class Newton:
         if message := self.system.Inverted():
             raise InvertedError(message + "; take smaller steps, or a finer mesh there")
         Look(self.system)()
+        for contact in self.system.contacts:
+            contact._ClearOpen(self.system.gf)
         self.system.residual.Accept()
         return self.history[-1]
 

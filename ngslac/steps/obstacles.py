@@ -47,7 +47,7 @@ class Obstacles:
         if contact.tool is not None:
             turn, shift = contact.tool.placement
             places = (table["x"] - shift) @ turn
-        return table["gap"].copy(), places
+        return np.nan_to_num(table["gap"]), places  # what has no partner is not moved
 
     def _Way(self, contact, gf, before):
         now = self._Of(contact, gf)

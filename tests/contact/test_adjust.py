@@ -31,7 +31,7 @@ def test_small_gaps_and_overlaps_count_as_zero(dim, up, finite):
     contact, at = pair(dim, up, adjust=LIMIT, finite=finite)
     paired = contact.Table()["area"] > 0
     assert np.any(paired)
-    assert contact.Table()["gap"] == pytest.approx(0, abs=1e-14)
+    assert np.nan_to_num(contact.Table()["gap"]) == pytest.approx(0, abs=1e-14)
     for more in (0.03, -0.04):
         gf = at(up + more)
         contact.Follow(gf)
@@ -68,7 +68,9 @@ def test_on_an_obstacle():
     near = np.abs(initial) <= 0.03
     assert np.any(near)
     assert np.any(~near)
-    assert contact.Table()["gap"] == pytest.approx(np.where(near, 0, initial), abs=1e-14)
+    assert contact.Table()["gap"] == pytest.approx(
+        np.where(near, 0, initial), abs=1e-14, nan_ok=True
+    )
 
 
 @pytest.mark.parametrize("finite", [False, True])
@@ -90,7 +92,7 @@ def test_a_saved_state_remembers_what_was_adjusted(finite):
     other.SetState(contact.State())
     state = 0.01 * np.random.default_rng(0).normal(size=contact.nscalars) + gf.vec.FV().NumPy()
     assert residual(other, state) == pytest.approx(residual(contact, state), abs=1e-13)
-    assert other.Table()["gap"] == pytest.approx(contact.Table()["gap"], abs=1e-13)
+    assert other.Table()["gap"] == pytest.approx(contact.Table()["gap"], abs=1e-13, nan_ok=True)
 
 
 def test_derivative():

@@ -67,7 +67,7 @@ def test_rigid_motions_change_nothing(dim, cells, degrees):
     R = form.place(CF(POSITIONS[:dim]) + form.body(1, 0) * CF(tuple(way)), degrees)
     form.values[form.multipliers] = tractions @ R.T
     turned = form.table()
-    assert turned["gap"] == pytest.approx(table["gap"], abs=1e-13)
+    assert turned["gap"] == pytest.approx(table["gap"], abs=1e-13, nan_ok=True)
     assert turned["normal"][paired] == pytest.approx(table["normal"][paired] @ R.T, abs=1e-13)
     assert turned["slip"] == pytest.approx(0, abs=1e-13)
     assert residual(form.contact, form.values)[form.multipliers] == pytest.approx(0, abs=1e-13)

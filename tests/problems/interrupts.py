@@ -65,4 +65,4 @@ def Copy(value):
 
 def same(one, other):
     """Names of what is the same in both, to the last bit."""
-    return {name for name in one if np.array_equal(one[name], other[name])}
+    return {name for name in one if np.array_equal(one[name], other[name], equal_nan=True)}

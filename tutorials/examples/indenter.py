@@ -94,7 +94,7 @@ class Indenter:
             "mises": float(mises.vec.FV().NumPy().max()),
             "plastic_strain": float(material.accumulated.vec.FV().NumPy().max()),
             "plastic_volume": material.Integral(material.accumulated),
-            "gap": float(table["gap"].min()),
+            "gap": float(np.nanmin(table["gap"])),
             "closed": len(closed),
         }
 
