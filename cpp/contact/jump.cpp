@@ -18,6 +18,11 @@ ProxyInfo::ProxyInfo(const CoefficientFunction & cf, const string & name) {
     auto product = dynamic_pointer_cast<CompoundFESpace>(component);
     if (!product)
       break;
+    if (dynamic_pointer_cast<CompoundFESpaceAllSame>(product)) // with elements of its own kind
+      throw Exception("LACContact: " + name +
+                      " belongs to a power of a space, such as (V * Q)**2, whose parts NGSolve "
+                      "cannot evaluate on their own; make the product of its factors, such as "
+                      "V * Q * V * Q");
     path.push_back(inner->Component());
     offset += product->GetRange(inner->Component()).First();
     component = (*product)[inner->Component()];
