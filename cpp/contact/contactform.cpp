@@ -25,7 +25,8 @@ ContactForm::ContactForm(const ContactSetup & asetup)
 
 void ContactForm::CheckPaired() const {
   if (!IsPaired())
-    throw Exception("LACContact: no pairing yet; call Update() first");
+    throw Exception("LACContact: no pairing yet; call Update() first, or solve: forces, pressures "
+                    "and tables are those of a solution");
   if (!IsCurrent())
     throw Exception("LACContact: the pairing is that of another mesh or space; after a refinement "
                     "call Update() of the space and of the contact, and make a new solver");

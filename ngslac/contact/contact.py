@@ -394,6 +394,7 @@ class LACContact(metaclass=Distributable):
     Moment = results.Moment
     Mortar = results.Mortar
     Recovered = results.RecoveredOf
+    _WarnIfUnsolved = results.WarnIfUnsolved
     Segments = results.SegmentsOf
     Check = results.Check
     Draw = pictures.Draw

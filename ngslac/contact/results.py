@@ -7,6 +7,7 @@ from ngsolve import BaseMatrix
 from ngslac._ngslac import Side
 from ngslac.arguments import BoundaryNames, CheckPoint
 from ngslac.contact.report import ContactReport
+from ngslac.errors import Warn
 from ngslac.output.segments import Segments
 from ngslac.recovery.recovered import Recovered
 
@@ -126,10 +127,17 @@ def RecoveredOf(self) -> Recovered:
     True
     """
     self._PairOnce()
+    WarnIfUnsolved(self)
     if self._recovered is None:
         displacement = self._state.Displacement(self._solution)
         self._recovered = Recovered(self, displacement)
     return self._recovered
+
+
+def WarnIfUnsolved(self):
+    """Say that pressures are 0 where there was no solution yet."""
+    if self._solution is None and not np.any(self.form.States().reshape(-1, 9)[:, [0, 2, 3, 4, 5]]):
+        Warn("nothing is solved yet: pressures, tractions and slips are 0; solve first")
 
 
 def SegmentsOf(self) -> Segments:

@@ -26,6 +26,7 @@ __all__ = ["Draw", "Plot", "WriteVTU"]
 SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
 RECOVERED = ("recovered pressure", "recovered traction")
 ARROWS = (*VECTORS, RECOVERED[1])
+SOLVED = ("pressure", "status", *VECTORS[:2], *RECOVERED)  # what only a solution has
 KINDS = (*SCALARS, *VECTORS, *RECOVERED, "macros", "segments")
 COLOUR = "crimson"  # of bars and arrows
 CURVE = 9  # points of each face in a plot
@@ -87,6 +88,8 @@ def Draw(
         CheckInstance("background", background, CoefficientFunction, wanted)
         CheckOnMesh("background", background, self.mesh)
     self._PairOnce()
+    if field in SOLVED:
+        self._WarnIfUnsolved()
     flat = self.mesh.dim == 2
     displacement = deformation
     if deformation is not None:
@@ -198,6 +201,8 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     if axes is not None and not callable(getattr(axes, "plot", None)):
         raise Wrong(TypeError, "axes", axes, "axes of matplotlib, or None")
     self._PairOnce()
+    if field in SOLVED:
+        self._WarnIfUnsolved()
     coordinate = _Coordinate(along, self.mesh.dim)
     axes = plt.gca() if axes is None else axes
     faces = FacePoints(self, deformation)
@@ -251,6 +256,7 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     """
     CheckDisplacement("displacement", displacement, self.mesh)
     self._PairOnce()
+    self._WarnIfUnsolved()
     fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
     fields |= {name: _Field(self, name) for name in RECOVERED}
     fields["macro"] = _Numbers(self, np.arange(self.space.nmacros))

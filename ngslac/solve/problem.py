@@ -2,25 +2,29 @@
 """The parts of a problem as users hand them to a solver, checked."""
 
 from collections.abc import Iterable
+from itertools import combinations
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BilinearForm, BitArray
+from ngsolve import BilinearForm, BitArray, GridFunction
 from ngsolve.la import SparseMatrixd
 
-from ngslac.arguments import CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
+from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply
+from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.contact.contact import LACContact
 from ngslac.parallel.bulk import RemoteForm
 
 __all__ = [
     "AssembleBulk",
+    "CheckBodies",
     "CheckBulk",
     "CheckContacts",
     "CheckFreeDofs",
     "CheckInverse",
     "CheckMatrix",
     "CheckMotion",
+    "CheckSlaves",
     "CheckStart",
     "CheckTolerance",
     "MultiplierRows",
@@ -53,13 +57,22 @@ def CheckBulk(a):
     return a
 
 
-def CheckContacts(contacts, space, name="contacts"):
-    """One contact or several as a list of contacts on one space, each with a lam of its own."""
+def CheckContacts(contacts, space, gf=None, name="contacts"):
+    """One contact or several as a list of contacts on one space, each with a lam of its own.
+
+    `gf` is the solution, which tells whether a contact or the bulk form is on another space.
+    """
     several = isinstance(contacts, Iterable) and not isinstance(contacts, (str, bytes))
     found, moved = {}, set()
     for contact in contacts if several else [contacts]:
         CheckInstance(name, contact, LACContact, "a LACContact, or a list of them")
         if contact.form.fes != space:
+            if isinstance(gf, GridFunction) and gf.space == contact.form.fes:
+                raise ValueError(
+                    f"a, the bulk form, lives on another space than u and lam, with {space.ndof} "
+                    f"dofs in place of {gf.space.ndof}: take BilinearForm(X) of their product "
+                    "space X"
+                )
             raise ValueError(
                 f"{name}: a, gf and the contacts must live on the same product space X: take u and "
                 "lam of LACContact, BilinearForm(X) and GridFunction(X) from one X"
@@ -77,6 +90,18 @@ def CheckContacts(contacts, space, name="contacts"):
     if not found:
         raise ValueError(f"{name} = {Shown(contacts)} is empty: give at least one LACContact")
     return list(found.values())
+
+
+def CheckSlaves(contacts):
+    """No two contacts that are on hold one slave face: what each carries is not determined."""
+    for one, other in combinations([contact for contact in contacts if contact.active], 2):
+        both = one.space.slave * other.space.slave
+        if next(iter(both.Elements()), None) is not None:
+            raise ValueError(
+                f"contacts: two of them have the slave {BoundaryNames(both)!r}, and the system would "
+                "be singular where both are closed: give one contact both sides, as in "
+                "master='one|other', make one of them the master, or Deactivate one of them"
+            )
 
 
 def CheckStart(gf, space):
@@ -183,3 +208,31 @@ def CheckMatrix(mat, rows):
             "a, the bulk form, holds terms with lam or its test function: LACContact adds all of "
             "contact, leave these terms out"
         )
+
+
+def CheckBodies(mat, contact, free):
+    """Refuse a material that has no stiffness, or NaN, where it is `free` (n,) bool to move."""
+    form = contact.form
+    space, block = form.component, form.fes.dim
+    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    forces = Multiply([mat], np.random.default_rng(0).uniform(1, 2, len(free)))[own]
+    if np.all(np.isfinite(forces) & (forces != 0) | ~free[own]):
+        return
+    for wrong, what in ((~np.isfinite(forces), "NaN or infinity"), (forces == 0, "nothing")):
+        names = _MaterialsOf(space, (wrong & free[own]).reshape(-1, block).any(axis=1))
+        if names:
+            raise ValueError(
+                f"a, the bulk form, gives {', '.join(map(repr, names))} {what} as stiffness: is "
+                "there a name that is missing in a MaterialCF, a modulus of 0, or an integral that "
+                "leaves a body out?"
+            )
+
+
+def _MaterialsOf(space, dofs):
+    """Names of the materials of which only these dofs (n,) bool belong to no other one."""
+    materials = np.array(space.mesh.GetMaterials())
+    names = list(dict.fromkeys(materials.tolist()))
+    inside = {name: AsNumPy(DofsOfMaterials(space, materials == name)) for name in names}
+    count = sum(part.astype(int) for part in inside.values())
+    alone = {name: part & (count == 1) for name, part in inside.items()}
+    return [name for name, part in alone.items() if np.any(part & dofs)]

@@ -33,6 +33,7 @@ from ngslac.solve.problem import (
     CheckFreeDofs,
     CheckInverse,
     CheckMotion,
+    CheckSlaves,
     CheckStart,
     CheckTolerance,
 )
@@ -124,8 +125,9 @@ class ContactSolver(metaclass=Distributable):
         space = CheckBulk(a).space
         if not isinstance(a, RemoteForm):
             WarnOfCopies(space.mesh)
+        contacts = CheckContacts(contacts, space, gf)
+        CheckSlaves(contacts)
         CheckStart(gf, space)
-        contacts = CheckContacts(contacts, space)
         self.initial = CheckChoice("initial", initial, ("gap", "none"))
         CheckFreeDofs(freedofs, space, contacts)
         CheckInverse(inverse)
@@ -221,6 +223,7 @@ class ContactSolver(metaclass=Distributable):
                 "call it after that ends"
             )
         self.system.CheckSpace()
+        CheckSlaves(self.contacts)
         self.system.PairOnce()
         before = Snapshot(self)
         self.system.Begin(motion, self.constrained)

@@ -10,7 +10,7 @@ from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
 from ngslac.bodies.freedom import Ground
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
-from ngslac.solve.problem import CheckMatrix, MultiplierRows
+from ngslac.solve.problem import CheckBodies, CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
 
 __all__ = ["Saddle", "System"]
@@ -206,6 +206,7 @@ class System:
             contact.Prepare(bulk.diagonal, form=bulk.elastic)
         if not self._apart:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
+            CheckBodies(bulk.mat, self.contacts[0], self.linear.free & ~bulk.inner)
             self._apart = True
         self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs

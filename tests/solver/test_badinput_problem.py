@@ -134,7 +134,7 @@ REFUSED = [
     ("make(contacts=[])", rf"contacts = \[\] {EMPTY}", ValueError),
     ("make(contacts=press(h=0.5).contact)", "must live on the same product space", ValueError),
     ("make(gf=wrong)", r"gf lives on another space than u and lam, with \d+ dofs", ValueError),
-    ("make(press(h=0.5).a)", "gf lives on another space", ValueError),
+    ("make(press(h=0.5).a)", "a, the bulk form, lives on another space than u and", ValueError),
     # loads, free dofs, start
     ("make(rhs=1.0)", NOLOAD, TypeError),
     ("make(rhs='f')", NOLOAD, TypeError),
