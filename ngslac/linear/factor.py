@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ngslac.linear.quiet import Quiet
+
 __all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError"]
 
 # Pardiso's own ordering is no match for nested dissection in three dimensions, and its own
@@ -19,6 +21,7 @@ FLAGS = {
     "pardisospd": {"ordering": "metis", "refinement": 0, "symmetric": True},
 }
 CHOLESKY = ("pardisospd", "sparsecholesky")
+LOUD = ("umfpack",)  # tell of a singular matrix on the screen, with each solution
 
 
 class LinearSolveError(RuntimeError):
@@ -95,12 +98,27 @@ def Factor(mat, freedofs, inverse, **flags):
     ValueError
         There is no solver of this name. LinearSolveError: the matrix is singular.
     """
+    quiet = Quiet()
     try:
-        return mat.Inverse(freedofs, inverse=inverse, flags=FLAGS.get(inverse, {}) | flags)
+        with quiet:
+            factors = mat.Inverse(freedofs, inverse=inverse, flags=FLAGS.get(inverse, {}) | flags)
+            fine = inverse not in LOUD or _Solves(factors)
     except Exception as error:
         if isinstance(error, ImportError) or "available" in str(error):
             raise ValueError(f"inverse={inverse!r} is not available: {error}") from error
         raise LinearSolveError(f"{inverse}: {error}") from error
+    if not fine:
+        raise LinearSolveError(f"{inverse}: the matrix is singular")
+    if quiet.text:
+        print(quiet.text, end="")  # such as what NGSolve was asked to tell
+    return factors
+
+
+def _Solves(factors):
+    """Is a solution finite? If not, each further one would be a line on the screen."""
+    x = factors.CreateRowVector()
+    x.FV().NumPy()[:] = 1.0
+    return bool(np.isfinite((factors * x).Evaluate().Norm()))
 
 
 def IsSymmetric(mat):
