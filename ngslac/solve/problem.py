@@ -98,7 +98,7 @@ def CheckSlaves(contacts):
         both = one.space.slave * other.space.slave
         if next(iter(both.Elements()), None) is not None:
             raise ValueError(
-                f"contacts: two of them have the slave {BoundaryNames(both)!r}, and the system would "
+                f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
                 "be singular where both are closed: give one contact both sides, as in "
                 "master='one|other', make one of them the master, or Deactivate one of them"
             )
