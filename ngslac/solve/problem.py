@@ -13,6 +13,7 @@ from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnS
 from ngslac.arrays import AsNumPy, Multiply
 from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.contact.contact import LACContact
+from ngslac.errors import ContactConvergenceError
 from ngslac.parallel.bulk import RemoteForm
 
 __all__ = [
@@ -210,16 +211,23 @@ def CheckMatrix(mat, rows):
         )
 
 
-def CheckBodies(mat, contact, free):
-    """Refuse a material that has no stiffness, or NaN, where it is `free` (n,) bool to move."""
+def CheckBodies(mat, contact, free, *, rests):
+    """Refuse a material that has no stiffness, or NaN, where it is `free` (n,) bool to move.
+
+    `rests`: is the solution 0? Else NaN comes from that, as of elements that are inside out.
+    """
     form = contact.form
     space, block = form.component, form.fes.dim
     own = slice(form.offset * block, (form.offset + space.ndof) * block)
     forces = Multiply([mat], np.random.default_rng(0).uniform(1, 2, len(free)))[own]
-    if np.all(np.isfinite(forces) & (forces != 0) | ~free[own]):
-        return
-    for wrong, what in ((~np.isfinite(forces), "NaN or infinity"), (forces == 0, "nothing")):
-        names = _MaterialsOf(space, (wrong & free[own]).reshape(-1, block).any(axis=1))
+    undefined, none = ~np.isfinite(forces) & free[own], (forces == 0) & free[own]
+    for wrong, what in ((undefined, "NaN or infinity"), (none, "nothing")):
+        names = _MaterialsOf(space, wrong.reshape(-1, block).any(axis=1)) if np.any(wrong) else []
+        if names and wrong is undefined and not rests:
+            raise ContactConvergenceError(
+                "the residual holds NaN or infinite values of a, the bulk form, at the start, in "
+                + ", ".join(map(repr, names))
+            )
         if names:
             raise ValueError(
                 f"a, the bulk form, gives {', '.join(map(repr, names))} {what} as stiffness: is "
@@ -229,7 +237,7 @@ def CheckBodies(mat, contact, free):
 
 
 def _MaterialsOf(space, dofs):
-    """Names of the materials of which only these dofs (n,) bool belong to no other one."""
+    """Names of the materials that have some of these dofs (n,) bool for themselves."""
     materials = np.array(space.mesh.GetMaterials())
     names = list(dict.fromkeys(materials.tolist()))
     inside = {name: AsNumPy(DofsOfMaterials(space, materials == name)) for name in names}

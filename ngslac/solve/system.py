@@ -206,7 +206,8 @@ class System:
             contact.Prepare(bulk.diagonal, form=bulk.elastic)
         if not self._apart:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
-            CheckBodies(bulk.mat, self.contacts[0], self.linear.free & ~bulk.inner)
+            free, rests = self.linear.free & ~bulk.inner, not np.any(self.values)
+            CheckBodies(bulk.mat, self.contacts[0], free, rests=rests)
             self._apart = True
         self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs

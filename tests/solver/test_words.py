@@ -18,6 +18,7 @@ from press import linear, press, stress, two_blocks
 
 from ngslac import (
     AugmentedLagrangianSolver,
+    ContactConvergenceError,
     ContactSolver,
     ContactWarning,
     FormSum,
@@ -147,6 +148,13 @@ def weak(young, *, condense=False, **flags):
     a += E * InnerProduct(stress(u), Sym(Grad(v))) * dx
     a += v[1] * ds("top")
     return a, gf, LACContact(u, lam, master="master", friction=0.3)
+
+
+def test_a_body_whose_stiffness_is_undefined_where_it_was_put():
+    a, gf, contact = weak({"upper": np.nan, "lower": 1})
+    gf.components[0].vec[:] = 1e-3
+    with pytest.raises(ContactConvergenceError, match=r"NaN or .* of a, the bulk .*'upper'"):
+        ContactSolver(a, gf, contact).Solve(printing=False)
 
 
 @pytest.mark.parametrize("solver", ["interface", "direct", "saddle"])
