@@ -175,50 +175,85 @@ struct Groups {
   }
 };
 
-bool Joins(const Traces & tr, int face, int neighbour) {
-  return InnerProduct(tr.normals[face], tr.normals[neighbour]) > bend_cosine;
-}
+/// What a face that is left over asks of the group that it joins.
+struct Wishes {
+  bool small = false;   // it is below its limit
+  bool reaches = false; // its support moves wherever the face moves
+  bool flat = false;    // none of its faces bends away
+};
 
-/// Faces without a group join the neighbour that is the smallest and does not bend away.
-void JoinLeftovers(const Traces & tr, Groups & groups) {
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (int s : Range(groups.of_face)) {
+/// Joins faces that are left over to groups of their neighbours.
+class Leftovers {
+  const Traces & tr;
+  Groups & groups;
+  FlatArray<Reach> reach;  // of the support in each group
+  Array<Array<int>> faces; // of each group
+
+public:
+  Leftovers(const Traces & atr, Groups & agroups, FlatArray<Reach> areach)
+      : tr(atr), groups(agroups), reach(areach), faces(areach.Size()) {
+    for (int s : Range(groups.of_face))
       if (groups.of_face[s] >= 0)
-        continue;
-      int best = -1;
-      for (int t : tr.neighbours[s])
-        if (int g = groups.of_face[t]; g >= 0 && Joins(tr, s, t) &&
-                                       groups.size[g] < groups.limit[g] &&
-                                       (best < 0 || groups.size[g] < groups.size[best]))
-          best = g;
-      if (best >= 0) {
-        groups.of_face[s] = best;
-        groups.size[best]++;
-        changed = true;
-      }
+        faces[groups.of_face[s]].Append(s);
+  }
+
+  /// One after the other, as long as there is a group that is not too large.
+  void JoinSmall(const Wishes & wishes) {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (int s : Range(groups.of_face))
+        if (int g = Best(s, wishes); g >= 0) {
+          groups.size[g]++;
+          Put(s, g);
+          changed = true;
+        }
     }
   }
-}
 
-/// Faces from which a way leads to a group along faces that do not bend away.
-BitArray Connected(const Traces & tr, const Groups & groups) {
-  BitArray connected(tr.faces.Size());
-  connected.Clear();
-  Array<int> found;
-  auto add = [&](int s) {
-    connected.SetBit(s);
-    found.Append(s);
-  };
-  for (int s : Range(tr.faces.Size()))
-    if (groups.of_face[s] >= 0)
-      add(s);
-  for (size_t i = 0; i < found.Size(); i++)
-    for (int t : tr.neighbours[found[i]])
-      if (!connected.Test(t) && Joins(tr, found[i], t))
-        add(t);
-  return connected;
-}
+  /// Layer by layer what can move, however large groups become.
+  void JoinMovable(const Wishes & wishes) {
+    Array<pair<int, int>> layer;
+    do {
+      layer.SetSize0();
+      for (int s : Range(groups.of_face))
+        if (int g = tr.movable[s] ? Best(s, wishes) : -1; g >= 0) {
+          groups.size[g]++;
+          layer.Append({s, g});
+        }
+      for (auto [s, g] : layer)
+        Put(s, g);
+    } while (layer.Size());
+  }
+
+private:
+  void Put(int face, int g) {
+    groups.of_face[face] = g;
+    faces[g].Append(face);
+  }
+  /// The smallest group of a neighbour that suits; -1: none, or it has one.
+  int Best(int face, const Wishes & wishes) const {
+    int best = -1;
+    if (groups.of_face[face] >= 0)
+      return best;
+    for (int t : tr.neighbours[face])
+      if (int g = groups.of_face[t]; g >= 0 && Continues(face, t) && Suits(face, g, wishes) &&
+                                     (best < 0 || groups.size[g] < groups.size[best]))
+        best = g;
+    return best;
+  }
+  bool Suits(int face, int g, const Wishes & wishes) const {
+    if (wishes.small && groups.size[g] >= groups.limit[g])
+      return false;
+    if (wishes.reaches && !reach[g].Covers(tr.moves[face]))
+      return false;
+    return !wishes.flat || std::all_of(faces[g].begin(), faces[g].end(),
+                                       [&](int other) { return Continues(face, other); });
+  }
+  /// Does one face not bend away from another?
+  bool Continues(int face, int other) const {
+    return InnerProduct(tr.normals[face], tr.normals[other]) > bend_cosine;
+  }
+};
 
 /// All free dofs whose trace lives in one macro-element alone.
 Array<Array<int>> CoreDofs(const Traces & tr, FlatArray<int> macro, size_t nmacros) {
@@ -311,20 +346,27 @@ MacroPartition PartitionBySupports(const FESpace & displacement, const BitArray 
   Groups groups;
   groups.of_face.SetSize(n);
   groups.of_face = -1;
+  Array<Reach> reach; // of each group
   auto candidates = FindCandidates(tr);
   for (int c : ChooseDisjoint(tr, candidates)) {
     auto support = Support(tr, candidates[c]);
     groups.Add(support, Limit(tr.dim, support.Size()));
+    reach.Append(ReachOf(tr, candidates[c]));
   }
-  JoinLeftovers(tr, groups);
-  auto alone = Connected(tr, groups); // faces that are too far from any support
-  for (size_t s : Range(n))
+  Leftovers leftovers(tr, groups, reach);
+  leftovers.JoinSmall({.small = true, .reaches = true});
+  leftovers.JoinMovable({.reaches = true, .flat = true});
+  leftovers.JoinMovable({.reaches = true});
+  leftovers.JoinMovable({});
+  BitArray alone(n); // faces that nothing moves
+  alone.Clear();
+  Array<int> lost;
+  for (size_t s : Range(n)) {
     if (!tr.movable[s] && groups.size.Size())
       alone.SetBit(s);
-  Array<int> lost;
-  for (size_t s : Range(n))
-    if (groups.of_face[s] < 0 && !alone.Test(s))
+    else if (groups.of_face[s] < 0)
       lost.Append(s);
+  }
   if (lost.Size())
     ThrowUnstable(displacement, tr, lost);
   groups.AddFaces(alone);

@@ -18,10 +18,11 @@ struct MacroPartition {
 /// section 2.2: a macro-element contains the support of at least one basis function).
 ///
 /// Supports of free basis functions are chosen disjoint, the smallest first; a face left over joins
-/// a neighbour that has not grown too large. Directions in which all displacements of its faces are
-/// prescribed are not asked of a macro-element. What is left then, far from any support or where
-/// nothing can move along the normal, are macro-elements of one face that reach nothing. Throws
-/// where no support is found, or for faces that could move and have no neighbour to join.
+/// a neighbour that has not grown too large, or else, if it can move, the smallest one. Directions
+/// in which all displacements of its faces are prescribed are not asked of a macro-element. What is
+/// left then are faces that cannot move along the normal: macro-elements of one face that reach
+/// nothing. Throws where no support is found, or for faces that could move and have no neighbour to
+/// join.
 MacroPartition PartitionBySupports(const FESpace & displacement, const BitArray & boundaries);
 
 /// A partition that the caller gives (one number per slave face, in the order of the mesh), checked

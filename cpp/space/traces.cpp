@@ -229,6 +229,12 @@ Mat<3, 3> Reach::Projector() const {
   return projector;
 }
 
+bool Reach::Covers(const Reach & other) const {
+  Reach both = *this;
+  both.Add(other);
+  return both.Rank() == Rank();
+}
+
 bool Reach::Reaches(const Vec<3> & normal) const {
   return L2Norm(Vec<3>(Projector() * normal)) > normal_tolerance;
 }
@@ -251,7 +257,7 @@ Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
       for (auto & trace : all[s].traces)
         creator.Add(trace.dof, s);
   tr.dof_faces = creator.MoveTable();
-  tr.normals.SetSize(all.Size()), tr.reach.SetSize(all.Size());
+  tr.normals.SetSize(all.Size()), tr.reach.SetSize(all.Size()), tr.moves.SetSize(all.Size());
   tr.bare.SetSize(all.Size()), tr.movable.SetSize(all.Size());
   for (int s : Range(all)) {
     tr.normals[s] = all[s].normal;
@@ -259,6 +265,8 @@ Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
     tr.movable[s] = false;
     for (auto & trace : all[s].traces) {
       tr.movable[s] = tr.movable[s] || (trace.along_normal && free.Test(trace.dof));
+      if (free.Test(trace.dof))
+        tr.moves[s].Add(tr.dof_mean[trace.dof]);
       if (tr.inner_dofs.Test(trace.dof))
         tr.reach[s].Add(tr.dof_mean[trace.dof]);
     }

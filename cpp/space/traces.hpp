@@ -16,6 +16,8 @@ public:
   int Rank() const;
   /// Orthogonal projection on them.
   Mat<3, 3> Projector() const;
+  /// Are all directions of the other among them?
+  bool Covers(const Reach & other) const;
   /// Do they have a fair part in a unit normal?
   bool Reaches(const Vec<3> & normal) const;
 };
@@ -35,6 +37,7 @@ struct Traces {
   Array<bool> bare;         // faces on which the space has no dofs
   Array<bool> movable;      // faces on which a free dof moves something along the normal
   Array<Reach> reach;       // of the inner dofs on each face
+  Array<Reach> moves;       // of all free dofs on each face
 };
 
 Traces CollectTraces(const FESpace & displacement, const BitArray & boundaries);

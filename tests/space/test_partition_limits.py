@@ -5,9 +5,9 @@ from functools import partial
 import numpy as np
 import pytest
 from bricks import RIM, ball, brick, flipped, middle, slave_faces
-from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
+from netgen.occ import Box, Circle, Compound, MoveTo, OCCGeometry, Y, Z
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Mesh, Sym, VectorH1, dx
-from partitions import SPACES, check_partition, cores, sizes
+from partitions import SPACES, check_partition, cores, faces_of_macros, sizes
 from press import press, solved
 
 from ngslac import ContactSolver, LACContact, LACSpace
@@ -43,6 +43,33 @@ def test_half_of_a_slave_clamped_in_3d(space, kind):
             for dof in V.GetDofNrs(el):
                 V.FreeDofs().Clear(dof)
     assert sizes(LACSpace(V, slave="bottom"))[-1] <= 7
+
+
+@pytest.mark.parametrize("kind", ["tet", "hex", "prism"])
+@pytest.mark.parametrize("n", [3, 4, 5, 7])
+def test_faces_join_macro_elements_that_move_as_they_do(kind, n):
+    """Beyond x = 1/2 nothing moves along x: where a face does, its macro-element does."""
+    mesh = brick(kind, n, 1)
+    V = VectorH1(mesh, order=1, dirichlet="top")
+    for v in mesh.vertices:
+        if v.point[0] > 0.5:
+            V.FreeDofs().Clear(v.nr)
+    X = V * LACSpace(V, slave="bottom")
+    check_partition(X.components[1])
+    moves = {v.nr for v in mesh.vertices if v.point[0] <= 0.5}
+    for own, core in zip(faces_of_macros(X.components[1]), cores(X.components[1]), strict=True):
+        faces = [el for el in slave_faces(mesh) if el.nr in own]
+        if moves & {v.nr for el in faces for v in el.vertices}:
+            assert any(dof < mesh.nv for dof in core)
+
+
+@pytest.mark.parametrize("h", [0.3, 0.35, 0.25, 0.2])
+def test_corners_and_edges_join_a_neighbour(h):
+    """Faces at corners hold no vertex that is free, and are more than a layer away from one."""
+    box = Box((0, 0, 0), (1, 1, 1))
+    box.faces.name, box.faces.Max(Z).name = "free", "slave"
+    mesh = Mesh(OCCGeometry(box).GenerateMesh(maxh=h))
+    check_partition(LACSpace(VectorH1(mesh, order=1, dirichlet="free"), slave="slave"), "slave")
 
 
 def test_clamped_part_of_a_slave_presses():
