@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "facets.hpp"
 #include "facetedges.hpp"
+#include "twofold.hpp"
 
 namespace ngslac {
 namespace {
@@ -165,7 +166,7 @@ Nearness<D> Facets<D>::At(const Vec<D> & x) const {
   Vec<D> away = x - foot.point;
   double sign = InnerProduct(away, normal) >= 0 ? 1 : -1, distance = sqrt(foot.square);
   if (foot.on == On::facet)
-    return {InnerProduct(away, normal), normal};
+    return {Apart<D>(x, Corner(foot.facet, 0)).Along(normal).Value(), normal};
   if (distance <= touching * size) {
     double length = L2Norm(normal);
     return {sign * distance, length > 0 ? Vec<D>(1 / length * normal) : Vec<D>(0.0)};

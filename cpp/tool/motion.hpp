@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "distance.hpp"
+#include "twofold.hpp"
 
 namespace ngslac {
 /// Where a tool is: its point y is at  turn y + shift.
@@ -11,6 +12,16 @@ struct Placement {
 
   Vec<D> ToSpace(const Vec<D> & y) const { return turn * y + shift; }
   Vec<D> ToTool(const Vec<D> & x) const { return Trans(turn) * (x - shift); }
+  /// The same, and the digits that it leaves out where a tool turns about a far point.
+  pair<Vec<D>, Vec<D>> ToToolWithRest(const Vec<D> & x) const {
+    Apart<D> apart(x, shift);
+    Vec<D> value, rest;
+    for (int k : Range(D)) {
+      auto along = apart.Along(turn.Col(k));
+      value(k) = along.Value(), rest(k) = along.Rest();
+    }
+    return {value, rest};
+  }
   /// This motion first, then a rotation about a point of the space, then a shift.
   void Turn(const Mat<D, D> & by, const Vec<D> & about);
   void Shift(const Vec<D> & by) { shift += by; }

@@ -20,11 +20,13 @@ template <int D>
 class Ball final : public SignedDistance<D> {
   Vec<D> center;
   double radius;
+  Vec<D> axis;      // of the line, unit or 0
   Mat<D, D> across; // projection to the plane across the line
+  double Distance(const Vec<D> & x, double length) const;
 
 public:
   /// `axis`: of the line, 0 for a point
-  Ball(const Vec<D> & acenter, double aradius, const Vec<D> & axis);
+  Ball(const Vec<D> & acenter, double aradius, const Vec<D> & aaxis);
   Nearness<D> At(const Vec<D> & x) const override;
   Mat<D, D> Hessian(const Vec<D> & x) const override;
 };

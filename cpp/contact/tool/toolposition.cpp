@@ -4,10 +4,12 @@
 namespace ngslac {
 template <int D>
 ToolHit<D> ToolPosition<D>::At(const Vec<D> & x) const {
-  auto near = shape->At(place.ToTool(x));
+  auto [there, rest] = place.ToToolWithRest(x);
+  auto near = shape->At(there);
   Vec<D> gradient = place.turn * near.gradient;
   double length = L2Norm(gradient);
-  return {near.distance, gradient, length > 0 ? Vec<D>(1 / length * gradient) : Vec<D>(0.0)};
+  return {near.distance + InnerProduct(near.gradient, rest), gradient,
+          length > 0 ? Vec<D>(1 / length * gradient) : Vec<D>(0.0)};
 }
 
 template <int D>
