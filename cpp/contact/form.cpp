@@ -30,22 +30,22 @@ void Form<D>::Update(shared_ptr<GridFunction> gf, const FormHistory * history) {
   static Timer timer("ngslac::ContactForm::Update");
   RegionTimer reg(timer);
   CheckUpdated(gf);
-  Form fresh(setup); // a failure leaves everything as it was
-  fresh.Start(gf);
+  Form fresh(setup);                                        // a failure leaves everything as it was
+  fresh.Start(gf, history ? Meeting::later : Meeting::now); // of a history they have met
   if (history)
     fresh.SetHistory(*history);
   *this = std::move(fresh);
 }
 
 template <int D>
-void Form<D>::Start(shared_ptr<GridFunction> gf) {
+void Form<D>::Start(shared_ptr<GridFunction> gf, Meeting meeting) {
   nscalars = NScalars();
   meshsize = MeshSize();
   Vector<> x(nscalars);
   x = 0.0;
   if (gf)
     x = gf->GetVector().FV<double>();
-  mat = kinematics->Start(gf, x);
+  mat = kinematics->Start(gf, x, meeting);
   normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
   for (size_t m : Range(states)) {
     auto place = Place(m, x);
@@ -200,23 +200,41 @@ void Form<D>::Lean(FlatArray<double> vectors) {
 template <int D>
 void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
   CheckSize(diagonal.Size());
-  auto & jump = kinematics->JumpWithRows();
-  double sum = 0;
-  int paired = 0;
+  SetScales(kinematics->JumpWithRows(), diagonal, factor);
+  auto & c = law->c;
+  if (std::none_of(c.begin(), c.end(), [](double value) { return value > 0; })) {
+    // nothing has a partner yet: the slave alone tells the size
+    auto & slave = *kinematics->Surfaces().slave;
+    auto all = PairWithObstacle<D>(slave, 2 * u.Order(slave));
+    MacroJump<D> whole(*space, slave, all);
+    whole.SetRows(u, slave, nullptr, all);
+    SetScales(whole, diagonal, factor);
+  }
+  FillScales(factor);
+  law->end_c = law->c; // until more is learnt
+}
+
+template <int D>
+void Form<D>::SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor) {
   for (size_t m : Range(jump.Size())) {
     double compliance = 0;
     for (auto & e : jump.Row(m))
       if (diagonal(e.dof) > 0)
         compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
     law->c[m] = compliance > 0 ? factor * jump.area[m] / compliance : 0;
-    sum += law->c[m];
-    paired += law->c[m] > 0;
   }
-  // A macro-element without a partner still needs a regular row of the right size.
+}
+
+/// A macro-element without a partner still needs a regular row of the right size.
+template <int D>
+void Form<D>::FillScales(double otherwise) {
+  double sum = 0;
+  int known = 0;
+  for (double value : law->c)
+    sum += value, known += value > 0;
   for (double & value : law->c)
     if (value == 0)
-      value = paired ? sum / paired : factor;
-  law->end_c = law->c; // until more is learnt
+      value = known ? sum / known : otherwise;
 }
 
 template <int D>

@@ -44,7 +44,7 @@ public:
   bool IsCurrent() const override;
 
 private:
-  void Start(shared_ptr<GridFunction> gf);
+  void Start(shared_ptr<GridFunction> gf, Meeting meeting);
   /// Switched off, there is no partner.
   MacroPlace<D> Place(size_t m, FlatVector<> x) const;
   /// Everything as it is now is that of a committed step.
@@ -54,6 +54,9 @@ private:
   /// Throws where a pairing could not be made: of mesh, space and gf.
   void CheckUpdated(const shared_ptr<GridFunction> & gf) const;
   void Reevaluate();
+  /// The scale c of macro-elements with a partner, 0 for the others.
+  void SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor);
+  void FillScales(double otherwise);
   /// Looks at x, with scales for the law.
   void Prepare(const BaseVector & x);
   /// The matrix at x, whose forces are those of its multipliers.

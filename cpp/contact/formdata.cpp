@@ -199,8 +199,14 @@ Array<double> Form<D>::Points() const {
 template <int D>
 Array<double> Form<D>::Overlaps() const {
   CheckPaired();
-  auto & surfaces = kinematics->Surfaces();
-  return kinematics->Finder().Overlaps(*surfaces.slave, surfaces.master.get(), law->Margin());
+  auto & [slave, master, pairing, jump] = kinematics->Surfaces();
+  BitArray faces(slave->Size()); // whose macro-elements are not paired, or in part only
+  faces.Clear();
+  for (size_t f : Range(slave->Size()))
+    if (int m = space->MacroOfFace()[slave->Element(f)];
+        setup.active && jump->area[m] < (1 - 1e-6) * jump->fullarea[m])
+      faces.SetBit(f);
+  return kinematics->Finder().Overlaps(*slave, master.get(), law->Margin(), faces);
 }
 
 template class Form<2>;

@@ -21,8 +21,9 @@ public:
   virtual ~Kinematics() = default;
 
   /// Pairs at x, the values of gf (null: in the reference configuration, x is zero); slip counts
-  /// from there. Returns a matrix to begin with.
-  virtual shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x) = 0;
+  /// from there. What moves may meet later. Returns a matrix to begin with.
+  virtual shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x,
+                                                 Meeting meeting) = 0;
   /// Pairs anew at x.
   virtual void Follow(FlatVector<> /* x */) {}
   /// Evaluates what Parameters and other functions may have changed.

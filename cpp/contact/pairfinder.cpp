@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pairfinder.hpp"
+#include "pairing/overlap.hpp"
 #include "selfcontact.hpp"
+#include "thickness.hpp"
 
 namespace ngslac {
 template <int D>
@@ -39,7 +41,7 @@ PairingOptions PairFinder<D>::Options(const Surface<D> & slave, const Surface<D>
 
 template <int D>
 Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
-                              SearchMargin margin) const {
+                              SearchMargin margin, Meeting meeting) const {
   auto pairing = make_shared<Pairing<D>>();
   if (setup.obstacle) {
     *pairing = PairWithObstacle<D>(*slave, 2 * Degree(*slave, u.Order(*slave)));
@@ -50,7 +52,7 @@ Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D
       LimitToOthers(*slave, *master, options);
     *pairing = ngslac::Pair<D>(*slave, *master, options);
     if (pairing->Size() == 0 && !selfcontact && setup.active) // self-contact may come later
-      ThrowNoPair(*slave, *master, options, margin);
+      CheckMeeting(*slave, *master, options, margin, meeting);
   }
   return {std::move(slave), std::move(master), pairing, nullptr};
 }
@@ -65,16 +67,21 @@ Pairing<D> PairFinder<D>::PairFiner(const Surface<D> & slave, const Surface<D> &
 }
 
 template <int D>
-void PairFinder<D>::ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                                const PairingOptions & options, SearchMargin margin) const {
+void PairFinder<D>::CheckMeeting(const Surface<D> & slave, const Surface<D> & master,
+                                 const PairingOptions & options, SearchMargin margin,
+                                 Meeting meeting) const {
+  BitArray all(slave.Size());
+  all.Set();
   double deepest = 0, searched = options.penetration - margin.deeper;
-  for (double depth : OverlapDepths<D>(slave, master))
+  for (double depth : Depths(slave, master, options.penetration, all))
     deepest = max(deepest, depth - margin.deeper);
   if (deepest > searched)
     throw Exception("LACContact: slave and master never meet: the bodies overlap by up to " +
                     ToString(deepest) + ", deeper than penetration = " + ToString(searched) +
                     "; move them apart, or give penetration = " + ToString(1.1 * deepest) +
                     " to have them pushed apart");
+  if (meeting == Meeting::later || AreApart(slave, master))
+    return;
   throw Exception("LACContact: slave and master never meet: no slave normal reaches the master "
                   "surface within maxdist = " +
                   ToString(options.maxdist - margin.farther) +
@@ -82,16 +89,42 @@ void PairFinder<D>::ThrowNoPair(const Surface<D> & slave, const Surface<D> & mas
 }
 
 template <int D>
+bool PairFinder<D>::AreApart(const Surface<D> & slave, const Surface<D> & master) const {
+  if (!setup.finite || setup.tied || setup.maxdist == 0)
+    return false;
+  auto options = SearchOptions(slave, master, 0, setup.penetration, 1);
+  return ngslac::Pair<D>(slave, master, options).Size() > 0;
+}
+
+template <int D>
+Array<double> PairFinder<D>::Depths(const Surface<D> & slave, const Surface<D> & master,
+                                    double searched, const BitArray & faces) const {
+  Array<double> depths(slave.Size());
+  depths = 0.0;
+  auto parts = DeepParts<D>(slave, master, faces, searched);
+  if (parts.Size() == 0)
+    return depths;
+  BitArray met(master.Size());
+  met.Clear();
+  for (auto & part : parts)
+    met.SetBit(part.master);
+  auto thickness = BodyThicknesses<D>(*setup.master, space->SlaveRegion(), met);
+  for (auto & part : parts)
+    if (part.depth <= thickness[part.master])
+      depths[part.slave] = max(depths[part.slave], part.depth);
+  return depths;
+}
+
+template <int D>
 Array<double> PairFinder<D>::Overlaps(const Surface<D> & slave, const Surface<D> * master,
-                                      SearchMargin margin) const {
+                                      SearchMargin margin, const BitArray & faces) const {
   Array<double> deepest(space->NMacros());
   deepest = 0.0;
-  if (!master || selfcontact)
+  if (!master || selfcontact || faces.NumSet() == 0)
     return deepest;
-  double searched = Options(slave, *master, 1, margin).penetration;
-  auto depths = OverlapDepths<D>(slave, *master);
+  auto depths = Depths(slave, *master, Options(slave, *master, 1, margin).penetration, faces);
   for (size_t f : Range(depths))
-    if (double & most = deepest[space->MacroOfFace()[slave.Element(f)]]; depths[f] > searched)
+    if (double & most = deepest[space->MacroOfFace()[slave.Element(f)]]; depths[f] > 0)
       most = max(most, depths[f] - margin.deeper);
   return deepest;
 }

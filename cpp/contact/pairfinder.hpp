@@ -20,6 +20,12 @@ struct SearchMargin {
   }
 };
 
+/// What it means that slave and master do not meet.
+enum class Meeting {
+  now,  // they are the wrong ones, or in the wrong place
+  later // bodies may be apart, or come off each other
+};
+
 /// Makes the surfaces of a contact, and pairs them.
 template <int D>
 class PairFinder {
@@ -37,15 +43,16 @@ public:
   /// displacement: the reference one.
   unique_ptr<Surface<D>> Slave(shared_ptr<CoefficientFunction> displacement) const;
   unique_ptr<Surface<D>> Master(shared_ptr<CoefficientFunction> displacement) const;
-  /// Throws where they never meet.
-  Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master,
-                 SearchMargin margin) const;
+  /// Throws where they never meet but have to, and where nothing pairs since all is too deep.
+  Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master, SearchMargin margin,
+                 Meeting meeting = Meeting::now) const;
   /// Some faces of the slave once more, with more points.
   Pairing<D> PairFiner(const Surface<D> & slave, const Surface<D> & master, SearchMargin margin,
                        const BitArray & faces) const;
-  /// How deep macro-elements lie behind the master that is too deep for the search; else 0.
-  Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master,
-                         SearchMargin margin) const;
+  /// How deep the macro-elements of some faces lie in the master's body where that is too deep for
+  /// the search; else 0.
+  Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master, SearchMargin margin,
+                         const BitArray & faces) const;
 
 private:
   unique_ptr<Surface<D>> SurfaceOf(const Region & region,
@@ -57,8 +64,13 @@ private:
   /// One surface is slave and master.
   void LimitToOthers(const Surface<D> & slave, const Surface<D> & master,
                      PairingOptions & options) const;
-  /// Says why there is no pair.
-  [[noreturn]] void ThrowNoPair(const Surface<D> & slave, const Surface<D> & master,
-                                const PairingOptions & options, SearchMargin margin) const;
+  /// Throws unless it may be that nothing pairs.
+  void CheckMeeting(const Surface<D> & slave, const Surface<D> & master,
+                    const PairingOptions & options, SearchMargin margin, Meeting meeting) const;
+  /// Does maxdist alone keep them from pairing, so that they may meet later?
+  bool AreApart(const Surface<D> & slave, const Surface<D> & master) const;
+  /// Of each slave face, by how much it is too deep in the master's body, see Overlaps.
+  Array<double> Depths(const Surface<D> & slave, const Surface<D> & master, double searched,
+                       const BitArray & faces) const;
 };
 } // namespace ngslac

@@ -31,7 +31,8 @@ class SmallSliding : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x) override {
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x,
+                                         Meeting) override {
     shared_ptr<CoefficientFunction> displacement;
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);

@@ -18,7 +18,7 @@ struct Corner {
   PointIndex pi;
   netgen::PointGeomInfo gi;
 };
-using Polygon = std::vector<Corner>; // a triangle or a quadrilateral
+using CornerList = std::vector<Corner>; // a triangle or a quadrilateral
 
 Corner Between(const Corner & a, const Corner & b, double s, PointIndex pi) {
   Corner c{pi, a.gi};
@@ -140,12 +140,12 @@ private:
     if (cuts.empty())
       return;
 
-    Polygon whole;
+    CornerList whole;
     for (int i : Range(el.GetNV()))
       whole.push_back({el[i], el.GeomInfo()[i]});
     double orientation = MinCornerArea(whole) > 0 ? 1 : -1;
 
-    std::vector<Polygon> parts{whole};
+    std::vector<CornerList> parts{whole};
     for (auto & cut : cuts)
       SplitPart(parts, cut);
 
@@ -168,7 +168,7 @@ private:
   }
 
   // Signed area spanned at the sharpest corner; its sign tells whether the corner is convex.
-  double MinCornerArea(const Polygon & poly) const {
+  double MinCornerArea(const CornerList & poly) const {
     double least = 0;
     int n = poly.size();
     for (int i : Range(n)) {
@@ -181,12 +181,12 @@ private:
   }
 
   // Splits the one part that still has the whole edge.
-  void SplitPart(std::vector<Polygon> & parts, const Key & cut) {
+  void SplitPart(std::vector<CornerList> & parts, const Key & cut) {
     for (size_t k : Range(parts.size())) {
       int n = parts[k].size();
       for (int i : Range(n))
         if (parts[k][i].pi == cut[0] && parts[k][(i + 1) % n].pi == cut[1]) {
-          Polygon part = parts[k];
+          CornerList part = parts[k];
           std::rotate(part.begin(), part.begin() + i, part.end());
           auto pieces = n == 3 ? SplitTrig(part) : SplitQuad(part);
           parts[k] = pieces[0];
@@ -197,30 +197,30 @@ private:
   }
 
   // The corners on the first edge of a part, its ends included.
-  Polygon EdgeCorners(const Polygon & part) const {
+  CornerList EdgeCorners(const CornerList & part) const {
     const Corner &a = part[0], &b = part[1];
     auto nodes = edges.at(MakeKey(a.pi, b.pi));
     if (b.pi < a.pi)
       std::reverse(nodes.begin(), nodes.end());
-    Polygon line{a};
+    CornerList line{a};
     for (size_t j : Range(nodes.size()))
       line.push_back(Between(a, b, (j + 1.0) / (nodes.size() + 1), nodes[j]));
     line.push_back(b);
     return line;
   }
 
-  std::vector<Polygon> SplitTrig(const Polygon & trig) const {
+  std::vector<CornerList> SplitTrig(const CornerList & trig) const {
     auto line = EdgeCorners(trig);
-    std::vector<Polygon> parts;
+    std::vector<CornerList> parts;
     for (size_t j : Range(line.size() - 1))
       parts.push_back({line[j], line[j + 1], trig[2]});
     return parts;
   }
 
   // Four quadrilaterals around two new points at half depth.
-  std::vector<Polygon> SplitQuad(const Polygon & quad) {
+  std::vector<CornerList> SplitQuad(const CornerList & quad) {
     auto line = EdgeCorners(quad);
-    Polygon inner;
+    CornerList inner;
     for (int j : {1, 2}) {
       Corner far = Between(quad[3], quad[2], j / 3.0, PointIndex::INVALID);
       netgen::Point<3> pfar = mesh[quad[3].pi] + j / 3.0 * (mesh[quad[2].pi] - mesh[quad[3].pi]);

@@ -25,28 +25,6 @@ PairingOptions SearchOptions(const Surface<D> & slave, const Surface<D> & master
 }
 
 template <int D>
-Array<double> OverlapDepths(const Surface<D> & slave, const Surface<D> & master) {
-  auto options = SearchOptions(slave, master, 0, 0, 1);
-  options.penetration = options.maxdist;
-  options.maxdist = 0;
-  options.backs = true; // where one is nearer the slave lies behind another body
-  auto pairing = Pair<D>(slave, master, options);
-  Array<double> depths(slave.Size());
-  depths = 0.0;
-  for (size_t s : Range(pairing.Size())) {
-    auto & segment = pairing.segments[s];
-    for (auto & p : pairing.corners.Range(pairing.Corners(s))) {
-      Vec<D> x;
-      Mat<D, D - 1> dx;
-      master.Evaluate(segment.master, p.master, x, dx);
-      if (InnerProduct(p.normal, master.Normal(segment.master, dx)) < 0)
-        depths[segment.slave] = max(depths[segment.slave], -p.gap);
-    }
-  }
-  return depths;
-}
-
-template <int D>
 Pairing<D> PairWithObstacle(const Surface<D> & slave, int order) {
   return InPieces<D>(slave.Size(), [&](IntRange faces, Pairing<D> & part) {
     auto put = [&](Array<PairPoint<D>> & points, int f, Vec<D - 1> xi, double weight) {
@@ -119,7 +97,6 @@ Array<double> MakePointTable(const Pairing<D> & pairing, const Surface<D> & slav
 #define INSTANTIATE(D)                                                                             \
   template PairingOptions SearchOptions(const Surface<D> &, const Surface<D> &, double, double,    \
                                         int);                                                      \
-  template Array<double> OverlapDepths(const Surface<D> &, const Surface<D> &);                    \
   template Pairing<D> PairWithObstacle(const Surface<D> &, int);                                   \
   template SegmentTable MakeSegmentTable(const Pairing<D> &, const Surface<D> &,                   \
                                          const Surface<D> *);                                      \

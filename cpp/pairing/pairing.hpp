@@ -94,11 +94,6 @@ template <int D>
 Pairing<D> Pair(const Surface<D> & slave, const Surface<D> & master,
                 const PairingOptions & options);
 
-/// How deep the slave faces lie behind the master, 0 where they do not: the nearest of all master
-/// faces behind them looks their way. Searched without limit.
-template <int D>
-Array<double> OverlapDepths(const Surface<D> & slave, const Surface<D> & master);
-
 /// Every slave face whole, facing an obstacle; the gaps are left to the caller.
 template <int D>
 Pairing<D> PairWithObstacle(const Surface<D> & slave, int order);

@@ -86,7 +86,8 @@ class LACContact(metaclass=Distributable):
         fine one. Small sliding on a master only. `pressure` still is the mean, and so is the bound
         of friction; Newton's method takes some more steps.
     maxdist : float
-        Farthest opening at which faces pair. Default: the diameter of both surfaces.
+        Farthest opening at which faces pair. Default: the diameter of both surfaces. Given with
+        ``finite=True``, bodies may be farther apart at first, or a tool behind the slave.
     penetration : float
         Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
     stiffness : float

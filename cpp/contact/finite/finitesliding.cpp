@@ -38,6 +38,7 @@ class FiniteSliding : public Kinematics<D> {
   shared_ptr<const MacroPoints<D>> start;  // of the last Commit: slip counts from there
   Array<Vec<D>> met;                       // see LookBack
   Array<double> last_gap;                  // at the last Commit
+  Meeting first = Meeting::now;            // of the pairing of the start
   SearchMargin searched;                   // in the last Follow
   BitArray closed;                         // in the last Follow, for self-contact
   shared_ptr<Motion<D>> now;               // of the last At
@@ -54,7 +55,9 @@ class FiniteSliding : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x) override {
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
+                                         Meeting meeting) override {
+    first = meeting;
     slave_reference = finder.Slave(nullptr);
     master_reference = finder.Master(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
@@ -104,7 +107,8 @@ public:
       return;
     slave->CheckFinite();
     master->CheckFinite();
-    auto paired = finder.Pair(std::move(slave), std::move(master), margin);
+    auto paired =
+        finder.Pair(std::move(slave), std::move(master), margin, start ? Meeting::later : first);
     searched = margin;
     closed = closed_now;
     if (finder.IsSelfContact())

@@ -35,7 +35,8 @@ class FiniteTie : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x) override {
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
+                                         Meeting) override {
     slave_reference = finder.Slave(nullptr);
     master_reference = finder.Master(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());

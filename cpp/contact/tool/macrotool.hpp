@@ -37,6 +37,12 @@ template <int D>
 shared_ptr<Pairing<D>> FacingPoints(const Pairing<D> & all, const Surface<D> & slave,
                                     const ToolPosition<D> & tool);
 
+/// Throws where the slave lies behind the surface of a tool, as if that were turned inside out:
+/// where nothing faces it, unless it is farther away than `maxdist` (0: whatever that is), or
+/// where all that faces it is deep inside.
+template <int D>
+void CheckSideOfTool(const ToolScene<D> & now, const Pairing<D> & all, double maxdist);
+
 /// Where points that face the tool would meet it along the slave normals.
 template <int D>
 ToolPartners<D> PartnersOf(const Pairing<D> & points, const Surface<D> & slave,

@@ -31,7 +31,8 @@ struct SlipStart {
 template <int D>
 class ToolSliding : public Kinematics<D> {
   using Base = Kinematics<D>;
-  using Base::finder, Base::law, Base::reference, Base::Size, Base::space, Base::surfaces, Base::u;
+  using Base::finder, Base::law, Base::reference, Base::setup, Base::Size, Base::space,
+      Base::surfaces, Base::u;
   using Now = ToolMotionNow<D>;
 
   ToolPath<D> path;
@@ -55,7 +56,8 @@ public:
               shared_ptr<MacroLaw<D>> law)
       : Base(setup, space, u, law), path(*setup.tool, u) {}
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x) override {
+  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
+                                         Meeting meeting) override {
     slave_reference = finder.Slave(nullptr);
     shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
     int degree = u.Order(*slave_reference) + 2 * (slave_reference->Degree() - 1);
@@ -67,6 +69,8 @@ public:
     reference.SetSize(Size()), last_gap.SetSize(Size());
     reference = Vec<D>(0.0);
     At(x);
+    if (meeting == Meeting::now && setup.active)
+      CheckSideOfTool<D>(now->scene, *all, setup.maxdist);
     this->AdjustStart(x);
     for (size_t m : Range(last_gap))
       last_gap[m] = Place(m, x).gap;

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""finite=True: bodies come off each other, pass by each other, and meet again."""
+
+import numpy as np
+import pytest
+from netgen.meshing import NgException
+from netgen.occ import Box, Compound, MoveTo, OCCGeometry, Rectangle, Y, Z
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Mesh,
+    Parameter,
+    Sym,
+    TaskManager,
+    VectorH1,
+    dx,
+    pi,
+    sin,
+)
+
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+
+
+def blocks(dim, h, gap=0.0):
+    """A block above another one of the same size."""
+    if dim == 2:
+        lower, upper = MoveTo(0, -0.5).Rectangle(1, 0.5).Face(), Rectangle(1, 0.5).Face()
+        up, parts = Y, lambda body: body.edges
+    else:
+        lower, upper = Box((0, 0, -0.5), (1, 0.5, 0)), Box((0, 0, 0), (1, 0.5, 0.5))
+        up, parts = Z, lambda body: body.faces
+    (upper.faces if dim == 2 else upper.solids).name = "upper"
+    upper = upper.Move((0, gap, 0) if dim == 2 else (0, 0, gap))
+    for body, name, size in ((lower, "low", 1.4 * h), (upper, "up", h)):
+        parts(body).name, body.maxh = name, size
+    parts(lower).Min(up).name, parts(lower).Max(up).name = "bottom", "master"
+    parts(upper).Min(up).name, parts(upper).Max(up).name = "slave", "top"
+    return Mesh(OCCGeometry(Compound([lower, upper]), dim=dim).GenerateMesh())
+
+
+class Driven:
+    """The upper side of the block on top is moved by a vector times functions of the load."""
+
+    def __init__(self, mesh, way, order=2, **options):
+        V = VectorH1(mesh, order=order, dirichlet="bottom|top")
+        X = V * LACSpace(V, slave="slave")
+        (u, lam), (v, _) = X.TnT()
+        a = BilinearForm(X)
+        a += 1000 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx
+        self.load = Parameter(0)
+        self.contact = LACContact(u, lam, **({"master": "master", "finite": True} | options))
+        solver = ContactSolver(a, GridFunction(X), self.contact)
+        prescribe = {"top": CF(tuple(way(self.load)))}
+        self.stepper, self.forces = LoadStepper(solver, self.load, prescribe=prescribe), []
+
+    def Run(self, steps, target=1.0):
+        with TaskManager():
+            self.stepper.Integrate(
+                target,
+                steps=steps,
+                printing=False,
+                callback=lambda step: self.forces.append(np.array(self.contact.Force())),
+            )
+
+
+@pytest.mark.parametrize(
+    ("dim", "order", "friction"),
+    [(2, 2, None), (2, 1, 0.3), (2, 2, 0.3), (3, 1, None), (3, 2, 0.2)],
+)
+def test_pressed_on_it_slides_off_and_comes_back(dim, order, friction):
+    """It is pressed by 0.01 first, slides 1.2 of its length to the side, and back."""
+
+    def Way(t):
+        aside = 1.2 * sin(0.5 * pi * t) ** 2
+        return [aside, *[0.0] * (dim - 2), -0.01]
+
+    mesh = blocks(dim, 0.14 if dim == 2 else 0.4 if order == 2 else 0.22)
+    driven = Driven(mesh, Way, order, friction=friction, maxdist=3)
+    driven.Run(1, 1e-6)
+    driven.Run(16, 2.0)
+    first, *forces = driven.forces
+    assert first[-1] > 1
+    middle = len(forces) // 2
+    assert np.all(forces[middle - 1] == 0)
+    assert not np.any(driven.contact.Table()["area"] == 0)
+    assert forces[-1][-1] == pytest.approx(first[-1], rel=1e-6 if friction is None else 0.1)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_it_passes_by_above(dim):
+    """Nothing ever touches; beyond the end there is nothing to search for."""
+    mesh = blocks(dim, 0.2 if dim == 2 else 0.5, gap=0.05)
+    driven = Driven(mesh, lambda t: [1.3 * t, *[0.0] * (dim - 1)], friction=0.3)
+    driven.Run(8)
+    assert not np.any(driven.forces)
+    assert not np.any(driven.contact.Table()["area"])
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_what_is_beside_from_the_start_is_an_error(finite):
+    """A mistake, unless maxdist says that they are apart, and only that."""
+    mesh = blocks(2, 0.25, gap=1.0)
+    for way, options, fails in (
+        ((1.5, 0), {}, True),
+        ((1.5, 0), {"maxdist": 0.5}, True),
+        ((0, 0), {"maxdist": 0.5}, not finite),
+        ((0, 0), {}, False),
+    ):
+        driven = Driven(mesh, lambda t, way=way: way, finite=finite, **options)
+        gf = driven.stepper.solver.gf
+        gf.components[0].Set(CF(way), definedon=mesh.Materials("upper"))
+        if fails:
+            with pytest.raises(NgException, match="never meet"):
+                driven.contact.Update(gf)
+        else:
+            driven.contact.Update(gf)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_apart_at_first_they_meet_later(dim):
+    """Farther apart than maxdist: the scale of the unpaired is right when they touch."""
+    mesh = blocks(dim, 0.2 if dim == 2 else 0.3, gap=0.5)
+    results = []
+    for options in ({"maxdist": 0.1}, {}):
+        driven = Driven(mesh, lambda t: [0.0] * (dim - 1) + [-0.51 * t], order=dim - 1, **options)
+        driven.Run(8)
+        results.append(driven.forces[-1])
+    assert results[0][-1] > 1
+    assert results[0] == pytest.approx(results[1], rel=1e-8, abs=1e-8)
