@@ -36,7 +36,7 @@ template <int D>
 Vector<> DiagonalOfNodes(const FaceShapes<D> & shapes, const Surface<D> & surface,
                          FlatVector<> diagonal) {
   Vector<> means(diagonal);
-  for (size_t face : Range(surface.Size()))
+  for (size_t face : Range(surface.BaseSize()))
     if (auto dofs = shapes.Dofs(face); shapes.IsPlain(face))
       for (size_t i = 0; i < dofs.Size(); i += D) {
         double sum = 0;
@@ -56,7 +56,7 @@ double BodyCompliance(const ProxyInfo & u, SurfaceShapes<D> side, FlatVector<> d
   Matrix<> integrals(D, diagonal.Size());
   integrals = 0.0;
   LocalHeap lh(10 * 1000 * 1000, "ngslac-compliance");
-  for (size_t face : Range(side.surface.Size())) {
+  for (size_t face : Range(side.surface.BaseSize())) {
     HeapReset hr(lh);
     AddIntegrals(side.shapes, side.surface, face, integrals, lh);
   }

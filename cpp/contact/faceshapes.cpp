@@ -125,6 +125,16 @@ void FaceShapes<D>::SetFace(size_t face, FlatMatrix<> values, FlatArray<int> num
 }
 
 template <int D>
+void FaceShapes<D>::Repeat(size_t first) {
+  for (size_t f : Range(first)) {
+    types.Append(ELEMENT_TYPE(types[f]));
+    dofs.Append(Array<int>(dofs[f]));
+    functions.Append(Matrix<>(functions[f]));
+    conversion.Append(Matrix<>(conversion[f]));
+  }
+}
+
+template <int D>
 Surface<D> FaceShapes<D>::Displaced(const Surface<D> & reference, FlatVector<> x) const {
   Surface<D> result = reference;
   ParallelFor(reference.Size(), [&](size_t f) {

@@ -25,6 +25,8 @@ public:
   bool IsPlain(size_t face) const { return conversion[face].Height() == 0; }
   /// From function i times unit vector k (row D i + k) to the dofs of a face that is not plain.
   const Matrix<> & Conversion(size_t face) const { return conversion[face]; }
+  /// Appends the first faces once more, which have the same dofs.
+  void Repeat(size_t first);
   /// The surface, of this degree at least, displaced by the entries of a vector.
   Surface<D> Displaced(const Surface<D> & reference, FlatVector<> x) const;
 

@@ -104,13 +104,14 @@ Array<double> PairFinder<D>::Depths(const Surface<D> & slave, const Surface<D> &
   auto parts = DeepParts<D>(slave, master, faces, searched);
   if (parts.Size() == 0)
     return depths;
-  BitArray met(master.Size());
+  size_t base = master.BaseSize(); // an image is as thick as what it is one of
+  BitArray met(base);
   met.Clear();
   for (auto & part : parts)
-    met.SetBit(part.master);
+    met.SetBit(part.master % base);
   auto thickness = BodyThicknesses<D>(*setup.master, space->SlaveRegion(), met);
   for (auto & part : parts)
-    if (part.depth <= thickness[part.master])
+    if (part.depth <= thickness[part.master % base])
       depths[part.slave] = max(depths[part.slave], part.depth);
   return depths;
 }

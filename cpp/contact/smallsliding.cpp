@@ -2,6 +2,7 @@
 #include "bodycompliance.hpp"
 #include "direction.hpp"
 #include "macroends.hpp"
+#include "periods.hpp"
 
 namespace ngslac {
 namespace {
@@ -38,7 +39,10 @@ public:
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
     auto & finder = this->finder;
     law->Reset();
-    this->Take(finder.Pair(finder.Slave(displacement), finder.Master(displacement), law->Margin()));
+    auto slave = finder.Slave(displacement), master = finder.Master(displacement);
+    if (master)
+      AddImages(*slave, *master);
+    this->Take(finder.Pair(std::move(slave), std::move(master), law->Margin()));
     law->FindDofs(*surfaces.slave);
     auto & jump = this->JumpWithRows();
     if (!setup.obstacle) {
@@ -208,6 +212,13 @@ public:
   }
 
 private:
+  /// Of a periodic master, which the slave may meet beyond its seam.
+  void AddImages(const Surface<D> & slave, Surface<D> & master) const {
+    Periods<D> periods(u, slave, master, false);
+    periods.Find(slave, master);
+    periods.Complete(master);
+  }
+
   /// Between both normals; without a partner, and against an obstacle, that of the slave.
   void SetDirections() {
     auto & jump = *surfaces.jump;

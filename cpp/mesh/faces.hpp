@@ -16,6 +16,11 @@ public:
   explicit Faces(const Region & region) : Faces(region.Mesh(), region.Mask()) {}
 
   size_t Size() const { return elements.Size(); }
+  /// Appends the first faces once more.
+  void Repeat(size_t first) {
+    for (size_t f : Range(first))
+      elements.Append(int(elements[f]));
+  }
   /// Numbers of the boundary elements of the mesh.
   FlatArray<int> Elements() const { return elements; }
   int operator[](size_t face) const { return elements[face]; }

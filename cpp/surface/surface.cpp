@@ -39,7 +39,7 @@ FlatArray<Vec<2>> Corners(ELEMENT_TYPE type) {
 
 template <int D>
 Surface<D>::Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order)
-    : faces(region) {
+    : faces(region), base(faces.Size()) {
   static Timer timer("ngslac::Surface");
   RegionTimer reg(timer);
   auto ma = region.Mesh();
@@ -113,6 +113,18 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   for (int i : Range(points)) {
     Vec<D> & c = control[first[face] + i];
     c = Trans(values) * tocontrol.Row(i);
+  }
+}
+
+template <int D>
+void Surface<D>::Repeat(const Vec<D> & shift) {
+  faces.Repeat(base);
+  for (size_t f : Range(base)) {
+    types.Append(ELEMENT_TYPE(types[f]));
+    orientation.Append((signed char)(orientation[f]));
+    for (size_t i : Range(first[f], first[f + 1]))
+      control.Append(Vec<D>(control[i] + shift));
+    first.Append(control.Size());
   }
 }
 

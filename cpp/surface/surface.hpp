@@ -21,6 +21,10 @@ public:
   Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order);
 
   size_t Size() const { return faces.Size(); }
+  /// Faces of the mesh: what comes after them are images.
+  size_t BaseSize() const { return base; }
+  /// Appends the faces of the mesh once more, moved.
+  void Repeat(const Vec<D> & shift);
   /// the faces of the mesh that these are
   const Faces & MeshFaces() const { return faces; }
   /// Positions count from there: near 0 unless the mesh is far away, where displacements that are
@@ -69,6 +73,7 @@ private:
 
   Vec<D> origin;
   Faces faces;
+  size_t base;
   Array<ELEMENT_TYPE> types;
   Array<signed char> orientation; // +1: the normal of the reference orientation is the outward one
   int degree;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "contact/bodycompliance.hpp"
 #include "contact/kinematics.hpp"
+#include "contact/periods.hpp"
 #include "contact/selfcontact.hpp"
 #include "couplings.hpp"
 #include "forceblocks.hpp"
@@ -32,6 +33,7 @@ class FiniteSliding : public Kinematics<D> {
 
   unique_ptr<Surface<D>> slave_reference, master_reference;
   unique_ptr<FaceShapes<D>> slave_shapes, master_shapes;
+  Periods<D> periods;
   Array<int> along;                        // macro-elements, for self-contact
   Array<double> fullarea;                  // in the reference configuration
   shared_ptr<const MacroPoints<D>> points; // of the last Follow
@@ -62,6 +64,7 @@ public:
     master_reference = finder.Master(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
     master_shapes = make_unique<FaceShapes<D>>(u, *master_reference, master_reference->Degree());
+    periods = Periods<D>(u, *slave_reference, *master_reference, true);
     Pairing<D> none;
     none.segments.Append(Segment{-1, -1, 0, 0});
     fullarea = MacroJump<D>(*space, *slave_reference, none).fullarea;
@@ -101,6 +104,8 @@ public:
     RegionTimer reg(timer);
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
+    if (periods.Find(*slave, *master))
+      AddImages(*master);
     auto margin = law->Margin();
     auto closed_now = finder.IsSelfContact() ? Closed(x) : BitArray(0);
     if (IsPairedIn(*slave, *master) && margin == searched && closed_now == closed)
@@ -229,6 +234,18 @@ public:
   }
 
 private:
+  /// To the master in all configurations, so that its faces have the same numbers.
+  void AddImages(Surface<D> & master) {
+    periods.Complete(master);
+    periods.Complete(*master_reference, master_shapes.get());
+    for (auto & motion : {now, accepted.motion})
+      if (motion)
+        periods.Complete(motion->surfaces.master);
+    for (auto & paired : {surfaces.master, accepted.surfaces.master})
+      if (paired)
+        periods.Complete(*paired);
+  }
+
   void Accept() {
     accepted = {surfaces, now, searched, closed};
     start = points;

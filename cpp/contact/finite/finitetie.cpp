@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "contact/kinematics.hpp"
+#include "contact/periods.hpp"
 #include "couplings.hpp"
 #include "forceblocks.hpp"
 #include "multiplierlines.hpp"
@@ -45,6 +46,10 @@ public:
     law->FindDofs(*slave_reference);
     auto slave = make_unique<Surface<D>>(slave_shapes->Displaced(*slave_reference, x));
     auto master = make_unique<Surface<D>>(master_shapes->Displaced(*master_reference, x));
+    Periods<D> periods(u, *slave_reference, *master_reference, false);
+    periods.Find(*slave, *master);
+    periods.Complete(*master);
+    periods.Complete(*master_reference, master_shapes.get());
     slave->CheckFinite();
     master->CheckFinite();
     auto paired = finder.Pair(std::move(slave), std::move(master), law->Margin());
