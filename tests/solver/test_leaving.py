@@ -21,7 +21,7 @@ from ngsolve import (
     sin,
 )
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadState, LoadStepper, SaveState
 
 
 def blocks(dim, h, gap=0.0):
@@ -87,6 +87,25 @@ def test_pressed_on_it_slides_off_and_comes_back(dim, order, friction):
     assert np.all(forces[middle - 1] == 0)
     assert not np.any(driven.contact.Table()["area"] == 0)
     assert forces[-1][-1] == pytest.approx(first[-1], rel=1e-6 if friction is None else 0.1)
+
+
+def test_a_restart_beyond_the_end(tmp_path):
+    """A saved state in which nothing faces the master goes on like the computation itself."""
+
+    def Way(t):
+        return [1.2 * sin(0.5 * pi * t) ** 2, -0.01]
+
+    mesh = blocks(2, 0.2)
+    one, other = (Driven(mesh, Way, friction=0.3) for _ in range(2))
+    one.Run(1, 1e-6)
+    one.Run(6)
+    assert np.all(one.forces[-1] == 0)
+    SaveState(tmp_path / "state", one.stepper)
+    LoadState(tmp_path / "state", other.stepper)
+    for driven in (one, other):
+        driven.Run(6, 2.0)
+    assert one.forces[-1][-1] > 1
+    assert other.forces[-1] == pytest.approx(one.forces[-1], rel=1e-8, abs=1e-8)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
