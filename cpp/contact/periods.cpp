@@ -3,9 +3,9 @@
 
 namespace ngslac {
 namespace {
-constexpr double tolerance = 1e-6; // of translations, relative to their length
+constexpr double same_translation = 1e-6; // of translations, relative to their length
 // Images are looked for so far from the nearest one: what flies away in a trial step needs none.
-constexpr int most = 20;
+constexpr int farthest_image = 20;
 
 template <int D>
 BitArray VerticesOf(const Surface<D> & surface, const MeshAccess & ma) {
@@ -39,7 +39,7 @@ Array<Vec<D>> TranslationsOn(const ProxyInfo & u, const Surface<D> & surface, bo
         continue;
       touches = touches || on_surface.Test(v) || on_surface.Test(w);
       Vec<D> way = ma.GetPoint<D>(w) - ma.GetPoint<D>(v);
-      differ = differ || (all && !(L2Norm(way - *all) <= tolerance * L2Norm(*all)));
+      differ = differ || (all && !(L2Norm(way - *all) <= same_translation * L2Norm(*all)));
       all = all ? *all : way;
     }
     if (!touches)
@@ -64,7 +64,7 @@ Array<Vec<D>> Independent(FlatArray<Vec<D>> translations) {
     Vec<D> rest = way;
     for (auto & a : across)
       rest -= InnerProduct(rest, a) / L2Norm2(a) * a;
-    if (L2Norm(rest) <= tolerance * L2Norm(way))
+    if (L2Norm(rest) <= same_translation * L2Norm(way))
       continue;
     basis.Append(way);
     across.Append(rest);
@@ -124,7 +124,7 @@ bool Periods<D>::Find(const Surface<D> & slave, const Surface<D> & master) {
   for (int i : Range(n)) {
     if (!isfinite(apart(i)) || fabs(apart(i)) > 1e8)
       return false;
-    int reach = int(min(double(most), ceil(radius * sqrt(gram(i, i)))));
+    int reach = int(min(double(farthest_image), ceil(radius * sqrt(gram(i, i)))));
     begin[i] = int(round(apart(i))) - reach, end[i] = int(round(apart(i))) + reach;
   }
   near.Increase(0.5 * longest);
