@@ -36,6 +36,9 @@ class ContactConvergenceError(RuntimeError):
         Did nearly all contact slip for many iterations, where bodies are held by it alone?
     certain : bool
         Is there no equilibrium at this load for certain? Then nothing else is worth trying.
+    unheld : bool
+        Would not all of contact, if it were closed, hold a body that the loads move? Then smaller
+        loads move it, too.
 
     Examples
     --------
@@ -53,7 +56,7 @@ class ContactConvergenceError(RuntimeError):
     def __init__(self, message, history=()):
         super().__init__(message)
         self.history, self.exhausted = list(history), False
-        self.slides = self.rubs = self.certain = False
+        self.slides = self.rubs = self.certain = self.unheld = False
 
 
 class FloatingBodyError(ContactConvergenceError):

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact of a slave with a master surface, as a nonlinear form."""
 
+import numpy as np
 from ngsolve import BaseMatrix, BilinearForm, GridFunction
 
-from ngslac._ngslac import ContactForm
+from ngslac._ngslac import ContactForm, Side
 from ngslac.arguments import (
     CheckDistinct,
     CheckInstance,
@@ -329,6 +330,23 @@ class LACContact(metaclass=Distributable):
         self.form.Evaluate(CheckOnSpace("gf", gf, self.form.fes).vec)
         self._solution = _Entries(gf)
         self._Fill()
+
+    def _Slid(self):
+        """How far macro-elements (m, d) moved along the master since they were paired.
+
+        Zero with large sliding, which pairs anew, and for obstacles, whose gap is known anywhere.
+        """
+        table, moved = self.Table(), self._state.Displacement(self._solution)
+        if self.finite or self.tied or self.master is None or moved is None:
+            return np.zeros_like(table["normal"])
+        jump = self.form.JumpMatrix(Side.both)
+        result = jump.CreateColVector()
+        result.data = jump * moved.vec
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mean = result.FV().NumPy().reshape(table["normal"].shape) / table["area"][:, None]
+        mean[table["area"] == 0] = 0
+        along = np.sum(mean * table["normal"], axis=1)[:, None]
+        return mean - along * table["normal"]
 
     def _ClearOpen(self, gf):
         """Of a solution that was evaluated last: what is open has no traction, nor rounding."""

@@ -34,12 +34,14 @@ class Failure:
         Did nearly all of a body's contact slip all along?
     exhausted : bool
         Was every method tried, or is none of use?
+    unheld : bool
+        Would not even closed contact hold the bodies that loads move?
     """
 
     def __init__(self, system, holding):
         self.system, self.holding = system, holding
         self.unbalanced = self.slides = ""
-        self.certain = self.rubs = self.exhausted = False
+        self.certain = self.rubs = self.exhausted = self.unheld = False
 
     @property
     def known(self):
@@ -61,7 +63,7 @@ class Failure:
         system.GoTo(start)
         system.residual.Follow()
         system.Evaluate()
-        self.exhausted = lost and not self.holding.MayHold()
+        self.exhausted = self.unheld = lost and not self.holding.MayHold()
         self.unbalanced = "" if self.exhausted else CarriedOff(system)
         self.slides = "" if self.exhausted else self.slides
         self.certain = bool(self.unbalanced) and IsStraight(system)
@@ -90,7 +92,7 @@ class Failure:
             error = FloatingBodyError(self.unbalanced or self.slides)
         error.history, error.certain, error.rubs = history, self.certain, self.rubs
         error.slides = bool(self.slides) or (self.rubs and self.system.islinear)
-        error.exhausted = self.known
+        error.exhausted, error.unheld = self.known, self.unheld
         return error
 
 

@@ -1,10 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A second look at a converged state, which does not know how it was found."""
 
+import numpy as np
+from ngsolve import Grad, GridFunction, InnerProduct, Integrate
+
+from ngslac.arguments import ShownPoint
 from ngslac.bodies.messages import DrivenMessage, IdleMessage
-from ngslac.errors import FloatingBodyError, Warn
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, Warn
+from ngslac.solve.inverted import InvertedError
 
 __all__ = ["Look"]
+
+# Slip since the pairing, over the size of a macro-element, that small sliding is not made for.
+STRAYED = 0.5
+# Gradient of a displacement, on average over a body, that small strains are not made for; range of
+# displacements over the size of the mesh below which it is not looked at.
+LARGE, SMALL = 0.3, 0.01
 
 
 class Look:
@@ -21,15 +32,96 @@ class Look:
 
     def __call__(self):
         """Raise an error if the state is none, and warn of what may not be meant."""
+        self._LookAtElements()
         self._LookAtMotions()
+        self._LookAtDepths()
+        self._LookAtSliding()
+        self._LookAtRotations()
+
+    def _Say(self, kind, message):
+        """Warn, unless the state before had the same reason."""
+        said = self.system.said
+        if message and kind not in said:
+            Warn(message)
+        (said.add if message else said.discard)(kind)
+
+    def _LookAtElements(self):
+        known, others = self.system.Inverted()
+        if known:
+            raise InvertedError(known + "; take smaller steps, or a finer mesh there")
+        self._Say("inverted", others and others + ": the material knows small strains only there")
 
     def _LookAtMotions(self):
         system = self.system
-        if not system.MayFloat():
-            return
-        free = system.Freedom("rubbing")
-        if not free:
-            return
-        if system.IsDriven(free, "rubbing"):
+        free = system.Freedom("rubbing") if system.MayFloat() else None
+        if free and system.IsDriven(free, "rubbing"):
             raise FloatingBodyError(DrivenMessage(system.DrivenMotion(free)))
-        Warn(IdleMessage(system.bodies.Names(free.weights)))
+        self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")
+
+    def _LookAtDepths(self):
+        """Parts of a slave so deep in the master that contact does not see them."""
+        for number, contact in enumerate(self.system.contacts):
+            message = self._Depth(contact) if contact.active and contact.master else ""
+            if message and contact.finite:
+                raise ContactConvergenceError(message)
+            self._Say(f"depth {number}", message)
+
+    def _Depth(self, contact):
+        table = contact.Table()
+        if np.all(table["area"] > 0.5 * table["fullarea"]):
+            return ""
+        depths = np.asarray(contact.form.Overlaps())
+        if not np.any(depths):
+            return ""
+        deepest = int(np.argmax(depths))
+        return (
+            f"{np.count_nonzero(depths)} macro-elements of the slave lie inside of the master, "
+            f"up to {depths[deepest]:.3g} deep around {ShownPoint(table['x'][deepest])}, where "
+            "contact does not see them and no force acts: give penetration = "
+            f"{1.1 * depths[deepest]:.3g}, move the bodies apart, or take smaller steps"
+        )
+
+    def _LookAtSliding(self):
+        for number, contact in enumerate(self.system.contacts):
+            self._Say(f"slid {number}", self._Slid(contact))
+
+    def _Slid(self, contact):
+        """Does a closed macro-element touch what it was paired with, and has slid away from?"""
+        table = contact.Table()
+        far = np.linalg.norm(contact._Slid(), axis=1) * (table["status"] > 0)
+        size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+        worst = int(np.argmax(far / size)) if len(far) else 0
+        if not len(far) or far[worst] <= STRAYED * size[worst]:
+            return ""
+        return (
+            f"the slave has slid by {far[worst]:.3g} around {ShownPoint(table['x'][worst])} since "
+            f"it was paired, where macro-elements are {size[worst]:.3g} large: small sliding keeps "
+            "the partners of the start. Give LACContact finite=True, or call contact.Update(gf) "
+            "between steps"
+        )
+
+    def _LookAtRotations(self):
+        """Rotations and strains that a bulk form does not know which is linear."""
+        system = self.system
+        form = system.contacts[0].form
+        first = form.offset * form.fes.dim
+        values = system.values[first : first + form.component.ndof * form.fes.dim]
+        mesh = system.gf.space.mesh
+        if not system.bulk.islinear or np.ptp(values) <= SMALL * system.size:
+            self._Say("linear", "")
+            return
+        u = GridFunction(form.component)
+        u.vec.FV().NumPy()[:] = values
+        squares = Integrate(InnerProduct(Grad(u), Grad(u)), mesh, order=2, region_wise=True)
+        volumes = Integrate(1.0, mesh, order=0, region_wise=True)
+        mean = np.sqrt(np.asarray(squares) / np.asarray(volumes))
+        worst = int(np.argmax(mean))
+        self._Say(
+            "linear",
+            ""
+            if mean[worst] <= LARGE
+            else f"the gradient of the displacement is {mean[worst]:.2g} on average in "
+            f"'{mesh.GetMaterials()[worst]}': the bulk form is linear and knows small strains and "
+            "rotations only. Take an energy that knows large ones, or look at the units of loads "
+            "and moduli",
+        )

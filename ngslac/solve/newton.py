@@ -141,8 +141,6 @@ class Newton:
 
     def Accept(self):
         """The last line, if the state that it tells of is possible."""
-        if message := self.system.Inverted():
-            raise InvertedError(message + "; take smaller steps, or a finer mesh there")
         Look(self.system)()
         for contact in self.system.contacts:
             contact._ClearOpen(self.system.gf)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts as one system of equations: residual, matrices and corrections."""
 
+from functools import cached_property
+
 import numpy as np
 
 from ngslac._ngslac import EquilibrationScale
@@ -79,6 +81,10 @@ class System:
         What held bodies that float and that nothing pushes, in the last linear system.
     lean : list of (m, d) array or None
         What the pressures of each contact are turned by, see `Directions`.
+    idle : bool
+        Do bodies float, with friction, that nothing pushes?
+    said : set of str
+        Warnings that need not be repeated as long as their reason stays.
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -88,6 +94,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = None
         self.loose = self.idle = False
+        self.said = set()
         self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -97,6 +104,11 @@ class System:
     def values(self):
         """All coefficients of the solution, to be written to."""
         return self.gf.vec.FV().NumPy()
+
+    @cached_property
+    def size(self):
+        """Of the mesh."""
+        return np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
 
     @property
     def finite(self):
@@ -232,7 +244,7 @@ class System:
     def Sight(self, correction):
         """The part of a correction (n,) that takes no face farther than contact looks for it."""
         meshed = (c for c in self.contacts if c.finite and c.tool is None and not c.tied)
-        return min((Sight(contact, -correction) for contact in meshed), default=1.0)
+        return min((SightOf(contact, -correction) for contact in meshed), default=1.0)
 
     def Trial(self, state, part):
         """The Measurement after a part of a step from another Measurement."""
@@ -426,18 +438,20 @@ class System:
         return bool(self.bodies.floating) or len(ToolDofs(self.contacts)) > 0
 
     def Inverted(self):
-        """Which elements are inside out, where the determinant of the deformation has a meaning."""
+        """Which elements are inside out: of materials that know rotations, and of all others."""
         form, a = self.contacts[0].form, self.bulk.a
-        if self.finite:
-            return InvertedMessage(form, self.gf)
         if self.islinear:
-            return ""
-        if self._turning is None:
+            return "", ""
+        if self._turning is None and self.bulk.islinear:
+            self._turning = np.zeros(len(self.gf.space.mesh.GetMaterials()), dtype=bool)
+        elif self._turning is None:
             self._turning = TurningMaterials(getattr(a, "bulk", a), form, self.gf)
-        return InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
+        others = InvertedMessage(form, self.gf, ~self._turning) if self.finite else ""
+        known = InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
+        return known, others
 
 
-def Sight(contact, motion):
+def SightOf(contact, motion):
     """The part of a motion (n,) of the solution after which a contact still sees its master.
 
     Macro-elements may come as near as they are to it, and pass it by the depth of the search.

@@ -16,7 +16,7 @@ from ngslac.arguments import (
 )
 from ngslac.bodies.messages import OverloadMessage
 from ngslac.distributable import Distributable
-from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy, Warn
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.problem import MultiplierRows
@@ -32,6 +32,7 @@ __all__ = ["LoadStepper", "Step"]
 # equilibrium.
 PATIENCE, MOST_HOPELESS = 2, 3
 BISECTIONS = 14  # of the loads up to one that has no balance
+STILL = 1e-12  # relative to the size of the mesh: solutions that are one
 SAME = 1e-12  # relative difference of loads that are the same
 
 
@@ -104,6 +105,7 @@ class LoadStepper(metaclass=Distributable):
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.steps = []
         self._journal = Journal(self, "load", load)
+        self._idle = True  # has no step changed anything?
         self._last = None  # increment of the solution and of the load in the last step
         self._size = np.inf  # of the next step, where the last ones had to be cut
 
@@ -155,7 +157,15 @@ class LoadStepper(metaclass=Distributable):
         begin = self._CheckBegin(end)
         self.solver.system.PairOnce()
         targets = [begin + (end - begin) * k / steps for k in range(1, steps + 1)]
-        return self._journal.Run(targets, lambda to: self._Reach(to, callback, maxit, tol))
+        self._idle = True
+        done = self._journal.Run(targets, lambda to: self._Reach(to, callback, maxit, tol))
+        if self._idle:
+            Warn(
+                f"nothing changes while the load goes from {begin:g} to {end:g}: does a, rhs or "
+                "prescribe hold this Parameter, on a region that exists? ds('name') of a name that "
+                "no boundary has is no error in NGSolve"
+            )
+        return done
 
     def _CheckBegin(self, end):
         begin = CheckNumber("load.Get()", self.load.Get())
@@ -211,7 +221,8 @@ class LoadStepper(metaclass=Distributable):
                 hopeless += error.exhausted + error.slides
                 rubs = rubs + 1 if error.rubs else 0
                 self._Estimate(limit, goal, failed=True)
-                ends = error.certain or max(hopeless, rubs) > MOST_HOPELESS or limit.Passed()
+                ends = error.certain or error.unheld or max(hopeless, rubs) > MOST_HOPELESS
+                ends = ends or limit.Passed()
                 if not (control.smallest or ends):
                     if self.printing:
                         print("  halved")
@@ -265,6 +276,7 @@ class LoadStepper(metaclass=Distributable):
         begin = self.load.Get()
         last = vec.CreateVector()
         last.data = vec
+        before = self._Given()
         self.load.Set(goal)
         if self.printing:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
@@ -277,10 +289,19 @@ class LoadStepper(metaclass=Distributable):
             if self.printing:
                 print(f"  {error}")
             raise
+        moved = np.abs(vec.FV().NumPy() - last.FV().NumPy()).max()
+        given = zip(before, self._Given(), strict=True)
+        same = moved <= STILL * solver.system.size and all(np.allclose(*pair) for pair in given)
+        self._idle = self._idle and same
         for contact in solver.contacts:
             contact.Commit(solver.gf)
         self._last = vec.FV().NumPy() - last.FV().NumPy(), goal - begin
         return result
+
+    def _Given(self):
+        """What the load may change of the contacts, besides the solution."""
+        tables = [contact.Table() for contact in self.solver.contacts]
+        return [np.nan_to_num(table[name]) for table in tables for name in ("gap", "friction")]
 
     def _Start(self, last, step, start):
         """Put the start of a step into the solution; returns what Solve has to know of it."""
