@@ -7,6 +7,8 @@ __all__ = ["Globalization"]
 
 # Iterations of late, and how far the residual falls in them where it is worth to go on.
 LATE, FELL = 10, 0.5
+# Iterations after which a residual that falls by less in three of them hardly falls.
+CRAWLED, CRAWL = 5, 0.8
 
 
 class Globalization:
@@ -49,6 +51,12 @@ class Globalization:
     def stagnates(self):
         """Are the steps so short that nothing comes of it?"""
         return self._tiny >= self.patience
+
+    @property
+    def crawls(self):
+        """Does the residual hardly fall, as where a thin body opens one macro-element at a time?"""
+        merits = self._merits
+        return len(merits) > CRAWLED and min(merits[-3:]) > CRAWL * min(merits[:-3])
 
     @property
     def falls(self):

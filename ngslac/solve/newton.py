@@ -102,7 +102,7 @@ class Newton:
             if self.Converged(state):
                 return self.Accept()
             slow = number >= patience and not (number < most and self.globalization.falls)
-            if slow or self.globalization.stagnates:
+            if slow or self.globalization.stagnates or self._Crawls():
                 break
             # A body that contact holds may slip far, and only the residual tells.
             patient = self.system.islinear and not self.system.bodies.floating
@@ -116,6 +116,14 @@ class Newton:
         if self.globalization.stagnates and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
+
+    def _Crawls(self):
+        """Is another method faster? Without friction, where it follows a path to the status."""
+        system = self.system
+        suits = system.scheme.searches and system.islinear and not self.onpath
+        rubs = any(contact.holds_tangentially and not contact.tied for contact in system.contacts)
+        changed = bool(self.history[-1].changed)
+        return suits and not rubs and changed and self.globalization.crawls
 
     def Record(self, state, damping=1.0):
         """Note an iterate, which a part of a step led to."""

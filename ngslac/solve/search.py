@@ -71,6 +71,8 @@ class StatusSearch:
             if converged:
                 break
             self.system.Assemble()
+        if last := self._Stalls() and self._Polish(state, path.approximates):
+            return last
         raise newton.NotConverged(state)
 
     def _Stalls(self):
