@@ -278,7 +278,7 @@ class Newton:
             failure.LookAt(start, error, lost=True)
             raise error
         failure.slides = "" if found is not None else self.holding.WhatSlides(self.history)
-        held = bool(system.bodies.floating)  # by contact alone
+        held = bool(system.bodies.floating) and system.rubs  # by contact alone, with friction
         failure.rubs = held and len(self.history) > RUBBED and MostlySlips(self.history)
         if failure.slides or failure.rubs:
             maxit = min(maxit, len(self.history) + SEARCH)
