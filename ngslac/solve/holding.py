@@ -68,9 +68,8 @@ class Holding:
             )
         if self.initial == "gap" and CloseNearest(system):
             return True
-        few, free = FewMessage(system.contacts), system.Freedom()
-        floating = system.DrivenMotion(free) if system.IsDriven(free) else system.WhatFloats()
-        raise FloatingBodyError(FloatingMessage(floating) + few)
+        few = FewMessage(system.contacts)
+        raise FloatingBodyError(FloatingMessage(system.WhatFloats()) + few)
 
     def MayHold(self):
         """Would contact hold all bodies that loads move, if all of it were closed?"""

@@ -9,13 +9,17 @@ from ngslac.bodies.messages import DrivenMessage, IdleMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Warn
 from ngslac.solve.inverted import InvertedError
 
-__all__ = ["Look"]
+__all__ = ["Look", "MechanismError"]
 
 # Slip since the pairing, over the size of a macro-element, that small sliding is not made for.
 STRAYED = 0.5
 # Gradient of a displacement, on average over a body, that small strains are not made for; range of
 # displacements over the size of the mesh below which it is not looked at.
 LARGE, SMALL = 0.3, 0.01
+
+
+class MechanismError(FloatingBodyError):
+    """Loads do work on a motion that nothing resists in a state that has converged."""
 
 
 class Look:
@@ -55,7 +59,7 @@ class Look:
         system = self.system
         free = system.Freedom("rubbing") if system.MayFloat() else None
         if free and system.IsDriven(free, "rubbing"):
-            raise FloatingBodyError(DrivenMessage(system.DrivenMotion(free)))
+            raise MechanismError(DrivenMessage(system.DrivenMotion(free)))
         self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")
 
     def _LookAtDepths(self):

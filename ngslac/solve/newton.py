@@ -240,6 +240,8 @@ class Newton:
         if last.changed or not last.number:
             return most
         size = max(state.equilibrium, state.constraint)
+        if not size:  # all that is left is a motion
+            return most
         enough = 0.03 * self.tol / size
         final = self.system.bulk.islinear and not (last.slip and self.system.rubs)
         return min(most, max(enough if final else max(enough, 0.1 * size), scheme.accuracy))

@@ -7,6 +7,7 @@ from ngslac.bodies.messages import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.linear.solver import LinearSolveError
 from ngslac.solve.interior import EvenPressures, InteriorPoint
+from ngslac.solve.look import MechanismError
 
 __all__ = ["StatusSearch"]
 
@@ -49,7 +50,8 @@ class StatusSearch:
             return last
         except FAILURES as another:
             self._CheckLost(error)
-            if isinstance(error, (LinearSolveError, FloatingBodyError)):
+            loose = isinstance(error, (LinearSolveError, FloatingBodyError))
+            if loose and not isinstance(error, MechanismError):
                 raise another from error
             raise error from another
 

@@ -463,6 +463,7 @@ def SightOf(contact, motion):
     coming = np.flatnonzero((area > 0) & (approach > 0))
     if not len(coming):
         return 1.0
-    depth = contact.penetration or DEPTH * np.linalg.norm(np.ptp(table["x"], axis=0))
+    extent = np.ptp(table["x"], axis=0).max() + table["fullarea"].max() ** (1 / (d - 1))
+    depth = contact.penetration or DEPTH * extent
     way = np.maximum(table["gap"][coming], 0) + depth
     return min(1.0, np.min(way * area[coming] / approach[coming]))

@@ -29,7 +29,7 @@ CALLS = {
     "bulk": [(BilinearForm, name) for name in ("Assemble", "AssembleLinearization", "Apply")],
     "merge": [(ngslac.linear.merged, "MergeMatrices")],
     "solve": [(LinearSolver, "Solve")],
-    "floating": [(Bodies, "__init__"), (Bodies, "Floating")],  # is a body held by nothing?
+    "floating": [(Bodies, "__init__"), (Bodies, "Freedom")],  # is a body held by nothing?
 }
 PHASES = (*CALLS, "rest")
 

@@ -130,7 +130,8 @@ def floating(a, gf, contact, *_, lift=None, closed=False):
         contact.Evaluate(gf)
         assert set(contact.Table()["status"]) == {1}
     free = AsNumPy(ScalarDofs(gf.space.FreeDofs(a.condense), gf.space))
-    return Bodies(a.mat, contact, free).Floating([contact])
+    bodies = Bodies(a.mat, contact, free)
+    return bodies.Names(bodies.Freedom([contact]).weights)
 
 
 def said(body, motions):

@@ -26,7 +26,8 @@ def test_which_elements_are_inside_out(space):
 
 def test_a_converged_step_with_such_elements_is_refused(monkeypatch):
     """Load and solution stay at the last step that is possible."""
-    problem = press(h=0.5, finite=True, spring=0, flags={"dirichlet": "bottom|top"})
+    flags = {"dirichlet": "bottom|top"}
+    problem = press(h=0.5, nonlinear=True, finite=True, spring=0, flags=flags)
     load = problem.load
     load.Set(0)
     monkeypatch.setattr(

@@ -80,11 +80,11 @@ def test_pressed_on_it_slides_off_and_comes_back(dim, order, friction):
     mesh = blocks(dim, 0.14 if dim == 2 else 0.4 if order == 2 else 0.22)
     driven = Driven(mesh, Way, order, friction=friction, maxdist=3)
     driven.Run(1, 1e-6)
-    driven.Run(16, 2.0)
+    driven.Run(8, 1.0)
+    assert np.all(driven.forces[-1] == 0)
+    driven.Run(8, 2.0)
     first, *forces = driven.forces
     assert first[-1] > 1
-    middle = len(forces) // 2
-    assert np.all(forces[middle - 1] == 0)
     assert not np.any(driven.contact.Table()["area"] == 0)
     assert forces[-1][-1] == pytest.approx(first[-1], rel=1e-6 if friction is None else 0.1)
 

@@ -11,6 +11,7 @@ from press import linear, numpy, press, solved
 from ngslac import (
     ContactConvergenceError,
     ContactSolver,
+    ContactWarning,
     FloatingBodyError,
     LACSpace,
     LoadStepper,
@@ -110,7 +111,6 @@ def test_a_tilted_body_falls_flat(kinds):
 @pytest.mark.parametrize(
     ("initial", "flags", "free"),
     [
-        ("gap", {}, [0, 1, 5]),  # three of the six are stopped by a plane without friction
         ("none", {}, range(6)),
         ("none", {"dirichletz": "top"}, [0, 1, 5]),
         ("none", {"dirichletx": "left_upper"}, [1, 2, 3]),
@@ -125,6 +125,16 @@ def test_every_free_motion_is_named(initial, flags, free):
     assert found == [f"body 'upper' floats ({MOTIONS[k]})" for k in free]
     assert initial == "gap" or "start in contact" in str(error.value)
     assert not np.any(numpy(problem.gf))
+
+
+def test_what_a_plane_without_friction_leaves_free_is_said():
+    """It stops three of six motions, and nothing drives the others."""
+    problem = loaded(0, 0, -1, dim=3)
+    with pytest.warns(ContactWarning) as said:
+        solved(problem)
+    (message,) = (str(one.message).split(":")[0] for one in said)
+    assert message.split("; ") == [f"body 'upper' is free ({MOTIONS[k]})" for k in (0, 1, 5)]
+    assert problem.contact.Force() == pytest.approx([0, 0, 1], abs=1e-9)
 
 
 def test_both_bodies_may_float():

@@ -133,7 +133,7 @@ def test_an_error_while_bodies_are_looked_for(monkeypatch):
 
     tool = half("small")
     monkeypatch.setattr(tool.solver.linear, "SolveShifted", raising(LinearSolveError("singular")))
-    monkeypatch.setattr(Bodies, "Floating", raising(MemoryError()))
+    monkeypatch.setattr(Bodies, "Freedom", raising(MemoryError()))
     tool.load.Set(0.7)
     unchanged(tool, lambda t: t.solver.Solve(printing=False), MemoryError)
 
