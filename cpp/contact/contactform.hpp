@@ -109,6 +109,9 @@ public:
   virtual size_t NSegments() const = 0;
   /// How deep macro-elements lie behind the master that is too deep for the search to find; else 0.
   virtual Array<double> Overlaps() const = 0;
+  /// Of each macro-element at x: the least and the greatest gap at its points, and where both are.
+  /// Not finite without a partner; finite sliding: paired at x.
+  virtual Array<double> GapRanges(FlatVector<> x) = 0;
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
   FlatArray<MacroState> States() const { return states; }

@@ -131,6 +131,18 @@ void ExportContact(py::module & m) {
                                    ToNumPy(table.first));
            })
       .def("Points", [](ContactForm & self) { return ToNumPy(self.Points()); })
+      .def(
+          "GapRanges",
+          [](ContactForm & self, Numbers<double> x) {
+            auto values = View(x, x.size());
+            Array<double> table;
+            {
+              py::gil_scoped_release release;
+              table = self.GapRanges(values);
+            }
+            return ToNumPy(table);
+          },
+          py::arg("x"))
       .def("Overlaps", [](ContactForm & self) { return ToNumPy(self.Overlaps()); })
       .def_property_readonly("nsegments", &ContactForm::NSegments)
       .def_property_readonly("space", &ContactForm::Space)

@@ -137,23 +137,25 @@ void FaceShapes<D>::Repeat(size_t first) {
 template <int D>
 Surface<D> FaceShapes<D>::Displaced(const Surface<D> & reference, FlatVector<> x) const {
   Surface<D> result = reference;
-  ParallelFor(reference.Size(), [&](size_t f) {
-    auto control = result.Control(f);
-    auto & numbers = dofs[f];
-    auto & e = functions[f];
-    if (IsPlain(f)) {
-      for (int i : Range(control))
-        for (int j : Range(e.Width()))
-          for (int k : Range(D))
-            control[i](k) += e(i, j) * x(numbers[D * j + k]);
-      return;
-    }
-    for (int i : Range(control))
-      for (int j : Range(numbers))
-        for (int k : Range(D))
-          control[i](k) += conversion[f](D * i + k, j) * x(numbers[j]);
-  });
+  ParallelFor(reference.Size(), [&](size_t f) { AddDisplacement(f, x, result.Control(f)); });
   return result;
+}
+
+template <int D>
+void FaceShapes<D>::AddDisplacement(size_t face, FlatVector<> x, FlatArray<Vec<D>> control) const {
+  auto & numbers = dofs[face];
+  auto & e = functions[face];
+  if (IsPlain(face)) {
+    for (int i : Range(control))
+      for (int j : Range(e.Width()))
+        for (int k : Range(D))
+          control[i](k) += e(i, j) * x(numbers[D * j + k]);
+    return;
+  }
+  for (int i : Range(control))
+    for (int j : Range(numbers))
+      for (int k : Range(D))
+        control[i](k) += conversion[face](D * i + k, j) * x(numbers[j]);
 }
 
 template <int D>
@@ -209,6 +211,32 @@ void FaceShapes<D>::AddForces(size_t face, FlatMatrixFixWidth<D> forces, Scatter
     y.Add(dofs[face][j], by_dofs(j));
 }
 
+template <int D>
+FaceDisplacement<D>::FaceDisplacement(const ProxyInfo & u, const Surface<D> & surface,
+                                      const BitArray & wanted, FlatVector<> x)
+    : shapes(u, surface, max(1, u.Order(surface)), &wanted), control(surface.Size()) {
+  ParallelFor(surface.Size(), [&](size_t f) {
+    if (!wanted.Test(f))
+      return;
+    control[f].SetSize(shapes.Functions(f).Height());
+    control[f] = Vec<D>(0.0);
+    shapes.AddDisplacement(f, x, control[f]);
+  });
+}
+
+template <int D>
+Vec<D> FaceDisplacement<D>::At(size_t face, Vec<D - 1> xi) const {
+  ArrayMem<double, 40> memory(control[face].Size());
+  FlatVector<> values(memory.Size(), memory.Data());
+  shapes.CalcBasis(face, xi, values);
+  Vec<D> sum = 0.0;
+  for (int i : Range(values))
+    sum += values(i) * control[face][i];
+  return sum;
+}
+
 template class FaceShapes<2>;
 template class FaceShapes<3>;
+template class FaceDisplacement<2>;
+template class FaceDisplacement<3>;
 } // namespace ngslac

@@ -30,6 +30,9 @@ public:
   /// The surface, of this degree at least, displaced by the entries of a vector.
   Surface<D> Displaced(const Surface<D> & reference, FlatVector<> x) const;
 
+  /// Adds the displacement by the entries of a vector to the control points of a face.
+  void AddDisplacement(size_t face, FlatVector<> x, FlatArray<Vec<D>> control) const;
+
   /// Values of the scalar functions of a face at a point, and a row of derivatives per direction.
   struct Values {
     FlatVector<> value;
@@ -54,5 +57,17 @@ private:
   Array<Array<int>> dofs;     // of each face
   Array<Matrix<>> functions;  // of each face: control points of each scalar function
   Array<Matrix<>> conversion; // empty for plain faces
+};
+
+/// A displacement on the faces of a surface that are wanted.
+template <int D>
+class FaceDisplacement {
+  FaceShapes<D> shapes;
+  Array<Array<Vec<D>>> control;
+
+public:
+  FaceDisplacement(const ProxyInfo & u, const Surface<D> & surface, const BitArray & wanted,
+                   FlatVector<> x);
+  Vec<D> At(size_t face, Vec<D - 1> xi) const;
 };
 } // namespace ngslac

@@ -37,6 +37,7 @@ public:
   Array<double> Points() const override;
   size_t NSegments() const override;
   Array<double> Overlaps() const override;
+  Array<double> GapRanges(FlatVector<> x) override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
   void SetActive(bool active) override;
   FlatArray<int> ToolDofs() const override { return kinematics->ToolDofs(); }

@@ -209,6 +209,24 @@ Array<double> Form<D>::Overlaps() const {
   return kinematics->Finder().Overlaps(*slave, master.get(), law->Margin(), faces);
 }
 
+template <int D>
+Array<double> Form<D>::GapRanges(FlatVector<> x) {
+  CheckSize(x.Size());
+  Reevaluate();
+  kinematics->At(x);
+  Array<double> table;
+  auto ranges = kinematics->GapRanges(x);
+  for (size_t m : Range(ranges)) {
+    bool paired = setup.active && kinematics->Jump().area[m] > 0;
+    auto range = paired ? ranges[m] : GapRange<D>();
+    table += Array<double>{range.least, range.greatest};
+    for (auto & place : {range.near, range.far})
+      for (int k : Range(D))
+        table.Append(place(k));
+  }
+  return table;
+}
+
 template class Form<2>;
 template class Form<3>;
 } // namespace ngslac

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "gaprange.hpp"
 #include "linear/scatter.hpp"
 #include "macrolaw.hpp"
 #include "macrostate.hpp"
@@ -41,6 +42,13 @@ public:
   }
   /// Mean normal of the master where a macro-element sees it, else zero.
   virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
+  /// The gaps of points in the configuration of the pairing, x; of macro-elements without a partner
+  /// they mean nothing.
+  virtual Array<GapRange<D>> GapRanges(FlatVector<> /* x */) const {
+    return GapRangesOf<D>(*space, surfaces, [&](size_t m, const Segment &, const PairPoint<D> & p) {
+      return law->Clearance(m) + p.gap;
+    });
+  }
   /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
   virtual void Lean(FlatArray<double> /* vectors */) {}
   /// How far contact ends inside of each macro-element, see EndShares; empty: that is not known.

@@ -103,6 +103,24 @@ public:
     return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m), EndsOf(m)};
   }
 
+  /// Of which `Place` takes the means.
+  Array<GapRange<D>> GapRanges(FlatVector<> x) const override {
+    Vector<> moved(x.Size());
+    moved = x - paired_at;
+    auto slave = Displacement(*surfaces.slave, &Segment::slave, moved);
+    unique_ptr<FaceDisplacement<D>> master;
+    if (surfaces.master)
+      master =
+          make_unique<FaceDisplacement<D>>(Displacement(*surfaces.master, &Segment::master, moved));
+    auto gap = [&](size_t m, const Segment & s, const PairPoint<D> & p) {
+      Vec<D> apart = slave.At(s.slave, p.slave) - p.gap * p.normal;
+      if (master)
+        apart -= master->At(s.master, p.master);
+      return law->Clearance(m) - InnerProduct(direction[m], apart);
+    };
+    return GapRangesOf<D>(*this->space, surfaces, gap);
+  }
+
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap &) const override {
     bool spread = EndsOf(m);
     for (auto & e : surfaces.jump->Row(m))
@@ -212,6 +230,12 @@ public:
   }
 
 private:
+  /// On the faces that the pairing uses.
+  FaceDisplacement<D> Displacement(const Surface<D> & surface, int Segment::* face,
+                                   FlatVector<> x) const {
+    return {u, surface, surfaces.pairing->UsedFaces(surface.Size(), face), x};
+  }
+
   /// Of a periodic master, which the slave may meet beyond its seam.
   void AddImages(const Surface<D> & slave, Surface<D> & master) const {
     Periods<D> periods(u, slave, master, false);

@@ -125,6 +125,20 @@ public:
     return PlaceAt(mean.normal, mean.gap + law->Clearance(m), slip, area, rowarea);
   }
 
+  /// Of points that face the tool: their distances.
+  Array<GapRange<D>> GapRanges(FlatVector<>) const override {
+    auto & scene = now->scene;
+    auto gap = [&](size_t m, const Segment & segment, const PairPoint<D> & p) {
+      Vec<D> x;
+      Mat<D, D - 1> dx;
+      scene.slave.Evaluate(segment.slave, p.slave, x, dx);
+      auto hit = scene.tool.At(scene.InSpace(x));
+      bool faces = InnerProduct(scene.slave.Normal(segment.slave, dx), hit.normal) < facing_cosine;
+      return faces ? law->Clearance(m) + hit.distance : numeric_limits<double>::quiet_NaN();
+    };
+    return GapRangesOf<D>(*space, surfaces, gap);
+  }
+
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
     if (points->area[m] > 0 && IsTraction(traction))
       AddToolTraction<D>(now->scene, *points, m, Parts(m, traction), y, lh);

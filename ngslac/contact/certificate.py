@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What contact conditions, exact in the mean over macro-elements, are like at points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import CoefficientFunction
+
+from ngslac.arguments import ShownPoint
+from ngslac.contact.neighbours import Neighbours
+from ngslac.recovery.surface import SlaveSurface
+
+__all__ = ["Certificate", "Excess", "PointsInside"]
+
+# Surfaces that are so steep meet at a corner or an edge. That is inside from the first part of a
+# macro-element's size on; smooth surfaces sink in by less than the second before mean gaps close.
+STEEP, CORNER, SMOOTH = 0.3, 1e-3, 0.1
+# Of the largest traction: what is below is rounding.
+ROUNDING = 1e-10
+
+
+@dataclass(frozen=True)
+class Excess:
+    """By how much a condition is violated at a point, at most.
+
+    Attributes
+    ----------
+    value : float
+        A length, or a stress.
+    relative : float
+        To the size of the macro-element, or to the largest traction.
+    place : (d,) array
+    """
+
+    value: float
+    relative: float
+    place: np.ndarray
+
+
+class Certificate:
+    """Where the last evaluated state violates contact at points, and by how much; None: nowhere.
+
+    Attributes
+    ----------
+    penetration : Excess or None
+        Of points of the slave and of corners of the master; surfaces that are tied keep their
+        distance in the mean only.
+    tension : Excess or None
+        Of the macro-elements, on which the pressure is constant: where contact cannot open.
+    friction : Excess or None
+        Of the tangential traction over the bound, where this varies inside of macro-elements.
+    """
+
+    def __init__(self, contact, entries):
+        self._contact, self._table = contact, contact.Table()
+        self._size = _Sizes(contact, self._table)
+        self._largest = np.linalg.norm(self._table["traction"], axis=1).max(initial=0)
+        self.penetration = None if contact.tied else self._Penetration(entries)
+        self.tension = self._Tension()
+        self.friction = self._Friction() if contact.holds_tangentially else None
+
+    def __repr__(self):
+        return str(self)
+
+    def __str__(self):
+        parts = [
+            self._Words("penetration", self.penetration, "macro-element"),
+            self._Words("tension", self.tension, "largest traction"),
+            self._Words("above friction's bound", self.friction, "largest traction"),
+        ]
+        lines = ["at points        " + parts[0], *(f"{'':17}{part}" for part in parts[1:])]
+        return "\n".join(lines) + " (means are exact)"
+
+    @staticmethod
+    def _Words(what, excess, whole):
+        if excess is None:
+            return f"{what} none"
+        return (
+            f"{what} up to {excess.value:.4g}, {100 * excess.relative:.2g} % of the {whole}, "
+            f"at {ShownPoint(excess.place)}"
+        )
+
+    def _Penetration(self, entries):
+        gaps = PointGaps(self._contact, entries)
+        deepest = np.argmin(gaps.least)
+        depth = -float(gaps.least[deepest])
+        if not depth > 0:
+            return None
+        return Excess(depth, depth / self._size[deepest], gaps.places[deepest])
+
+    def _Tension(self):
+        pressure = self._table["pressure"]
+        least = np.argmin(pressure)
+        if not pressure[least] < -ROUNDING * self._largest:
+            return None
+        value = -float(pressure[least])
+        return Excess(value, value / self._largest, self._table["x"][least])
+
+    def _Friction(self):
+        table, setup = self._table, self._contact._state.setup
+        given = {n: setup[n] for n in ("friction", "tresca")}
+        if not any(isinstance(f, CoefficientFunction) for f in given.values()):
+            return None  # tied
+        surface = SlaveSurface(self._contact)
+        pressure, normal = table["pressure"], table["normal"]
+        across = table["traction"] + pressure[:, None] * normal
+        bound = np.full(len(surface.macro), np.inf)
+        for name, function in given.items():
+            if function is not None:
+                face = surface.table[:, 0].astype(int)
+                values = surface.Evaluate(function, face, surface.table[:, 2:4])[:, 0]
+                factor = np.abs(pressure)[surface.macro] if name == "friction" else 1
+                bound = np.minimum(bound, values * factor)
+        closed = (table["status"] > 0)[surface.macro]
+        excess = np.where(closed, np.linalg.norm(across, axis=1)[surface.macro] - bound, 0)
+        if not len(excess) or not excess.max() > ROUNDING * self._largest:
+            return None
+        worst = np.argmax(excess)
+        value = float(excess[worst])
+        return Excess(value, value / self._largest, surface.position[worst])
+
+
+def PointsInside(contact, gf=None):
+    """The deepest point inside of the other body where contact is open, or None.
+
+    Means over macro-elements do not see a corner, or an edge, that is small beside them, of the
+    slave or of the master. Beside closed macro-elements points that lie inside are normal, as they
+    are where a smooth surface is about to touch: those do not count.
+
+    Parameters
+    ----------
+    contact : LACContact
+    gf : GridFunction, optional
+        That the contact's form was evaluated for last; None: that of `LACContact.Evaluate`.
+
+    Returns
+    -------
+    (float, (d,) array, float) or None
+        Depth, place on the slave, and size of the macro-element.
+    """
+    entries = contact._solution if gf is None else gf.vec.FV().NumPy()
+    if entries is None or contact.tied or contact.bilateral or not contact.active:
+        return None
+    table = contact.Table()
+    neighbours = Neighbours(contact.space, contact.mesh)
+    beside = neighbours.Near(table["status"] > 0)
+    away = ~beside & (table["area"] > 0)
+    if not away.any():
+        return None
+    gaps, size = PointGaps(contact, entries), _Sizes(contact, table)
+    steep = (gaps.slope > STEEP) & ~neighbours.Near(beside)
+    limit = np.where(steep, CORNER, SMOOTH) * size
+    depth = np.where(away & (gaps.least < -limit), -gaps.least, 0)
+    deepest = np.argmax(depth)
+    if not depth[deepest] > 0:
+        return None
+    return float(depth[deepest]), gaps.places[deepest], float(size[deepest])
+
+
+class PointGaps:
+    """The gaps at the points of each macro-element.
+
+    Attributes
+    ----------
+    least, greatest : (m,) array
+        Infinite without a partner.
+    places : (m, d) array
+        On the slave, where they are least.
+    slope : (m,) array
+        From there to where they are greatest.
+    """
+
+    def __init__(self, contact, entries):
+        d = contact.mesh.dim
+        table = contact.form.GapRanges(entries).reshape(-1, 2 + 2 * d)
+        paired = np.isfinite(table[:, 0])
+        self.least, self.greatest = np.where(paired, table[:, :2].T, np.inf)
+        self.places = table[:, 2 : 2 + d]
+        way = np.linalg.norm(table[:, 2 + d :] - self.places, axis=1)
+        rise = np.where(paired, table[:, 1] - table[:, 0], 0)
+        self.slope = np.divide(rise, way, out=np.zeros(len(way)), where=way > 0)
+
+
+def _Sizes(contact, table):
+    return table["fullarea"] ** (1 / (contact.mesh.dim - 1))
