@@ -6,6 +6,8 @@ from ngsolve import H1
 
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
+from ngslac.contact.certificate import Certificate
+from ngslac.contact.neighbours import Neighbours
 
 __all__ = ["ContactReport"]
 
@@ -40,6 +42,13 @@ class ContactReport:
         Macro-elements with an area, a normal or a gap that is not finite.
     shared : (n,) int
         Mesh vertices of both surfaces: there nothing can open or slide, as at the tip of a crack.
+    narrow : (n,) int
+        Closed macro-elements that have no closed neighbours to their sides: contact there is one
+        macro-element wide, and its pressure a mean over what is not resolved.
+    outside : (n,) int
+        Closed macro-elements that stick out of the master by more than half.
+    certificate : Certificate or None
+        What is left at points of conditions that hold in the mean; None before a solution.
     """
 
     def __init__(self, contact):
@@ -70,6 +79,13 @@ class ContactReport:
         depths = contact.form.Overlaps() if unmet else np.zeros(len(area))
         self.overlapping, self.deepest = np.flatnonzero(depths), float(depths.max())
         self.shared = _SharedVertices(contact)
+        closed = (table["status"] > 0) & paired
+        self.outside = np.flatnonzero(closed & (area < 0.5 * full))
+        self.narrow = np.array([], int)
+        if not contact.tied and closed.any():
+            self.narrow = Neighbours(contact.space, contact.mesh).Narrow(closed)
+        solved = self.active and contact._solution is not None
+        self.certificate = Certificate(contact, contact._solution) if solved else None
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):
@@ -113,9 +129,22 @@ class ContactReport:
                 f"{1.1 * self.deepest:.4g}, or move the bodies apart: "
                 f"{self._Some(self.overlapping)}"
             )
+        if len(self.narrow):
+            lines.append(
+                f"not resolved     {len(self.narrow)} macro-elements, where contact is one of them "
+                f"wide: refine the slave there: {self._Some(self.narrow)}"
+            )
+        if len(self.outside):
+            lines.append(
+                f"half outside     {len(self.outside)} closed macro-elements, by more than half "
+                f"beyond the end of the master: refine the slave there, or take edges=True: "
+                f"{self._Some(self.outside)}"
+            )
         if len(self.shared):
             points = ", ".join(map(ShownPoint, self._corners))
             lines.append(f"shared vertices  {len(self.shared)}, of slave and master: {points}")
+        if self.certificate is not None:
+            lines.append(str(self.certificate))
         return "\n".join(lines)
 
 
