@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What is told to lie too deep in the master is inside of it, and leads out along the normal."""
 
+import re
+
 import numpy as np
 import pytest
-from netgen.occ import Axis, Compound, MoveTo, OCCGeometry, Pnt, Vec, X, Y, Z
+from netgen.occ import Axis, Circle, Compound, MoveTo, OCCGeometry, Pnt, Vec, X, Y, Z
 from ngsolve import Mesh, VectorH1
 
 from ngslac import LACContact, LACSpace
@@ -112,3 +114,54 @@ def test_what_is_not_too_deep(case, finite, dim):
         return
     assert not np.any(contact.form.Overlaps())
     assert "deep overlap" not in str(contact.Check())
+
+
+def sides_of(shape, name, h):
+    """All of its sides are one boundary."""
+    shape.edges.name, shape.faces.name = name, name + "_body"
+    shape.maxh = h
+    return shape
+
+
+def mesh_of(*shapes):
+    return Mesh(OCCGeometry(Compound(shapes), dim=2).GenerateMesh())
+
+
+def angle_iron(at):
+    """Its outline turns inwards."""
+    x, y = at
+    face = MoveTo(x, y).LineTo(x + 1, y).LineTo(x + 1, y + 0.3).LineTo(x + 0.3, y + 0.3)
+    return face.LineTo(x + 0.3, y + 1).LineTo(x, y + 1).Close().Face()
+
+
+ALL_SIDES = {
+    "block": lambda down: MoveTo(0.2, -down).Rectangle(1, 2.5).Face(),
+    "plate": lambda down: MoveTo(0.2, -down).Rectangle(1.5, 0.06).Face(),
+    "upright plate": lambda down: MoveTo(0.9, -down).Rectangle(0.06, 1.5).Face(),
+    "angle": lambda down: angle_iron((0.4, -down)),
+    "disc": lambda down: Circle((1, 0.4 - down), 0.4).Face(),
+}
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("shape", ALL_SIDES)
+@pytest.mark.parametrize("down", [-0.2, 0.0, 0.03])
+def test_no_advice_for_the_far_side(shape, down, finite):
+    """All sides of both bodies are of contact, and they overlap by less than is seen."""
+    upper = sides_of(ALL_SIDES[shape](down), "slave", 0.2)
+    lower = sides_of(MoveTo(0, -1).Rectangle(2, 1).Face(), "master", 0.25)
+    report = contact_on(mesh_of(upper, lower), finite=finite).Check()
+    assert "penetration =" not in str(report)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("shape", ["block", "angle", "disc"])
+def test_the_advice_is_as_deep_as_the_overlap(shape, finite):
+    upper = sides_of(ALL_SIDES[shape](0.25), "slave", 0.1)
+    lower = sides_of(MoveTo(0, -1).Rectangle(2, 1).Face(), "master", 0.12)
+    try:
+        said = str(contact_on(mesh_of(upper, lower), finite=finite, penetration=0.1).Check())
+    except Exception as error:  # of which nothing is seen at all
+        said = str(error)
+    (advised,) = re.findall(r"penetration = ([\d.]+\d),? (?:to have|or move)", said)
+    assert 0.2 < float(advised) < 0.4
