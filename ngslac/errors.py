@@ -83,6 +83,21 @@ class ContactWarning(UserWarning):
 
     The message says where, how much, and what to do about it. Turn it into an error by
     ``warnings.simplefilter("error", ContactWarning)``.
+
+    Examples
+    --------
+    A condition on a boundary that is not there, which holds nothing:
+
+    >>> import warnings
+    >>> V = VectorH1(mesh, order=2, dirichlet="botom")
+    >>> Q = LACSpace(V, slave="slave")
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ContactWarning)
+    ...     try:
+    ...         LACContact(*(V * Q).TrialFunction(), master="master")
+    ...     except ContactWarning as warning:
+    ...         print("botom" in str(warning))
+    True
     """
 
 
