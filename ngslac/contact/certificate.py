@@ -4,13 +4,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import CoefficientFunction
 
 from ngslac.arguments import ShownPoint
 from ngslac.contact.neighbours import Neighbours
 from ngslac.recovery.surface import SlaveSurface
 
-__all__ = ["Certificate", "Excess", "PointsInside"]
+__all__ = ["Certificate", "CertificateOf", "Excess", "PointsInside"]
 
 # Surfaces that are so steep meet at a corner or an edge. That is inside from the first part of a
 # macro-element's size on; smooth surfaces sink in by less than the second before mean gaps close.
@@ -37,8 +36,9 @@ class Excess:
     place: np.ndarray
 
 
+@dataclass(frozen=True)
 class Certificate:
-    """Where the last evaluated state violates contact at points, and by how much; None: nowhere.
+    """Where a state violates contact at points, and by how much; None: nowhere.
 
     Attributes
     ----------
@@ -51,73 +51,76 @@ class Certificate:
         Of the tangential traction over the bound, where this varies inside of macro-elements.
     """
 
-    def __init__(self, contact, entries):
-        self._contact, self._table = contact, contact.Table()
-        self._size = _Sizes(contact, self._table)
-        self._largest = np.linalg.norm(self._table["traction"], axis=1).max(initial=0)
-        self.penetration = None if contact.tied else self._Penetration(entries)
-        self.tension = self._Tension()
-        self.friction = self._Friction() if contact.holds_tangentially else None
-
-    def __repr__(self):
-        return str(self)
+    penetration: Excess | None
+    tension: Excess | None
+    friction: Excess | None
 
     def __str__(self):
         parts = [
-            self._Words("penetration", self.penetration, "macro-element"),
-            self._Words("tension", self.tension, "largest traction"),
-            self._Words("above friction's bound", self.friction, "largest traction"),
+            _Words("penetration", self.penetration, "macro-element"),
+            _Words("tension", self.tension, "largest traction"),
+            _Words("above friction's bound", self.friction, "largest traction"),
         ]
         lines = ["at points        " + parts[0], *(f"{'':17}{part}" for part in parts[1:])]
         return "\n".join(lines) + " (means are exact)"
 
-    @staticmethod
-    def _Words(what, excess, whole):
-        if excess is None:
-            return f"{what} none"
-        return (
-            f"{what} up to {excess.value:.4g}, {100 * excess.relative:.2g} % of the {whole}, "
-            f"at {ShownPoint(excess.place)}"
-        )
 
-    def _Penetration(self, entries):
-        gaps = PointGaps(self._contact, entries)
-        deepest = np.argmin(gaps.least)
-        depth = -float(gaps.least[deepest])
-        if not depth > 0:
-            return None
-        return Excess(depth, depth / self._size[deepest], gaps.places[deepest])
+def _Words(what, excess, whole):
+    if excess is None:
+        return f"{what} none"
+    return (
+        f"{what} up to {excess.value:.4g}, {100 * excess.relative:.2g} % of the {whole}, "
+        f"at {ShownPoint(excess.place)}"
+    )
 
-    def _Tension(self):
-        pressure = self._table["pressure"]
-        least = np.argmin(pressure)
-        if not pressure[least] < -ROUNDING * self._largest:
-            return None
-        value = -float(pressure[least])
-        return Excess(value, value / self._largest, self._table["x"][least])
 
-    def _Friction(self):
-        table, setup = self._table, self._contact._state.setup
-        given = {n: setup[n] for n in ("friction", "tresca")}
-        if not any(isinstance(f, CoefficientFunction) for f in given.values()):
-            return None  # tied
-        surface = SlaveSurface(self._contact)
-        pressure, normal = table["pressure"], table["normal"]
-        across = table["traction"] + pressure[:, None] * normal
-        bound = np.full(len(surface.macro), np.inf)
-        for name, function in given.items():
-            if function is not None:
-                face = surface.table[:, 0].astype(int)
-                values = surface.Evaluate(function, face, surface.table[:, 2:4])[:, 0]
-                factor = np.abs(pressure)[surface.macro] if name == "friction" else 1
-                bound = np.minimum(bound, values * factor)
-        closed = (table["status"] > 0)[surface.macro]
-        excess = np.where(closed, np.linalg.norm(across, axis=1)[surface.macro] - bound, 0)
-        if not len(excess) or not excess.max() > ROUNDING * self._largest:
-            return None
-        worst = np.argmax(excess)
-        value = float(excess[worst])
-        return Excess(value, value / self._largest, surface.position[worst])
+def CertificateOf(contact) -> Certificate:
+    """Of the last evaluated state of a contact."""
+    table = contact.Table()
+    largest = np.linalg.norm(table["traction"], axis=1).max(initial=0)
+    return Certificate(
+        None if contact.tied else _Penetration(contact, table),
+        _Tension(table, largest),
+        _AboveBound(contact, table, largest),
+    )
+
+
+def _Penetration(contact, table):
+    gaps = PointGaps(contact, contact._solution)
+    deepest = np.argmin(gaps.least)
+    depth = -float(gaps.least[deepest])
+    if not depth > 0:
+        return None
+    return Excess(depth, depth / _Sizes(contact, table)[deepest], gaps.places[deepest])
+
+
+def _Tension(table, largest):
+    least = np.argmin(table["pressure"])
+    value = -float(table["pressure"][least])
+    if not value > ROUNDING * largest:
+        return None
+    return Excess(value, value / largest, table["x"][least])
+
+
+def _AboveBound(contact, table, largest):
+    """Of the tangential traction, constant on a macro-element, over friction's bound at points."""
+    limits = {name: contact._state.setup[name] for name in ("friction", "tresca")}
+    limits = {name: limit for name, limit in limits.items() if limit is not None}
+    if not limits:
+        return None
+    surface, pressure = SlaveSurface(contact), table["pressure"]
+    face, at = surface.table[:, 0].astype(int), surface.table[:, 2:4]
+    bound = np.full(len(face), np.inf)
+    for name, limit in limits.items():
+        factor = np.abs(pressure)[surface.macro] if name == "friction" else 1
+        bound = np.minimum(bound, surface.Evaluate(limit, face, at)[:, 0] * factor)
+    across = np.linalg.norm(table["traction"] + pressure[:, None] * table["normal"], axis=1)
+    closed = (table["status"] > 0)[surface.macro]
+    excess = np.where(closed, across[surface.macro] - bound, 0)
+    value = float(excess.max(initial=0))
+    if not value > ROUNDING * largest:
+        return None
+    return Excess(value, value / largest, surface.position[np.argmax(excess)])
 
 
 def PointsInside(contact, gf=None):

@@ -6,7 +6,7 @@ from ngsolve import H1
 
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
-from ngslac.contact.certificate import Certificate
+from ngslac.contact.certificate import CertificateOf
 from ngslac.contact.neighbours import Neighbours
 
 __all__ = ["ContactReport"]
@@ -85,7 +85,7 @@ class ContactReport:
         if not contact.tied and closed.any():
             self.narrow = Neighbours(contact.space, contact.mesh).Narrow(closed)
         solved = self.active and contact._solution is not None
-        self.certificate = Certificate(contact, contact._solution) if solved else None
+        self.certificate = CertificateOf(contact) if solved else None
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):

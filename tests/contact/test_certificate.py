@@ -1,5 +1,7 @@
 """What `Check()` says of a solution: conditions at points, and contact that is not resolved."""
 
+import pickle
+
 import numpy as np
 import pytest
 from netgen.occ import Box, Circle, MoveTo, Sphere
@@ -83,6 +85,7 @@ def test_tension_where_contact_cannot_open():
         assert 0.1 < tension.relative <= 1
         assert tension.value > 0
         assert abs(tension.place[1]) < 1e-9
+    assert pickle.loads(pickle.dumps(tension)) is not tension
     assert "penetration none" in words(pressed(mesh, -0.01, tied=True).contact.Check())
 
 

@@ -17,6 +17,7 @@ import ngslac
 import ngslac.materials
 import ngslac.reference
 import ngslac.tools
+from ngslac.contact.certificate import Certificate, Excess
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
 from ngslac.recovery.recovered import Recovered
@@ -31,6 +32,8 @@ RESULTS = (
     TimeStep,
     Iteration,
     ContactReport,
+    Certificate,
+    Excess,
     Recovered,
     Segments,
     Step,
