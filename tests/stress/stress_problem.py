@@ -14,6 +14,7 @@ from ngsolve import (
     Id,
     IfPos,
     InnerProduct,
+    Integrate,
     Parameter,
     Sym,
     Trace,
@@ -26,7 +27,17 @@ from ngsolve import (
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
 
-__all__ = ["GROUND", "PROBLEMS", "Lame", "Moved", "Pressed", "Problem", "problem"]
+__all__ = [
+    "GROUND",
+    "PROBLEMS",
+    "Lame",
+    "MeanOf",
+    "MeanPressure",
+    "Moved",
+    "Pressed",
+    "Problem",
+    "problem",
+]
 
 PROBLEMS = {}
 GROUND = "(base|lower)_bottom"  # is held where nothing else is told
@@ -91,6 +102,9 @@ class Problem:
     path: list | None = None  # (end, steps), ...
     resultant: tuple | None = None  # of the first contact at the end
     says: str = ""  # pattern of the error, if there is no solution
+    once: bool = False  # one call of Solve at the end of the path, and no stepper
+    rough: float = 1e-6  # part of the forces that facets make false where bodies may spin
+    expected: list = field(default_factory=list)  # of the end: see Expect
 
     def __post_init__(self):
         self.load, self.stepper = Parameter(0.0), None
@@ -186,6 +200,26 @@ class Problem:
         values[self.X.components[0].ndof :] *= traction
         return self
 
+    # --- what is known of the end ---------------------------------------------------------------
+
+    def Expect(self, what, measure, value, error):
+        """The number `measure(problem)` at the end is `value`, but for an error."""
+        self.expected.append((what, measure, value, error))
+        return self
+
+    def StaysAside(self, body, *axes, error=1e-6):
+        """The mean displacement of a body along axes is 0, but for a part of its size."""
+        for axis in axes:
+            self.Expect(f"drift of {body}", MeanOf(body, axis), 0.0, error * self.extent)
+        return self
+
+    def Carries(self, force, *numbers, error=1e-6):
+        """The sum of the forces of contacts (all of them, unless told) is that one."""
+        for axis, value in enumerate(force):
+            allowed = error * max(map(abs, force))
+            self.Expect("force", ForceOf(numbers or range(len(self.pairs)), axis), value, allowed)
+        return self
+
     # --- the script ------------------------------------------------------------------------------
 
     def Run(self, callback=None, printing=False, watch=None):
@@ -193,10 +227,39 @@ class Problem:
         self.solver = ContactSolver(self.a, self.gf, self.contacts)
         if watch:
             watch(self.solver)
+        if self.once:
+            self.load.Set(self.path[-1][0])
+            self.solver.Solve(printing=printing)
+            return callback(self) if callback else None
         self.stepper = LoadStepper(self.solver, self.load, prescribe=self.prescribe)
         for end, steps in self.path:
             self.stepper.Integrate(end, steps=steps, callback=callback, printing=printing)
         return self.stepper.steps
+
+
+def MeanOf(body, axis):
+    """The mean of one component of the displacement of a body."""
+
+    def Measured(problem):
+        region = problem.mesh.Materials(body)
+        return Integrate(problem.gf.components[0][axis], region) / Integrate(1.0, region)
+
+    return Measured
+
+
+def ForceOf(numbers, axis):
+    """One component of the sum of the forces of contacts."""
+    return lambda problem: sum(problem.contacts[k].Force()[axis] for k in numbers)
+
+
+def MeanPressure(number=0):
+    """The mean pressure of what is paired."""
+
+    def Measured(problem):
+        table = problem.contacts[number].Table()
+        return (table["pressure"] * table["area"]).sum() / table["area"].sum()
+
+    return Measured
 
 
 def _Side(name, side):

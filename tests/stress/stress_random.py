@@ -15,6 +15,7 @@ from stress_problem import Problem, problem
 
 NUMBERS = [f"{k:03d}" for k in range(160)]
 KINDS = ["hex", "prism", "tet"]
+FEW = 6  # cells along a side that have at least three macro-elements
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,9 @@ class Draw:
         return self.rng.choice([0.0, self.rng.uniform(0.001, 0.02)])
 
     def Cells(self):
-        n = int(self.rng.integers(3, 10)), int(self.rng.integers(2, 4))
+        nx, ny = (int(self.rng.integers(*ends)) for ends in ((3, 10), (2, 4)))
+        # Of order 1 two macro-elements a side would leave a block free to turn and to yield.
+        n = (max(nx, FEW) if self.order == 1 and not self.bubble else nx), ny
         return n, "quad" if self.rng.random() < 0.5 else "trig"
 
     def Wave(self):

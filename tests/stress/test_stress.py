@@ -21,6 +21,10 @@ SAMPLE = {
     "leafonsupports-0.0-1", "plate-0.0",
     "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side", "nomiddle-0.3-0-1.4", "notippingfar-1",
     "nocapstan-0.2-0", "flatring-flat-0.2-24",
+    "atrest-2-0.001-weight", "atrest-3-0.001-traction", "atrestturned-30.0-base",
+    "stackatrest-3-0.001", "spininhole-2-0", "freefit-0.4-1.6-0.0-0", "coolsloose3d-0.0",
+    "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",
+    "firstpress-0.3-0.01", "discpile-1-0.1-0.3-1-0.001", "random-001",
 }  # fmt: skip
 
 
@@ -41,7 +45,7 @@ def test_problem(name):
 
 
 def test_the_set_is_large_enough():
-    assert len(PROBLEMS) == 561
+    assert len(PROBLEMS) == 663
     assert sum(name[:7] == "random-" for name in PROBLEMS) == 160
     assert sum(Module(name) == "stress_unsolvable" for name in PROBLEMS) >= 25
     assert sum(Module(name) in FIRST for name in PROBLEMS) == 110

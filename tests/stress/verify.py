@@ -91,7 +91,8 @@ class Verifier:
         self.forces = max(self.forces, np.linalg.norm(bulk))
         surfaces = "|".join(s for pair in p.pairs for s in pair if isinstance(s, str))
         inner = np.array([not b for b in space.GetDofs(p.mesh.Boundaries(surfaces))])
-        Require(np.linalg.norm(bulk[inner]) / self.forces, 1e-6, "equilibrium within the bodies")
+        within = np.linalg.norm(bulk[inner]) / self.forces
+        Require(within, p.rough, "equilibrium within the bodies")
         cut_off = sum(side.CutOff(s) for side, s in zip(self.sides, states, strict=True))
         test = GridFunction(space)
         random = np.random.default_rng(len(bulk))

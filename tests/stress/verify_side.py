@@ -151,6 +151,7 @@ class Side:
         gap = -np.sum(apart * normal, axis=1)
         if self.finite:
             gap = mean * self._Sum(hits.gap.reshape(met.shape) * met)
+        gap = gap + self.law.get("offset", 0.0)
         jump = mean[:, None] * self._Sum(moved)
         slip = self._Slip(jump, u1, u2, normals)
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
