@@ -13,7 +13,7 @@ __all__ = ["Certificate", "CertificateOf", "Excess", "PointsInside"]
 
 # Surfaces that are so steep meet at a corner or an edge. That is inside from the first part of a
 # macro-element's size on; smooth surfaces sink in by less than the second before mean gaps close.
-STEEP, CORNER, SMOOTH = 0.3, 1e-3, 0.1
+STEEP, CORNER, SMOOTH = 0.5, 1e-3, 0.1
 # Of the largest traction: what is below is rounding.
 ROUNDING = 1e-10
 
