@@ -5,16 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.bodies.constraints import TIGHT
 from ngslac.linear.grounding import Spread
 
-__all__ = ["Freedom", "Ground", "NullSpace", "Unresisted"]
+__all__ = ["EXACT", "Freedom", "Ground", "NullSpace", "Unresisted"]
 
 TOLERANCE = 1e-8
 
 # Work of forces that is none: relative to that of their sizes, and to what the mesh of a curved
 # surface makes of forces across it.
 IDLE, MESH = 1e-8, 2.0
+# Approach over motion along flat surfaces, which is rounding; part of a motion that is the same.
+EXACT, NEAR = 1e-9, 0.7
 # Motions seen by contact that are rounding.
 UNSEEN = 1e-8
 # Condition of springs that hold motions well.
@@ -49,14 +50,28 @@ class Freedom:
 
     def Outright(self):
         """The motions that no mesh makes look as if something resisted."""
-        own = self.resistance <= TIGHT
-        parts = self.weights[:, own], self.resistance[own], self.motions[:, own]
-        return Freedom(*parts, self.turning[own])
+        return self.Some(self.resistance <= EXACT)
 
-    def Rougher(self, resistance):
-        """The same motions, with a resistance of the meshes that is at least this one."""
-        own = np.maximum(self.resistance, resistance)
-        return Freedom(self.weights, own, self.motions, self.turning)
+    def Some(self, chosen):
+        """Those of the motions that a mask (k,) or numbers select."""
+        parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
+        return Freedom(*parts, self.turning[chosen])
+
+    def Along(self, motion):
+        """The motion of these that is nearest to one of other weights; None: none is near.
+
+        Parameters
+        ----------
+        motion : Freedom
+            With one motion.
+        """
+        factors, *_ = np.linalg.lstsq(self.weights, motion.weights[:, 0], rcond=None)
+        weights = self.weights @ factors
+        if np.linalg.norm(weights) < NEAR * np.linalg.norm(motion.weights):
+            return None
+        rough = max(self.resistance.max(initial=0.0), motion.resistance[0])
+        moved = self.motions @ factors
+        return Freedom(weights[:, None], np.array([rough]), moved[:, None], motion.turning)
 
     def Works(self, forces, least, blur=0.0):
         """The work of forces along each motion, 0 where it is none.

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ngslac.bodies.messages import FloatingMessage
+from ngslac.bodies.messages import DrivenMessage, FloatingMessage
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.linear.solver import LinearSolveError
@@ -64,12 +64,19 @@ class Failure:
         system.residual.Follow()
         system.Evaluate()
         self.exhausted = self.unheld = lost and not self.holding.MayHold()
-        self.unbalanced = "" if self.exhausted else CarriedOff(system)
+        self.unbalanced = self._Unheld(error) if self.exhausted else CarriedOff(system)
         self.slides = "" if self.exhausted else self.slides
         self.certain = bool(self.unbalanced) and IsStraight(system)
         if self.certain:
             raise error
         system.GoTo(now)
+
+    def _Unheld(self, error):
+        """What no closed contact would hold, where the error does not speak of it."""
+        free = self.system.Freedom("closed")
+        if isinstance(error, FloatingBodyError) or not self.system.IsDriven(free, "closed"):
+            return ""
+        return DrivenMessage(self.system.DrivenMotion(free))
 
     def Error(self, error, floating, history):
         """An error with all that is known: which body is carried off, first of all.

@@ -6,7 +6,8 @@ from ngsolve import Grad, GridFunction, InnerProduct, Integrate
 
 from ngslac.arguments import ShownPoint
 from ngslac.bodies.messages import DrivenMessage, IdleMessage
-from ngslac.errors import ContactConvergenceError, FloatingBodyError, Warn
+from ngslac.contact.certificate import PointsInside
+from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.solve.inverted import InvertedError
 
 __all__ = ["Look", "MechanismError"]
@@ -35,19 +36,19 @@ class Look:
         self.system = system
 
     def __call__(self):
-        """Raise an error if the state is none, and warn of what may not be meant."""
+        """Raise an error if the state is none, and note what may not be meant."""
+        self.system.notes.clear()
         self._LookAtElements()
         self._LookAtMotions()
         self._LookAtDepths()
+        self._LookAtPoints()
         self._LookAtSliding()
         self._LookAtRotations()
 
     def _Say(self, kind, message):
-        """Warn, unless the state before had the same reason."""
-        said = self.system.said
-        if message and kind not in said:
-            Warn(message)
-        (said.add if message else said.discard)(kind)
+        """Note a message, if there is one."""
+        if message:
+            self.system.notes[kind] = message
 
     def _LookAtElements(self):
         known, others = self.system.Inverted()
@@ -84,6 +85,18 @@ class Look:
             "contact does not see them and no force acts: give penetration = "
             f"{1.1 * depths[deepest]:.3g}, move the bodies apart, or take smaller steps"
         )
+
+    def _LookAtPoints(self):
+        """Corners and edges that lie inside of another body, where the mean gap is open."""
+        for number, contact in enumerate(self.system.contacts):
+            if found := PointsInside(contact, self.system.gf):
+                depth, place, size = found
+                self._Say(
+                    f"points {number}",
+                    f"the bodies overlap by {depth:.3g} around {ShownPoint(place)}, where contact "
+                    f"is open: macro-elements, {size:.3g} large, do not see a corner or an edge "
+                    "there. Refine the slave there",
+                )
 
     def _LookAtSliding(self):
         for number, contact in enumerate(self.system.contacts):

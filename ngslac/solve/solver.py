@@ -239,7 +239,9 @@ class ContactSolver(metaclass=Distributable):
         """The last line; after any error all is as before, but for what tells of the failure."""
         try:
             self._running, self.history = True, newton.history
-            return newton.Run(maxit)
+            last = newton.Run(maxit)
+            self.system.Tell()
+            return last
         except BaseException as error:
             unsolved = isinstance(error, LinearSolveError)
             try:

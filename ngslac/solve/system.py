@@ -10,7 +10,8 @@ from ngslac.arguments import FillVector
 from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
-from ngslac.bodies.freedom import Ground
+from ngslac.bodies.freedom import EXACT, Ground
+from ngslac.errors import Warn
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckBodies, CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
@@ -83,8 +84,8 @@ class System:
         What the pressures of each contact are turned by, see `Directions`.
     idle : bool
         Do bodies float, with friction, that nothing pushes?
-    said : set of str
-        Warnings that need not be repeated as long as their reason stays.
+    notes : dict
+        What the look at the last state that was accepted has to say, by its kind.
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -94,7 +95,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = None
         self.loose = self.idle = False
-        self.said = set()
+        self.notes, self._said = {}, set()
         self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -164,6 +165,13 @@ class System:
     def GoTo(self, place):
         """Take the solution of another `Place`."""
         self.values[:], self.motion = place
+
+    def Tell(self):
+        """Warn of the notes, unless the solution before had the same ones."""
+        for kind, message in self.notes.items():
+            if kind not in self._said:
+                Warn(message)
+        self._said = set(self.notes)
 
     def CheckSpace(self):
         """What was made for a space goes on with this one: it was not refined since."""
@@ -362,13 +370,19 @@ class System:
     def IsDriven(self, freedom, holds="now"):
         """Do the forces measured last do work on the motions that contact leaves?
 
-        Where both sides have other normals, as in a hole with play, bodies slide along either.
+        On curved surfaces with other normals on both sides, as in a hole with play, bodies slide
+        along either: nothing is driven that does not move along one of them.
         """
-        if not freedom or not np.any(self._Works(freedom)):
-            return False
-        rough = freedom.resistance.max()
-        sides = (self.Freedom(holds, normals).Rougher(rough) for normals in (SLAVE, MASTER))
-        return all(np.any(self._Works(side)) for side in sides if side)
+        driven = np.flatnonzero(self._Works(freedom)) if freedom else []
+        if not len(driven) or np.any(freedom.resistance[driven] <= EXACT):
+            return len(driven) > 0
+        sides = [self.Freedom(holds, normals) for normals in (SLAVE, MASTER)]
+        return any(self._IsDrivenAlong(freedom.Some([k]), sides) for k in driven)
+
+    def _IsDrivenAlong(self, motion, sides):
+        """Is a motion driven as all sides that know it see it?"""
+        near = [side.Along(motion) for side in sides if side]
+        return all(np.any(self._Works(own)) for own in near if own is not None)
 
     def IsPushed(self, freedom):
         """Does the residual measured last do work on them, with all multipliers as they are?"""

@@ -90,6 +90,7 @@ class Pressed:
         system.Measure()
         system.Evaluate()
         Look(system)()
+        system.Tell()
 
 
 def warned(run):
