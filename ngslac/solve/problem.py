@@ -94,15 +94,27 @@ def CheckContacts(contacts, space, gf=None, name="contacts"):
 
 
 def CheckSlaves(contacts):
-    """No two contacts that are on hold one slave face: what each carries is not determined."""
+    """No two contacts that are on press one slave face on one surface: which one is not told."""
     for one, other in combinations([contact for contact in contacts if contact.active], 2):
         both = one.space.slave * other.space.slave
-        if next(iter(both.Elements()), None) is not None:
+        if HasFaces(both) and not AreApart(one, other):
             raise ValueError(
                 f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
                 "be singular where both are closed: give one contact both sides, as in "
                 "master='one|other', make one of them the master, or Deactivate one of them"
             )
+
+
+def HasFaces(region):
+    """Is there an element in a region?"""
+    return next(iter(region.Elements()), None) is not None
+
+
+def AreApart(one, other):
+    """Have two contacts masters without a common face?"""
+    if one.master is None or other.master is None:
+        return False
+    return not HasFaces(one.master * other.master)
 
 
 def CheckStart(gf, space):
