@@ -14,6 +14,8 @@ TOLERANCE = 1e-8
 # Work of forces that is none: relative to that of their sizes, and to what the mesh of a curved
 # surface makes of forces across it.
 IDLE, MESH = 1e-8, 2.0
+# The same where rotations are no functions of the space: thermal stress does false work.
+FALSE = 1e-6
 # Approach over motion along flat surfaces, which is rounding; part of a motion that is the same.
 EXACT, NEAR = 1e-9, 0.7
 # Motions seen by contact that are rounding.
@@ -73,7 +75,7 @@ class Freedom:
         moved = self.motions @ factors
         return Freedom(weights[:, None], np.array([rough]), moved[:, None], motion.turning)
 
-    def Works(self, forces, least, blur=0.0):
+    def Works(self, forces, least, blur=0.0, false=False):
         """The work of forces along each motion, 0 where it is none.
 
         Parameters
@@ -84,6 +86,8 @@ class Freedom:
             Sizes of forces that are rounding.
         blur : float
             How far forces may be from where they are taken to act, as long as gaps have to close.
+        false : bool
+            Does stress do false work, as rotations are no functions of the space?
 
         Returns
         -------
@@ -94,7 +98,10 @@ class Freedom:
         gross = np.max([np.abs(force) @ sizes for force in forces], axis=0)
         none = np.linalg.norm(least[:, None] * self.motions, axis=0)
         none += blur * self.turning * max(np.abs(force).sum() for force in forces)
-        allowed = np.maximum(np.maximum(IDLE, MESH * self.resistance) * gross, none)
+        # One center of a curved surface is meant by all motions along it.
+        curved = self.resistance > EXACT
+        mesh = np.where(curved, MESH * self.resistance.max(initial=0.0), 0.0)
+        allowed = np.maximum(np.maximum(FALSE if false else IDLE, mesh) * gross, none)
         return np.where(np.abs(works) > allowed, works, 0.0)
 
 

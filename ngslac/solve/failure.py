@@ -7,6 +7,7 @@ from ngslac.bodies.messages import DrivenMessage, FloatingMessage
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.linear.solver import LinearSolveError
+from ngslac.solve.look import MechanismError
 
 __all__ = ["CarriedOff", "Failure"]
 
@@ -95,11 +96,14 @@ class Failure:
         if isinstance(error, LinearSolveError):
             kind = FloatingBodyError if floating else ContactConvergenceError
             error = kind(FloatingMessage(floating) if floating else str(error))
+        loose = isinstance(error, MechanismError)
+        if loose:
+            error = FloatingBodyError(str(error))
         if self.unbalanced or self.slides:
             error = FloatingBodyError(self.unbalanced or self.slides)
         error.history, error.certain, error.rubs = history, self.certain, self.rubs
         error.slides = bool(self.slides) or (self.rubs and self.system.islinear)
-        error.exhausted, error.unheld = self.known, self.unheld
+        error.exhausted, error.unheld = self.known, self.unheld or loose
         return error
 
 

@@ -16,7 +16,7 @@ __all__ = ["Look", "MechanismError"]
 STRAYED = 0.5
 # Gradient of a displacement, on average over a body, that small strains are not made for; range of
 # displacements over the size of the mesh below which it is not looked at.
-LARGE, SMALL = 0.3, 0.01
+LARGE, SMALL = 0.2, 0.01
 
 
 class MechanismError(FloatingBodyError):

@@ -121,6 +121,7 @@ class Newton:
         """Is another method faster? Without friction, where it follows a path to the status."""
         system = self.system
         suits = system.scheme.searches and system.islinear and not self.onpath
+        suits = suits and not system.bodies.floating
         rubs = any(contact.holds_tangentially and not contact.tied for contact in system.contacts)
         changed = bool(self.history[-1].changed)
         return suits and not rubs and changed and self.globalization.crawls

@@ -404,7 +404,7 @@ class System:
         forces = max(residual.reference, residual.first)
         least = max(IDLE * forces, 10 * residual.rounding) / self.scale
         bulk = residual.parts[0] - self._FalseForces()
-        return freedom.Works(np.stack([bulk, contact]), least, self._Blur())
+        return freedom.Works(np.stack([bulk, contact]), least, self._Blur(), self.bodies.false)
 
     def _FalseForces(self):
         """What the bulk says of the displacement, if that does false work along rigid motions."""

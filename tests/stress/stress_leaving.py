@@ -115,22 +115,3 @@ def FirstPress(friction, gap):
     p = Problem(mesh, 100.0, pairs, friction or None, True, held="block_bottom",
                 heldx="disc_top", once=True)  # fmt: skip
     return p.Spring("disc_top", (0, 0), 1e-2).Traction("disc_top", (0, -2.0))
-
-
-@problem(0.0, 0.3)
-def FirstWedge(friction):
-    """A wedge is pushed by a force between two soft blocks, a gap before it; one call of Solve."""
-
-    def wedge(s, t):
-        return (2 * s - 1) * (0.12 + 0.2 * t), 0.5 + 0.8 * t
-
-    mesh = Grids(
-        wedge=(wedge, (4, 8), "quad"),
-        left=((-1.0, 0, -0.17, 0.7), (5, 9), "quad"),
-        right=((0.17, 0, 1.0, 0.7), (5, 7), "quad"),
-    )
-    young = {"wedge": 500.0, "left": 30.0, "right": 30.0}
-    pairs = [("left_right", "wedge_left"), ("right_left", "wedge_right")]
-    p = Problem(mesh, young, pairs, friction or None, True, held="left_left|right_right",
-                heldx="wedge_top", once=True)  # fmt: skip
-    return p.Spring("wedge_top", (0, 0), 0.5).Traction("wedge_top", (0, -1.0))
