@@ -5,9 +5,9 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import csr_matrix
 
-from ngslac.bodies.constraints import CONTACT, Resistances, ToolDofs
+from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Resistances, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
-from ngslac.bodies.freedom import Freedom, NullSpace, Unresisted
+from ngslac.bodies.freedom import EXACT, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
 from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
@@ -146,7 +146,12 @@ class Bodies:
             return np.concatenate([*parts, rows[:, tools].toarray()], axis=1)
 
         seen = [Resistances(contact, holds, Move, normals) for contact in contacts]
-        weights, resistance = Unresisted(*map(np.concatenate, zip(*seen, strict=True)))
+        prevented, coarse, all_seen = map(np.concatenate, zip(*seen, strict=True))
+        weights, resistance = Unresisted(prevented, coarse, all_seen)
+        # A few macro-elements of a curved surface do not tell where its center is; friction does.
+        rubs = any(contact.holds_tangentially for contact in contacts)
+        vague = (resistance <= EXACT) & np.any(coarse > TIGHT) & (not rubs)
+        mesh = np.where(vague, COARSE, resistance)
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
         turning, at, d = np.zeros(weights.shape[1]), 0, contacts[0].mesh.dim
         for part, combinations in self.floating:
@@ -155,7 +160,7 @@ class Bodies:
             all_dofs[self.first + inside] = motions[inside] @ own
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
         all_dofs[tools] = weights[at:]
-        return Freedom(weights, resistance, all_dofs, turning)
+        return Freedom(weights, resistance, all_dofs, turning, mesh)
 
     def Measure(self, contacts, freedom):
         """Integrals of free motions times displacements, as (n, k) array; tools count once."""

@@ -8,6 +8,7 @@ from scipy.spatial import KDTree
 from ngslac._ngslac import Side
 
 __all__ = [
+    "COARSE",
     "CONTACT",
     "MASTER",
     "SLAVE",

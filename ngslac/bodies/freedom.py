@@ -40,12 +40,15 @@ class Freedom:
         The same as coefficients of the solution.
     turning : (k,)
         By what angles bodies turn, at most.
+    mesh : (k,)
+        How much of forces across the surfaces their meshes make seem to be along the motions.
     """
 
     weights: np.ndarray
     resistance: np.ndarray
     motions: np.ndarray
     turning: np.ndarray
+    mesh: np.ndarray
 
     def __bool__(self):
         return self.weights.shape[1] > 0
@@ -57,7 +60,7 @@ class Freedom:
     def Some(self, chosen):
         """Those of the motions that a mask (k,) or numbers select."""
         parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
-        return Freedom(*parts, self.turning[chosen])
+        return Freedom(*parts, self.turning[chosen], self.mesh[chosen])
 
     def Along(self, motion):
         """The motion of these that is nearest to one of other weights; None: none is near.
@@ -71,9 +74,9 @@ class Freedom:
         weights = self.weights @ factors
         if np.linalg.norm(weights) < NEAR * np.linalg.norm(motion.weights):
             return None
-        rough = max(self.resistance.max(initial=0.0), motion.resistance[0])
+        mesh = np.array([max(self.resistance.max(initial=0.0), motion.mesh[0])])
         moved = self.motions @ factors
-        return Freedom(weights[:, None], np.array([rough]), moved[:, None], motion.turning)
+        return Freedom(weights[:, None], motion.resistance, moved[:, None], motion.turning, mesh)
 
     def Works(self, forces, least, blur=0.0, false=False):
         """The work of forces along each motion, 0 where it is none.
@@ -98,10 +101,8 @@ class Freedom:
         gross = np.max([np.abs(force) @ sizes for force in forces], axis=0)
         none = np.linalg.norm(least[:, None] * self.motions, axis=0)
         none += blur * self.turning * max(np.abs(force).sum() for force in forces)
-        # One center of a curved surface is meant by all motions along it.
-        curved = self.resistance > EXACT
-        mesh = np.where(curved, MESH * self.resistance.max(initial=0.0), 0.0)
-        allowed = np.maximum(np.maximum(FALSE if false else IDLE, mesh) * gross, none)
+        idle = FALSE if false else IDLE
+        allowed = np.maximum(np.maximum(idle, MESH * self.mesh) * gross, none)
         return np.where(np.abs(works) > allowed, works, 0.0)
 
 

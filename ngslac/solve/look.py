@@ -124,7 +124,8 @@ class Look:
         first = form.offset * form.fes.dim
         values = system.values[first : first + form.component.ndof * form.fes.dim]
         mesh = system.gf.space.mesh
-        if not system.bulk.islinear or np.ptp(values) <= SMALL * system.size:
+        tied = all(contact.tied for contact in system.contacts)  # of whatever fields
+        if tied or not system.bulk.islinear or np.ptp(values) <= SMALL * system.size:
             self._Say("linear", "")
             return
         u = GridFunction(form.component)
