@@ -36,6 +36,9 @@ def distance(expected, size, value):
     if one.dtype.kind not in "f":
         same = np.array_equal(one, two)
         return "" if same else f"{shown(two, one)} for {shown(one, two)}"
+    if not np.array_equal(np.isnan(one), np.isnan(two)):
+        return "NaN in other places"
+    one, two = np.nan_to_num(one), np.nan_to_num(two)  # gaps without a partner
     size = float(np.abs(one).max(initial=0.0)) if size is None else size
     off = float(np.abs(one - two).max(initial=0.0))
     return "" if off <= TOL * size else f"differs by {off / size if size else off:.1e}"
@@ -51,9 +54,10 @@ def largest(serial, other):
     """The largest relative difference of all numbers of a case."""
     worst = 0.0
     for name, (expected, size) in serial["values"].items():
-        one = np.asarray(expected)
+        one, two = np.asarray(expected), np.asarray(other["values"][name][0])
         if one.dtype.kind == "f" and one.size:
+            one, two = np.nan_to_num(one), np.nan_to_num(two)
             size = float(np.abs(one).max()) if size is None else size
-            off = float(np.abs(one - np.asarray(other["values"][name][0])).max())
+            off = float(np.abs(one - two).max())
             worst = max(worst, off / size if size else off)
     return worst

@@ -64,11 +64,8 @@ def together(found, comm):
     if everywhere is None:
         return None
     first = everywhere[0]
-    first["other"] = [
-        rank
-        for rank, each in enumerate(everywhere)
-        if (each["values"], each["error"]) != (first["values"], first["error"])
-    ]
+    texts = [json.dumps((each["values"], each["error"])) for each in everywhere]  # NaN is NaN there
+    first["other"] = [rank for rank, text in enumerate(texts) if text != texts[0]]
     first["errors"] = [each["error"] for each in everywhere]
     first["talkers"] = [rank for rank, each in enumerate(everywhere) if rank and each["said"]]
     return first
