@@ -125,8 +125,7 @@ class Look:
         values = system.values[first : first + form.component.ndof * form.fes.dim]
         mesh = system.gf.space.mesh
         tied = all(contact.tied for contact in system.contacts)  # of whatever fields
-        if tied or not system.bulk.islinear or np.ptp(values) <= SMALL * system.size:
-            self._Say("linear", "")
+        if tied or not system.bulk.islinear or np.ptp(values) <= SMALL * system.residual.size:
             return
         u = GridFunction(form.component)
         u.vec.FV().NumPy()[:] = values

@@ -253,13 +253,13 @@ class Residual:
         moved = ROUNDING * Norm(displacement / factors)
         if self.bulk.islinear is not False:
             return moved
-        mesh, size = self.gf.space.mesh, self._size
+        mesh, size = self.gf.space.mesh, self.size
         if not pushed and np.abs(displacement).max(initial=0) <= NO_MOTION * size:
             return max(moved, 1e-15 * Norm(size / factors))
         return max(moved, 3e-16 * Norm(size * mesh.ne ** (-1 / mesh.dim) / factors))
 
     @cached_property
-    def _size(self):
+    def size(self):
         """Of the mesh."""
         return np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
 
@@ -270,7 +270,7 @@ class Residual:
             for c in self.contacts
             if c.finite
         ]
-        return np.finfo(float).eps * self._size * Norm(np.concatenate(rows)) if rows else 0.0
+        return np.finfo(float).eps * self.size * Norm(np.concatenate(rows)) if rows else 0.0
 
     def IsRounding(self, forces, scale):
         """Are forces (n,) of bulk and loads nothing but rounding errors?"""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts as one system of equations: residual, matrices and corrections."""
 
-from functools import cached_property
-
 import numpy as np
 
 from ngslac._ngslac import EquilibrationScale
@@ -105,11 +103,6 @@ class System:
     def values(self):
         """All coefficients of the solution, to be written to."""
         return self.gf.vec.FV().NumPy()
-
-    @cached_property
-    def size(self):
-        """Of the mesh."""
-        return np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
 
     @property
     def finite(self):

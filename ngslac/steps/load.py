@@ -291,7 +291,9 @@ class LoadStepper(metaclass=Distributable):
             raise
         moved = np.abs(vec.FV().NumPy() - last.FV().NumPy()).max()
         given = zip(before, self._Given(), strict=True)
-        same = moved <= STILL * solver.system.size and all(np.allclose(*pair) for pair in given)
+        same = moved <= STILL * solver.system.residual.size and all(
+            np.allclose(*pair) for pair in given
+        )
         self._idle = self._idle and same
         for contact in solver.contacts:
             contact.Commit(solver.gf)
