@@ -11,6 +11,8 @@ from ngslac.bodies.freedom import EXACT, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
 from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
+from ngslac.bodies.slides import SlidesOf
+from ngslac.rigid import Tables
 
 __all__ = ["Bodies"]
 
@@ -19,6 +21,9 @@ TOLERANCE = 1e-8
 RESISTS = 1e-12
 # How far a body goes, relative to the size of the mesh, when nothing holds it.
 FAR = 1.0
+# How much of a motion along all surfaces of a body closed contact may seem to prevent: where the
+# other surface is curved contact is not along either of them, and a corner touches across.
+PREVENTED = 0.5
 
 
 class Bodies:
@@ -47,7 +52,7 @@ class Bodies:
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
-        self._integrals, self.false = None, False
+        self._integrals, self._slides, self.false = None, None, False
         # Coordinates far from the origin hold rounding errors.
         far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
@@ -145,13 +150,23 @@ class Bodies:
             parts = [self._Moved(rows, part, motions) @ own for part, own in self.floating]
             return np.concatenate([*parts, rows[:, tools].toarray()], axis=1)
 
-        seen = [Resistances(contact, holds, Move, normals) for contact in contacts]
-        prevented, coarse, all_seen = map(np.concatenate, zip(*seen, strict=True))
-        weights, resistance = Unresisted(prevented, coarse, all_seen)
+        def Seen(holds):
+            found = [Resistances(contact, holds, Move, normals) for contact in contacts]
+            return tuple(map(np.concatenate, zip(*found, strict=True)))
+
+        prevented, coarse, all_seen = Seen(holds)
+        touching = Seen("now") if holds == "closed" else (prevented, coarse, all_seen)
+        slides = self._Slides(contacts, displacement, *touching[::2])
+        own = np.concatenate([np.zeros((all_seen.shape[1], 0)), *(w for w, *_ in slides)], axis=1)
+        others = NullSpace(own.T)
+        weights, resistance = Unresisted(prevented @ others, coarse, all_seen @ others)
         # A few macro-elements of a curved surface do not tell where its center is; friction does.
         rubs = any(contact.holds_tangentially for contact in contacts)
         vague = (resistance <= EXACT) & np.any(coarse > TIGHT) & (not rubs)
-        mesh = np.where(vague, COARSE, resistance)
+        mesh = np.concatenate([*(m for *_, m, _ in slides), np.where(vague, COARSE, resistance)])
+        weights = np.concatenate([own, others @ weights], axis=1)
+        resistance = np.concatenate([*(a for _, a, *_ in slides), resistance])
+        whose = np.concatenate([*(b for *_, b in slides), np.full(len(vague), -1)])
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
         turning, at, d = np.zeros(weights.shape[1]), 0, contacts[0].mesh.dim
         for part, combinations in self.floating:
@@ -160,17 +175,59 @@ class Bodies:
             all_dofs[self.first + inside] = motions[inside] @ own
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
         all_dofs[tools] = weights[at:]
-        return Freedom(weights, resistance, all_dofs, turning, mesh)
+        return Freedom(weights, resistance, all_dofs, turning, mesh, whose)
+
+    def _Slides(self, contacts, displacement, prevented, seen):
+        """Motions along all own surfaces of bodies which do not meet corners of others.
+
+        `prevented` and `seen` are those of `Resistances`. Yields weights (m, k), and across, mesh
+        and the number of the body, (k,).
+        """
+        if self._slides is None:
+            self._slides = SlidesOf(self, contacts)
+        least, found = np.full(len(prevented), PREVENTED), []
+        for body, slides in enumerate(self._slides):
+            weights = np.zeros((seen.shape[1], slides.weights.shape[1]))
+            weights[slides.rows] = slides.weights
+            if displacement is not None:
+                weights = self._Carried(weights, displacement)
+            kept, _ = Unresisted(prevented @ weights, least, seen @ weights)
+            shares, count = kept**2, kept.shape[1]
+            figures = np.sqrt(slides.across**2 @ shares), slides.mesh @ shares
+            found.append((weights @ kept, *figures, np.full(count, body)))
+        return found
+
+    def _Carried(self, weights, displacement):
+        """Weights of motions that bodies have taken along: rotations about centers that moved."""
+        tables, _ = Tables(self.space.mesh.dim)
+        d, carried, at = len(tables[0]), weights.copy(), 0
+        for part, combinations in self.floating:
+            inside = np.flatnonzero(self.part == part)
+            volumes = self._Integrals()[inside, :d]
+            moved = displacement[inside] @ volumes
+            moved /= np.sum(self.motions[inside, :d] * volumes, axis=0)
+            rows = slice(at, at + combinations.shape[1])
+            motions = combinations @ weights[rows]
+            back = np.einsum("mcb,b->cm", tables[d:, :, 1:], moved / self.size)
+            motions[:d] -= back @ motions[d:]
+            carried[rows] = np.linalg.lstsq(combinations, motions, rcond=None)[0]
+            at = rows.stop
+        return carried
+
+    def _Integrals(self):
+        """Of the motions times the basis functions."""
+        if self._integrals is None:
+            self._integrals = MotionIntegrals(self.space)
+        return self._integrals
 
     def Measure(self, contacts, freedom):
         """Integrals of free motions times displacements, as (n, k) array; tools count once."""
-        if self._integrals is None:
-            self._integrals = MotionIntegrals(self.space)
+        integrals = self._Integrals()
         result, at = np.zeros_like(freedom.motions), 0
         for part, combinations in self.floating:
             inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
             weights = combinations @ freedom.weights[at : at + count]
-            result[self.first + inside] = self._integrals[inside] @ weights
+            result[self.first + inside] = integrals[inside] @ weights
             at += count
         result[ToolDofs(contacts)] = freedom.weights[at:]
         return result

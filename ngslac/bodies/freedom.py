@@ -22,8 +22,9 @@ EXACT, NEAR = 1e-9, 0.7
 UNSEEN = 1e-8
 # Condition of springs that hold motions well.
 REGULAR = 1e3
-# Springs that hold idle motions, relative to the scaled diagonal of the bulk.
-SPRING = 1.0
+# Springs that hold idle motions, relative to the scaled diagonal of the bulk; and where contact
+# seems to resist: the next correction undoes what they change.
+SPRING, WEAK = 1.0, 1e-5
 
 
 @dataclass
@@ -42,6 +43,9 @@ class Freedom:
         By what angles bodies turn, at most.
     mesh : (k,)
         How much of forces across the surfaces their meshes make seem to be along the motions.
+    own : (k,) int
+        Which body moves along all of its surfaces that may touch others, so that no contact holds
+        it; none: -1.
     """
 
     weights: np.ndarray
@@ -49,6 +53,7 @@ class Freedom:
     motions: np.ndarray
     turning: np.ndarray
     mesh: np.ndarray
+    own: np.ndarray
 
     def __bool__(self):
         return self.weights.shape[1] > 0
@@ -57,10 +62,14 @@ class Freedom:
         """The motions that no mesh makes look as if something resisted."""
         return self.Some(self.resistance <= EXACT)
 
+    def Others(self):
+        """The motions that contact would hold, if it were closed elsewhere."""
+        return self.Some(self.own < 0)
+
     def Some(self, chosen):
         """Those of the motions that a mask (k,) or numbers select."""
         parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
-        return Freedom(*parts, self.turning[chosen], self.mesh[chosen])
+        return Freedom(*parts, self.turning[chosen], self.mesh[chosen], self.own[chosen])
 
     def Along(self, motion):
         """The motion of these that is nearest to one of other weights; None: none is near.
@@ -76,7 +85,8 @@ class Freedom:
             return None
         mesh = np.array([max(self.resistance.max(initial=0.0), motion.mesh[0])])
         moved = self.motions @ factors
-        return Freedom(weights[:, None], motion.resistance, moved[:, None], motion.turning, mesh)
+        parts = weights[:, None], motion.resistance, moved[:, None]
+        return Freedom(*parts, motion.turning, mesh, motion.own)
 
     def Works(self, forces, least, blur=0.0, false=False):
         """The work of forces along each motion, 0 where it is none.
@@ -109,6 +119,9 @@ class Freedom:
 class Ground:
     """Holds motions that nothing drives, so that bodies stay nearest to where they were.
 
+    What holds them are forces spread over the bodies: none, but for rounding and for what the
+    meshes of curved surfaces make of contact across them.
+
     Parameters
     ----------
     freedom : Freedom
@@ -116,46 +129,60 @@ class Ground:
         Integrals of the motions times the displacements: what has to stay.
     start : (n,) array
         The solution from which bodies do not go away.
+    free : (n,) bool
+        The scalar dofs that move.
+    like : Ground or None
+        One whose pins serve if the motions are nearly the same.
 
     Attributes
     ----------
     pins : (k,) int
-        Dofs with springs, once there are some.
+        Dofs with springs, which make the linear systems regular.
     """
 
-    def __init__(self, freedom, measure, start):
-        self.motions, self.measure, self.start, self.pins = freedom.motions, measure, start, None
-        gram = measure.T @ self.motions
-        if np.linalg.cond(gram) > 1 / UNSEEN:  # as where a body has turned by a right angle
-            self.measure, gram = self.motions, self.motions.T @ self.motions
-        self.gram = gram
+    def __init__(self, freedom, measure, start, free, like=None):
+        self.motions, self.measure, self.start = freedom.motions, measure, start
+        self.own = freedom.own >= 0
+        if np.linalg.cond(measure.T @ self.motions) > 1 / UNSEEN:  # turned by a right angle
+            self.measure = self.motions
+        self.forces = self.measure * free[:, None]
+        self.pins = self._Pins(free, like)
 
-    def Pin(self, free, before):
-        """Choose springs: those of another Ground, or None, if they serve.
-
-        `free` (n,) bool are the scalar dofs that may be held.
-        """
-        serves = before is not None and before.motions.shape == self.motions.shape
-        if serves and np.linalg.cond(self.motions[before.pins]) < REGULAR:
-            self.pins = before.pins
-            return
+    def _Pins(self, free, like):
+        serves = like is not None and like.motions.shape == self.motions.shape
+        if serves and np.linalg.cond(self.motions[like.pins]) < REGULAR:
+            return like.pins
         dofs = np.flatnonzero(free & np.any(self.motions, axis=1))
-        self.pins = Spread(dofs, self.motions[dofs])
+        return Spread(dofs, self.motions[dofs])
 
     def Shift(self):
         """What the scaled diagonal of the matrix gets."""
         shift = np.zeros(len(self.start))
-        shift[self.pins] = SPRING
+        shift[self.pins] = WEAK if np.any(self.own) else SPRING
         return shift
 
-    def Away(self, values):
-        """How far (n,) the bodies have gone from the start along the motions."""
-        away = self.measure.T @ (values - self.start)
-        return self.motions @ np.linalg.solve(self.gram, away)
+    def Balanced(self, forces):
+        """Forces (n,) and what holds the bodies: together they do no work along the motions."""
+        works = self.motions.T @ forces
+        return forces - self.forces @ np.linalg.solve(self.motions.T @ self.forces, works)
 
-    def Nearest(self, values, correction):
-        """The correction (n,) of the solution that leaves bodies nearest to the start."""
-        return correction + self.Away(values - correction)
+    def Nearest(self, values, correction, solve):
+        """The correction (n,) of the solution that leaves bodies nearest to the start.
+
+        Parameters
+        ----------
+        values : (n,) array
+        correction : (n,) array
+            One without this condition.
+        solve : callable
+            The correction (n,) for forces (n,).
+        """
+        ways = self.motions.copy()
+        # Contact along curved surfaces seems to resist motions along them.
+        for k in np.flatnonzero(self.own):
+            ways[:, k] = solve(self.forces[:, k])
+        away = self.measure.T @ (values - correction - self.start)
+        return correction + ways @ np.linalg.solve(self.measure.T @ ways, away)
 
 
 def Unresisted(prevented, coarse, seen):

@@ -53,7 +53,7 @@ def FirstGood(attempts, tolerance, accuracy):
     raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
 
 
-def SolveShifted(linear, given, rows, accuracy):
+def SolveShifted(linear, given, rows, accuracy, pins=None):
     """Solve a system; a singular matrix gets a small diagonal on `rows` (n,) bool.
 
     Where all that holds a body slips, nothing tells how far it moves. It moves as if it had mass,
@@ -65,14 +65,16 @@ def SolveShifted(linear, given, rows, accuracy):
         Counts the shifts in a row as `shifts`.
     given : tuple
         Bulk, forms, scale and right hand side, for its `Solve`.
+    pins : (n,) array, optional
+        A diagonal that the matrix has in any case.
     """
     try:
-        solution = linear.Solve(*given, accuracy=accuracy)
+        solution = linear.Solve(*given, pins, accuracy)
         linear.shifts = 0
     except LinearSolveError:
         linear.shifts += 1
         if linear.shifts > MOST_SHIFTS:
             raise
         shift = SHIFT * 0.1 ** (linear.shifts - 1) * rows
-        solution = linear.Solve(*given, shift)
+        solution = linear.Solve(*given, shift if pins is None else shift + pins)
     return solution

@@ -227,9 +227,9 @@ class LinearSolver:
         for inverse in dict.fromkeys((self.inverse, SAFE)):
             yield inverse, lambda inverse=inverse: self._Refined(mat, b, inverse)
 
-    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0):
+    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0, pins=None):
         """The same; a singular matrix gets a small diagonal on `rows` (n,) bool."""
-        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy)
+        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy, pins)
 
     def _Factor(self, mat, inverse):
         self._factorisations += 1

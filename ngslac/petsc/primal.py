@@ -37,10 +37,9 @@ class PrimalPetsc:
         """Leave out the multipliers, a (n,) array of bool: they get a diagonal of their own."""
         self._diagonal = rows.astype(float)
 
-    def SolveShifted(self, *given):
-        """See PrimalSolver."""
-        *system, rows = given
-        return SolveShifted(self, system, rows, 0.0)
+    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0, pins=None):
+        """See LinearSolver."""
+        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy, pins)
 
     def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
         """As PetscSolver, with the matrices `contacts` in place of the forms."""

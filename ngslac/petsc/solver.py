@@ -144,9 +144,9 @@ class PetscSolver:
             self._LearnFrom(name)
         return scale * x
 
-    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0):
+    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0, pins=None):
         """See LinearSolver."""
-        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy)
+        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy, pins)
 
     def _Take(self, bulk, forms, scale, shift):
         """Set what is not the same as for the last system."""

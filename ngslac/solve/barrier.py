@@ -36,16 +36,17 @@ class Barrier:
 
     def __init__(self, press, normal, gap, bound, product):
         self.press, self.rubs = press, bound > 0
-        self.t = np.zeros_like(normal)
+        self.t, self.normal = np.zeros_like(normal), normal
         self.Place(normal, gap, np.zeros_like(normal))
         self.s = np.where(self.rubs, bound, 1.0)
         self.w = self.s**2 / 2
         self.nu = np.where(self.rubs, product / self.w, 0.0)
 
     def Place(self, normal, gap, slip):
-        """Take gaps (n,) and slips (n, d) of another displacement."""
+        """Take gaps (n,) and slips (n, d) of another displacement; tractions stay as they are."""
+        along = self.traction - np.sum(self.traction * normal, axis=1)[:, None] * normal
+        self.t = np.where(self.rubs[:, None], along, 0.0)
         self.normal, self.gap, self.slip = normal, gap, slip
-        self.t = self.t - np.sum(self.t * normal, axis=1)[:, None] * normal
 
     def Bound(self, bound):
         """Take bounds (n,) of the tangential tractions, which grow or shrink with them."""

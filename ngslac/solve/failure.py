@@ -63,6 +63,7 @@ class Failure:
         now = system.Place()
         system.GoTo(start)
         system.residual.Follow()
+        system.Measure()
         system.Evaluate()
         self.exhausted = self.unheld = lost and not self.holding.MayHold()
         self.unbalanced = self._Unheld(error) if self.exhausted else CarriedOff(system)

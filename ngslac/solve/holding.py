@@ -54,7 +54,7 @@ class Holding:
         system.idle = False
         if not guess or (touching and not start):
             return False
-        free = system.Freedom("rubbing")
+        free = system.Freedom("rubbing").Others()
         system.idle = (
             system.rubs and bool(free) and self.initial == "gap" and not system.IsPushed(free)
         )
@@ -91,21 +91,30 @@ class Holding:
 def CloseNearest(system):
     """Close macro-elements, the nearest first, until loads move no body; False if none helps.
 
-    Farther contacts are left alone where the nearest ones hold all bodies, and so is what does not
-    touch where that does which touches: a sheet between two tools that are round beside it would be
-    torn apart.
+    Of each contact as few as hold what all of it would. Farther contacts are left alone where the
+    nearest ones hold all bodies, and so is what does not touch where that does which touches: a
+    sheet between two tools that are round beside it would be torn apart.
     """
-    nearest, before = sorted(system.contacts, key=SmallestGap), None
-    for count in range(len(nearest)):
+    for contact in sorted(system.contacts, key=SmallestGap):
+        before, found = system.values.copy(), []
+        loose = Loose(system)
         for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
-            for contact in nearest[: count + 1]:
-                contact.form.Close(NearestMacros(contact, distance), system.gf.vec)
-                contact.Evaluate(system.gf)
-            now = [contact.Table()["status"].tobytes() for contact in nearest]
-            if now != before and not system.IsDriven(system.Freedom()):
+            system.values[:] = before
+            contact.form.Close(NearestMacros(contact, distance), system.gf.vec)
+            contact.Evaluate(system.gf)
+            if not (free := Loose(system)):
                 return True
-            before = now
+            found.append((free, system.values.copy()))
+        least, values = min(found, key=lambda one: one[0])
+        system.values[:] = values if least < loose else before
+        contact.Evaluate(system.gf)
     return False
+
+
+def Loose(system):
+    """How many motions contact leaves, if loads do work on one; else 0."""
+    free = system.Freedom()
+    return free.weights.shape[1] if system.IsDriven(free) else 0
 
 
 def SmallestGap(contact):

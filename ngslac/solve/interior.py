@@ -110,8 +110,8 @@ class InteriorPoint:
         system = self.system
         given = system.bulk.mat, [], system.scale, residual
         if system.ground:
-            residual[system.ground.pins] = 0
-            return self.linear.Solve(*given, system.ground.Shift())
+            pins = system.ground.Shift()
+            return self.linear.SolveShifted(*given, ~self.multipliers, 0.0, pins)
         # What nothing pushes in the end stays where it is.
         return self.linear.SolveShifted(*given, ~self.multipliers)
 
@@ -200,8 +200,9 @@ class Springs:
         self.contact, self.form, self.gf = contact, contact.form, gf
         contact.Evaluate(gf)
         table = contact.Table()
-        self.own = table["area"] > 0  # with finite sliding others may come to face the master later
-        self.area, self.stiffness = table["area"][self.own], self.form.Scalars("c")[self.own]
+        # With large sliding any macro-element may come to face the master.
+        self.own = (table["area"] > 0) | (contact.finite & (self.form.Scalars("c") > 0))
+        self.area, self.stiffness = self._Areas(table), self.form.Scalars("c")[self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
     def Weaken(self, vec):
@@ -216,13 +217,19 @@ class Springs:
             return 0.0
         table = self.contact.Table()
         change = -np.sum(self._Follow(motion) * table["normal"][self.own], axis=1)
-        overlap = change - self.stiffness / WIDE * self._Gaps(table)
+        overlap = change - self.stiffness / WIDE * self._Gaps(table, 0.0)
         start = np.abs(table["pressure"][self.own])
         return max(np.max(sizes, initial=0.0) for sizes in (np.abs(change), overlap, start))
 
-    def _Gaps(self, table):
-        """Of its macro-elements: 0 for those that have lost their partner since."""
-        return np.nan_to_num(table["gap"][self.own])
+    def _Areas(self, table):
+        """Of its macro-elements: all of those that face no master."""
+        area, full = table["area"][self.own], table["fullarea"][self.own]
+        return np.where(area > 0, area, full)
+
+    def _Gaps(self, table, without):
+        """Of its macro-elements, those `without` (n,) or a number where they face no master."""
+        gap = table["gap"][self.own]
+        return np.where(np.isnan(gap), without, gap)
 
     def Start(self, pressure):
         """Start with pressures of this size."""
@@ -231,7 +238,7 @@ class Springs:
         if self.contact.tied:
             self.law = Tie(table["traction"][self.own], self.stiffness)
             return
-        normal, gap = table["normal"][self.own], self._Gaps(table)
+        normal, gap = table["normal"][self.own], self._Gaps(table, 0.0)
         press = Unilateral(gap, self.stiffness, pressure)
         product = np.mean(press.products) if len(gap) else 0.0
         if self.contact.bilateral:
@@ -264,9 +271,9 @@ class Springs:
             return
         self.contact.Evaluate(self.gf)
         table = self.contact.Table()
-        area, full = table["area"][self.own], table["fullarea"][self.own]
-        self.area = np.where(area > 0, area, full)
-        self.law.Place(table["normal"][self.own], self._Gaps(table), table["slip"][self.own])
+        self.area = self._Areas(table)
+        gaps = self._Gaps(table, self.law.press.apart)
+        self.law.Place(table["normal"][self.own], gaps, table["slip"][self.own])
         self.law.Bound(self._Bound(self.law.press.size, table))
 
     def Show(self, values, traction):

@@ -38,6 +38,11 @@ class Unilateral:
         return self.p * self.g
 
     @property
+    def apart(self):
+        """Gaps of what faces nothing."""
+        return self.g
+
+    @property
     def slope(self):
         """How pressures follow an approach."""
         return self.p / self.g
@@ -110,7 +115,7 @@ class Bilateral:
         Size of pressures, as long as they are not known.
     """
 
-    products = np.empty(0)
+    products, apart = np.empty(0), 0.0
 
     def __init__(self, pressures, stiffness, pressure):
         self.p, self.slope = pressures.copy(), TIE * stiffness

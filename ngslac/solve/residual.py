@@ -96,7 +96,7 @@ class Residual:
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
-        self.held = np.empty(0, dtype=int)
+        self.ground = None
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
 
@@ -193,8 +193,10 @@ class Residual:
             "a, the bulk form,": bulk[self.multipliers],
         }
         bulk = bulk - load
-        scaled = scale * (bulk + pushed) * self.free
-        scaled[self.held] = 0
+        unbalanced = (bulk + pushed) * self.free
+        if self.ground:
+            unbalanced = self.ground.Balanced(unbalanced)
+        scaled = scale * unbalanced
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}
             wrong = (name for name, part in parts.items() if not np.all(np.isfinite(part)))

@@ -91,7 +91,7 @@ class System:
     def __init__(self, bulk, contacts, linear, free, bodies=None):
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
-        self.scale = self.motion = self._rest = self.ground = self._start = None
+        self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose = self.idle = False
         self.notes, self._said = {}, set()
         self.lean = None
@@ -194,7 +194,8 @@ class System:
         constrained : (n,) bool
             Those of which that counts.
         """
-        self.motion, self.linear.shifts, self._start = None, 0, self.values.copy()
+        self.motion = self._driven = None
+        self.linear.shifts, self._start = 0, self.values.copy()
         self.SetGround(None)
         self.Lean()
         if motion is not None and np.any(motion[constrained]):
@@ -290,8 +291,10 @@ class System:
             if self.idle:
                 return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
             if self.ground:
-                residual[self.ground.pins] = 0
-                return self.linear.Solve(*given, residual, self.ground.Shift(), accuracy)
+                pins = self.ground.Shift()
+                found = self.linear.SolveShifted(*given, residual, displacements, accuracy, pins)
+                self.loose = bool(self.linear.shifts)
+                return found
             found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
             singular = self.linear.nearly_singular or self.linear.shifts
             if ToolsSlipFar(self.contacts, found):
@@ -305,7 +308,7 @@ class System:
 
     def _MayStay(self, displacements):
         """May bodies stay where they are, in place of displacements of a nearly singular system?"""
-        if free := self.Freedom():
+        if free := self.Freedom().Others():
             return not self.IsPushed(free)
         # What holds them is soft, then, unless it hardly holds them.
         return self.bodies.floating and np.max(np.abs(displacements)) > self.bodies.size
@@ -320,7 +323,7 @@ class System:
         return found
 
     def Displace(self, residual, solve, mats):
-        """The correction (n,) that belongs to a residual, which is changed.
+        """The correction (n,) that belongs to a residual.
 
         Parameters
         ----------
@@ -330,17 +333,25 @@ class System:
         mats : list[BaseMatrix]
             What the contacts add to the bulk's matrix.
         """
-        bulk = self.bulk
-        bulk.Condense(residual)
-        if self.motion is not None:
-            residual.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -self.motion)
-        correction = self.gf.vec.CreateVector()
-        correction.FV().NumPy()[:] = solve(residual.FV().NumPy())
-        if self.motion is not None:
-            correction.FV().NumPy()[:] -= self.motion
-        bulk.Extend(correction, residual)
-        correction = correction.FV().NumPy().copy()
-        return self.ground.Nearest(self.values, correction) if self.ground else correction
+        bulk, correction = self.bulk, self.gf.vec.CreateVector()
+
+        def Solve(forces, motion=None):
+            right = residual.CreateVector()
+            right.FV().NumPy()[:] = forces
+            bulk.Condense(right)
+            if motion is not None:
+                right.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -motion)
+            correction.FV().NumPy()[:] = solve(right.FV().NumPy())
+            if motion is not None:
+                correction.FV().NumPy()[:] -= motion
+            bulk.Extend(correction, right)
+            return correction.FV().NumPy().copy()
+
+        forces = residual.FV().NumPy()
+        if not self.ground:
+            return Solve(forces, self.motion)
+        found = Solve(self.ground.Balanced(forces), self.motion)
+        return self.ground.Nearest(self.values, found, Solve)
 
     # --- bodies --------------------------------------------------------------------------------
 
@@ -410,6 +421,8 @@ class System:
         vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         vec.data, forces[:] = self.gf.vec, 0
         for contact in self.contacts:
+            if not contact.holds_tangentially:
+                continue
             table = contact.Table()
             tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
             tangential[table["status"] == 0] = 0
@@ -427,18 +440,24 @@ class System:
     def HoldIdle(self, holds):
         """Hold bodies that nothing pushes and nothing else holds, not even friction."""
         freedom = self.Freedom(holds) if self.MayFloat() else None
-        # Along curved surfaces nothing but their meshes resists: bodies wait there for the end.
-        if not freedom or self.IsDriven(freedom.Outright(), holds):
+        if not freedom:
             self.SetGround(None)
             return
-        ground = Ground(freedom, self.bodies.Measure(self.contacts, freedom), self._start)
-        ground.Pin(self.linear.free, self.ground)
-        self.SetGround(ground)
+        if self._driven is None:
+            self._driven = np.unique(freedom.own[(freedom.own >= 0) & (self._Works(freedom) != 0)])
+        # Along curved surfaces nothing but their meshes resists: bodies wait there for the end.
+        stay = not self.IsDriven(freedom.Others().Outright(), holds)
+        held = np.where(freedom.own < 0, stay, ~np.isin(freedom.own, self._driven))
+        if not np.any(held):
+            self.SetGround(None)
+            return
+        held = freedom.Some(held)
+        measure, free = self.bodies.Measure(self.contacts, held), self.residual.free
+        self.SetGround(Ground(held, measure, self._start, free, self.ground))
 
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""
-        self.ground = ground
-        self.residual.held = np.empty(0, dtype=int) if ground is None else ground.pins
+        self.ground = self.residual.ground = ground
 
     def MayFloat(self):
         """Are there bodies or tools that contact has to hold?"""

@@ -11,8 +11,8 @@ from stress_meshes import Grids, Outline, Part, Plate, Rotated, Sketch
 from stress_problem import MeanOf, MeanPressure, Problem, problem
 
 PAIR = [("brick", "base")]
-# What facets of curved surfaces of these orders resist to a motion along them, relative to forces.
-ROUGH = {1: 5e-2, 2: 1e-3, 3: 1e-3}
+# What meshes of curved surfaces of these orders resist to a motion along them, relative to forces.
+ROUGH = {1: 5e-2, 2: 1e-2, 3: 1e-2}
 
 
 # --- at rest on a flat base ----------------------------------------------------------------------

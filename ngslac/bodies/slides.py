@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Motions of bodies along all of their own curved surfaces that may touch others."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import GridFunction, InnerProduct, LinearForm, SurfaceL2, ds, specialcf
+from scipy.linalg import eigh
+
+from ngslac.bodies.rigidmotions import Arms, Field
+
+__all__ = ["OwnSlides", "SlidesOf"]
+
+# How far a face moves across itself on average, relative to all motion of the surfaces: meshes of
+# discs and balls have up to 1e-3, flat triangles on a ball .03, and an ellipse of which the axes
+# differ by a hundredth .007.
+ACROSS, FLAT = 1e-3, 0.04
+# The same at points: a disc of eight edges has .22, a square .4, planes rounding errors. Of what
+# slides on planes the contact that is closed tells.
+POINTWISE, EXACT = 0.25, 1e-7
+# How well a mesh knows a smooth surface whose faces are curved: or better, or as its normals show.
+FINE = 1e-3
+
+
+@dataclass
+class OwnSlides:
+    """Turns of one round body that no frictionless contact resists, whatever its status.
+
+    Closed contact seems to, as the meshes of both surfaces have other normals.
+
+    Attributes
+    ----------
+    rows : slice
+        Of its free rigid motions among those of all floating bodies.
+    weights : (m, k)
+        Of these.
+    across : (k,)
+        Motion across the surfaces, on average over faces, relative to all of it.
+    mesh : (k,)
+        How much of forces across the surfaces their meshes make seem to be along the motions.
+    """
+
+    rows: slice
+    weights: np.ndarray
+    across: np.ndarray
+    mesh: np.ndarray
+
+
+def SlidesOf(bodies, contacts):
+    """The OwnSlides of each floating body that has some."""
+    found, at = [], 0
+    surfaces = Surfaces(bodies, contacts) if bodies.floating else None
+    for part, combinations in bodies.floating:
+        weights, across, points = surfaces.Slides(part, combinations)
+        # What is along a curved surface is known as well as the mesh knows that surface.
+        mesh = np.maximum(across, np.minimum(points, np.maximum(points**2 / 4, FINE)))
+        rows = slice(at, at + len(weights))
+        if weights.shape[1]:
+            found.append(OwnSlides(rows, weights, across, mesh))
+        at = rows.stop
+    return found
+
+
+class Surfaces:
+    """All surfaces of contacts, and how rigid motions move them.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    contacts : list[LACContact]
+    """
+
+    def __init__(self, bodies, contacts):
+        self.bodies, self.space, mesh = bodies, bodies.space, bodies.space.mesh
+        arms, tables, _ = Arms(mesh)
+        self.fields = [Field(table, arms) for table in tables]
+        curved = mesh.dim == 2 or mesh.GetCurveOrder() > 1
+        self.most = ACROSS if curved else FLAT
+        slips, holds = Regions(contacts, False), Regions(contacts, True)
+        self.moved = self._Integrals(slips, self._Whole) + self._Integrals(holds, self._Whole)
+        held = self._Integrals(holds, self._Whole)
+        self.across = self._Integrals(slips, self._Means) + held
+        self.points = self._Integrals(slips, self._Points) + held
+
+    def _Integrals(self, region, of):
+        """What `of` makes of each motion, times the basis functions, over a region: (n, m)."""
+        if region is None:
+            return np.zeros((self.bodies.count, len(self.fields)))
+        columns, v = [], self.space.TestFunction().Trace()
+        for field in self.fields:
+            form = LinearForm(self.space)
+            form += InnerProduct(of(field, region), v) * ds(definedon=region)
+            columns.append(form.Assemble().vec.FV().NumPy().copy())
+        return np.stack(columns, axis=1)
+
+    def _Whole(self, field, _):
+        return field
+
+    def _Points(self, field, _):
+        normal = specialcf.normal(self.space.mesh.dim)
+        return InnerProduct(field, normal) * normal
+
+    def _Means(self, field, region):
+        """Across each face, on average."""
+        normal = specialcf.normal(self.space.mesh.dim)
+        mean = GridFunction(SurfaceL2(self.space.mesh, order=0))
+        mean.Set(InnerProduct(field, normal), definedon=region)
+        return mean * normal
+
+    def Slides(self, part, combinations):
+        """Of one body: weights (m, k) of its free motions; how far across on average, at points."""
+        inside = np.flatnonzero(self.bodies.part == part)
+        motions = self.bodies.motions[inside] @ combinations
+
+        def Squares(integrals):
+            squares = motions.T @ integrals[inside] @ combinations
+            return (squares + squares.T) / 2
+
+        whole, none = Squares(self.moved), np.zeros(0)
+        sizes, basis = np.linalg.eigh(whole)
+        seen = basis[:, sizes > np.finfo(float).eps * len(inside) * sizes.max(initial=0.0)]
+        if not seen.shape[1] or seen.shape[1] < len(basis):  # too little of it touches others
+            return np.zeros((len(basis), 0)), none, none
+        across, motions_along = eigh(Squares(self.across), whole)
+        own = motions_along[:, across <= self.most**2]
+        if not own.shape[1]:
+            return own, none, none
+        points, turned = eigh(own.T @ Squares(self.points) @ own, own.T @ whole @ own)
+        round_ = (points > EXACT**2) & (points <= POINTWISE**2)
+        own, points = own @ turned[:, round_], points[round_]
+        if not own.shape[1]:
+            return own, none, none
+        own /= np.linalg.norm(own, axis=0)
+        across = np.einsum("ij,ij->j", own, Squares(self.across) @ own)
+        across /= np.einsum("ij,ij->j", own, whole @ own)
+        return own, np.sqrt(np.maximum(across, 0)), np.sqrt(np.maximum(points, 0))
+
+
+def Regions(contacts, tangentially):
+    """The surfaces of contacts that hold tangentially, or of all others; None: there are none."""
+    found = [contact for contact in contacts if contact.holds_tangentially == tangentially]
+    surfaces = [contact.space.slave for contact in found]
+    surfaces += [contact.master for contact in found if contact.master is not None]
+    return sum(surfaces[1:], surfaces[0]) if surfaces else None
