@@ -88,6 +88,15 @@ void Layers::RemoveHidden(double tolerance) {
   Plant();
 }
 
+void Layers::Remove(FlatArray<bool> marked) {
+  size_t kept = 0;
+  for (size_t i : Range(pieces))
+    if (!marked[i])
+      pieces[kept++] = Piece(pieces[i]);
+  pieces.SetSize(kept);
+  Plant();
+}
+
 const Piece * Layers::Covering(Vec<2> point) const {
   const Piece * found = nullptr;
   tree->Visit(BoxOf(Polygon{point}), [&](int i) {

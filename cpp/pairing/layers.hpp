@@ -27,6 +27,10 @@ public:
 
   /// Where master facets lie behind each other only the nearest counts.
   void RemoveHidden(double tolerance);
+  /// Leaves out those that are marked.
+  void Remove(FlatArray<bool> marked);
+  size_t Size() const { return pieces.Size(); }
+  const Piece & operator[](size_t i) const { return pieces[i]; }
   /// The piece that covers a point, if there is one.
   const Piece * Covering(Vec<2> point) const;
 

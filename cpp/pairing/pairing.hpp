@@ -23,7 +23,7 @@ struct Segment {
 };
 
 /// A point where a master face ends within a slave face, for integrals over moving segments: where
-/// the master ends, or goes on with another normal.
+/// the master ends, or goes on with another normal, or a master behind it comes to be seen.
 template <int D>
 struct RimPoint {
   int segment;
@@ -31,6 +31,7 @@ struct RimPoint {
   Vec<D - 1> outwards; // normal in reference coordinates, times length and quadrature weight
   int beyond = -1;     // the master face that goes on there, if there is one
   Vec<D - 1> eta = Vec<D - 1>(0.0); // the same point on that
+  double step = 0;                  // how much nearer this one is
 };
 
 struct PairingOptions {

@@ -77,6 +77,7 @@ public:
       if (reach >= most || Covered(reach))
         break;
     }
+    LeaveFarParts();
     bool before = breaks.Size() && breaks[0] <= merge; // the neighbouring face goes on
     for (size_t i = 1; i < breaks.Size(); i++) {
       bool added = AddSegment(i, result);
@@ -202,6 +203,34 @@ private:
     }
   }
 
+  /// What sees past the end of a master to another one far behind is not about to touch that: on
+  /// average it would let the part before the end go through.
+  void LeaveFarParts() {
+    auto distance = [&](size_t i, double xi) {
+      auto hit = nearest[i].second ? FindHit(nearest[i].first, xi) : nullopt;
+      return hit ? fabs(hit->gap) : numeric_limits<double>::quiet_NaN();
+    };
+    Array<bool> left(nearest.Size());
+    left = false;
+    for (int step : {1, -1}) {
+      bool leave = false;
+      size_t n = nearest.Size();
+      for (size_t k = 1; k < n; k++) {
+        size_t i = step > 0 ? k : n - 1 - k, previous = i - step;
+        double at = breaks[step > 0 ? i : i + 1];
+        double jump = distance(i, at) - distance(previous, at);
+        if (!isfinite(jump) || jump < -size)
+          leave = false;
+        else if (jump > size)
+          leave = true;
+        left[i] = left[i] || leave;
+      }
+    }
+    for (size_t i : Range(nearest))
+      if (left[i])
+        nearest[i] = {-1, nullopt};
+  }
+
   bool Covered(double reach) const {
     if (breaks.Size() < 2 || breaks[0] > 0 || breaks.Last() < 1)
       return false;
@@ -265,15 +294,23 @@ private:
                                   Vec<1>(side)});
   }
 
-  /// Between the last two segments, where their masters meet at an angle.
+  /// Between the last two segments, where their masters meet at an angle, or one ends before the
+  /// other.
   void AddKink(Pairing<2> & result) const {
     int last = result.segments.Size() - 1;
     int here = result.segments[last - 1].master, beyond = result.segments[last].master;
     size_t corners = result.corners.Size();
     auto &end = result.corners[corners - 3], &begin = result.corners[corners - 2];
-    if (here != beyond && fabs(end.gap - begin.gap) <= 1e-6 * size &&
-        HaveKink(master, here, end.master, beyond, begin.master))
-      result.rim.Append(RimPoint<2>{last - 1, end, Vec<1>(1), beyond, begin.master});
+    if (here == beyond)
+      return;
+    double step = begin.gap - end.gap;
+    if (fabs(step) <= 1e-6 * size) {
+      if (HaveKink(master, here, end.master, beyond, begin.master))
+        result.rim.Append(RimPoint<2>{last - 1, end, Vec<1>(1), beyond, begin.master});
+    } else if (fabs(end.gap) <= fabs(begin.gap))
+      result.rim.Append(RimPoint<2>{last - 1, end, Vec<1>(1), beyond, begin.master, step});
+    else
+      result.rim.Append(RimPoint<2>{last, begin, Vec<1>(-1), here, end.master, -step});
   }
 
   /// Up to the i-th break point; false where there is no partner.

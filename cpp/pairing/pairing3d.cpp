@@ -59,6 +59,7 @@ public:
         if (reach >= most || Covered(map, reach))
           break;
       }
+      LeaveFarPieces(map);
       stretch = Stretch(map);
       for (auto & piece : pieces)
         if (AddSegment(map, piece, result))
@@ -100,6 +101,58 @@ private:
         if (options.MayFace(InnerProduct(facet.normal, map.Normal())))
           AddPieces(map, facet);
     pieces.RemoveHidden(Length(map, layer_tolerance));
+  }
+
+  /// What sees past the end of a master to another one far behind is not about to touch that: on
+  /// average it would let the part before the end go through.
+  void LeaveFarPieces(const FacetMap & map) {
+    double size = map.GetFacet().size, nearest = numeric_limits<double>::infinity();
+    Array<double> distance;
+    for (auto & piece : pieces) {
+      distance.Append(fabs(piece.Gap(piece.polygon.Centroid())));
+      nearest = min(nearest, distance.Last());
+    }
+    auto is_far = [&](size_t i) { return distance[i] > nearest + size; };
+    Array<int> reached;
+    Array<bool> left(pieces.Size());
+    left = false;
+    auto leave = [&](size_t i) {
+      if (left[i] || !is_far(i))
+        return;
+      left[i] = true;
+      reached.Append(i);
+    };
+    auto step_to = [&](const Piece & piece, const Piece & next, Vec<2> point) {
+      return fabs(next.Gap(point)) - fabs(piece.Gap(point));
+    };
+    for (size_t i : Range(pieces.Size()))
+      if (!is_far(i))
+        ForNeighbours(map, pieces[i], [&](size_t next, Vec<2> point) {
+          if (step_to(pieces[i], pieces[next], point) > size)
+            leave(next);
+        });
+    for (size_t k = 0; k < reached.Size(); k++)
+      ForNeighbours(map, pieces[reached[k]], [&](size_t next, Vec<2> point) {
+        if (step_to(pieces[reached[k]], pieces[next], point) > -size)
+          leave(next);
+      });
+    if (reached.Size())
+      pieces.Remove(left);
+  }
+
+  /// Calls f with the numbers of the pieces beyond the edges of one, and the middles of these.
+  template <typename F>
+  void ForNeighbours(const FacetMap & map, const Piece & piece, F f) const {
+    auto & polygon = piece.polygon;
+    for (int i : Range(polygon.Size())) {
+      Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()], middle = 0.5 * (a + b);
+      Vec<2> across(b(1) - a(1), a(0) - b(0));
+      if (L2Norm(across) == 0)
+        continue;
+      across *= rim_distance * map.GetFacet().size / L2Norm(across);
+      if (auto next = pieces.Covering(middle + across))
+        f(next - pieces.begin(), middle);
+    }
   }
 
   /// The common part of the slave facet with a master facet, projected along the slave normal.
@@ -271,7 +324,7 @@ private:
       if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)))
         continue;
       auto next = pieces.Covering(beyond);
-      if (next && next->master->face <= piece.master->face) // each edge counts once
+      if (next && !CountsHere(map, piece, *next, 0.5 * (a + b)))
         continue;
       if (!next && stretch != 1) // slits are all that is free
         continue;
@@ -284,6 +337,15 @@ private:
     }
   }
 
+  /// Each edge between two pieces counts once: where the nearer one ends, if they are apart.
+  static bool CountsHere(const FacetMap & map, const Piece & piece, const Piece & next,
+                         Vec<2> point) {
+    double step = fabs(next.Gap(point)) - fabs(piece.Gap(point));
+    if (fabs(step) > 1e-2 * map.GetFacet().size)
+      return step > 0;
+    return next.master->face > piece.master->face;
+  }
+
   void AddRimPoint(const FacetMap & map, const Piece & piece, Vec<2> point, Vec<2> outwards,
                    const Piece * next, Pairing<3> & result) const {
     RimPoint<3> rim{int(result.segments.Size()) - 1, Ray(map, piece, point, 0), outwards};
@@ -291,10 +353,15 @@ private:
       return;
     if (next) {
       auto other = Ray(map, *next, point, 0);
-      rim.beyond = next->master->face, rim.eta = other.master;
-      if (!(fabs(other.gap - rim.point.gap) <= 1e-2 * map.GetFacet().size) ||
-          !HaveKink(master, piece.master->face, rim.point.master, rim.beyond, rim.eta))
+      if (!isfinite(other.gap))
         return;
+      rim.beyond = next->master->face, rim.eta = other.master;
+      rim.step = other.gap - rim.point.gap;
+      if (fabs(rim.step) <= 1e-2 * map.GetFacet().size) {
+        rim.step = 0;
+        if (!HaveKink(master, piece.master->face, rim.point.master, rim.beyond, rim.eta))
+          return;
+      }
     }
     result.rim.Append(rim);
   }

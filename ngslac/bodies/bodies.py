@@ -7,7 +7,7 @@ from scipy.sparse import csr_matrix
 
 from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Resistances, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
-from ngslac.bodies.freedom import EXACT, Freedom, NullSpace, Unresisted
+from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
 from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
@@ -78,7 +78,7 @@ class Bodies:
         """Bodies with mass, however small: nothing floats but tools, which have none."""
         bodies = object.__new__(cls)
         bodies.floating, bodies.names, bodies.motions = [], ["unknown"], np.zeros((0, 0))
-        bodies.false = False
+        bodies.false, bodies._slides = False, []
         return bodies
 
     def _Allowed(self, used, free):
@@ -127,7 +127,7 @@ class Bodies:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
-    def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT):
+    def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT, slides=True):
         """The motions that contact leaves, as a Freedom.
 
         Parameters
@@ -139,6 +139,8 @@ class Bodies:
             Of the solution: bodies turn where they are then, not where they were.
         normals : str
             See `Resistances`.
+        slides : bool
+            Do `OwnSlides` count, even where closed contact seems to resist?
         """
         tools = ToolDofs(contacts)
         motions = self.motions
@@ -156,15 +158,20 @@ class Bodies:
 
         prevented, coarse, all_seen = Seen(holds)
         touching = Seen("now") if holds == "closed" else (prevented, coarse, all_seen)
-        slides = self._Slides(contacts, displacement, *touching[::2])
+        slides = self._Slides(contacts, displacement, *touching[::2]) if slides else []
         own = np.concatenate([np.zeros((all_seen.shape[1], 0)), *(w for w, *_ in slides)], axis=1)
-        others = NullSpace(own.T)
-        weights, resistance = Unresisted(prevented @ others, coarse, all_seen @ others)
+        weights, resistance = Unresisted(prevented, coarse, all_seen)
+        if own.shape[1]:
+            apart = [
+                Apart(weights[:, some], resistance[some], own, self._Size)
+                for some in (resistance <= EXACT, resistance > EXACT)
+            ]
+            weights, resistance = (np.concatenate(p, axis=-1) for p in zip(*apart, strict=True))
         # A few macro-elements of a curved surface do not tell where its center is; friction does.
         rubs = any(contact.holds_tangentially for contact in contacts)
         vague = (resistance <= EXACT) & np.any(coarse > TIGHT) & (not rubs)
         mesh = np.concatenate([*(m for *_, m, _ in slides), np.where(vague, COARSE, resistance)])
-        weights = np.concatenate([own, others @ weights], axis=1)
+        weights = np.concatenate([own, weights], axis=1)
         resistance = np.concatenate([*(a for _, a, *_ in slides), resistance])
         whose = np.concatenate([*(b for *_, b in slides), np.full(len(vague), -1)])
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
@@ -176,6 +183,16 @@ class Bodies:
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
         all_dofs[tools] = weights[at:]
         return Freedom(weights, resistance, all_dofs, turning, mesh, whose)
+
+    def _Size(self, weights):
+        """Free motions such that scalar products of columns are those of displacements."""
+        moved, at = [], 0
+        for part, combinations in self.floating:
+            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
+            triangle = np.linalg.qr(self.motions[inside] @ combinations, mode="r")
+            moved.append(triangle @ weights[at : at + count])
+            at += count
+        return np.concatenate([*moved, weights[at:]])
 
     def _Slides(self, contacts, displacement, prevented, seen):
         """Motions along all own surfaces of bodies which do not meet corners of others.

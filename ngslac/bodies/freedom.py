@@ -7,7 +7,7 @@ import numpy as np
 
 from ngslac.linear.grounding import Spread
 
-__all__ = ["EXACT", "Freedom", "Ground", "NullSpace", "Unresisted"]
+__all__ = ["EXACT", "Apart", "Freedom", "Ground", "NullSpace", "Unresisted"]
 
 TOLERANCE = 1e-8
 
@@ -18,6 +18,8 @@ IDLE, MESH = 1e-8, 2.0
 FALSE = 1e-6
 # Approach over motion along flat surfaces, which is rounding; part of a motion that is the same.
 EXACT, NEAR = 1e-9, 0.7
+# Part of a motion that is none of a set which makes it another one: a ring that rolls has .7.
+DISTINCT = 0.6
 # Motions seen by contact that are rounding.
 UNSEEN = 1e-8
 # Condition of springs that hold motions well.
@@ -215,6 +217,26 @@ def Unresisted(prevented, coarse, seen):
     sizes = [np.linalg.norm(rows @ near, axis=0) for rows in (prevented, seen)]
     resistance = np.concatenate([np.zeros(outright.shape[1]), sizes[0] / sizes[1]])
     return np.concatenate([outright, near], axis=1), resistance
+
+
+def Apart(weights, resistance, own, measure):
+    """Those of some motions, with their resistance (k,), that are not nearly of another set.
+
+    Parameters
+    ----------
+    weights, own : (m, k) array, (m, l) array
+    resistance : (k,) array
+    measure : callable
+        The motions such that their scalar products are those of displacements.
+    """
+    if not weights.shape[1]:
+        return weights, resistance
+    whole, triangle = np.linalg.qr(measure(weights))
+    others, _ = np.linalg.qr(measure(own))
+    _, sizes, turned = np.linalg.svd(whole - others @ (others.T @ whole), full_matrices=False)
+    mixed = np.linalg.solve(triangle, turned[sizes > DISTINCT].T)
+    mixed /= np.linalg.norm(weights @ mixed, axis=0)
+    return weights @ mixed, np.sqrt(resistance**2 @ mixed**2)
 
 
 def Triangular(matrix):

@@ -27,6 +27,9 @@ LOOSE, FIRM = 0.1, 1e-2
 # The same where the status still changes after so many iterations: of thin bodies in bending a
 # small residual is no small error.
 FINE, EARLY = 1e-3, 6
+# Newton steps in which round bodies may turn, and how far that may move anything, relative to the
+# mesh.
+LET_TURN, TURNED = 8, 1e-2
 # What turns round sticks a little behind that point; how many of those that turn are looked at.
 TURN, MOST_TURNS = 1e-6, 3
 
@@ -100,7 +103,7 @@ class Newton:
         self.globalization.Begin()
         for number in range(max(patience, most) + 1):
             if self.Converged(state):
-                return self.Accept()
+                return self._LetTurn() or self.Accept()
             slow = number >= patience and not (number < most and self.globalization.falls)
             if slow or self.globalization.stagnates or self._Crawls():
                 break
@@ -116,6 +119,36 @@ class Newton:
         if self.globalization.stagnates and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
+
+    def _LetTurn(self):
+        """The last line where round bodies have turned until contact balances them, or None.
+
+        Contact does so as far as it meets several macro-elements of each, by what their meshes make
+        of it. Where that takes more than a little, they stay where they are.
+        """
+        system = self.system
+        if not (system.slides and system.ground and np.any(system.ground.own)):
+            return None
+        before, number, system.slides = system.Place(), len(self.history), False
+        try:
+            last = self.Iterate(self._Balanced(), LET_TURN)
+            moved = np.abs(system.values - before[0])[~system.residual.multipliers].max()
+            if moved <= TURNED * system.residual.size:
+                return last
+        except FAILURES:
+            pass
+        system.slides = True
+        del self.history[number:]
+        system.GoTo(before)
+        system.residual.Follow()
+        self._Balanced()
+        system.Evaluate()
+        return None
+
+    def _Balanced(self):
+        """The Measurement with what holds idle bodies now."""
+        self.system.HoldIdle("rubbing")
+        return self.system.Measure()
 
     def _Crawls(self):
         """Is another method faster? Without friction, where it follows a path to the status."""

@@ -84,6 +84,8 @@ class System:
         Do bodies float, with friction, that nothing pushes?
     notes : dict
         What the look at the last state that was accepted has to say, by its kind.
+    slides : bool
+        Do round bodies stay where they are, even where closed contact seems to resist?
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -92,7 +94,7 @@ class System:
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
-        self.loose = self.idle = False
+        self.loose, self.idle, self.slides = False, False, True
         self.notes, self._said = {}, set()
         self.lean = None
         self._bodies = bodies
@@ -194,7 +196,7 @@ class System:
         constrained : (n,) bool
             Those of which that counts.
         """
-        self.motion = self._driven = None
+        self.motion, self._driven, self.slides = None, None, True
         self.linear.shifts, self._start = 0, self.values.copy()
         self.SetGround(None)
         self.Lean()
@@ -365,7 +367,8 @@ class System:
     def Freedom(self, holds="now", normals=CONTACT):
         """The motions that contact leaves, see `Bodies.Freedom`."""
         turns = self.finite or self.bulk.islinear is False
-        return self.bodies.Freedom(self.contacts, holds, self.values if turns else None, normals)
+        values = self.values if turns else None
+        return self.bodies.Freedom(self.contacts, holds, values, normals, self.slides)
 
     def WhatFloats(self, holds="now"):
         """Descriptions of these motions."""
@@ -421,11 +424,10 @@ class System:
         vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         vec.data, forces[:] = self.gf.vec, 0
         for contact in self.contacts:
-            if not contact.holds_tangentially:
-                continue
             table = contact.Table()
             tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
             tangential[table["status"] == 0] = 0
+            tangential *= contact.holds_tangentially  # else the directions of an iterate before
             dofs = np.asarray(contact.form.MultiplierDofs())
             vec.FV().NumPy()[dofs] = tangential.ravel()
             contact.AddApply(vec, forces)

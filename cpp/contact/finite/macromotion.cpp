@@ -101,14 +101,15 @@ public:
                        now.master.Hessian(master, ray.eta, normal)});
   }
 
-  /// The overlap grows where the image of the master's end moves outwards; where the master goes on
-  /// with another face, that one's grows less, and nothing but the master's normal differs.
+  /// The overlap grows where the image of the master's end moves outwards; where another face comes
+  /// next, that one's grows less, and nothing but gap and normal of the master differ.
   void AddRim(const RimPoint<D> & end, const MacroGap<D> & mean, LocalHeap & lh) {
-    if (!has_rim && loaded && end.beyond < 0) {
+    bool moves_forces = end.beyond < 0 || end.step != 0;
+    if (!has_rim && loaded && moves_forces) {
       rim.AssignMemory(n, n, lh);
       rim = 0.0;
     }
-    has_rim = has_rim || end.beyond < 0;
+    has_rim = has_rim || moves_forces;
     HeapReset hr(lh);
     auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
     Ray<D> ray(now.slave, slave, now.master, master, end.point);
@@ -125,7 +126,7 @@ public:
       double turning = ray.gap * InnerProduct(direction, gradients.Row(i));
       for (int k : Range(D)) {
         growth(D * i + k) = turning * ray.normal(k) - direction(k) * on_slave.value(i);
-        work(D * i + k) = force(k) * on_slave.value(i);
+        work(D * i + k) = end.beyond < 0 ? force(k) * on_slave.value(i) : 0.0;
       }
     }
     for (int i : Range(faces.masters))
@@ -138,12 +139,11 @@ public:
     Vec<D> master_jump = now.master.Normal(master, ray.dy) - beyond;
     for (int l : Range(D))
       columns.Row(2 * D + 2 + l) += master_jump(l) * growth;
-    if (end.beyond >= 0)
-      return;
-    for (int l : Range(D))
-      columns.Row(l) += (ray.normal(l) - mean.slave(l)) * growth;
-    columns.Row(2 * D) += (ray.gap - mean.gap) * growth;
-    if (loaded)
+    if (end.beyond < 0)
+      for (int l : Range(D))
+        columns.Row(l) += (ray.normal(l) - mean.slave(l)) * growth;
+    columns.Row(2 * D) += (end.beyond < 0 ? ray.gap - mean.gap : -end.step) * growth;
+    if (loaded && moves_forces)
       rim -= work * Trans(growth);
   }
 
