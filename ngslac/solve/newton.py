@@ -10,6 +10,7 @@ from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
 from ngslac.solve.iteration import MostlySlips, Unchanged
 from ngslac.solve.look import Look
+from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
 
 __all__ = ["Newton"]
@@ -21,6 +22,8 @@ STRAYED = 0.5
 # Most iterations of another method where loads carry a body off or nearly all slips; Newton's
 # iterations from which on nearly all has slipped for long.
 SEARCH, RUBBED = 30, 10
+# Most iterations in which loose bodies come to rest.
+RELAX = 200
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
@@ -326,10 +329,25 @@ class Newton:
                 raise error
             system.GoTo(start)
             failure.exhausted = True
-            return StatusSearch(self, maxit).Run(error)
+            return self._Search(error, maxit, start)
         except FAILURES:
             if found is None or system.bodies.Lost(found[0]):
                 raise
             system.GoTo(found)
             self.Record(system.Measure())
             return self.Accept()
+
+    def _Search(self, error, maxit, start):
+        """The last line of what finds the contact status by a path, or lets bodies come to rest."""
+        system = self.system
+        try:
+            return StatusSearch(self, maxit).Run(error)
+        except FAILURES:
+            if not (system.bodies.floating and system.finite):
+                raise
+            system.GoTo(start)
+            try:
+                return Relaxation(self, len(self.history) + RELAX).Run()
+            except FAILURES:
+                system.GoTo(start)
+            raise

@@ -96,7 +96,7 @@ class Residual:
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
-        self.ground = None
+        self.ground = self.drag = None
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
 
@@ -196,6 +196,8 @@ class Residual:
         unbalanced = (bulk + pushed) * self.free
         if self.ground:
             unbalanced = self.ground.Balanced(unbalanced)
+        if self.drag:
+            unbalanced = unbalanced + self.drag.Forces(vec.FV().NumPy(), scale)
         scaled = scale * unbalanced
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}

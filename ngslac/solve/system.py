@@ -198,7 +198,7 @@ class System:
         """
         self.motion, self._driven, self.slides = None, None, True
         self.linear.shifts, self._start = 0, self.values.copy()
-        self.SetGround(None)
+        self.SetDrag(None)
         self.Lean()
         if motion is not None and np.any(motion[constrained]):
             self.motion = np.where(constrained, motion, 0.0)
@@ -279,17 +279,22 @@ class System:
         residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
             contact.form.AssembleStep(self.gf.vec, residual)
+        if self.residual.drag:
+            residual.FV().NumPy()[:] += self.residual.drag.Forces(self.values, self.scale)
         self.scheme.Change(self)
         return residual
 
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         given = self.bulk.mat, self._Forms(), self.scale
-        self.loose = False
-        self.HoldIdle("rubbing")
+        self.loose, drag = False, self.residual.drag
+        if not drag:
+            self.HoldIdle("rubbing")
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
+            if drag:
+                return self.linear.Solve(*given, residual, drag.Shift(), accuracy)
             if self.idle:
                 return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
             if self.ground:
@@ -460,6 +465,11 @@ class System:
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""
         self.ground = self.residual.ground = ground
+
+    def SetDrag(self, drag):
+        """Let a Drag hold bodies in place of what holds idle ones, or None."""
+        self.SetGround(None)
+        self.residual.drag = drag
 
     def MayFloat(self):
         """Are there bodies or tools that contact has to hold?"""

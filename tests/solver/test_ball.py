@@ -101,7 +101,10 @@ def test_a_ball_on_a_plane_without_friction_is_free_to_turn():
     ("given", "message"),
     [
         ({"friction": None, "side": (0.5, 0.0)}, r"'ball' turns \(rotation about y\): there is no"),
-        ({"friction": None, "couple": (0.0, 0.0, 0.1)}, r"'ball' (turns|floats) \(rotation about z"),
+        (
+            {"friction": None, "couple": (0.0, 0.0, 0.1)},
+            r"'ball' (turns|floats) \(rotation about z",
+        ),
         ({"initial": "none"}, r"(body 'ball' floats [^:]*){6}:"),  # in the air, by six motions
         ({"up": 1}, "ball"),
     ],

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Loose bodies come to rest as if they moved in something viscous, less and less."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ngslac.errors import ContactConvergenceError
+from ngslac.linear.solver import LinearSolveError
+
+__all__ = ["Relaxation"]
+
+# Diagonal that holds bodies where they were, relative to that of the scaled bulk: the first one,
+# the last one, and by what factor it falls after a stage that ends, and grows after one that fails.
+FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
+# Newton steps of a stage, the residual at its end, and how many stages may fail.
+STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 10
+# Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
+# steps, and the drag stays as it is.
+REST, FAR, POLISH = 1e-2, 0.05, 8
+
+FAILURES = (ContactConvergenceError, LinearSolveError)
+
+
+@dataclass
+class Drag:
+    """Forces against the way from a place.
+
+    Attributes
+    ----------
+    size : float
+        Relative to the scaled diagonal of the bulk.
+    place : (n,) array
+        Of all dofs.
+    rows : (n,) bool
+        Those of displacements that are not condensed.
+    """
+
+    size: float
+    place: np.ndarray
+    rows: np.ndarray
+
+    def Forces(self, values, scale):
+        """At other values (n,), with the factors (n,) of the rows."""
+        return np.where(self.rows, self.size * (values - self.place) / scale**2, 0.0)
+
+    def Shift(self):
+        """What the scaled diagonal of the matrix gets."""
+        return self.size * self.rows
+
+
+class Relaxation:
+    """A solve in stages, in each of which bodies move as far as a drag lets them.
+
+    Where friction holds bodies, or large sliding turns them, neither the contact status nor a path
+    of barriers leads to where they come to rest: from far away, forces roll and push them past each
+    other. With drag each stage has a solution near its start.
+
+    Parameters
+    ----------
+    newton : Newton
+    maxit : int
+        Number of linear solves up to which its table may grow.
+    """
+
+    def __init__(self, newton, maxit):
+        self.newton, self.system, self.maxit = newton, newton.system, maxit
+
+    def Run(self):
+        """The last line of the table, or an error if bodies do not come to rest."""
+        newton, system = self.newton, self.system
+        newton.log.Say("  relaxation of loose bodies")
+        newton.onpath, size, failures = True, FIRST, 0
+        try:
+            while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
+                before = system.Place()
+                if self._Settles(size):
+                    moved = np.abs(system.values - before[0])[~system.residual.multipliers].max()
+                    if moved < REST * self._Smallest() and (last := self._Polish()):
+                        return last
+                    if moved < FAR * self._Smallest():
+                        size *= SOFTER
+                else:
+                    system.GoTo(before)
+                    failures, size = failures + 1, size * HARDER
+        finally:
+            system.SetDrag(None)
+        raise newton.NotConverged(system.Measure())
+
+    def _Smallest(self):
+        """Size of the smallest macro-element."""
+        tables = [(contact.Table(), contact.mesh.dim - 1) for contact in self.system.contacts]
+        return min(np.min(table["fullarea"]) ** (1 / d) for table, d in tables)
+
+    def _Settles(self, size):
+        """Does Newton's method come to the end of a stage?"""
+        newton, system = self.newton, self.system
+        rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
+        system.SetDrag(Drag(size, system.values.copy(), rows))
+        newton.globalization.Begin()
+        try:
+            system.residual.Follow()
+            state = system.Measure()
+            for _ in range(STEPS):
+                system.Assemble()
+                state, damping = newton._Step(state)
+                newton.Record(state, damping)
+                if max(state.equilibrium, state.constraint) < ENDS:
+                    return system.motion is None
+                newton.globalization.Watch(state, newton.history[-1].changed)
+        except FAILURES:
+            pass
+        return False
+
+    def _Polish(self):
+        """The end of Newton's method from here; None, and back, if it does not come to one."""
+        system, before = self.system, self.system.Place()
+        system.SetDrag(None)
+        try:
+            system.Assemble()
+            return self.newton.Iterate(system.Measure(), POLISH)
+        except FAILURES:
+            system.GoTo(before)
+            return None
