@@ -5,8 +5,10 @@ A compiled add-on fits exactly one monthly release. Where pip builds in an envir
 that of the environment which the package goes to is taken all the same.
 """
 
+import re
 import sysconfig
 from importlib.metadata import distributions, version
+from pathlib import Path
 
 from scikit_build_core import build
 from scikit_build_core.build import *  # noqa: F403  the hooks that stay as they are
@@ -50,6 +52,23 @@ def get_requires_for_build_editable(config_settings=None):
     return [*build.get_requires_for_build_editable(config_settings), *Missing()]
 
 
-def dynamic_metadata(field, settings):
-    """The dependencies: others, and the NGSolve that is built with."""
-    return [f"ngsolve=={Installed() or version('ngsolve')}", *settings["others"]]
+def dynamic_metadata(field, settings, project):
+    """A field of pyproject.toml that is known when the package is built."""
+    if field == "dependencies":
+        return [f"ngsolve=={Installed() or version('ngsolve')}", *settings["others"]]
+    return Readme(project["urls"]["Repository"])
+
+
+# In Markdown, a link or picture whose target is a file of the sources.
+LINK = re.compile(r"(!?)\[([^][]*)\]\((?!\w+:|#)([^)]*)\)")
+
+
+def Readme(repository):
+    """The README for a package index, which has none of the files that it refers to."""
+
+    def Absolute(link):
+        picture, text, file = link.groups()
+        return f"{picture}[{text}]({repository}/{'raw' if picture else 'blob'}/main/{file})"
+
+    text = LINK.sub(Absolute, Path("README.md").read_text(encoding="utf-8"))
+    return {"content-type": "text/markdown", "text": text}

@@ -62,7 +62,7 @@ def test_the_build_asks_for_ngsolve_where_there_is_none(backend, monkeypatch):
 def test_the_build_takes_the_release_that_is_installed(backend, monkeypatch, installed):
     monkeypatch.setattr(backend, "Installed", lambda: installed)
     assert backend.Missing() == []
-    depends = backend.dynamic_metadata("dependencies", {"others": ["numpy"]})
+    depends = backend.dynamic_metadata("dependencies", {"others": ["numpy"]}, {"urls": {}})
     assert depends == [f"ngsolve=={installed}", "numpy"]
 
 
