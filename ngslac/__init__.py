@@ -52,3 +52,7 @@ __all__ = [
     "TimeStepper",
     "__version__",
 ]
+
+
+def __dir__():
+    return __all__

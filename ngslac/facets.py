@@ -6,12 +6,10 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+import scipy
 from netgen.meshing import MeshingStep
 from netgen.occ import OCCGeometry, TopoDS_Shape
 from ngsolve import Mesh
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ngslac._ngslac import FacetCorners, RegionWithFaces, ToolShape
 from ngslac.arguments import CheckCount, CheckFlag, CheckInstance, CheckPositive
@@ -230,9 +228,9 @@ def _Merged(points):
     Facets of which nothing is left then are dropped.
     """
     size = np.ptp(points, axis=0).max()
-    pairs = cKDTree(points).query_pairs(SAME * size, output_type="ndarray")
-    graph = csr_matrix((np.ones(len(pairs)), pairs.T), shape=2 * (len(points),))
-    _, number = connected_components(graph, directed=False)
+    pairs = scipy.spatial.cKDTree(points).query_pairs(SAME * size, output_type="ndarray")
+    graph = scipy.sparse.csr_matrix((np.ones(len(pairs)), pairs.T), shape=2 * (len(points),))
+    _, number = scipy.sparse.csgraph.connected_components(graph, directed=False)
     _, first = np.unique(number, return_index=True)
     facets = number.reshape(-1, points.shape[1])
     sides = facets - np.roll(facets, 1, axis=1)

@@ -1,6 +1,7 @@
 """The package as installed: versions, public names, and the example of the README."""
 
 import importlib
+import inspect
 import shutil
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import ngslac
 from ngslac import _version
 
 ROOT = Path(__file__).parents[1]
@@ -40,6 +42,26 @@ def test_sources_without_the_plugin_say_so(tmp_path):
     )
     assert run.returncode
     assert "holds the sources of ngslac, not the compiled plugin" in run.stderr
+
+
+def test_public_names():
+    assert dir(ngslac) == sorted(ngslac.__all__)
+    assert not hasattr(ngslac, "nothing")
+
+
+def test_signatures_are_known():
+    wanted = "(V, *, slave, macros=None, components=None, autoupdate=False)"
+    assert str(inspect.signature(ngslac.LACSpace)) == wanted
+    assert "friction" in inspect.signature(ngslac.LACContact).parameters
+
+
+LATER = "scipy.sparse", "scipy.spatial", "scipy.optimize", "pyamg", "netgen.csg"
+
+
+def test_the_import_leaves_alone_what_only_some_calls_need():
+    code = f"import sys, ngslac; print(sorted({{*{LATER}}} & {{*sys.modules}}))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.stdout == "[]\n"
 
 
 def test_the_package_depends_on_the_release_it_was_built_with():

@@ -54,7 +54,10 @@ True
 } // namespace
 
 void ExportSpace(py::module & m) {
-  py::class_<LACSpace, shared_ptr<LACSpace>, FESpace>(m, "LACSpace", space_doc)
+  py::class_<LACSpace, shared_ptr<LACSpace>, FESpace> space(m, "LACSpace", space_doc);
+  space.attr("__signature__") = py::module_::import("inspect").attr("signature")(
+      py::eval("lambda V, *, slave, macros=None, components=None, autoupdate=False: None"));
+  space
       .def(py::init([](const Given<shared_ptr<FESpace>> & V, const py::args & more,
                        const Given<std::variant<Region, string>> & slave,
                        const Given<std::vector<int>> & macros, const Given<int> & components,

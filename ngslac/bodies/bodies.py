@@ -2,8 +2,7 @@
 """Bodies and the rigid motions that nothing prevents."""
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.sparse import csr_matrix
+import scipy
 
 from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Resistances, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
@@ -263,7 +262,7 @@ class Bodies:
         wanted = np.concatenate([of_bodies, weights[len(place) :]])
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
-        *_, pivots = qr(wanted.T, pivoting=True)
+        *_, pivots = scipy.linalg.qr(wanted.T, pivoting=True)
         chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: weights.shape[1]])]
         return [self._Named(body, k) for body, k in chosen]
 
@@ -308,7 +307,7 @@ class Bodies:
         columns = np.where(own, columns, 0)
         values = rows.data * (own & (self.part[columns] == part))
         shape = rows.shape[0], self.count
-        return csr_matrix((values, columns, rows.indptr), shape=shape) @ motions
+        return scipy.sparse.csr_matrix((values, columns, rows.indptr), shape=shape) @ motions
 
 
 def Norm(matrix):

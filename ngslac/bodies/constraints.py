@@ -2,8 +2,7 @@
 """What contact prevents, as rows of a sparse matrix on the displacements."""
 
 import numpy as np
-from scipy.sparse import bsr_matrix, csr_matrix, vstack
-from scipy.spatial import KDTree
+import scipy
 
 from ngslac._ngslac import Side
 
@@ -45,9 +44,11 @@ def ToCSR(mat):
     # CSR() shows memory of the matrix: copy, the matrix may be a temporary.
     values, columns, starts = (np.array(a) for a in mat.CSR())
     if block == 1:
-        return csr_matrix((values, columns, starts), shape=mat.shape)
+        return scipy.sparse.csr_matrix((values, columns, starts), shape=mat.shape)
     shape = block * mat.height, block * mat.width
-    return bsr_matrix((values.reshape(-1, block, block), columns, starts), shape=shape).tocsr()
+    return scipy.sparse.bsr_matrix(
+        (values.reshape(-1, block, block), columns, starts), shape=shape
+    ).tocsr()
 
 
 def ActiveRows(contact, holds="now"):
@@ -63,16 +64,16 @@ def ActiveRows(contact, holds="now"):
     table, d = contact.Table(), contact.mesh.dim
     stick, slip = _AtWork(contact, table, holds)
     if not len(slip) and not np.any(stick):
-        return csr_matrix((0, contact.nscalars))
+        return scipy.sparse.csr_matrix((0, contact.nscalars))
     jump = AllJumps(contact)
-    normals = csr_matrix(
+    normals = scipy.sparse.csr_matrix(
         (
             table["normal"][slip].ravel(),
             (np.arange(len(slip)).repeat(d), (d * slip[:, None] + np.arange(d)).ravel()),
         ),
         shape=(len(slip), jump.shape[0]),
     )
-    rows = vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
+    rows = scipy.sparse.vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
     return rows / table["fullarea"].mean()
 
 
@@ -81,7 +82,7 @@ def AllJumps(contact):
     form, jump = contact.form, JumpRows(contact)
     columns = jump.indices + form.offset * form.fes.dim
     shape = jump.shape[0], contact.nscalars
-    rows = csr_matrix((jump.data, columns, jump.indptr), shape=shape)
+    rows = scipy.sparse.csr_matrix((jump.data, columns, jump.indptr), shape=shape)
     return rows + ToolRows(contact) if len(form.ToolDofs()) else rows
 
 
@@ -109,7 +110,7 @@ def Resistances(contact, holds, move, normals=CONTACT):
     table, d = contact.Table(), contact.mesh.dim
     stick, slip = _AtWork(contact, table, holds)
     if not len(slip) and not np.any(stick):
-        none = move(csr_matrix((0, contact.nscalars)))
+        none = move(scipy.sparse.csr_matrix((0, contact.nscalars)))
         return none, np.zeros(0), none
     stuck = np.flatnonzero(stick)
     own = np.concatenate([stuck, slip])
@@ -138,7 +139,7 @@ def _Coarseness(contact, table):
     curved = bend > SAME_NORMAL**2
     count = min(len(paired), 3 if contact.mesh.dim == 2 else 7)
     if count > 1:
-        _, near = KDTree(table["x"][paired]).query(table["x"][paired], k=count)
+        _, near = scipy.spatial.KDTree(table["x"][paired]).query(table["x"][paired], k=count)
         angles = np.linalg.norm(normal[paired][near] - normal[paired][:, None], axis=2)
         smooth = (angles > SAME_NORMAL) & (angles < 2 * (1 - SMOOTH))
         curved[paired] |= np.any(smooth, axis=1)
@@ -204,7 +205,9 @@ def ToolRows(contact):
     dofs, rows = contact.form.ToolDofs(), contact.form.ToolRows()
     count = len(rows) // len(dofs)
     starts = len(dofs) * np.arange(count + 1)
-    return csr_matrix((rows, np.tile(dofs, count), starts), shape=(count, contact.nscalars))
+    return scipy.sparse.csr_matrix(
+        (rows, np.tile(dofs, count), starts), shape=(count, contact.nscalars)
+    )
 
 
 def JumpRows(contact):

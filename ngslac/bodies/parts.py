@@ -2,8 +2,7 @@
 """Which rows of a sparse matrix are connected."""
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 __all__ = ["AreApart", "ConnectedParts", "Forces", "LikelyParts"]
 
@@ -35,8 +34,10 @@ def ConnectedParts(mat, first, count):
     columns, starts = Graph(mat, first, count)
     # Other rows are left empty, which makes each a strongly connected part of its own.
     starts = np.pad(starts, (first, mat.height - first - count), mode="edge")
-    graph = csr_matrix((np.ones(len(columns)), columns, starts), shape=mat.shape)
-    return connected_components(graph, connection="strong")[1][first : first + count]
+    graph = scipy.sparse.csr_matrix((np.ones(len(columns)), columns, starts), shape=mat.shape)
+    return scipy.sparse.csgraph.connected_components(graph, connection="strong")[1][
+        first : first + count
+    ]
 
 
 def LikelyParts(mat, first, count):
@@ -47,8 +48,10 @@ def LikelyParts(mat, first, count):
     found = columns[np.stack([starts[:-1], starts[1:] - 1], axis=1)[filled]] - first
     ends[filled] = np.where((found >= 0) & (found < count), found, ends[filled])
     starts = np.arange(0, 2 * count + 1, 2)
-    graph = csr_matrix((np.ones(2 * count), ends.ravel(), starts), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
+    graph = scipy.sparse.csr_matrix(
+        (np.ones(2 * count), ends.ravel(), starts), shape=(count, count)
+    )
+    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
 def Graph(mat, first, count):

@@ -7,9 +7,7 @@ balances the loads, or finds the motion along which the loads win. It needs no s
 """
 
 import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import csc_matrix, csr_matrix, hstack, identity
-from scipy.sparse.linalg import norm
+import scipy
 
 from ngslac.bodies.constraints import JumpRows
 from ngslac.bodies.rigidmotions import Turned
@@ -72,11 +70,13 @@ class RigidBalance:
 
     def _Columns(self):
         """Each free rigid motion of each body as a column of a sparse matrix."""
-        parts = [csc_matrix((len(self.motions), 0))]
+        parts = [scipy.sparse.csc_matrix((len(self.motions), 0))]
         for part, combinations in self.bodies.floating:
             own = self.bodies.part == part
-            parts.append(csc_matrix(np.where(own[:, None], self.motions @ combinations, 0.0)))
-        return hstack(parts).tocsc()
+            parts.append(
+                scipy.sparse.csc_matrix(np.where(own[:, None], self.motions @ combinations, 0.0))
+            )
+        return scipy.sparse.hstack(parts).tocsc()
 
     def _Winner(self, rough, within=None):
         """The motion along which loads do more work than contact resists; None: none.
@@ -96,9 +96,9 @@ class RigidBalance:
         rays, bounds = [], []
         for contact, jump in zip(self.contacts, self._jumps, strict=True):
             tractions, bound = Rays(contact, rough)
-            rays.append(csr_matrix(-within.T @ (jump.T @ tractions)))
+            rays.append(scipy.sparse.csr_matrix(-within.T @ (jump.T @ tractions)))
             bounds.append(bound / size)
-        found = Separate(hstack(rays).tocsc(), np.concatenate(bounds), loads / size)
+        found = Separate(scipy.sparse.hstack(rays).tocsc(), np.concatenate(bounds), loads / size)
         motion, lacking = found
         return within @ motion if lacking > LEAST else None
 
@@ -183,13 +183,13 @@ def Separate(rays, bounds, loads):
     The least sum of forces that have to be added for ``rays @ x + added = loads`` with
     0 <= x <= bounds; the motion is its derivative by the loads.
     """
-    length = norm(rays, axis=0)
+    length = scipy.sparse.linalg.norm(rays, axis=0)
     used = length > 1e-12 * length.max(initial=0.0)
     rays, bounds = rays[:, used].multiply(1 / length[used]), bounds[used] * length[used]
-    count, one = rays.shape[1], identity(len(loads))
-    result = linprog(
+    count, one = rays.shape[1], scipy.sparse.identity(len(loads))
+    result = scipy.optimize.linprog(
         np.concatenate([np.zeros(count), np.ones(2 * len(loads))]),
-        A_eq=hstack([rays, one, -one]).tocsr(),
+        A_eq=scipy.sparse.hstack([rays, one, -one]).tocsr(),
         b_eq=loads,
         bounds=[(0, b if np.isfinite(b) else None) for b in bounds] + [(0, None)] * 2 * len(loads),
         method="highs",
@@ -227,7 +227,9 @@ def Blocks(tractions):
     m, d, r = tractions.shape
     indices = np.arange(m * r).reshape(m, 1, r).repeat(d, axis=1)
     starts = np.arange(m * d + 1) * r
-    return csr_matrix((tractions.ravel(), indices.ravel(), starts), shape=(m * d, m * r))
+    return scipy.sparse.csr_matrix(
+        (tractions.ravel(), indices.ravel(), starts), shape=(m * d, m * r)
+    )
 
 
 def Tangents(normal):

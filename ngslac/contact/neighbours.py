@@ -4,8 +4,7 @@
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ngslac._ngslac import BoundaryVertices
 
@@ -28,7 +27,9 @@ class Neighbours:
         vertices, columns = np.unique(corners[slave][given], return_inverse=True)
         rows = np.broadcast_to(owner[slave][:, None], given.shape)[given]
         shape = space.nmacros, len(vertices)
-        touches = csr_matrix((np.ones(len(rows)), (rows, columns.ravel())), shape=shape)
+        touches = scipy.sparse.csr_matrix(
+            (np.ones(len(rows)), (rows, columns.ravel())), shape=shape
+        )
         touches.data[:] = 1
         self.dim, self._touches = mesh.dim, touches
 
@@ -53,7 +54,7 @@ class Neighbours:
         inner = inside & (self._count >= self.dim)
         whole = touches @ (~inside).astype(float) == 0
         whole &= touches @ (self._count > 1).astype(float) >= 2
-        npatches, patch = connected_components(touches @ touches.T)
+        npatches, patch = scipy.sparse.csgraph.connected_components(touches @ touches.T)
         wide = np.zeros(npatches, bool)
         wide[patch[(touches @ inner.astype(float) > 0) | whole]] = True
         return numbers[~wide[patch]]

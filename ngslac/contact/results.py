@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` that tell of it: its line, resultants, operators, segments, a report."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import BaseMatrix
 
@@ -9,7 +11,9 @@ from ngslac.arguments import BoundaryNames, CheckPoint
 from ngslac.contact.report import ContactReport
 from ngslac.errors import Warn
 from ngslac.output.segments import Segments
-from ngslac.recovery.recovered import Recovered
+
+if TYPE_CHECKING:
+    from ngslac.recovery.recovered import Recovered
 
 __all__ = ["Check", "Describe", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
 
@@ -103,7 +107,7 @@ def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
 
 
-def RecoveredOf(self) -> Recovered:
+def RecoveredOf(self) -> "Recovered":
     """Continuous pressure and traction of the last evaluation, made when first asked for.
 
     The multipliers are constant on macro-elements; these functions are continuous, never pull,
@@ -130,6 +134,8 @@ def RecoveredOf(self) -> Recovered:
     WarnIfUnsolved(self)
     if self._recovered is None:
         displacement = self._state.Displacement(self._solution)
+        from ngslac.recovery.recovered import Recovered
+
         self._recovered = Recovered(self, displacement)
     return self._recovered
 

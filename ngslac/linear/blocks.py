@@ -2,7 +2,7 @@
 """The blocks of a Newton system: what contacts add to the matrix of the bulk."""
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
+import scipy
 
 from ngslac.linear.factor import LinearSolveError
 
@@ -47,12 +47,14 @@ class Blocks:
         k, j = number[row], number[column]
         on, by, both = (k < 0) & (j >= 0), (k >= 0) & (j < 0), (k >= 0) & (j >= 0)
         apart = (k < 0) & (j < 0)
-        self.stiffness = csr_matrix((value[apart], (row[apart], column[apart])), shape=(n, n))
+        self.stiffness = scipy.sparse.csr_matrix(
+            (value[apart], (row[apart], column[apart])), shape=(n, n)
+        )
         self.touched = np.union1d(row[apart], column[apart])
         held = np.flatnonzero(~free[self.multipliers])
-        self.forces = csc_matrix((value[on], (row[on], j[on])), shape=(n, m))
-        self.rows = csr_matrix((value[by], (k[by], column[by])), shape=(m, n))
-        self.own = csr_matrix(
+        self.forces = scipy.sparse.csc_matrix((value[on], (row[on], j[on])), shape=(n, m))
+        self.rows = scipy.sparse.csr_matrix((value[by], (k[by], column[by])), shape=(m, n))
+        self.own = scipy.sparse.csr_matrix(
             (
                 np.concatenate([value[both], np.ones(len(held))]),
                 (np.concatenate([k[both], held]), np.concatenate([j[both], held])),
@@ -102,7 +104,9 @@ def BlockDiagonal(blocks):
     where = np.arange(k * d).reshape(k, d)
     rows = np.broadcast_to(where[:, :, None], blocks.shape)
     columns = np.broadcast_to(where[:, None], blocks.shape)
-    return csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (k * d, k * d))
+    return scipy.sparse.csr_matrix(
+        (blocks.ravel(), (rows.ravel(), columns.ravel())), (k * d, k * d)
+    )
 
 
 def DiagonalBlocks(mat, d):

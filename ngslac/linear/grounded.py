@@ -2,7 +2,7 @@
 """The bulk, held by a few springs and factored once, for all systems of contact on it."""
 
 import numpy as np
-from scipy.sparse import csc_matrix, hstack
+import scipy
 
 from ngslac._ngslac import MergeMatrices, SchurComplement
 from ngslac.arrays import AddToDiagonal, AsBits, Multiply, SameMatrix
@@ -71,7 +71,7 @@ class GroundedBulk:
         """Of columns C (n, m), and one more for each spring: a SchurComplement, and C^T K^-1 C."""
         if self._columns is None or not SameMatrix(self._columns, columns):
             unit = UnitColumns(self.springs, len(self.free))
-            given = hstack([columns, unit], format="csc")
+            given = scipy.sparse.hstack([columns, unit], format="csc")
             schur = SchurComplement(self.inverse, given.indptr, given.indices, given.data)
             self._columns, self._schur = columns, (schur, schur.complement)
         return self._schur
@@ -79,4 +79,6 @@ class GroundedBulk:
 
 def UnitColumns(dofs, n):
     """The columns (n, k) of the unit matrix of k dofs."""
-    return csc_matrix((np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), (n, len(dofs)))
+    return scipy.sparse.csc_matrix(
+        (np.ones(len(dofs)), (dofs, np.arange(len(dofs)))), (n, len(dofs))
+    )

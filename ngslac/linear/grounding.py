@@ -2,9 +2,7 @@
 """Springs that hold each body by itself, on as few dofs as it has rigid motions."""
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 __all__ = ["Grounded"]
 
@@ -40,14 +38,16 @@ def FreeParts(mat, free):
     links = rows & free[columns] & (values != 0)
     count = np.concatenate([[0], np.cumsum(links, dtype=columns.dtype)])
     columns, starts = columns[links], count[starts]
-    graph = csr_matrix((np.ones(len(columns), np.int8), columns, starts), shape=mat.shape)
-    return connected_components(graph, directed=False)[1]
+    graph = scipy.sparse.csr_matrix(
+        (np.ones(len(columns), np.int8), columns, starts), shape=mat.shape
+    )
+    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
 def Spread(dofs, motions):
     """Those of some dofs that tell their motions apart best: a pivoted elimination."""
     if not len(dofs):
         return dofs
-    triangle, order = qr(motions.T, mode="r", pivoting=True)
+    triangle, order = scipy.linalg.qr(motions.T, mode="r", pivoting=True)
     pivots = np.abs(np.diag(triangle))
     return dofs[order[: len(pivots)][pivots > NO_MOTION * pivots[0]]]

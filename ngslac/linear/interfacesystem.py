@@ -2,9 +2,7 @@
 """One Newton system as a dense one of its closed macro-elements."""
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
-from scipy.linalg.lapack import dgecon
-from scipy.sparse import hstack
+import scipy
 
 from ngslac.linear.blocks import Weights
 from ngslac.linear.factor import LinearSolveError
@@ -46,7 +44,7 @@ class InterfaceSystem:
             columns.append(blocks.rows[self.closed.ravel()].T)
         else:
             self.weights = self.weights[closed]
-        self.schur, self.complement = kept.Schur(hstack(columns, format="csc"))
+        self.schur, self.complement = kept.Schur(scipy.sparse.hstack(columns, format="csc"))
         self.touched = np.arange(m, m + len(blocks.touched))
         self.stiffness = blocks.stiffness[blocks.touched][:, blocks.touched]
         count = len(self.complement)
@@ -65,8 +63,8 @@ class InterfaceSystem:
         matrix *= self.scale[:, None]
         if len(matrix):
             norm = np.abs(matrix).sum(axis=0).max()
-            self.factors = lu_factor(matrix, check_finite=False)
-            if not dgecon(self.factors[0], norm)[0] > SINGULAR:
+            self.factors = scipy.linalg.lu_factor(matrix, check_finite=False)
+            if not scipy.linalg.lapack.dgecon(self.factors[0], norm)[0] > SINGULAR:
                 raise LinearSolveError("the interface is singular")
 
     def _Constrained(self, values):
@@ -90,7 +88,9 @@ class InterfaceSystem:
         if len(self.used):
             right = -self._Constrained(trace)
             right[: self.closed.size] += given[self.closed].ravel()
-            x[self.used] = lu_solve(self.factors, self.scale * right, check_finite=False)
+            x[self.used] = scipy.linalg.lu_solve(
+                self.factors, self.scale * right, check_finite=False
+            )
         solution = self.schur.Solve(start, x)
         solution[self.blocks.multipliers] = x[: len(given)]
         return solution

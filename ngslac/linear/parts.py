@@ -2,9 +2,9 @@
 """Inverse of a matrix that falls into parts which nothing couples, many of them equal."""
 
 import numpy as np
+import scipy
 from netgen.meshing import NgException
 from ngsolve.la import SparseMatrixd
-from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import SchurComplement
 from ngslac.arrays import AsBits
@@ -40,7 +40,7 @@ class PartsInverse:
     def __init__(self, mat, free):
         dofs = np.flatnonzero(free & (mat.diagonal() != 0))
         inner = mat[dofs][:, dofs]
-        count, part = connected_components(inner, directed=False)
+        count, part = scipy.sparse.csgraph.connected_components(inner, directed=False)
         if count > MOST:
             count, part = 1, np.zeros(len(dofs), dtype=int)
         order = np.argsort(part, kind="stable")

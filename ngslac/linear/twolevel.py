@@ -2,12 +2,11 @@
 """Sweeps over all dofs and algebraic multigrid on the vertices, for condensed systems."""
 
 import numpy as np
-from scipy.sparse import bsr_matrix, eye_array
+import scipy
 
 from ngslac._ngslac import StarSweeps, TwoLevel
 from ngslac.arrays import AsBits
 from ngslac.linear.mixed import Mixed, PressureRows
-from ngslac.linear.multigrid import Hierarchy, VCycle
 
 __all__ = ["Multigrid"]
 
@@ -80,9 +79,12 @@ class Multigrid:
 
     def _Learn(self, system, mat, modes):
         """Make the hierarchy, and the preconditioner of displacements."""
+        from ngslac.linear.multigrid import Hierarchy, VCycle
+
         self._hierarchy = Hierarchy(mat, modes, fewest=int(self.most))
         prolongations, skipped = self._hierarchy.prolongations, self._skipped
-        first = prolongations[0].tocsr() if skipped else eye_array(mat.shape[0], format="csr")
+        same = scipy.sparse.eye_array(mat.shape[0], format="csr")
+        first = prolongations[0].tocsr() if skipped else same
         matrices = self._hierarchy.Matrices(mat)[skipped:]
         self._cycle = VCycle(prolongations[skipped:], matrices)
         free = self.nodes.free.ravel()
@@ -116,4 +118,4 @@ def Blocks(system, nodes):
     starts, columns, values = system.NodeBlocks(nodes)
     width = nodes.shape[1]
     blocks = values.reshape(-1, width, width)
-    return bsr_matrix((blocks, columns, starts), shape=(nodes.size, nodes.size))
+    return scipy.sparse.bsr_matrix((blocks, columns, starts), shape=(nodes.size, nodes.size))

@@ -2,7 +2,7 @@
 """Lines and dots that show a field on the slave faces, as objects of a webgui scene."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 __all__ = ["Arrows", "Bars", "Dots", "Ticks"]
 
@@ -59,7 +59,7 @@ def Ticks(faces, name, colour, size=None):
     half = (size or LENGTH * faces.diameter / 4) / 2 * faces.normals
     lines = np.stack([faces.ends - half, faces.ends + half], axis=2).reshape(-1, 2, 2)
     macro = np.tile(faces.macro, 2)
-    near = cKDTree(faces.ends.reshape(-1, 2)).query_pairs(
+    near = scipy.spatial.cKDTree(faces.ends.reshape(-1, 2)).query_pairs(
         1e-9 * faces.diameter, output_type="ndarray"
     )
     inner = near[macro[near[:, 0]] == macro[near[:, 1]]]

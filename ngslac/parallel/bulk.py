@@ -5,10 +5,9 @@ from functools import partial
 from weakref import WeakValueDictionary
 
 import numpy as np
+import scipy
 from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
 from ngslac.arguments import CheckChoice
@@ -97,8 +96,8 @@ class FormPart:
     def Parts(self, _):
         """A number for each own dof: the same where the own elements connect them."""
         mat = ToCSR(self.Local("mat"))
-        ones = csr_matrix((np.ones(mat.nnz), mat.indices, mat.indptr), shape=mat.shape)
-        return connected_components(ones, directed=False)[1].astype(float)
+        ones = scipy.sparse.csr_matrix((np.ones(mat.nnz), mat.indices, mat.indptr), shape=mat.shape)
+        return scipy.sparse.csgraph.connected_components(ones, directed=False)[1].astype(float)
 
 
 class RemoteForm:
@@ -248,8 +247,8 @@ class RemoteMatrix(BaseMatrix):
             ends.append((dofs[used], first + part[used]))
             first += 1 + part.max(initial=-1)
         row, column = (np.concatenate(side) for side in zip(*ends, strict=True))
-        graph = coo_matrix((np.ones(len(row)), (row, column)), shape=(first, first))
-        return connected_components(graph, directed=False)[1][:n]
+        graph = scipy.sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(first, first))
+        return scipy.sparse.csgraph.connected_components(graph, directed=False)[1][:n]
 
     def Mult(self, x, y):
         """Y = the product with x."""

@@ -2,9 +2,9 @@
 """Newton systems without multipliers: contact is condensed on rank 0, the bulk is distributed."""
 
 import numpy as np
+import scipy
 from netgen.meshing import NgException
 from ngsolve.la import SparseMatrixd
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
 
 from ngslac._ngslac import OrthogonalCondensation
 from ngslac.arrays import AsBits
@@ -48,7 +48,7 @@ class LocalContact:
         self.dofs = np.unique(np.concatenate([row, column, multipliers]))
         where = np.searchsorted(self.dofs, row), np.searchsorted(self.dofs, column)
         size = len(self.dofs)
-        self.mat = coo_matrix((values, where), shape=(size, size)).tocsr()
+        self.mat = scipy.sparse.coo_matrix((values, where), shape=(size, size)).tocsr()
         self.islam = ismultiplier[self.dofs]
         numbers = np.searchsorted(self.dofs, multipliers).tolist()
         try:
@@ -60,7 +60,7 @@ class LocalContact:
         part = ToCSR(self._system.Part())
         part.eliminate_zeros()
         self._stiff = part
-        self.terms = part + diags_array(self.islam.astype(float)).tocsr()
+        self.terms = part + scipy.sparse.diags_array(self.islam.astype(float)).tocsr()
 
     def Project(self, z):
         """P z, 0 for multipliers."""
@@ -101,7 +101,11 @@ class NoContact:
     """What stands for it on other ranks: all of it is empty."""
 
     def __init__(self):
-        self.dofs, self.mat, self.terms = np.zeros(0, dtype=int), csr_matrix((0, 0)), None
+        self.dofs, self.mat, self.terms = (
+            np.zeros(0, dtype=int),
+            scipy.sparse.csr_matrix((0, 0)),
+            None,
+        )
 
     def Project(self, z, *_):
         """Nothing."""

@@ -2,7 +2,7 @@
 """What contacts add to a system, on rank 0."""
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
+import scipy
 
 from ngslac.bodies.constraints import ToCSR
 from ngslac.petsc.condensation import LocalContact
@@ -31,11 +31,11 @@ class Contacts:
 
     def __init__(self, mats, multipliers, scale, shift, free):
         n, self._multipliers = len(free), np.asarray(multipliers, dtype=int)
-        total = sum((ToCSR(mat) for mat in mats), csr_matrix((n, n))).tocoo()
+        total = sum((ToCSR(mat) for mat in mats), scipy.sparse.csr_matrix((n, n))).tocoo()
         kept = free[total.row] & free[total.col] & (total.data != 0)
         row, column = total.row[kept], total.col[kept]
         values = scale[row] * total.data[kept] * scale[column]
-        self._mat = coo_matrix((values, (row, column)), shape=(n, n)).tocsr()
+        self._mat = scipy.sparse.coo_matrix((values, (row, column)), shape=(n, n)).tocsr()
         self._shift = np.where(free, 0.0 if shift is None else shift, 0.0)
         self.ismultiplier = np.zeros(n, dtype=bool)
         self.ismultiplier[self._multipliers] = True
@@ -45,7 +45,7 @@ class Contacts:
 
     def All(self):
         """The matrix with the shift, on some dofs, and these."""
-        return OnItsDofs(self._mat + diags_array(self._shift))
+        return OnItsDofs(self._mat + scipy.sparse.diags_array(self._shift))
 
     def Condensed(self, dim):
         """The LocalContact."""
@@ -56,11 +56,11 @@ class Contacts:
         mat = self._mat.tocoo()
         apart = ~(self.ismultiplier[mat.row] | self.ismultiplier[mat.col])
         where = mat.row[apart], mat.col[apart]
-        stiffness = csr_matrix((mat.data[apart], where), shape=mat.shape)
+        stiffness = scipy.sparse.csr_matrix((mat.data[apart], where), shape=mat.shape)
         terms, dofs = condensed.terms.tocoo(), condensed.dofs
         where = dofs[terms.row], dofs[terms.col]
-        terms = csr_matrix((terms.data, where), shape=mat.shape)
-        return OnItsDofs(stiffness + terms + diags_array(self._shift))
+        terms = scipy.sparse.csr_matrix((terms.data, where), shape=mat.shape)
+        return OnItsDofs(stiffness + terms + scipy.sparse.diags_array(self._shift))
 
 
 def OnItsDofs(mat):

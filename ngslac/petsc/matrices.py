@@ -2,7 +2,7 @@
 """Matrices of PETSc from what each rank has."""
 
 import numpy as np
-from scipy.sparse import csr_matrix
+import scipy
 
 from ngslac.petsc.library import LoadPETSc
 
@@ -29,7 +29,7 @@ def Assembled(numbering, part, rows, diagonal=None):
     """
     PETSc = LoadPETSc()
     if part is None:
-        part, rows = csr_matrix((0, 0)), []
+        part, rows = scipy.sparse.csr_matrix((0, 0)), []
     rows = np.asarray(rows, dtype=np.int64)
     if diagonal is not None:
         part, rows = WithDiagonal(part, rows, numbering.start + np.arange(len(diagonal)), diagonal)
@@ -62,7 +62,7 @@ def WithDiagonal(part, rows, own, diagonal):
     row = np.concatenate([at[part.row], on])
     column = np.concatenate([at[part.col], on])
     values = np.concatenate([part.data, diagonal])
-    return csr_matrix((values, (row, column)), shape=(len(every),) * 2), every
+    return scipy.sparse.csr_matrix((values, (row, column)), shape=(len(every),) * 2), every
 
 
 def Sum(mat, other):

@@ -2,7 +2,7 @@
 """Newton systems of contact, distributed, as matrices of PETSc."""
 
 import numpy as np
-from scipy.sparse import csr_matrix
+import scipy
 
 from ngslac.bodies.constraints import ToCSR
 from ngslac.petsc.collective import OnRankZero
@@ -79,7 +79,7 @@ class PetscSystem:
         kept = used[mat.row] & used[mat.col]
         number = np.cumsum(used) - 1
         where = number[mat.row[kept]], number[mat.col[kept]]
-        part = csr_matrix((mat.data[kept], where), shape=(used.sum(),) * 2)
+        part = scipy.sparse.csr_matrix((mat.data[kept], where), shape=(used.sum(),) * 2)
         return part, self.numbering.new[self.dofs[used]]
 
     def SetContacts(self, mats=None, multipliers=None, scale=None, shift=None):

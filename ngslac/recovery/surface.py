@@ -4,8 +4,8 @@
 from functools import cached_property
 
 import numpy as np
+import scipy
 from ngsolve import CF, ET, IntegrationRule, x, y, z
-from scipy.sparse import csr_matrix
 
 from ngslac._ngslac import BoundaryVertices
 
@@ -81,7 +81,7 @@ class SlaveSurface:
     def _Sparse(self, values, columns, given):
         rows = np.broadcast_to(np.arange(len(values))[:, None], values.shape)
         shape = len(values), len(self.vertices)
-        return csr_matrix((values[given], (rows[given], columns[given])), shape=shape)
+        return scipy.sparse.csr_matrix((values[given], (rows[given], columns[given])), shape=shape)
 
     def Jump(self, displacement):
         """Slave minus master displacement (q, d) at the points, of a function on the mesh."""
@@ -102,7 +102,7 @@ class SlaveSurface:
         given = self.faces >= 0
         rows = np.broadcast_to(self.owner[:, None], given.shape)[given]
         shape = self.nmacros, len(self.vertices)
-        return csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
+        return scipy.sparse.csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
 
     @cached_property
     def neighbours(self):
@@ -110,7 +110,9 @@ class SlaveSurface:
         given = self.faces >= 0
         rows = np.broadcast_to(np.arange(len(given))[:, None], given.shape)[given]
         shape = len(given), len(self.vertices)
-        corners = csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
+        corners = scipy.sparse.csr_matrix(
+            (np.ones(len(rows)), (rows, self.faces[given])), shape=shape
+        )
         return (corners.T @ corners).tocsr()
 
     @cached_property
@@ -123,7 +125,7 @@ class SlaveSurface:
         weight = self.weight * density
         sums = np.bincount(self.macro, weight, self.nmacros)[self.macro]
         share = np.divide(weight, sums, out=np.zeros_like(weight), where=sums > 0)
-        rows = csr_matrix(
+        rows = scipy.sparse.csr_matrix(
             (share, (self.macro, np.arange(len(share)))), shape=(self.nmacros, len(share))
         )
         return rows @ self.shapes

@@ -2,8 +2,7 @@
 """Energy and momentum of bodies in a time step: what is wrong goes out of the velocities again."""
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ngslac.bodies.constraints import ToCSR
 from ngslac.bodies.freedom import NullSpace
@@ -141,8 +140,10 @@ class Conservation:
         inside = (rows.data != 0) & (rows.col >= self._own.start) & (rows.col < self._own.stop)
         bodies = self._body[rows.col[inside] - self._own.start]
         shape = rows.shape[0], self.count
-        touched = csr_matrix((np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape)
-        return connected_components(touched.T @ touched, directed=False)[1]
+        touched = scipy.sparse.csr_matrix(
+            (np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape
+        )
+        return scipy.sparse.csgraph.connected_components(touched.T @ touched, directed=False)[1]
 
     def Settle(self, velocity, groups, rows, impact, algorithmic, displacement):
         """The velocity without the energy that contact or time integration have brought in.

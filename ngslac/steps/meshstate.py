@@ -7,15 +7,16 @@ NGSolve's text format would round the curved elements.
 import ngsolve
 import numpy as np
 from netgen import meshing
-from netgen.csg import CSGeometry
-from netgen.geom2d import SplineGeometry
-from netgen.stl import STLGeometry
 
 __all__ = ["MeshOf", "MeshState"]
 
 
 def Classes():
     """What meshes are made of, by name: nothing else is made from a file."""
+    from netgen.csg import CSGeometry
+    from netgen.geom2d import SplineGeometry
+    from netgen.stl import STLGeometry
+
     found = {
         "Mesh": ngsolve.Mesh,
         "NetgenMesh": meshing.Mesh,

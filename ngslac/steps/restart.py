@@ -11,7 +11,6 @@ from ngslac.arguments import CheckInstance, Shown
 from ngslac.distributable import OnDistributedMeshes
 from ngslac.errors import Warn
 from ngslac.files import PathOf
-from ngslac.meshes.distributed import Distributed
 from ngslac.solve.iteration import Iteration
 from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import ContactSolver
@@ -114,6 +113,8 @@ def LoadMesh(file, *, comm=None) -> Mesh:
     >>> found.nv == mesh.nv and found.GetBoundaries() == mesh.GetBoundaries()
     True
     """
+    from ngslac.meshes.distributed import Distributed
+
     return Distributed(lambda: MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"]), comm)
 
 

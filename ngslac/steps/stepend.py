@@ -2,7 +2,7 @@
 """How a time step ends: forces, velocities, and where the energy went."""
 
 import numpy as np
-from scipy.sparse import vstack
+import scipy
 
 from ngslac.bodies.constraints import ActiveRates, ActiveRows
 from ngslac.steps.balance import ContactWorks
@@ -117,7 +117,7 @@ class StepEnd:
         works["external"] += self._MoveSupports(velocity, motion / dt, dt)
         for contact in self.contacts:
             contact.Commit(self.gf)
-        rows = vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
+        rows = scipy.sparse.vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
         velocity = self._Arrest(rows, velocity, dt, works, taken)
         groups = self._conservation.Groups(rows)
         if not linear and all(contact.finite for contact in self.contacts):
