@@ -4,9 +4,9 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import BaseMatrix
+from ngsolve import BND, BaseMatrix
 
-from ngslac._ngslac import Side
+from ngslac._ngslac import RegionWithFaces, Side
 from ngslac.arguments import BoundaryNames, CheckPoint
 from ngslac.contact.report import ContactReport
 from ngslac.errors import Warn
@@ -64,9 +64,49 @@ def Table(self) -> dict[str, np.ndarray]:
     }
 
 
-def Force(self) -> np.ndarray:
-    """Resultant (d,) of the contact tractions on the slave; the master gets the opposite."""
-    return self.form.Vectors("force").reshape(-1, self.mesh.dim).sum(axis=0)
+def Force(self, *, on=None) -> np.ndarray:
+    """Resultant of the contact tractions on the slave; the master gets the opposite.
+
+    Parameters
+    ----------
+    on : str or Region, optional
+        Faces of either side: the force that acts on these, such as on one of several masters. That
+        of a macro-element which faces several of them is shared by area.
+
+    Returns
+    -------
+    (d,) array
+
+    Raises
+    ------
+    ValueError, TypeError
+        `on` has no face of slave or master.
+
+    Examples
+    --------
+    >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
+    >>> (contact.Force(on="master") + contact.Force()).round(9).tolist()
+    [0.0, 0.0]
+    """
+    forces = self.form.Vectors("force").reshape(-1, self.mesh.dim)
+    return forces.sum(axis=0) if on is None else ShareOn(self, on) @ forces
+
+
+def ShareOn(self, on):
+    """Part (n,) of the force of each macro-element that acts on some faces, < 0 on the master's."""
+    region, segments = RegionWithFaces(self.mesh, "on", on), self.Segments()
+    chosen = np.array([bool(region.Mask()[face.index]) for face in self.mesh.Elements(BND)])
+    slave, master = (chosen[side] & (side >= 0) for side in (segments.slave, segments.master))
+    if not np.any(slave | master):
+        sides = BoundaryNames(self.space.slave), self.master and BoundaryNames(self.master)
+        raise ValueError(
+            f"on = {BoundaryNames(region)!r} has no face in contact: slave and master are "
+            f"{sides[0]!r} and {sides[1]!r}"
+        )
+    macro, count = np.array(self.space.macros)[segments.slave], self.space.nmacros
+    area = np.bincount(macro, segments.area, count)
+    on_slave, on_master = (np.bincount(macro, segments.area * s, count) for s in (slave, master))
+    return (on_slave - on_master) / np.where(area > 0, area, 1)
 
 
 def Moment(self, point=None) -> float | np.ndarray:

@@ -24,6 +24,7 @@ from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
 from ngslac.meshes.cords import CordMesh, DiscInRing
 from ngslac.meshes.cylinders import CylinderOnBlock
 from ngslac.meshes.distributed import Distributed
+from ngslac.meshes.facetable import FaceTable
 from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
 from ngslac.meshes.hertz import HertzMesh, IndentationMesh, PointForce
@@ -38,6 +39,7 @@ __all__ = [
     "CylinderOnBlock",
     "DiscInRing",
     "Distributed",
+    "FaceTable",
     "HertzMesh",
     "IndentationMesh",
     "PointForce",

@@ -2,11 +2,13 @@
 """Bulk plus contact in equilibrium: the solver that users call."""
 
 import numpy as np
-from ngsolve import GridFunction
+from ngsolve import CF, GridFunction
 
+from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import (
     CheckChoice,
     CheckCount,
+    CheckDisplacement,
     CheckFlag,
     CheckFunction,
     CheckParts,
@@ -258,6 +260,54 @@ class ContactSolver(metaclass=Distributable):
             raise known from error
         finally:
             self._running, self.stuck = False, newton.stuck
+
+    def Reaction(self, region, *, motion=None) -> np.ndarray | float:
+        """Force of a support on the bodies: the work of the bulk's residual in a motion of it.
+
+        It balances loads and contact forces up to `tol`. The boundary should have no neighbour that
+        is held, too: a corner counts for both.
+
+        Parameters
+        ----------
+        region : str or Region
+            Boundary, such as one with Dirichlet conditions.
+        motion : (d,) CoefficientFunction, optional
+            The part of the force in this motion alone, such as the moment by ``CF((-y, x))``.
+
+        Returns
+        -------
+        (d,) array, or float with a motion
+
+        Raises
+        ------
+        ValueError, TypeError
+            `region` has no faces, or `motion` is no displacement.
+
+        Examples
+        --------
+        >>> solver = ContactSolver(a, gf, contact)
+        >>> last = solver.Solve(printing=False)
+        >>> abs(solver.Reaction("bottom") - contact.Force()).max().round(9).item()
+        0.0
+        """
+        mesh = self.gf.space.mesh
+        region = RegionWithFaces(mesh, "region", region)
+        if motion is not None:
+            CheckDisplacement("motion", motion, mesh)
+        form = self.contacts[0].form
+        forces, unit = self.gf.vec.CreateVector(), GridFunction(form.component)
+        self.a.Apply(self.gf.vec, forces)
+        first = form.offset * form.fes.dim
+        own = slice(first, first + len(unit.vec.FV().NumPy()))
+        forces = (forces.FV().NumPy() - self.system.bulk.load)[own]
+
+        def Work(motion):
+            unit.Set(motion, definedon=region)
+            return float(forces @ unit.vec.FV().NumPy())
+
+        if motion is not None:
+            return Work(motion)
+        return np.array([Work(CF(tuple(direction))) for direction in np.eye(mesh.dim)])
 
     def Merit(self, *, same_load=False) -> float | None:
         """Size of the residual at `gf`, infinite without one; None before the first solve.

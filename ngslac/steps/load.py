@@ -24,6 +24,7 @@ from ngslac.solve.solver import ContactSolver
 from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.limitload import LimitLoad
 from ngslac.steps.prescribed import Prescribed
+from ngslac.table import Columns
 
 __all__ = ["LoadStepper", "Step"]
 
@@ -49,12 +50,23 @@ class Step:
         Linear solves of this step (those of failed attempts not counted).
     cuts : int
         How often the step was halved before it converged.
+    forces : tuple of tuples of float
+        Resultant on the slave of each contact.
     """
 
     number: int
     time: float
     iterations: int
     cuts: int
+    forces: tuple = ()
+
+    def __str__(self):
+        forces = "  ".join(f"({', '.join(f'{part:.5g}' for part in f)})" for f in self.forces)
+        halved = f"  halved {self.cuts} times" if self.cuts else ""
+        return (
+            f"step {self.number}  load {self.time:g}  {self.iterations} iterations{halved}"
+            f"  force on the slave {forces}"
+        )
 
 
 class LoadStepper(metaclass=Distributable):
@@ -112,6 +124,9 @@ class LoadStepper(metaclass=Distributable):
     def __repr__(self):
         return f"<LoadStepper: load {self.load.Get():g} after {len(self.steps)} steps>"
 
+    def __str__(self):
+        return f"{self!r}\n{self.Table()}" if self.steps else repr(self)
+
     @property
     def prescribe(self):
         """Dirichlet values that depend on the load, see above."""
@@ -150,6 +165,26 @@ class LoadStepper(metaclass=Distributable):
         ContactConvergenceError
             When the smallest step fails; the message says what the contact looks like there. After
             any error, solution, load, history and fields are those of the last converged step.
+
+        Examples
+        --------
+        A film of the steps is a `callback`: for the webgui a function of many components, which
+        ``Draw(film, mesh, animate=True, deformation=True)`` plays, for ParaView files with a list
+        of them, ``film.pvd``.
+
+        >>> import tempfile
+        >>> from ngsolve import GridFunction, VTKOutput
+        >>> u = gf.components[0]
+        >>> film, folder = GridFunction(u.space, multidim=0), tempfile.TemporaryDirectory()
+        >>> vtk = VTKOutput(mesh, coefs=[u], names=["u"], filename=folder.name + "/film")
+        >>> def Film(step):
+        ...     film.AddMultiDimComponent(u.vec)
+        ...     vtk.Do(time=step.time)
+        >>> load.Set(0)
+        >>> steps = LoadStepper(solver, load).Integrate(steps=4, callback=Film, printing=False)
+        >>> len(film.vecs)
+        4
+        >>> folder.cleanup()
         """
         end, steps = CheckNumber("end", end), CheckCount("steps", steps)
         CheckFunction("callback", callback)
@@ -176,6 +211,35 @@ class LoadStepper(metaclass=Distributable):
                 "load to its start before, load.Set(0), or give another end"
             )
         return begin
+
+    def Table(self) -> dict[str, np.ndarray]:
+        """The converged steps as numpy arrays, which print as a table.
+
+        Returns
+        -------
+        dict
+            ``step`` (n,), ``load`` (n,), ``iterations`` (n,), ``cuts`` (n,), and ``force``
+            (n, contacts, d), the resultant on the slave of each contact.
+
+        Examples
+        --------
+        >>> load.Set(0)
+        >>> stepper = LoadStepper(solver, load)
+        >>> steps = stepper.Integrate(steps=4, printing=False)
+        >>> stepper.Table()["load"].tolist()
+        [0.25, 0.5, 0.75, 1.0]
+        """
+        rows = [(step.number, step.time, step.iterations, step.cuts) for step in self.steps]
+        rows = np.array(rows).reshape(-1, 4).T
+        force = np.array([step.forces for step in self.steps])
+        shape = len(self.steps), len(self.solver.contacts), self.solver.contacts[0].mesh.dim
+        return Columns(
+            step=rows[0].astype(int),
+            load=rows[1],
+            iterations=rows[2].astype(int),
+            cuts=rows[3].astype(int),
+            force=force.reshape(shape),
+        )
 
     def State(self) -> dict:
         """What the next step depends on: that of the solver, load, steps and their size.
@@ -231,13 +295,17 @@ class LoadStepper(metaclass=Distributable):
                 tried = goal if error.certain else None
                 goal, last = self._Jump(target, error, limit, maxit, tol, tried)
             self._Continue(control)
-            step = Step(len(self.steps) + 1, goal, last.number, control.Reached(goal))
+            cuts, number = control.Reached(goal), len(self.steps) + 1
+            step = Step(number, goal, last.number, cuts, self._Forces())
             done.append(self._journal.Add(step, callback, gf=self.solver.gf))
             rubs = 0
             if limit.expected is not None and not control.done:
                 self._Estimate(limit, target, failed=False)
                 control.size = limit.Size(control.size)
         return done
+
+    def _Forces(self):
+        return tuple(tuple(contact.Force().tolist()) for contact in self.solver.contacts)
 
     def _Continue(self, control):
         """Choose the next size after success: what was hard mostly is so for another while."""

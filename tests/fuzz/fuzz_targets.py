@@ -119,6 +119,7 @@ LACContact.AssembleLinearization | x
 LACContact.Commit | gf
 LACContact.Evaluate | gf
 LACContact.SetState | state gf:solution? | state=w.contact.State()
+LACContact.Force | on:region?
 LACContact.Moment | point:point?
 LACContact.Draw | field background:background? deformation scale:number size:positive?
     | deformation=w.gf.components[0], show=False
@@ -131,6 +132,7 @@ ContactSolver
 ContactSolver.Solve | maxit tol printing callback motion path:flag | printing=False
 ContactSolver.SetState | state
 ContactSolver.Merit | same_load
+ContactSolver.Reaction | region:region motion:displacement? | region="bottom"
 AugmentedLagrangianSolver
     | a gf contacts rhs freedofs inverse initial augmentation solver:word? preconditioner:function?
     | a=w.a, gf=w.gf, contacts=w.contact
