@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The convergence table of a solve, as it grows."""
 
+import logging
+
 import numpy as np
 
 from ngslac.callback import TellIterate
@@ -40,6 +42,7 @@ class Log:
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status
         self.history.append(entry)
+        logging.getLogger("ngslac").debug("%s", entry)
         sizes = [max(e.equilibrium, e.constraint) for e in (self.history[0], entry)]
         if min(sizes) > self.tol:
             self.progress.At(np.log(sizes[1] / sizes[0]) / np.log(self.tol / sizes[0]))

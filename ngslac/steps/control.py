@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """How long the next step is, and what is left of those that converged."""
 
+import logging
 import math
 
 from ngslac.callback import TellStep
@@ -132,6 +133,7 @@ class Journal:
             What the callback may change, to numbers.
         """
         self.tool.steps.append(step)
+        logging.getLogger("ngslac").info("%s", step)
         self.saved = Snapshot(self.tool)
         self.progress.At(step.time)
         if callback:

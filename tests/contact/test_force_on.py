@@ -104,6 +104,17 @@ def test_steps_are_a_table(bench):
     assert str(stepper.steps[-1]).startswith("step 2  load 1  ")
 
 
+def test_steps_and_iterations_are_logged(caplog):
+    solver, _, load = Bench()
+    with caplog.at_level("DEBUG", logger="ngslac"):
+        (step,) = LoadStepper(solver, load).Integrate(steps=1, printing=False)
+    texts = {level: [] for level in ("DEBUG", "INFO")}
+    for record in caplog.records:
+        texts[record.levelname].append(record.getMessage())
+    assert texts["INFO"] == [str(step)]
+    assert texts["DEBUG"][-1] == str(solver.history[-1])
+
+
 def test_no_steps_are_a_table_too():
     solver, _, load = Bench()
     stepper = LoadStepper(solver, load)
