@@ -20,7 +20,7 @@ def few(monkeypatch):
 
 
 def Order1(stabilize, ratio):
-    options = f"--h 1 --steps 2 --order 1 --stabilize {stabilize} --full --quiet"
+    options = f"--h 1 --steps 2 --power 1 --order 1 --stabilize {stabilize} --full --quiet"
     return "hertz", options, {"force_ratio": approx(1, abs=1e-10), "p0_ratio": ratio}, "", ""
 
 
@@ -156,7 +156,7 @@ def test_numbers_and_files(name, options, figures, printed, files, tmp_path, cap
 
 # Script, an option with its default, arguments that are refused: with what, if not with their name.
 HELP = [
-    ("hertz", 0.5, "--h 0; --friction -1; --steps 0; --stabilize some"),
+    ("hertz", 0.2, "--h 0; --friction -1; --steps 0; --stabilize some"),
     ("hertz3d", 0.3125, "--h 0; --shape cube; --friction -1"),
     ("cattaneo3d", 0.3, "--model quarter: 'half', 'full'; --shear 1: would slide; "
      "--reverse -1: reverse = -1; --elements 0"),

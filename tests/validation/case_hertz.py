@@ -263,7 +263,7 @@ CASES = [
         "Johnson, Contact Mechanics (1985), section 4.2, as `HertzLine`; with friction a program "
         "of others with the same multipliers (3641.7 MPa; 240 to 254 MPa on several meshes), "
         "and the coupled equations of half-planes (`tests/validation/problems_punch.py`).",
-        "python tutorials/examples/hertz.py --h 0.25 --friction 0",
+        "python tutorials/examples/hertz.py --h 0.25 --steps 10 --power 1 --friction 0",
         Hertz2D,
     ),
     Case(
@@ -283,7 +283,7 @@ CASES = [
         "pushes in a direction between both normals, nearer to that of the stiffer body, so that "
         "pressure and traction (the norm in L2 over that of friction times pressure) stay.",
         "The same problem in small sliding with the cylinder as slave.",
-        "python tutorials/examples/hertz.py --h 0.25 --steps 20 --slave block --finite",
+        "python tutorials/examples/hertz.py --h 0.25 --steps 20 --power 1 --slave block --finite",
         Sides,
     ),
     Case(

@@ -141,13 +141,27 @@ def Columns(rows):
 
 
 @contextmanager
-def Picture(folder, name, rows=1, columns=1, size=None, **options):
-    """The axes of a new picture, which is then written to a folder."""
+def _Figure(folder, name, size):
+    """A new figure, which is then written to a folder."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
-    yield figure.subplots(rows, columns, **options)
+    yield figure
     if not Speaks():
         return
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / f"{name}.png", dpi=150)
+
+
+@contextmanager
+def Picture(folder, name, rows=1, columns=1, size=None, **options):
+    """The axes of a new picture, which is then written to a folder."""
+    with _Figure(folder, name, size) as figure:
+        yield figure.subplots(rows, columns, **options)
+
+
+@contextmanager
+def Mosaic(folder, name, layout, size=None, **options):
+    """The axes by name of a new picture of panels, which is then written to a folder."""
+    with _Figure(folder, name, size) as figure:
+        yield figure.subplot_mosaic(layout, **options)

@@ -1,7 +1,7 @@
 """Deformed triangles, as matplotlib wants them, and fields on them."""
 
 import numpy as np
-from ngsolve import VOL, IntegrationRule
+from ngsolve import CF, VOL, IntegrationRule, x, y
 
 
 def Deformed(displacement, bodies, factor=1.0, values=None):
@@ -16,6 +16,19 @@ def Deformed(displacement, bodies, factor=1.0, values=None):
     points = np.array([vertex.point for vertex in mesh.vertices])
     faces = [[v.nr for v in el.vertices] for el in mesh.Elements(VOL) if el.mat in bodies]
     return points + factor * moves, faces
+
+
+def Smooth(mesh, functions, parts=3):
+    """Points (n, 2), triangles (m, 3) and values of functions, each element of a mesh divided."""
+    lattice = [(i / parts, j / parts) for i in range(parts + 1) for j in range(parts + 1 - i)]
+    number = {(round(x * parts), round(y * parts)): k for k, (x, y) in enumerate(lattice)}
+    upright = [[(i, j), (i + 1, j), (i, j + 1)] for i, j in number if i + j < parts]
+    turned = [[(i + 1, j + 1), (i, j + 1), (i + 1, j)] for i, j in number if i + j < parts - 1]
+    local = np.array([[number[corner] for corner in face] for face in upright + turned])
+    places = mesh.MapToAllElements(IntegrationRule(lattice, [1] * len(lattice)), VOL)
+    first = len(lattice) * np.arange(mesh.ne)
+    faces = (first[:, None, None] + local).reshape(-1, 3)
+    return CF((x, y))(places), faces, [np.asarray(f(places)) for f in functions]
 
 
 def DrawField(axes, result, bodies, factor, label):

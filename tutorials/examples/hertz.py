@@ -1,8 +1,9 @@
 """The frictional Hertz problem of the LAC paper: a cylinder is pressed on a block.
 
 Plane strain, small strains. Cylinder of diameter 100 mm (E = 210 GPa) on a block of side 200 mm
-(E = 70 GPa), nu = 0.3, friction 0.2, loaded by a force of 35 kN/mm at its top in equal steps.
-Half of it is computed. Start it with::
+(E = 70 GPa), nu = 0.3, friction 0.2, loaded by a force of 35 kN/mm at its top. The load
+grows with the square of time, so that the contact grows by the same length in each step. Half of
+the bodies is computed. Start it with::
 
     python tutorials/examples/hertz.py --out results
 
@@ -14,7 +15,8 @@ import math
 import time
 
 import numpy as np
-from command import Count, Main, NotNegative, Picture, Positive
+from command import Count, Main, Mosaic, NotNegative, Positive
+from deformed import Smooth
 from ngsolve import *
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
@@ -50,6 +52,7 @@ class Hertz:
 
     One millimetre is `length` and one MPa `stress` in the units of the computation, and the full
     model can be turned by `angle` in degrees: the states, in mm and MPa, do not depend on these.
+    The load is the `power` of the load parameter; with 2 the contact grows evenly.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class Hertz:
         length=1.0,
         stress=1.0,
         angle=0.0,
+        power=1,
         **options,
     ):
         if angle and not full:
@@ -69,7 +73,7 @@ class Hertz:
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         self.frame = np.array([[c, s], [-s, c]])  # directions along the block, and up
         self.length, self.unit, self.friction, self.states = length, stress, friction, []
-        self.load = FORCE * length * stress * (1 if full else 0.5)
+        self.load, self.power = FORCE * length * stress * (1 if full else 0.5), power
         side, other = SIDES[slave], SIDES["block" if slave == "cylinder" else "cylinder"]
         V = Displacements(side, full=full, scale=length, angle=angle, **options)
         self.mesh, X = V.mesh, V * LACSpace(V, slave=side)
@@ -80,11 +84,13 @@ class Hertz:
         right, up = (CF(tuple(direction)) for direction in self.frame)
         a = BilinearForm(X)
         a += InnerProduct(Stress(Sym(Grad(u)), young, NU), Sym(Grad(v))) * dx
-        a += t * self.load * InnerProduct(up, v) * ds(definedon=self.mesh.BBoundaries("load"))
+        line = ds(definedon=self.mesh.BBoundaries("load"))
+        a += t**power * self.load * InnerProduct(up, v) * line
         if full:  # springs against rolling, without force by symmetry
             axis = ds(definedon=self.mesh.BBoundaries("load|foot"))
             a += YOUNG["cylinder"] * stress * InnerProduct(right, u) * InnerProduct(right, v) * axis
         self.stress = Stress(Sym(Grad(self.displacement)), young, NU)
+        self.shear = sqrt((self.stress[0, 0] - self.stress[1, 1]) ** 2 / 4 + self.stress[0, 1] ** 2)
         self.contact = LACContact(u, lam, master=other, friction=friction or None, finite=finite)
         self.stepper = LoadStepper(ContactSolver(a, self.gf, self.contact), t)
         self.spans = self._Spans(X.components[1].macros)
@@ -117,8 +123,9 @@ class Hertz:
             np.sqrt((end - start)[order] @ state[f] ** 2) for f in ("traction", "pressure")
         )
         state["friction_used"] = float(rubbed / most / self.friction) if self.friction else 0.0
-        force = abs(self.frame[1] @ self.contact.Force()) / (self.load * step.time)
-        state |= {"time": step.time, "iterations": step.iterations, "force_ratio": float(force)}
+        factor = step.time**self.power
+        force = abs(self.frame[1] @ self.contact.Force()) / (self.load * factor)
+        state |= {"time": factor, "iterations": step.iterations, "force_ratio": float(force)}
         self.states.append(state)
 
 
@@ -144,25 +151,61 @@ def Figures(state):
     }
 
 
+def ShowBodies(axes, problem, wide):
+    """The largest shear stress in both bodies about the contact, deformed and mirrored."""
+    points, faces, (moved, shear) = Smooth(problem.mesh, (problem.displacement, problem.shear))
+    place, shear = points + moved, shear.ravel()
+    faces = faces[np.all(np.abs(place[faces]) < 1.4 * wide, axis=(1, 2))]
+    levels = np.linspace(0, shear[faces].max(), 25)
+    for sign in (-1, 1):
+        half = sign * place[:, 0], place[:, 1], faces
+        filled = axes.tricontourf(*half, shear, levels=levels, cmap="turbo")
+    bar = axes.figure.colorbar(filled, ax=axes, location="bottom", shrink=0.8, pad=0.03, aspect=40)
+    bar.set_label("largest shear stress [MPa]")
+    bar.set_ticks(range(0, int(levels[-1]), 250))
+    for height, body in (0.9, "steel cylinder"), (-0.94, "aluminium block"):
+        axes.text(-0.96 * wide, height * wide, body, va="center")
+    axes.set(xlim=(-wide, wide), ylim=(-wide, wide), aspect="equal")
+    axes.axis("off")
+
+
+def ShowTractions(upper, lower, problem):
+    """Pressure and tangential traction of the macro-elements, each at its middle."""
+    x, last = np.linspace(0, 7, 1000), problem.states[-1]
+    near = last["start"] < x[-1]
+    middle, dots = ((last["start"] + last["end"]) / 2)[near], {"ms": 4, "color": "#c2185b"}
+    bound = problem.friction * last["pressure"][near]
+    upper.plot(x, Exact().Pressure(x), "k", lw=1, label="Hertz, without friction")
+    upper.plot(middle, last["pressure"][near], "o", label="computed", **dots)
+    lower.plot(middle, bound, "k--", lw=1, label="friction × pressure")
+    lower.plot(middle, np.abs(last["traction"][near]), "o", label="computed", **dots)
+    upper.set_title("pressure [MPa]", loc="left")
+    lower.set_title("tangential traction [MPa]", loc="left")
+    lower.set(xlabel="distance from the middle [mm]")
+    for axes in upper, lower:
+        axes.set(xlim=(0, x[-1]), ylim=0)
+        axes.grid(alpha=0.25)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, loc="upper right")
+
+
+def Show(problem, folder):
+    """Stress in the bodies beside pressure and traction between them."""
+    layout = [["bodies", "pressure"], ["bodies", "traction"]]
+    with Mosaic(folder, "hertz", layout, size=(10.5, 5), width_ratios=[1, 1.2]) as axes:
+        ShowBodies(axes["bodies"], problem, 12)
+        ShowTractions(axes["pressure"], axes["traction"], problem)
+
+
 def Write(problem, folder):
-    """Pressure and traction as a picture; the bodies and their surface for ParaView."""
-    x, last = np.linspace(0, 9, 500), problem.states[-1]
-    bound, edges = -problem.friction * last["pressure"], [last["start"][0], *last["end"]]
-    with Picture(folder, "hertz", rows=2, sharex=True, size=(6, 5)) as (upper, lower):
-        problem.contact.Plot("pressure", axes=upper, label="computed")
-        upper.plot(x, Exact().Pressure(x), "k", lw=0.8, label="Hertz, no friction")
-        problem.contact.Plot("traction", axes=lower, label="computed")
-        lower.stairs(bound, edges, baseline=None, color="k", lw=0.8, label="friction x pressure")
-        upper.set(xlim=(0, 9), xlabel="", ylabel="pressure [MPa]")
-        lower.set(xlabel="x [mm]", ylabel="tangential traction [MPa]")
-        upper.legend()
-        lower.legend()
+    """A picture; the bodies and their surface for ParaView."""
+    Show(problem, folder)
     problem.contact.WriteVTU(folder / "hertz_slave", displacement=problem.displacement)
     fields = {"displacement": problem.displacement, "stress": problem.stress}
     VTKOutput(problem.mesh, [*fields.values()], [*fields], str(folder / "hertz"), order=2).Do()
 
 
-def Run(steps=10, out=None, quiet=True, **options):
+def Run(steps=31, out=None, quiet=True, **options):
     """Press the cylinder down; the options are those of `Hertz`. Returns the numbers of the end."""
     start, problem = time.perf_counter(), Hertz(**options)
     problem.Press(steps, printing=not quiet)
@@ -188,9 +231,10 @@ main = Main(
     Run,
     __doc__,
     order=((1, 2, 3), 2, "order of the displacement"),
-    h=(Positive, 0.5, "edge length in the contact zone, in mm"),
+    h=(Positive, 0.2, "edge length in the contact zone, in mm"),
     friction=(NotNegative, 0.2, "coefficient of friction"),
-    steps=(Count, 10, "load steps"),
+    steps=(Count, 31, "load steps"),
+    power=((1, 2), 2, "of the load: 1 equal steps, 2 equal growth of the contact"),
     stabilize=(("split", "bubble", "none"), "none", "of order 1"),
     slave=(tuple(SIDES), "cylinder", "body with the multipliers"),
     finite=(bool, False, "large sliding"),
