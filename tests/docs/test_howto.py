@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from howtos import Execute, Pages, Printed, Script
 from netgen.occ import OCCGeometry
 
 HOWTO = Path(__file__).parents[2] / "docs" / "howto"
-SCRIPT = re.compile(r"^```py\n(.*?)^```", re.MULTILINE | re.DOTALL)
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 
 
 @pytest.fixture
@@ -22,18 +23,79 @@ def quick(monkeypatch):
     monkeypatch.setattr(OCCGeometry, "GenerateMesh", Generate)
 
 
+def CheckPrinted(shown, printed):
+    """The words are those of the page, the numbers nearly so."""
+    for one, other in zip(shown.splitlines(), printed.splitlines(), strict=True):
+        words, wanted = ("".join(NUMBER.sub("#", line).split()) for line in (other, one))
+        assert words == wanted
+        numbers, found = (np.array(NUMBER.findall(line), dtype=float) for line in (one, other))
+        size = np.abs(numbers).max(initial=0)
+        assert found == pytest.approx(numbers, rel=0.03, abs=0.01 * size)
+
+
 @pytest.fixture
 def run(tmp_path, monkeypatch, quick):
-    """Execute the only script of a page in a folder of its own; the names it leaves."""
+    """Execute the script of a page in a folder of its own; the names it leaves."""
 
     def Run(page):
         monkeypatch.chdir(tmp_path)
-        (script,) = SCRIPT.findall((HOWTO / f"{page}.md").read_text())
-        names = {"__name__": "__main__"}
-        exec(compile(script, f"{page}.md", "exec"), names)
+        names, printed = Execute(page)
+        CheckPrinted(Printed(page), printed)
         return names
 
     return Run
+
+
+def test_pages_are_complete():
+    """Each has a picture, is in the index, and has a test of its results here."""
+    pages, index = Pages(), (HOWTO / "index.md").read_text()
+    assert len(pages) >= 17
+    for page in pages:
+        text = (HOWTO / f"{page}.md").read_text()
+        assert f"(pictures/{page}.png)" in text
+        assert (HOWTO / "pictures" / f"{page}.png").exists()
+        assert f"({page}.md)" in index
+        assert f"test_{page}" in globals()
+
+
+NEW = ("drop_and_bounce", "preload_force", "seal", "snap_fit", "stack")
+
+
+@pytest.mark.parametrize("page", NEW)
+def test_problems_are_short(page):
+    assert len(Script(page).splitlines()) <= 40
+
+
+def test_seal(run):
+    low, high = run("seal")["contacts"]
+    assert low.Force() == pytest.approx(-high.Force(), rel=1e-6)
+    assert low.Force()[1] == pytest.approx(2.33, rel=0.02)
+
+
+def test_stack(run):
+    names = run("stack")
+    carried = [contact.Force()[1] for contact in names["contacts"]]
+    assert carried == pytest.approx([6.6, 4.0, 1.8], rel=1e-9)
+    assert names["push"].Get() == pytest.approx(0.4)  # friction times weight: the exact limit
+
+
+def test_snap_fit(run):
+    names = run("snap_fit")
+    assert names["largest"] == pytest.approx(0.077, rel=0.1)
+    assert names["least"] == pytest.approx(-0.033, rel=0.1)
+    assert names["pushes"][-1][1] == pytest.approx(0, abs=1e-9)  # snapped in
+
+
+def test_drop_and_bounce(run):
+    names = run("drop_and_bounce")
+    assert names["lowest"][0] == pytest.approx(1.2, abs=0.05)
+    assert 1.35 < names["highest"][1] < 1.5  # no higher than where it was let go
+    assert names["stepper"].balance.impact > 0
+
+
+def test_preload_force(run):
+    names = run("preload_force")
+    assert names["force"] == pytest.approx(names["wanted"], rel=1e-4)
 
 
 def test_press_fit(run):
