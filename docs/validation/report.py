@@ -1,7 +1,7 @@
 """The validation report: every reference case, computed, with tables and pictures.
 
-Writes ``index.md`` and ``pictures/*.png`` to the folder ``--out``. All cases together take a
-quarter of an hour on two cores::
+Writes ``index.md``, a page per case and ``pictures/*.png`` to the folder ``--out``. All cases
+together take a quarter of an hour on two cores::
 
     python docs/validation/report.py --out docs/validation
 
@@ -26,7 +26,7 @@ for folder in FOLDERS:
         sys.path.insert(0, str(folder))
 
 from cases import CASES  # noqa: E402
-from report_page import Compute, Page  # noqa: E402
+from report_page import CasePage, Compute, Page  # noqa: E402
 
 __all__ = ["CASES", "Report", "main"]
 
@@ -34,7 +34,7 @@ COMMAND = "python docs/validation/report.py --out docs/validation"
 
 
 def Report(out, *, names=None, quick=False, quiet=True, command=COMMAND):
-    """Compute cases and write the page with its pictures.
+    """Compute cases and write the pages with their pictures.
 
     Parameters
     ----------
@@ -63,6 +63,8 @@ def Report(out, *, names=None, quick=False, quiet=True, command=COMMAND):
             print(f"{name:24s}{result.seconds:8.1f} s  {state}", flush=True)
     out.mkdir(parents=True, exist_ok=True)
     (out / "index.md").write_text(Page(results, command))
+    for result in results:
+        (out / f"{result.case.name}.md").write_text(CasePage(result))
     return results
 
 

@@ -1,4 +1,4 @@
-"""The page of the validation report, as MyST markdown, and its pictures."""
+"""The pages of the validation report, as MyST markdown, and their pictures."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from report_case import Outcome, Worst
 
 from ngslac.linear.factor import LU
 
-__all__ = ["Compute", "Page", "Shrink", "Versions"]
+__all__ = ["CasePage", "Compute", "Page", "Shrink", "Versions"]
 
-LABEL = "validation-"  # of headings, unique in the site
 HEAD = """# Validation
 
-What `ngslac` computes, beside what others computed, published or proved. The page is written by
+What `ngslac` computes, beside what others computed, published or proved. This page and those of
+the cases are written by
 
 ```bash
 {command}
@@ -93,7 +93,7 @@ def Versions():
 
 
 def Page(results, command):
-    """The page as markdown text."""
+    """The summary as markdown text."""
     origins = "\n".join(f"- *{name}*: {text};" for name, text in ORIGINS.items())
     head = HEAD.format(command=command, versions=Versions(), origins=f"{origins[:-1]}.")
     parts = [head, "## Summary\n"]
@@ -106,12 +106,12 @@ def Page(results, command):
         f"{count} of {len(results)} cases hold. Of {len(numbers)} numbers {sum(numbers)} are "
         "judged by a bound.\n"
     )
-    parts += [_Section(result) for result in results]
-    return "\n".join(parts)
+    names = [result.case.name for result in results]
+    return "\n".join([*parts, "```{toctree}", ":hidden:", "", *names, "```", ""])
 
 
 def _SummaryRow(result):
-    link = f"[{result.case.title}](#{LABEL}{result.case.name})"
+    link = f"[{result.case.title}]({result.case.name}.md)"
     if result.outcome is None:
         return [link, result.error.splitlines()[0], "-", "-", "**failed**"]
     quantity, _, _, difference, accepted, _ = Worst(result.outcome.rows).Cells()
@@ -120,9 +120,10 @@ def _SummaryRow(result):
     return [link, quantity, difference, accepted, state if judged else "not judged"]
 
 
-def _Section(result):
+def CasePage(result):
+    """A case as markdown text."""
     case = result.case
-    parts = [f"({LABEL}{case.name})=\n## {case.title}\n", case.text.strip(), ""]
+    parts = [f"# {case.title}\n", case.text.strip(), ""]
     parts += [f"Reference: {case.source.strip()}\n", f"```bash\n{case.command}\n```\n"]
     if result.outcome is None:
         return "\n".join([*parts, f"**Failed**: {result.error}\n"])
