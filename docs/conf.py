@@ -19,6 +19,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx-mathjax-offline",
+    "sphinx_design",
     "sources",
 ]
 exclude_patterns = ["_ext", "_generated"]
