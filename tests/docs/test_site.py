@@ -120,6 +120,19 @@ def test_scenes_in_a_browser(site, page, name):
     assert not errors
 
 
+def test_the_first_page_has_a_scene_and_a_gallery(site, page):
+    page, errors = page
+    page.goto((site / "index.html").as_uri())
+    box = page.locator(".webgui")
+    box.scroll_into_view_if_needed()
+    page.wait_for_function("box => box.dataset.drawn", arg=box.element_handle())
+    page.wait_for_timeout(300)
+    assert Colours(box.locator("canvas").first) > 30
+    assert page.locator(".gallery img").count() >= 12
+    assert page.locator(".gallery a").count() >= 12
+    assert not errors
+
+
 @pytest.mark.parametrize("name", ["index", "theory", "api/index", "howto/seal", "benchmarks"])
 def test_pages_in_a_browser(site, page, name):
     page, errors = page
