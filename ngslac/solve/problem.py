@@ -98,10 +98,16 @@ def CheckSlaves(contacts):
     for one, other in combinations([contact for contact in contacts if contact.active], 2):
         both = one.space.slave * other.space.slave
         if HasFaces(both) and not AreApart(one, other):
+            meshed = one.master is not None and other.master is not None
+            remedy = (
+                "give one contact both sides, as in master='one|other', make one of them the master"
+                if meshed
+                else "unite obstacles that move alike, as in one | other, or give each a part of the "
+                "boundary with a name of its own"
+            )
             raise ValueError(
                 f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
-                "be singular where both are closed: give one contact both sides, as in "
-                "master='one|other', make one of them the master, or Deactivate one of them"
+                f"be singular where both are closed: {remedy}, or Deactivate one of them"
             )
 
 
