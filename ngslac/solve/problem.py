@@ -99,12 +99,14 @@ def CheckSlaves(contacts):
         both = one.space.slave * other.space.slave
         if HasFaces(both) and not AreApart(one, other):
             meshed = one.master is not None and other.master is not None
-            remedy = (
+            sides = (
                 "give one contact both sides, as in master='one|other', make one of them the master"
-                if meshed
-                else "unite obstacles that move alike, as in one | other, or give each a part of the "
+            )
+            parts = (
+                "unite obstacles that move alike, as in one | other, or give each a part of the "
                 "boundary with a name of its own"
             )
+            remedy = sides if meshed else parts
             raise ValueError(
                 f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
                 f"be singular where both are closed: {remedy}, or Deactivate one of them"
