@@ -93,20 +93,19 @@ def CheckContacts(contacts, space, gf=None, name="contacts"):
     return list(found.values())
 
 
+SIDES = "give one contact both sides, as in master='one|other', make one of them the master"
+OBSTACLES = (
+    "unite obstacles that move alike, as in one | other, or give each a part of the boundary with "
+    "a name of its own"
+)
+
+
 def CheckSlaves(contacts):
     """No two contacts that are on press one slave face on one surface: which one is not told."""
     for one, other in combinations([contact for contact in contacts if contact.active], 2):
         both = one.space.slave * other.space.slave
         if HasFaces(both) and not AreApart(one, other):
-            meshed = one.master is not None and other.master is not None
-            sides = (
-                "give one contact both sides, as in master='one|other', make one of them the master"
-            )
-            parts = (
-                "unite obstacles that move alike, as in one | other, or give each a part of the "
-                "boundary with a name of its own"
-            )
-            remedy = sides if meshed else parts
+            remedy = OBSTACLES if None in (one.master, other.master) else SIDES
             raise ValueError(
                 f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
                 f"be singular where both are closed: {remedy}, or Deactivate one of them"
