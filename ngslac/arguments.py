@@ -33,6 +33,7 @@ __all__ = [
     "CheckParts",
     "CheckPoint",
     "CheckPositive",
+    "CheckPrinting",
     "CheckState",
     "CheckValues",
     "CheckVector",
@@ -104,6 +105,16 @@ def CheckFlag(name, value):
     if not (isinstance(value, (Integral, np.bool_)) and value in (0, 1)):
         raise Wrong(TypeError, name, value, "True or False")
     return bool(value)
+
+
+def CheckPrinting(value):
+    """What a stepper prints: True (each iteration), "steps" (each step), or False."""
+    if isinstance(value, str) and value == "steps":
+        return value
+    try:
+        return CheckFlag("printing", value)
+    except TypeError:
+        raise Wrong(TypeError, "printing", value, 'True, False or "steps"') from None
 
 
 def CheckChoice(name, value, options):

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What NGSolve's status line and progress bar show of a long computation."""
 
+import shutil
 import sys
 
 # NGSolve's own Krylov solvers report by the same functions.
 from netgen.libngpy._meshing import _GetStatus, _PushStatus, _SetThreadPercentage
 
-__all__ = ["Progress"]
+__all__ = ["Progress", "ShowLive"]
+
+
+def ShowLive(text):
+    """Show a line on a terminal, in place of one that has no end; nothing in files and pipes."""
+    if sys.stderr.isatty():
+        columns, end = shutil.get_terminal_size().columns, "\n" * text.endswith("\n")
+        sys.stderr.write("\r\x1b[K" + text.rstrip("\n")[: columns - 1] + end)
+        sys.stderr.flush()
 
 
 def IsRunning(frame):
@@ -47,6 +56,7 @@ class Progress:
     def __exit__(self, *error):
         if self._outermost:
             Progress._frame = None
+            ShowLive("")
             _PushStatus(self._before[0])
             _SetThreadPercentage(self._before[1])
 

@@ -6,6 +6,7 @@ import logging
 import numpy as np
 
 from ngslac.callback import TellIterate
+from ngslac.progress import ShowLive
 from ngslac.solve.iteration import Iteration
 
 __all__ = ["Log"]
@@ -47,5 +48,7 @@ class Log:
         if min(sizes) > self.tol:
             self.progress.At(np.log(sizes[1] / sizes[0]) / np.log(self.tol / sizes[0]))
         self.Say(entry)
+        if not self.printing:
+            ShowLive(str(entry))
         if self.callback:
             TellIterate(self.callback, entry, self.gf)

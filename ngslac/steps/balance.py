@@ -147,6 +147,13 @@ class TimeStep:
     cuts: int
     balance: EnergyBalance
 
+    def __str__(self):
+        halved = f"  halved {self.cuts} times" if self.cuts else ""
+        return (
+            f"step {self.number}  time {self.time:g}  {self.iterations} iterations{halved}"
+            f"  {str(self.balance).strip()}"
+        )
+
 
 def ContactWorks(contacts, gf, motion):
     """What contact does in a step that ends at `gf`, before its commit.

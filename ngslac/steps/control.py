@@ -5,7 +5,7 @@ import logging
 import math
 
 from ngslac.callback import TellStep
-from ngslac.progress import Progress
+from ngslac.progress import Progress, ShowLive
 from ngslac.solve.snapshot import Snapshot
 
 __all__ = ["Journal", "StepControl"]
@@ -71,7 +71,7 @@ class Journal:
     Parameters
     ----------
     tool : LoadStepper or TimeStepper
-        With ``steps``.
+        With ``steps`` and ``printing``.
     name : str
         Of its parameter, such as "load".
     parameter : ngsolve.Parameter
@@ -134,6 +134,11 @@ class Journal:
         """
         self.tool.steps.append(step)
         logging.getLogger("ngslac").info("%s", step)
+        if self.tool.printing == "steps":
+            ShowLive("")
+            print(step)
+        elif not self.tool.printing:
+            ShowLive(f"{step}\n")
         self.saved = Snapshot(self.tool)
         self.progress.At(step.time)
         if callback:

@@ -12,6 +12,7 @@ from ngslac.arguments import (
     CheckFunction,
     CheckInstance,
     CheckNumber,
+    CheckPrinting,
     CheckState,
 )
 from ngslac.bodies.messages import OverloadMessage
@@ -115,7 +116,7 @@ class LoadStepper(metaclass=Distributable):
         self.prescribe = prescribe
         self.predict = CheckFlag("predict", predict)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
-        self.steps = []
+        self.steps, self.printing = [], True
         self._journal = Journal(self, "load", load)
         self._idle = True  # has no step changed anything?
         self._last = None  # increment of the solution and of the load in the last step
@@ -149,8 +150,9 @@ class LoadStepper(metaclass=Distributable):
             Number of equal steps; failing ones are divided.
         callback : callable, optional
             Called with each converged `Step` (of any size) after the commit.
-        printing : bool
-            One line per attempt and iteration.
+        printing : bool or "steps"
+            One line per attempt and iteration, or per step. False: a terminal shows one that
+            changes, files and pipes nothing.
         maxit, tol :
             Handed to `ContactSolver.Solve`.
 
@@ -188,7 +190,7 @@ class LoadStepper(metaclass=Distributable):
         """
         end, steps = CheckNumber("end", end), CheckCount("steps", steps)
         CheckFunction("callback", callback)
-        self.printing = CheckFlag("printing", printing)
+        self.printing = CheckPrinting(printing)
         begin = self._CheckBegin(end)
         self.solver.system.PairOnce()
         targets = [begin + (end - begin) * k / steps for k in range(1, steps + 1)]
@@ -288,7 +290,7 @@ class LoadStepper(metaclass=Distributable):
                 ends = error.certain or error.unheld or max(hopeless, rubs) > MOST_HOPELESS
                 ends = ends or limit.Passed()
                 if not (control.smallest or ends):
-                    if self.printing:
+                    if self.printing is True:
                         print("  halved")
                     control.size = limit.Size(control.half)
                     continue
@@ -346,15 +348,15 @@ class LoadStepper(metaclass=Distributable):
         last.data = vec
         before = self._Given()
         self.load.Set(goal)
-        if self.printing:
+        if self.printing is True:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
             print(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
         try:
             flags = self._Start(last, goal - begin, start) | {"path": path}
-            result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing, **flags)
+            result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing is True, **flags)
         except BaseException as error:
             self._journal.saved.Restore()
-            if self.printing:
+            if self.printing is True:
                 print(f"  {error}")
             raise
         moved = np.abs(vec.FV().NumPy() - last.FV().NumPy()).max()

@@ -9,11 +9,11 @@ from ngsolve import GridFunction, Integrate, Parameter
 from ngslac.arguments import (
     LARGEST_COUNT,
     CheckCount,
-    CheckFlag,
     CheckFunction,
     CheckInstance,
     CheckNumber,
     CheckPositive,
+    CheckPrinting,
     CheckState,
     FillVector,
 )
@@ -136,7 +136,7 @@ class TimeStepper(metaclass=Distributable):
         self._end = StepEnd(solver, self.form, self.mass, self.scheme, self.velocity)
         self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._end.Load), Bodies.Heavy())
         self._journal = Journal(self, "time", self.time)
-        self.balance, self.steps = None, []
+        self.balance, self.steps, self.printing = None, [], True
         self._directions = Directions(solver.contacts)
 
     def __repr__(self):
@@ -169,8 +169,9 @@ class TimeStepper(metaclass=Distributable):
         end : float
         callback : callable, optional
             Called with each converged `TimeStep` after the commit.
-        printing : bool
-            One line per step and iteration, and the energies.
+        printing : bool or "steps"
+            One line per step and iteration, and the energies; or one line per step. False: a
+            terminal shows one that changes, files and pipes nothing.
         maxit, tol :
             Handed to `ContactSolver.Solve`.
 
@@ -195,12 +196,12 @@ class TimeStepper(metaclass=Distributable):
                 f"end = {end} is nearer to the time {begin} than any step of dt = {self.dt} is long"
             )
         CheckFunction("callback", callback)
-        CheckFlag("printing", printing)
+        self.printing = CheckPrinting(printing)
         count = max(1, np.ceil((end - begin) / self.dt - 1e-9))
         if count > LARGEST_COUNT:
             raise ValueError(f"end = {end} is {count:g} steps of dt = {self.dt} away: take fewer")
         targets = [begin + (end - begin) * k / count for k in range(1, int(count))] + [end]
-        reach = lambda to: self._Reach(to, callback, printing, maxit, tol)  # noqa: E731
+        reach = lambda to: self._Reach(to, callback, maxit, tol)  # noqa: E731
         return self._journal.Run(targets, reach, self._Begin)
 
     def State(self) -> dict:
@@ -262,7 +263,8 @@ class TimeStepper(metaclass=Distributable):
         external = self.balance.external + kinetic - self.balance.kinetic
         self.balance = replace(self.balance, kinetic=kinetic, external=external)
 
-    def _Reach(self, target, callback, printing, maxit, tol):
+    def _Reach(self, target, callback, maxit, tol):
+        printing = self.printing is True
         done, control = [], StepControl(self.time.Get(), target, self.maxcuts)
         while not control.done:
             goal = control.goal

@@ -1,5 +1,8 @@
 """LoadStepper and TimeStepper: steps and cuts, what callbacks see, what they may not do."""
 
+import sys
+from io import StringIO
+
 import continued
 import numpy as np
 import pytest
@@ -275,3 +278,31 @@ def test_steps_that_bring_in_energy_are_cut(capsys):
     assert totals.max() < 1.02 * begin
     assert totals[-1] > 0.3 * begin
     assert "of the energy; halved" in capsys.readouterr().out
+
+
+class Terminal(StringIO):
+    """What takes itself for a terminal."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(("printing", "lines"), [("steps", 2), (False, 0)])
+def test_a_line_per_step(printing, lines, capsys, monkeypatch):
+    """On a terminal one line changes as long as a step is under way; files get whole ones."""
+    stepper = loading()
+    stepper.Integrate(steps=2, printing=printing)
+    out = capsys.readouterr().out.splitlines()
+    assert len(out) == lines
+    assert all(line.startswith(f"step {k + 1}  load") for k, line in enumerate(out))
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    stepper.Integrate(2.0, steps=1, printing=printing)
+    shown = terminal.getvalue()
+    assert "equilibrium" in shown
+    assert shown.count("\n") == (printing is False)
+
+
+def test_what_may_be_printed():
+    with pytest.raises(TypeError, match="True, False or .steps."):
+        loading().Integrate(printing="lines")
