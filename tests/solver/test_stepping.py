@@ -304,5 +304,5 @@ def test_a_line_per_step(printing, lines, capsys, monkeypatch):
 
 
 def test_what_may_be_printed():
-    with pytest.raises(TypeError, match="True, False or .steps."):
+    with pytest.raises(TypeError, match=r"True, False or .steps."):
         loading().Integrate(printing="lines")
