@@ -54,8 +54,6 @@ def SlidesOf(bodies, contacts):
         weights, across, points = surfaces.Slides(part, combinations)
         # What is along a curved surface is known as well as the mesh knows that surface.
         mesh = np.maximum(across, np.minimum(points, np.maximum(points**2 / 4, FINE)))
-        if bodies.false:  # stress does work along turns, too
-            mesh = np.maximum(mesh, FINE)
         rows = slice(at, at + len(weights))
         if weights.shape[1]:
             found.append(OwnSlides(rows, weights, across, mesh))

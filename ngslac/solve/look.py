@@ -58,7 +58,7 @@ class Look:
 
     def _LookAtMotions(self):
         system = self.system
-        free = system.Freedom("rubbing") if system.MayFloat() else None
+        free = system.Freedom("rubbing", slides=True) if system.MayFloat() else None
         if free and system.IsDriven(free, "rubbing"):
             raise MechanismError(DrivenMessage(system.DrivenMotion(free)))
         self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")

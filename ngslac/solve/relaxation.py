@@ -18,6 +18,8 @@ STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 10
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
+# A way, relative to the mesh, on which bodies do not come to rest.
+LOST = 0.2
 
 FAILURES = (ContactConvergenceError, LinearSolveError)
 
@@ -71,11 +73,14 @@ class Relaxation:
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
         newton.onpath, size, failures = True, FIRST, 0
+        start = system.values.copy()
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
+                if self._Way(start) > LOST * system.residual.size:
+                    break
                 if self._Settles(size):
-                    moved = np.abs(system.values - before[0])[~system.residual.multipliers].max()
+                    moved = self._Way(before[0])
                     if moved < REST * self._Smallest() and (last := self._Polish()):
                         return last
                     if moved < FAR * self._Smallest():
@@ -86,6 +91,10 @@ class Relaxation:
         finally:
             system.SetDrag(None)
         raise newton.NotConverged(system.Measure())
+
+    def _Way(self, before):
+        """How far anything has moved since other values (n,)."""
+        return np.abs(self.system.values - before)[~self.system.residual.multipliers].max()
 
     def _Smallest(self):
         """Size of the smallest macro-element."""

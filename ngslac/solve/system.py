@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts as one system of equations: residual, matrices and corrections."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ngslac._ngslac import EquilibrationScale
@@ -24,6 +26,8 @@ IDLE_SHIFT = 1e-6
 TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
+# Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
+FALSE_TURN = 1e-3
 # How deep contact looks for the master by default, over the extent of the slave.
 DEPTH = 0.1
 # Newton steps after which the method goes on only while the residual falls.
@@ -369,11 +373,12 @@ class System:
             self._bodies = Bodies(self.bulk.mat, self.contacts[0], self.linear.free)
         return self._bodies
 
-    def Freedom(self, holds="now", normals=CONTACT):
+    def Freedom(self, holds="now", normals=CONTACT, slides=None):
         """The motions that contact leaves, see `Bodies.Freedom`."""
+        slides = self.slides if slides is None else slides
         turns = self.finite or self.bulk.islinear is False
         values = self.values if turns else None
-        return self.bodies.Freedom(self.contacts, holds, values, normals, self.slides)
+        return self.bodies.Freedom(self.contacts, holds, values, normals, slides)
 
     def WhatFloats(self, holds="now"):
         """Descriptions of these motions."""
@@ -416,6 +421,9 @@ class System:
         forces = max(residual.reference, residual.first)
         least = max(IDLE * forces, 10 * residual.rounding) / self.scale
         bulk = residual.parts[0] - self._FalseForces()
+        if self.bodies.false and not self.bulk.islinear:  # its stress does work along turns, too
+            turns = np.maximum(freedom.mesh, FALSE_TURN)
+            freedom = replace(freedom, mesh=np.where(freedom.own >= 0, turns, freedom.mesh))
         return freedom.Works(np.stack([bulk, contact]), least, self._Blur(), self.bodies.false)
 
     def _FalseForces(self):

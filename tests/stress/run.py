@@ -25,7 +25,7 @@ for file in sorted(Path(__file__).parent.glob("stress_*.py")):
 
 # Iterations and cuts of these are compared from one version to the next.
 FIRST = ("stress_blocks", "stress_finite", "stress_floating2d")
-MOST_SOLVES = 150  # linear systems until a problem without solution is named
+MOST_SOLVES = 200  # linear systems until a problem without solution is named
 
 
 def Module(name):
