@@ -52,7 +52,7 @@ def test_a_frictionless_impact_wins_no_energy(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("friction", [None, 0.3])
+@pytest.mark.parametrize("friction", [pytest.param(None, marks=pytest.mark.full), 0.3])
 def test_three_balls_in_a_bowl(friction):
     flight = flights.three_in_bowl(friction=friction, dt=0.02).run(2.0)
     table = flight.stepper.Table()
@@ -83,7 +83,7 @@ def test_a_disc_bounces_vertically(turn):
     assert abs(flight.direction()) < 1e-6
 
 
-@pytest.mark.parametrize("swap", [False, True])
+@pytest.mark.parametrize("swap", [False, pytest.param(True, marks=pytest.mark.full)])
 def test_mirror_images_leave_in_mirror_directions(swap):
     """A stiff ball on a bowl whose normal is off by asin(0.14) leaves by twice that angle."""
     falls = [flights.in_bowl(offset, swap=swap, dt=0.005).run(0.15) for offset in (-0.14, 0.14)]
