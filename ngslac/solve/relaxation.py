@@ -15,6 +15,8 @@ __all__ = ["Relaxation"]
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
 # Newton steps of a stage, the residual at its end, and how many stages may fail.
 STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 10
+# Stages after one that failed until the drag falls again.
+WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
@@ -72,7 +74,7 @@ class Relaxation:
         """The last line of the table, or an error if bodies do not come to rest."""
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
-        newton.onpath, size, failures = True, FIRST, 0
+        newton.onpath, size, failures, wait = True, FIRST, 0, 0
         start = system.values.copy()
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
@@ -83,11 +85,12 @@ class Relaxation:
                     moved = self._Way(before[0])
                     if moved < REST * self._Smallest() and (last := self._Polish()):
                         return last
-                    if moved < FAR * self._Smallest():
+                    if moved < FAR * self._Smallest() and not wait:
                         size *= SOFTER
+                    wait = max(wait - 1, 0)
                 else:
                     system.GoTo(before)
-                    failures, size = failures + 1, size * HARDER
+                    failures, size, wait = failures + 1, size * HARDER, WAIT
         finally:
             system.SetDrag(None)
         raise newton.NotConverged(system.Measure())
