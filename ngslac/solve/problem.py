@@ -105,7 +105,8 @@ def CheckSlaves(contacts):
     for one, other in combinations([contact for contact in contacts if contact.active], 2):
         both = one.space.slave * other.space.slave
         if HasFaces(both) and not AreApart(one, other):
-            remedy = OBSTACLES if None in (one.master, other.master) else SIDES
+            meshed = one.master is not None and other.master is not None
+            remedy = SIDES if meshed else OBSTACLES
             raise ValueError(
                 f"contacts: two of them have the slave {BoundaryNames(both)!r}: the system would "
                 f"be singular where both are closed: {remedy}, or Deactivate one of them"
