@@ -108,7 +108,7 @@ def CheckFlag(name, value):
 
 
 def CheckPrinting(value):
-    """What a stepper prints: True (each iteration), "steps" (each step), or False."""
+    """The option `printing` of a stepper: True (iterations), "steps", or False."""
     if isinstance(value, str) and value == "steps":
         return value
     try:

@@ -103,8 +103,8 @@ private:
     pieces.RemoveHidden(Length(map, layer_tolerance));
   }
 
-  /// What sees past the end of a master to another one far behind is not about to touch that: on
-  /// average it would let the part before the end go through.
+  /// A part that sees past the end of a master to another one far behind is not about to touch that
+  /// one: in the average it would let the part before the end go through.
   void LeaveFarPieces(const FacetMap & map) {
     double size = map.GetFacet().size, nearest = numeric_limits<double>::infinity();
     Array<double> distance;
@@ -143,15 +143,24 @@ private:
   /// Calls f with the numbers of the pieces beyond the edges of one, and the middles of these.
   template <typename F>
   void ForNeighbours(const FacetMap & map, const Piece & piece, F f) const {
+    ForEdges(map, piece, rim_distance, [&](Vec<2> a, Vec<2> b, Vec<2> beyond) {
+      if (auto next = pieces.Covering(beyond))
+        f(next - pieces.begin(), 0.5 * (a + b));
+    });
+  }
+
+  /// Calls f with the ends of each edge of a piece, and a point at this distance beyond its middle,
+  /// relative to the facet.
+  template <typename F>
+  static void ForEdges(const FacetMap & map, const Piece & piece, double distance, F f) {
     auto & polygon = piece.polygon;
     for (int i : Range(polygon.Size())) {
-      Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()], middle = 0.5 * (a + b);
+      Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()];
       Vec<2> across(b(1) - a(1), a(0) - b(0));
       if (L2Norm(across) == 0)
         continue;
-      across *= rim_distance * map.GetFacet().size / L2Norm(across);
-      if (auto next = pieces.Covering(middle + across))
-        f(next - pieces.begin(), middle);
+      across *= distance * map.GetFacet().size / L2Norm(across);
+      f(a, b, Vec<2>(0.5 * (a + b) + across));
     }
   }
 
@@ -311,30 +320,23 @@ private:
   /// Edges of the last segment beyond which the slave facet sees no master, or another face of it.
   void AddRim(const FacetMap & map, const Piece & piece, Pairing<3> & result) const {
     static const IntegrationRule rule(ET_SEGM, 3);
-    auto & polygon = piece.polygon;
     bool divided = master_facets.Of(piece.master->face).Size() > 1;
     double distance = divided ? rim_distance_divided : rim_distance;
-    for (int i : Range(polygon.Size())) {
-      Vec<2> a = polygon[i], b = polygon[(i + 1) % polygon.Size()];
-      Vec<2> across(b(1) - a(1), a(0) - b(0));
-      if (L2Norm(across) == 0)
-        continue;
-      across *= distance * map.GetFacet().size / L2Norm(across);
-      Vec<2> beyond = 0.5 * (a + b) + across;
+    ForEdges(map, piece, distance, [&](Vec<2> a, Vec<2> b, Vec<2> beyond) {
       if (!map.Outline().Contains(beyond) || IsAtLimit(map, piece, 0.5 * (a + b)))
-        continue;
+        return;
       auto next = pieces.Covering(beyond);
       if (next && !CountsHere(map, piece, *next, 0.5 * (a + b)))
-        continue;
+        return;
       if (!next && stretch != 1) // slits are all that is free
-        continue;
+        return;
       Vec<2> from = map.Reference(a).first, to = map.Reference(b).first;
       Vec<2> outwards(to(1) - from(1), from(0) - to(0));
       if (InnerProduct(outwards, map.Reference(beyond).first - 0.5 * (from + to)) < 0)
         outwards *= -1;
       for (auto & ip : rule)
         AddRimPoint(map, piece, a + ip(0) * (b - a), ip.Weight() * outwards, next, result);
-    }
+    });
   }
 
   /// Each edge between two pieces counts once: where the nearer one ends, if they are apart.

@@ -30,7 +30,7 @@ def Script(page):
 
 
 def Printed(page):
-    """What the page shows as printed by its script."""
+    """The printed result of the script, as the page shows it."""
     (printed,) = OUTPUT.findall((HERE / f"{page}.md").read_text())
     return printed
 

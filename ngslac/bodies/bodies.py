@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies and the rigid motions that nothing prevents."""
 
+from functools import cached_property
+
 import numpy as np
 import scipy
 
@@ -51,7 +53,7 @@ class Bodies:
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
-        self._integrals, self._slides, self.false = None, None, False
+        self._slides, self.false = None, False
         # Coordinates far from the origin hold rounding errors.
         far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
@@ -174,24 +176,35 @@ class Bodies:
         resistance = np.concatenate([*(a for _, a, *_ in slides), resistance])
         whose = np.concatenate([*(b for *_, b in slides), np.full(len(vague), -1)])
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
-        turning, at, d = np.zeros(weights.shape[1]), 0, contacts[0].mesh.dim
-        for part, combinations in self.floating:
-            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
-            own, at = combinations @ weights[at : at + count], at + count
+        turning, d = np.zeros(weights.shape[1]), contacts[0].mesh.dim
+        for inside, combinations, rows in self.Floating():
+            own = combinations @ weights[rows]
             all_dofs[self.first + inside] = motions[inside] @ own
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
-        all_dofs[tools] = weights[at:]
+        all_dofs[tools] = weights[len(weights) - len(tools) :]
         return Freedom(weights, resistance, all_dofs, turning, mesh, whose)
+
+    def Floating(self):
+        """Of each floating body: dofs, combinations of motions, their rows among all weights."""
+        at = 0
+        for part, combinations in self.floating:
+            rows = slice(at, at + combinations.shape[1])
+            yield np.flatnonzero(self.part == part), combinations, rows
+            at = rows.stop
+
+    @cached_property
+    def _triangles(self):
+        """Of the free motions of each body: products of their columns are those of the motions."""
+        return [
+            np.linalg.qr(self.motions[inside] @ own, mode="r") for inside, own, _ in self.Floating()
+        ]
 
     def _Size(self, weights):
         """Free motions such that scalar products of columns are those of displacements."""
-        moved, at = [], 0
-        for part, combinations in self.floating:
-            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
-            triangle = np.linalg.qr(self.motions[inside] @ combinations, mode="r")
-            moved.append(triangle @ weights[at : at + count])
-            at += count
-        return np.concatenate([*moved, weights[at:]])
+        sized = weights.copy()
+        for triangle, (*_, rows) in zip(self._triangles, self.Floating(), strict=True):
+            sized[rows] = triangle @ weights[rows]
+        return sized
 
     def _Slides(self, contacts, displacement, prevented, seen):
         """Motions along all own surfaces of bodies which do not meet corners of others.
@@ -204,48 +217,38 @@ class Bodies:
         least, found = np.full(len(prevented), PREVENTED), []
         for body, slides in enumerate(self._slides):
             weights = np.zeros((seen.shape[1], slides.weights.shape[1]))
-            weights[slides.rows] = slides.weights
-            if displacement is not None:
-                weights = self._Carried(weights, displacement)
+            still = displacement is None
+            weights[slides.rows] = slides.weights if still else self._Carried(slides, displacement)
             kept, _ = Unresisted(prevented @ weights, least, seen @ weights)
             shares, count = kept**2, kept.shape[1]
             figures = np.sqrt(slides.across**2 @ shares), slides.mesh @ shares
             found.append((weights @ kept, *figures, np.full(count, body)))
         return found
 
-    def _Carried(self, weights, displacement):
-        """Weights of motions that bodies have taken along: rotations about centers that moved."""
+    def _Carried(self, slides, displacement):
+        """Weights of the slides of a body that has moved: it turns about a center that moved."""
         tables, _ = Tables(self.space.mesh.dim)
-        d, carried, at = len(tables[0]), weights.copy(), 0
-        for part, combinations in self.floating:
-            inside = np.flatnonzero(self.part == part)
-            volumes = self._Integrals()[inside, :d]
-            moved = displacement[inside] @ volumes
-            moved /= np.sum(self.motions[inside, :d] * volumes, axis=0)
-            rows = slice(at, at + combinations.shape[1])
-            motions = combinations @ weights[rows]
-            back = np.einsum("mcb,b->cm", tables[d:, :, 1:], moved / self.size)
-            motions[:d] -= back @ motions[d:]
-            carried[rows] = np.linalg.lstsq(combinations, motions, rcond=None)[0]
-            at = rows.stop
-        return carried
+        d, inside, combinations = len(tables[0]), slides.inside, slides.combinations
+        volumes = self._integrals[inside, :d]
+        moved = displacement[inside] @ volumes
+        moved /= np.sum(self.motions[inside, :d] * volumes, axis=0)
+        motions = combinations @ slides.weights
+        back = np.einsum("mcb,b->cm", tables[d:, :, 1:], moved / self.size)
+        motions[:d] -= back @ motions[d:]
+        return np.linalg.lstsq(combinations, motions, rcond=None)[0]
 
-    def _Integrals(self):
+    @cached_property
+    def _integrals(self):
         """Of the motions times the basis functions."""
-        if self._integrals is None:
-            self._integrals = MotionIntegrals(self.space)
-        return self._integrals
+        return MotionIntegrals(self.space)
 
     def Measure(self, contacts, freedom):
         """Integrals of free motions times displacements, as (n, k) array; tools count once."""
-        integrals = self._Integrals()
-        result, at = np.zeros_like(freedom.motions), 0
-        for part, combinations in self.floating:
-            inside, count = np.flatnonzero(self.part == part), combinations.shape[1]
-            weights = combinations @ freedom.weights[at : at + count]
-            result[self.first + inside] = integrals[inside] @ weights
-            at += count
-        result[ToolDofs(contacts)] = freedom.weights[at:]
+        tools, weights = ToolDofs(contacts), freedom.weights
+        result = np.zeros_like(freedom.motions)
+        for inside, combinations, rows in self.Floating():
+            result[self.first + inside] = self._integrals[inside] @ (combinations @ weights[rows])
+        result[tools] = weights[len(weights) - len(tools) :]
         return result
 
     def Names(self, weights):

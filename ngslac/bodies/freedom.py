@@ -148,6 +148,7 @@ class Ground:
         if np.linalg.cond(measure.T @ self.motions) > 1 / UNSEEN:  # turned by a right angle
             self.measure = self.motions
         self.forces = self.measure * free[:, None]
+        self._works = self.motions.T @ self.forces
         self.pins = self._Pins(free, like)
 
     def _Pins(self, free, like):
@@ -165,8 +166,7 @@ class Ground:
 
     def Balanced(self, forces):
         """Forces (n,) and what holds the bodies: together they do no work along the motions."""
-        works = self.motions.T @ forces
-        return forces - self.forces @ np.linalg.solve(self.motions.T @ self.forces, works)
+        return forces - self.forces @ np.linalg.solve(self._works, self.motions.T @ forces)
 
     def Nearest(self, values, correction, solve):
         """The correction (n,) of the solution that leaves bodies nearest to the start.

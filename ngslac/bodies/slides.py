@@ -30,8 +30,12 @@ class OwnSlides:
 
     Attributes
     ----------
+    inside : (n,) int
+        Its dofs.
+    combinations : (r, m)
+        Its free motions, of the rigid ones.
     rows : slice
-        Of its free rigid motions among those of all floating bodies.
+        Their place among those of all floating bodies.
     weights : (m, k)
         Of these.
     across : (k,)
@@ -40,6 +44,8 @@ class OwnSlides:
         How much of forces across the surfaces their meshes make seem to be along the motions.
     """
 
+    inside: np.ndarray
+    combinations: np.ndarray
     rows: slice
     weights: np.ndarray
     across: np.ndarray
@@ -48,16 +54,14 @@ class OwnSlides:
 
 def SlidesOf(bodies, contacts):
     """The OwnSlides of each floating body that has some."""
-    found, at = [], 0
+    found = []
     surfaces = Surfaces(bodies, contacts) if bodies.floating else None
-    for part, combinations in bodies.floating:
-        weights, across, points = surfaces.Slides(part, combinations)
-        # What is along a curved surface is known as well as the mesh knows that surface.
+    for inside, combinations, rows in bodies.Floating():
+        weights, across, points = surfaces.Slides(inside, combinations)
+        # A mesh knows the motions along a curved surface as well as it knows that surface.
         mesh = np.maximum(across, np.minimum(points, np.maximum(points**2 / 4, FINE)))
-        rows = slice(at, at + len(weights))
         if weights.shape[1]:
-            found.append(OwnSlides(rows, weights, across, mesh))
-        at = rows.stop
+            found.append(OwnSlides(inside, combinations, rows, weights, across, mesh))
     return found
 
 
@@ -77,13 +81,13 @@ class Surfaces:
         curved = mesh.dim == 2 or mesh.GetCurveOrder() > 1
         self.most = ACROSS if curved else FLAT
         slips, holds = Regions(contacts, False), Regions(contacts, True)
-        self.moved = self._Integrals(slips, self._Whole) + self._Integrals(holds, self._Whole)
         held = self._Integrals(holds, self._Whole)
+        self.moved = self._Integrals(slips, self._Whole) + held
         self.across = self._Integrals(slips, self._Means) + held
         self.points = self._Integrals(slips, self._Points) + held
 
     def _Integrals(self, region, of):
-        """What `of` makes of each motion, times the basis functions, over a region: (n, m)."""
+        """Integrals over a region of `of(motion, region)` times the basis functions: (n, m)."""
         if region is None:
             return np.zeros((self.bodies.count, len(self.fields)))
         columns, v = [], self.space.TestFunction().Trace()
@@ -107,22 +111,20 @@ class Surfaces:
         mean.Set(InnerProduct(field, normal), definedon=region)
         return mean * normal
 
-    def Slides(self, part, combinations):
+    def Slides(self, inside, combinations):
         """Of one body: weights (m, k) of its free motions; how far across on average, at points."""
-        inside = np.flatnonzero(self.bodies.part == part)
         motions = self.bodies.motions[inside] @ combinations
 
         def Squares(integrals):
             squares = motions.T @ integrals[inside] @ combinations
             return (squares + squares.T) / 2
 
-        whole, none = Squares(self.moved), np.zeros(0)
-        sizes, basis = np.linalg.eigh(whole)
-        seen = basis[:, sizes > np.finfo(float).eps * len(inside) * sizes.max(initial=0.0)]
-        if not seen.shape[1] or seen.shape[1] < len(basis):  # too little of it touches others
-            return np.zeros((len(basis), 0)), none, none
-        across, motions_along = eigh(Squares(self.across), whole)
-        own = motions_along[:, across <= self.most**2]
+        whole, moved_across, none = Squares(self.moved), Squares(self.across), np.zeros(0)
+        sizes = np.linalg.eigvalsh(whole)
+        if sizes[0] <= np.finfo(float).eps * len(inside) * sizes[-1]:  # too little touches others
+            return np.zeros((len(sizes), 0)), none, none
+        across, along = eigh(moved_across, whole)
+        own = along[:, across <= self.most**2]
         if not own.shape[1]:
             return own, none, none
         points, turned = eigh(own.T @ Squares(self.points) @ own, own.T @ whole @ own)
@@ -131,7 +133,7 @@ class Surfaces:
         if not own.shape[1]:
             return own, none, none
         own /= np.linalg.norm(own, axis=0)
-        across = np.einsum("ij,ij->j", own, Squares(self.across) @ own)
+        across = np.einsum("ij,ij->j", own, moved_across @ own)
         across /= np.einsum("ij,ij->j", own, whole @ own)
         return own, np.sqrt(np.maximum(across, 0)), np.sqrt(np.maximum(points, 0))
 

@@ -4,7 +4,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import BND, BaseMatrix
+from ngsolve import BaseMatrix, Integrate
 
 from ngslac._ngslac import RegionWithFaces, Side
 from ngslac.arguments import BoundaryNames, CheckPoint
@@ -95,7 +95,7 @@ def Force(self, *, on=None) -> np.ndarray:
 def ShareOn(self, on):
     """Part (n,) of the force of each macro-element that acts on some faces, < 0 on the master's."""
     region, segments = RegionWithFaces(self.mesh, "on", on), self.Segments()
-    chosen = np.array([bool(region.Mask()[face.index]) for face in self.mesh.Elements(BND)])
+    chosen = Integrate(1.0, region, element_wise=True).NumPy() > 0
     slave, master = (chosen[side] & (side >= 0) for side in (segments.slave, segments.master))
     if not np.any(slave | master):
         sides = BoundaryNames(self.space.slave), self.master and BoundaryNames(self.master)

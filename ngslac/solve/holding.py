@@ -95,9 +95,9 @@ def CloseNearest(system):
     nearest ones hold all bodies, and so is what does not touch where that does which touches: a
     sheet between two tools that are round beside it would be torn apart.
     """
+    loose = Loose(system)
     for contact in sorted(system.contacts, key=SmallestGap):
         before, found = system.values.copy(), []
-        loose = Loose(system)
         for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
             system.values[:] = before
             contact.form.Close(NearestMacros(contact, distance), system.gf.vec)
@@ -108,6 +108,7 @@ def CloseNearest(system):
         least, values = min(found, key=lambda one: one[0])
         system.values[:] = values if least < loose else before
         contact.Evaluate(system.gf)
+        loose = min(least, loose)
     return False
 
 

@@ -109,11 +109,9 @@ class InteriorPoint:
     def _Solve(self, residual):
         system = self.system
         given = system.bulk.mat, [], system.scale, residual
-        if system.ground:
-            pins = system.ground.Shift()
-            return self.linear.SolveShifted(*given, ~self.multipliers, 0.0, pins)
-        # What nothing pushes in the end stays where it is.
-        return self.linear.SolveShifted(*given, ~self.multipliers)
+        pins = system.ground.Shift() if system.ground else None
+        # Bodies that nothing pushes in the end stay where they are.
+        return self.linear.SolveShifted(*given, ~self.multipliers, 0.0, pins)
 
     def _Motion(self, state, mats):
         """How displacements answer to the tractions shown, with these matrices of the springs."""

@@ -123,6 +123,16 @@ class Newton:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
 
+    def Polish(self, state, steps):
+        """The end of the method from a Measurement; None, and back, if it does not come to one."""
+        before = self.system.Place()
+        try:
+            return self.Iterate(state, steps)
+        except FAILURES:
+            self.system.GoTo(before)
+            self.system.residual.Follow()
+            return None
+
     def _LetTurn(self):
         """The last line where round bodies have turned until contact balances them, or None.
 
@@ -133,13 +143,9 @@ class Newton:
         if not (system.slides and system.ground and np.any(system.ground.own)):
             return None
         before, number, system.slides = system.Place(), len(self.history), False
-        try:
-            last = self.Iterate(self._Balanced(), LET_TURN)
-            moved = np.abs(system.values - before[0])[~system.residual.multipliers].max()
-            if moved <= TURNED * system.residual.size:
-                return last
-        except FAILURES:
-            pass
+        last = self.Polish(self._Balanced(), LET_TURN)
+        if last and system.Way(before[0]) <= TURNED * system.residual.size:
+            return last
         system.slides = True
         del self.history[number:]
         system.GoTo(before)

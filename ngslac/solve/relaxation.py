@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.errors import ContactConvergenceError
-from ngslac.linear.solver import LinearSolveError
+from ngslac.solve.search import FAILURES
 
 __all__ = ["Relaxation"]
 
@@ -22,8 +21,6 @@ WAIT = 3
 REST, FAR, POLISH = 1e-2, 0.05, 8
 # A way, relative to the mesh, on which bodies do not come to rest.
 LOST = 0.2
-
-FAILURES = (ContactConvergenceError, LinearSolveError)
 
 
 @dataclass
@@ -75,17 +72,17 @@ class Relaxation:
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
         newton.onpath, size, failures, wait = True, FIRST, 0, 0
-        start = system.values.copy()
+        start, smallest = system.values.copy(), self._Smallest()
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
-                if self._Way(start) > LOST * system.residual.size:
+                if system.Way(start) > LOST * system.residual.size:
                     break
                 if self._Settles(size):
-                    moved = self._Way(before[0])
-                    if moved < REST * self._Smallest() and (last := self._Polish()):
+                    moved = system.Way(before[0])
+                    if moved < REST * smallest and (last := self._Polish()):
                         return last
-                    if moved < FAR * self._Smallest() and not wait:
+                    if moved < FAR * smallest and not wait:
                         size *= SOFTER
                     wait = max(wait - 1, 0)
                 else:
@@ -94,10 +91,6 @@ class Relaxation:
         finally:
             system.SetDrag(None)
         raise newton.NotConverged(system.Measure())
-
-    def _Way(self, before):
-        """How far anything has moved since other values (n,)."""
-        return np.abs(self.system.values - before)[~self.system.residual.multipliers].max()
 
     def _Smallest(self):
         """Size of the smallest macro-element."""
@@ -126,11 +119,6 @@ class Relaxation:
 
     def _Polish(self):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
-        system, before = self.system, self.system.Place()
-        system.SetDrag(None)
-        try:
-            system.Assemble()
-            return self.newton.Iterate(system.Measure(), POLISH)
-        except FAILURES:
-            system.GoTo(before)
-            return None
+        self.system.SetDrag(None)
+        self.system.Assemble()
+        return self.newton.Polish(self.system.Measure(), POLISH)

@@ -89,17 +89,11 @@ class StatusSearch:
 
     def _Polish(self, state, was_even):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
-        before = self.system.Place()
-        try:
-            if not was_even:
-                return self.newton.Iterate(state, POLISH)
-            with EvenPressures(self.system.contacts, even=False):
-                self.system.Assemble()
-                return self.newton.Iterate(self.system.Measure(), POLISH_ENDS)
-        except FAILURES:
-            self.system.GoTo(before)
-            self.system.residual.Follow()
-            return None
+        if not was_even:
+            return self.newton.Polish(state, POLISH)
+        with EvenPressures(self.system.contacts, even=False):
+            self.system.Assemble()
+            return self.newton.Polish(self.system.Measure(), POLISH_ENDS)
 
     def _CheckLost(self, error):
         """Raise an error if a body is carried off: that before, if it knows of it."""

@@ -172,6 +172,10 @@ class System:
                 Warn(message)
         self._said = set(self.notes)
 
+    def Way(self, before):
+        """How far anything has moved since other values (n,)."""
+        return np.abs(self.values - before)[~self.residual.multipliers].max()
+
     def CheckSpace(self):
         """What was made for a space goes on with this one: it was not refined since."""
         if len(self.linear.free) != self.values.size:
@@ -297,10 +301,9 @@ class System:
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
-            if drag:
-                return self.linear.Solve(*given, residual, drag.Shift(), accuracy)
-            if self.idle:
-                return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
+            if drag or self.idle:
+                shift = drag.Shift() if drag else IDLE_SHIFT * displacements
+                return self.linear.Solve(*given, residual, shift, accuracy)
             if self.ground:
                 pins = self.ground.Shift()
                 found = self.linear.SolveShifted(*given, residual, displacements, accuracy, pins)

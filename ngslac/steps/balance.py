@@ -5,6 +5,8 @@ from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
+from ngslac.steps.control import StepLine
+
 __all__ = ["ContactWorks", "EnergyBalance", "TimeStep"]
 
 
@@ -148,11 +150,7 @@ class TimeStep:
     balance: EnergyBalance
 
     def __str__(self):
-        halved = f"  halved {self.cuts} times" if self.cuts else ""
-        return (
-            f"step {self.number}  time {self.time:g}  {self.iterations} iterations{halved}"
-            f"  {str(self.balance).strip()}"
-        )
+        return f"{StepLine(self, 'time')}{self.balance}"
 
 
 def ContactWorks(contacts, gf, motion):

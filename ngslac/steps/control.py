@@ -8,7 +8,7 @@ from ngslac.callback import TellStep
 from ngslac.progress import Progress, ShowLive
 from ngslac.solve.snapshot import Snapshot
 
-__all__ = ["Journal", "StepControl"]
+__all__ = ["Journal", "StepControl", "StepLine"]
 
 # Relative length of a remainder that is no step of its own.
 REST = 1e-9
@@ -63,6 +63,12 @@ class StepControl:
         """Go on from there; returns how many steps have failed before."""
         cuts, self.at, self.cuts = self.cuts, goal, 0
         return cuts
+
+
+def StepLine(step, name):
+    """The beginning of the line of a Step or TimeStep, whose parameter has this name."""
+    halved = f"  halved {step.cuts} times" if step.cuts else ""
+    return f"step {step.number}  {name} {step.time:g}  {step.iterations} iterations{halved}"
 
 
 class Journal:

@@ -22,7 +22,7 @@ from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.problem import MultiplierRows
 from ngslac.solve.solver import ContactSolver
-from ngslac.steps.control import Journal, StepControl
+from ngslac.steps.control import Journal, StepControl, StepLine
 from ngslac.steps.limitload import LimitLoad
 from ngslac.steps.prescribed import Prescribed
 from ngslac.table import Columns
@@ -63,11 +63,7 @@ class Step:
 
     def __str__(self):
         forces = "  ".join(f"({', '.join(f'{part:.5g}' for part in f)})" for f in self.forces)
-        halved = f"  halved {self.cuts} times" if self.cuts else ""
-        return (
-            f"step {self.number}  load {self.time:g}  {self.iterations} iterations{halved}"
-            f"  force on the slave {forces}"
-        )
+        return f"{StepLine(self, 'load')}  force on the slave {forces}"
 
 
 class LoadStepper(metaclass=Distributable):
