@@ -46,13 +46,21 @@ public:
   }
 
   /// Derivative of  share M lambda  by the normal.
-  Vec<D> Turned(const Vec<D> & normal, const Vec<D> & turn, const Vec<D> & lambda) const {
+  Mat<D, D> ByNormal(const Vec<D> & normal, const Vec<D> & lambda) const {
+    Mat<D, D> result = 0.0;
     if (rigid || whole)
-      return Vec<D>(0.0);
+      return result;
     Mat<D, D> across = Across(normal);
-    Mat<D, D> change = -1 * (turn * Trans(normal) + normal * Trans(turn));
-    Vec<D> tangential = across * lambda, changed = change * lambda;
-    return share * Vec<D>(change * Vec<D>(fixed * tangential) + across * Vec<D>(fixed * changed));
+    Vec<D> tangential = across * lambda;
+    for (int k : Range(D)) {
+      Vec<D> turn = 0.0;
+      turn(k) = 1;
+      Mat<D, D> change = -1 * (turn * Trans(normal) + normal * Trans(turn));
+      Vec<D> changed = change * lambda;
+      result.Col(k) =
+          share * Vec<D>(change * Vec<D>(fixed * tangential) + across * Vec<D>(fixed * changed));
+    }
+    return result;
   }
 
 private:

@@ -88,11 +88,13 @@ public:
   /// What a later solve depends on, besides the configuration of the pairing.
   virtual FormHistory History() const = 0;
   virtual void SetHistory(const FormHistory & history) = 0;
-  /// Matrix of the displacements alone where springs take the place of the contact law: the
-  /// traction of each macro-element, the multiplier of x, falls by its stiffness (d x d, row by
-  /// row) times the jump.
-  virtual shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & x,
-                                                           FlatArray<double> stiffness) = 0;
+  /// Subtracts the virtual work of tractions at x, d numbers for each macro-element, and of loads
+  /// on a tool. Pressures are even.
+  virtual void AddForces(const BaseVector & x, FlatArray<double> tractions, BaseVector & y) = 0;
+  /// Matrix of the displacements alone at x where these tractions act, and fall by a stiffness
+  /// (d x d, row by row) times the jump; `Mat` has the rows by which they follow.
+  virtual shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & x, FlatArray<double> tractions,
+                                                  FlatArray<double> stiffness) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

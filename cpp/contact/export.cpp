@@ -91,14 +91,24 @@ void ExportContact(py::module & m) {
       .def("SetHistory",
            [](ContactForm & self, const History & history) { self.SetHistory(HistoryOf(history)); })
       .def(
-          "AssembleSprings",
-          [](ContactForm & self, const BaseVector & x,
-             Numbers<double> stiffness) -> shared_ptr<BaseMatrix> {
-            FlatArray<double> values(stiffness.size(), stiffness.mutable_data());
+          "AddForces",
+          [](ContactForm & self, const BaseVector & x, Numbers<double> tractions, BaseVector & y) {
+            auto given = View(tractions, tractions.size());
             py::gil_scoped_release release;
-            return self.AssembleSprings(x, values);
+            self.AddForces(x, FlatArray<double>(given.Size(), given.Data()), y);
           },
-          py::arg("x"), py::arg("stiffness"))
+          py::arg("x"), py::arg("tractions"), py::arg("y"))
+      .def(
+          "Matrix",
+          [](ContactForm & self, const BaseVector & x, Numbers<double> tractions,
+             Numbers<double> stiffness) -> shared_ptr<BaseMatrix> {
+            auto given = View(tractions, tractions.size());
+            auto springs = View(stiffness, stiffness.size());
+            py::gil_scoped_release release;
+            return self.Matrix(x, FlatArray<double>(given.Size(), given.Data()),
+                               FlatArray<double>(springs.Size(), springs.Data()));
+          },
+          py::arg("x"), py::arg("tractions"), py::arg("stiffness"))
       .def(
           "Lean",
           [](ContactForm & self, Numbers<double> vectors) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "form.hpp"
+#include "finite/forceblocks.hpp"
 #include "linear/eliminate.hpp"
 #include "linear/formdiagonal.hpp"
 
@@ -45,10 +46,11 @@ void Form<D>::Start(shared_ptr<GridFunction> gf, Meeting meeting) {
   x = 0.0;
   if (gf)
     x = gf->GetVector().FV<double>();
-  mat = kinematics->Start(gf, x, meeting);
+  kinematics->Start(gf, x, meeting);
+  mat = make_shared<SparseMatrix<double>>(0, 0);
   normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
   for (size_t m : Range(states)) {
-    auto place = Place(m, x);
+    auto place = Place(m);
     normal[m] = place.normal;
     states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
   }
@@ -66,8 +68,8 @@ void Form<D>::Follow(const BaseVector & bx) {
 }
 
 template <int D>
-MacroPlace<D> Form<D>::Place(size_t m, FlatVector<> x) const {
-  auto place = kinematics->Place(m, x);
+MacroPlace<D> Form<D>::Place(size_t m) const {
+  auto place = kinematics->Place(m);
   if (!setup.active) {
     place.gap = place.area = 0;
     place.slip = place.jump = 0.0;
@@ -87,78 +89,156 @@ void Form<D>::SetActive(bool active) {
 
 // --- residual and matrices -----------------------------------------------------------------------
 
+/// The answers of the law at x, in a step with its memory of the last one.
+template <int D>
+Array<Answer<D>> Form<D>::Answers(FlatVector<> x, bool step) {
+  Array<Answer<D>> answers(states.Size());
+  ParallelFor(answers.Size(), [&](size_t m) {
+    auto place = Place(m);
+    answers[m] = step ? law->AtStep(m, place, x) : law->At(m, place, x);
+  });
+  return answers;
+}
+
+/// The multipliers are the tractions, and their rows say what these should be.
+template <int D>
+void Form<D>::AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y) {
+  auto tractions = law->Multipliers(x);
+  ParallelFor(states.Size(), [&](size_t m) {
+    Vec<D> left = law->RowFactor(m, Place(m)) * Vec<D>(answers[m].traction - tractions[m]);
+    for (int k : Range(D))
+      y(law->dofs[D * m + k]) += left(k);
+  });
+  AddForces(tractions, y);
+  kinematics->AddLoads(y);
+}
+
+template <int D>
+void Form<D>::AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y) {
+  ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
+    kinematics->AddForces(m, tractions[m], forces, lh);
+  });
+}
+
 template <int D>
 void Form<D>::AddApply(const BaseVector & bx, BaseVector & by) {
   static Timer timer("ngslac::ContactForm::Apply");
   RegionTimer reg(timer);
   Prepare(bx);
   CheckSize(by.FV<double>().Size());
-  auto x = bx.FV<double>(), y = by.FV<double>();
-  ParallelFor(states.Size(), [&](size_t m) {
-    auto place = Place(m, x);
-    law->AddResidual(m, place, law->ProjectAt(m, place, x), x, y);
-  });
-  kinematics->AddAllForces(x, y);
-  kinematics->AddLoads(y);
+  auto x = bx.FV<double>();
+  AddResidual(x, Answers(x, false), by.FV<double>());
 }
 
 template <int D>
 void Form<D>::AssembleLinearization(const BaseVector & bx) {
   Prepare(bx);
   auto x = bx.FV<double>();
-  Array<Projection<D>> projections(states.Size());
-  ParallelFor(states.Size(), [&](size_t m) { projections[m] = law->ProjectAt(m, Place(m, x), x); });
-  Linearize(x, projections, Rim::stays);
+  Linearize(Answers(x, false), law->Multipliers(x), Rim::stays);
 }
 
 template <int D>
 void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
   Prepare(bx);
   CheckSize(residual.FV<double>().Size());
-  auto x = bx.FV<double>(), y = residual.FV<double>();
-  Array<Projection<D>> projections(states.Size());
-  ParallelFor(states.Size(), [&](size_t m) {
-    auto place = Place(m, x);
-    projections[m] = law->ProjectWithMemory(m, place, x);
-    law->AddResidual(m, place, projections[m], x, y);
-  });
-  Linearize(x, projections, Rim::moves);
-  kinematics->AddAllForces(x, y);
-  kinematics->AddLoads(y);
+  auto x = bx.FV<double>();
+  auto answers = Answers(x, true);
+  Linearize(answers, law->Multipliers(x), Rim::moves);
+  AddResidual(x, answers, residual.FV<double>());
 }
 
 template <int D>
-shared_ptr<SparseMatrix<double>> Form<D>::AssembleSprings(const BaseVector & bx,
-                                                          FlatArray<double> stiffness) {
+Array<Vec<D>> Form<D>::Tractions(FlatArray<double> flat) const {
+  if (flat.Size() != D * states.Size())
+    throw Exception("LACContact: " + ToString(flat.Size()) + " numbers of tractions for " +
+                    ToString(states.Size()) + " macro-elements");
+  Array<Vec<D>> tractions(states.Size());
+  LoadVectors<D>(flat, tractions);
+  return tractions;
+}
+
+template <int D>
+void Form<D>::AddForces(const BaseVector & bx, FlatArray<double> tractions, BaseVector & by) {
+  Prepare(bx);
+  CheckSize(by.FV<double>().Size());
+  EvenPressures even(*law);
+  AddForces(Tractions(tractions), by.FV<double>());
+  kinematics->AddLoads(by.FV<double>());
+}
+
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::Matrix(const BaseVector & bx, FlatArray<double> given,
+                                                 FlatArray<double> stiffness) {
   Prepare(bx);
   if (stiffness.Size() != D * D * states.Size())
     throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
                     ToString(states.Size()) + " macro-elements");
-  auto x = bx.FV<double>();
   EvenPressures even(*law);
-  Array<Projection<D>> projections(states.Size());
+  auto tractions = Tractions(given);
+  Array<Answer<D>> answers(states.Size());
   ParallelFor(states.Size(), [&](size_t m) {
-    auto & p = projections[m] = Sticking(law->Multiplier(m, x));
-    p.by_normal = InnerProduct(p.traction, Place(m, x).normal) * Id<D>();
+    auto & answer = answers[m];
+    answer.traction = tractions[m];
+    answer.by_normal = InnerProduct(tractions[m], Place(m).normal) * Id<D>();
     for (int k : Range(D))
       for (int l : Range(D))
-        p.derivative(k, l) = stiffness[(m * D + k) * D + l] / law->c[m];
+        answer.by_jump(k, l) = -stiffness[(m * D + k) * D + l];
   });
-  Linearize(x, projections, Rim::moves);
+  Linearize(answers, tractions, Rim::moves);
   Array<double> penalties(states.Size());
   for (size_t m : Range(penalties))
     penalties[m] = law->c[m] / kinematics->Jump().RowArea(m);
   return EliminateMultipliers(*mat, law->dofs, D, penalties);
 }
 
+namespace {
+/// Sets entries of a row; its columns and these are sorted.
+void SetInRow(SparseMatrix<double> & mat, int row, FlatArray<int> dofs, FlatVector<> values) {
+  auto columns = mat.GetRowIndices(row);
+  auto entries = mat.GetRowValues(row);
+  size_t at = 0;
+  for (int j : Range(dofs)) {
+    while (at < columns.Size() && columns[at] < dofs[j])
+      at++;
+    if (at == columns.Size() || columns[at] != dofs[j])
+      throw Exception("ngslac: a contact force has no place in the matrix");
+    entries(at) = values(j);
+  }
+}
+} // namespace
+
+/// Rows and columns of the multipliers of one macro-element.
 template <int D>
-void Form<D>::Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Rim rim) {
+void Form<D>::SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
+                       SparseMatrix<double> & mat) const {
+  ngbla::Mat<D, D> factor = law->RowFactor(m, kinematics->Place(m));
+  ngbla::Mat<D, D> block = factor * (answer.by_multiplier - Id<D>());
+  ngbla::Mat<D, D> by_jump = factor * answer.by_jump, by_normal = factor * answer.by_normal;
+  ngbla::Matrix<> entries = by_jump * rows.jump;
+  if (rows.normal.Height())
+    entries += by_normal * rows.normal;
+  for (int k : Range(D)) {
+    int own = law->dofs[D * m + k];
+    for (int l : Range(D))
+      mat(own, law->dofs[D * m + l]) = block(k, l);
+    SetInRow(mat, own, rows.dofs, entries.Row(k));
+    for (int j : Range(rows.dofs))
+      if (rows.force(k, j) != 0)
+        mat(rows.dofs[j], own) = -rows.force(k, j);
+  }
+}
+
+/// The matrix for these answers of the law, with the forces of these tractions.
+template <int D>
+void Form<D>::Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim) {
   static Timer timer("ngslac::ContactForm::Linearize");
   RegionTimer reg(timer);
-  Array<Vec<D>> tractions(states.Size());
-  for (size_t m : Range(tractions))
-    tractions[m] = law->Multiplier(m, x);
-  mat = kinematics->Linearize(x, projections, tractions, rim);
+  auto fresh = kinematics->ZeroMatrix(tractions, nscalars);
+  size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
+  AddBlocksInOrder(states.Size(), *fresh, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+    SetLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), *fresh);
+  });
+  mat = fresh;
 }
 
 template <int D>
@@ -170,7 +250,7 @@ void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
   auto x = bx.FV<double>();
   kinematics->At(x);
   for (size_t m : Range(states)) {
-    auto place = Place(m, x);
+    auto place = Place(m);
     if (!macros.Test(m) || place.area == 0)
       continue;
     // just enough for a positive trial pressure

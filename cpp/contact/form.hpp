@@ -26,8 +26,9 @@ public:
   void Restore() override;
   FormHistory History() const override;
   void SetHistory(const FormHistory & history) override;
-  shared_ptr<SparseMatrix<double>> AssembleSprings(const BaseVector & x,
-                                                   FlatArray<double> stiffness) override;
+  void AddForces(const BaseVector & x, FlatArray<double> tractions, BaseVector & y) override;
+  shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & x, FlatArray<double> tractions,
+                                          FlatArray<double> stiffness) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
@@ -47,7 +48,7 @@ public:
 private:
   void Start(shared_ptr<GridFunction> gf, Meeting meeting);
   /// Switched off, there is no partner.
-  MacroPlace<D> Place(size_t m, FlatVector<> x) const;
+  MacroPlace<D> Place(size_t m) const;
   /// Everything as it is now is that of a committed step.
   void Accept();
   /// Throws unless these are the entries of a vector on the space that was paired.
@@ -60,9 +61,13 @@ private:
   void FillScales(double otherwise);
   /// Looks at x, with scales for the law.
   void Prepare(const BaseVector & x);
-  /// The matrix at x, whose forces are those of its multipliers.
-  void Linearize(FlatVector<> x, FlatArray<Projection<D>> projections, Rim rim);
-  /// Matrix of the displacements alone, from `mat`.
+  Array<Answer<D>> Answers(FlatVector<> x, bool step);
+  Array<Vec<D>> Tractions(FlatArray<double> flat) const;
+  void AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y);
+  void AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y);
+  void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim);
+  void SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
+                SparseMatrix<double> & mat) const;
   /// Numbers of boundary elements and of vertices.
   std::array<size_t, 2> MeshSize() const;
   /// Entries of a vector on the product space.

@@ -8,10 +8,11 @@ void Form<D>::Evaluate(const BaseVector & bx) {
   Reevaluate();
   auto x = bx.FV<double>();
   kinematics->At(x);
+  auto answers = Answers(x, false);
   ParallelFor(states.Size(), [&](size_t m) {
-    auto place = Place(m, x);
+    auto place = Place(m);
     auto & state = states[m];
-    state.status = law->ProjectAt(m, place, x).status;
+    state.status = answers[m].status;
     // What is left of the multiplier of an open one is rounding, or part of an iteration.
     bool acts = setup.active && state.status != Status::open;
     Vec<D> traction = acts ? law->Multiplier(m, x) : Vec<D>(0.0);

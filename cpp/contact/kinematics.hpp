@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "gaprange.hpp"
+#include "linear/blocksum.hpp"
 #include "linear/scatter.hpp"
 #include "macrolaw.hpp"
 #include "macrostate.hpp"
@@ -22,24 +23,17 @@ public:
   virtual ~Kinematics() = default;
 
   /// Pairs at x, the values of gf (null: in the reference configuration, x is zero); slip counts
-  /// from there. What moves may meet later. Returns a matrix to begin with.
-  virtual shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x,
-                                                 Meeting meeting) = 0;
+  /// from there. What moves may meet later.
+  virtual void Start(shared_ptr<GridFunction> gf, FlatVector<> x, Meeting meeting) = 0;
   /// Pairs anew at x.
   virtual void Follow(FlatVector<> /* x */) {}
   /// Evaluates what Parameters and other functions may have changed.
   virtual void Reevaluate() {}
   /// Looks at the configuration of x, of which everything below tells.
   virtual void At(FlatVector<> /* x */) {}
-  virtual MacroPlace<D> Place(size_t m, FlatVector<> x) const = 0;
+  virtual MacroPlace<D> Place(size_t m) const = 0;
   /// Subtracts the virtual work of a traction on one macro-element.
   virtual void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const = 0;
-  /// The same of all multipliers.
-  virtual void AddAllForces(FlatVector<> x, FlatVector<> y) const {
-    ScatterInOrder(Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
-      AddForces(m, law->Multiplier(m, x), forces, lh);
-    });
-  }
   /// Mean normal of the master where a macro-element sees it, else zero.
   virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
   /// The gaps of points in the configuration of the pairing, x; of macro-elements without a partner
@@ -60,10 +54,12 @@ public:
   virtual Vec<D> ToolIntegral(size_t /* m */, int /* unknown */) const { return Vec<D>(0.0); }
   /// Resultant of a traction, and its moment about the origin.
   virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
-  /// The matrix at x where the projections are these, and the forces are those of the tractions.
-  virtual shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x,
-                                                     FlatArray<Projection<D>> projections,
-                                                     FlatArray<Vec<D>> tractions, Rim rim) = 0;
+  /// A square zero matrix of size n with the entries of all rows under these tractions.
+  virtual shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>> tractions, size_t n) = 0;
+  /// How a macro-element moves with the dofs; adds the derivative of its forces at a fixed
+  /// traction.
+  virtual PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim rim, BlockSum & stiffness,
+                              LocalHeap & lh) const = 0;
   /// Looks at the diagonal of the bulk matrix.
   virtual void LearnStiffness(FlatVector<> /* diagonal */) {}
   /// Accepts x as the end of a step, with the states before and after it.
@@ -95,9 +91,9 @@ protected:
     surfaces = std::move(paired);
   }
   /// Takes the gaps at x as those of the start.
-  void AdjustStart(FlatVector<> x) {
+  void AdjustStart() {
     for (size_t m : Range(Size()))
-      if (auto place = Place(m, x); place.area > 0)
+      if (auto place = Place(m); place.area > 0)
         law->Adjust(m, place.gap - law->offset[m]);
   }
   /// An open macro-element that goes on as in the last step will touch where its path meets the

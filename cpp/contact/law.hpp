@@ -36,6 +36,17 @@ struct Projection {
   Status status;
 };
 
+/// What a law answers at a place: the traction that the multiplier should be, and its derivatives.
+///
+/// That by the normal counts at a fixed mean jump.
+template <int D>
+struct Answer {
+  Vec<D> traction = Vec<D>(0.0);
+  Mat<D, D> by_multiplier = Mat<D, D>(0.0);
+  Mat<D, D> by_jump = Mat<D, D>(0.0), by_normal = Mat<D, D>(0.0);
+  Status status = Status::open;
+};
+
 template <int D>
 Projection<D> Sticking(Vec<D> trial) {
   return {trial, Id<D>(), Mat<D, D>(0.0), Status::stick};

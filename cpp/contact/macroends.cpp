@@ -70,48 +70,21 @@ Vec<D> MacroEnds<D>::MomentOf(size_t m, const MacroLaw<D> & law) const {
 }
 
 template <int D>
-void MacroEnds<D>::Clear(FlatArray<int> multipliers, SparseMatrix<double> & mat) const {
-  for (size_t n : Range(rows))
-    for (int i : rows[n].dofs) {
-      for (int j : rows[n].dofs)
-        mat(i, j) = 0;
-      for (int lam : multipliers.Range(D * numbers[n], D * (numbers[n] + 1)))
-        mat(i, lam) = mat(lam, i) = 0;
-    }
-}
-
-template <int D>
-void MacroEnds<D>::SetLines(size_t m, const MacroLaw<D> & law, const MacroJump<D> & jump,
-                            const Vec<D> & direction, const ngbla::Mat<D, D> & projection,
-                            SparseMatrix<double> & mat) const {
+PlaceRows<D> MacroEnds<D>::RowsOf(size_t m, const MacroLaw<D> & law, const MacroJump<D> & jump,
+                                  const Vec<D> & direction, BlockSum & stiffness) const {
   auto & own = rows[place[m]];
   auto spread = law.Spread(m, own.points);
-  auto lam = law.dofs.Range(D * m, D * (m + 1));
-  auto block = law.EndBlock(m, direction, jump.RowArea(m), projection, spread);
-  auto factor = law.EndFactor(m, direction);
-  ngbla::Mat<D, D> along = Id<D>() - direction * Trans(direction);
-  ngbla::Mat<D, D> slides = factor * projection * along;
-  Vec<D> presses = spread.c / law.c[m] * (factor * Vec<D>(projection * direction));
-  for (int k : Range(D))
-    for (int l : Range(D))
-      mat(lam[k], lam[l]) = block(k, l);
-
-  Matrix<> integrals(own.dofs.Size(), D);
-  integrals = 0.0;
+  PlaceRows<D> result(own.dofs);
+  result.force = 0.0;
   for (auto & e : jump.Row(m))
-    integrals.Row(own.PositionOf(e.dof)) = e.integral;
+    result.force.Col(own.PositionOf(e.dof)) =
+        e.integral - InnerProduct(e.integral, direction) * direction;
   auto pressed = own.Pressed(spread);
-  auto stiffness = own.Stiffness(spread);
-  for (size_t i : Range(own.dofs)) {
-    Vec<D> integral = integrals.Row(i), slid = slides * integral;
-    Vec<D> force = along * integral + pressed(i) * direction;
-    for (int k : Range(D)) {
-      mat(own.dofs[i], lam[k]) = -force(k);
-      mat(lam[k], own.dofs[i]) = -slid(k) - pressed(i) * presses(k);
-    }
-    for (size_t j : Range(own.dofs))
-      mat(own.dofs[i], own.dofs[j]) += stiffness(i, j);
-  }
+  for (size_t i : Range(own.dofs))
+    result.force.Col(i) += pressed(i) * direction;
+  result.jump = (1 / jump.area[m]) * result.force;
+  stiffness.Add(own.dofs, own.dofs, own.Stiffness(spread));
+  return result;
 }
 
 template <int D>

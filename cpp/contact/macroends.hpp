@@ -33,12 +33,9 @@ public:
   void AddForces(size_t m, const MacroLaw<D> & law, Scatter & y) const;
   Vec<D> MomentOf(size_t m, const MacroLaw<D> & law) const;
 
-  /// Sets to zero what `SetLines` sets.
-  void Clear(FlatArray<int> multipliers, SparseMatrix<double> & mat) const;
-  /// Rows and columns of the multipliers, and the stiffness of the points.
-  void SetLines(size_t m, const MacroLaw<D> & law, const MacroJump<D> & jump,
-                const Vec<D> & direction, const ngbla::Mat<D, D> & projection,
-                SparseMatrix<double> & mat) const;
+  /// How one of them moves with the dofs; adds the stiffness of its points.
+  PlaceRows<D> RowsOf(size_t m, const MacroLaw<D> & law, const MacroJump<D> & jump,
+                      const Vec<D> & direction, BlockSum & stiffness) const;
 
   /// What was looked at, as numbers.
   Array<double> Save() const;

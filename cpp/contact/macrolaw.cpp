@@ -97,14 +97,15 @@ double MacroLaw<D>::GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> 
 }
 
 template <int D>
-ngbla::Mat<D, D> MacroLaw<D>::EndFactor(size_t m, const Vec<D> & normal) const {
-  double more = c[m] / end_c[m] - 1;
-  return Id<D>() + more * normal * Trans(normal);
+ngbla::Mat<D, D> MacroLaw<D>::RowFactor(size_t m, const MacroPlace<D> & place) const {
+  ngbla::Mat<D, D> factor = (place.rowarea / c[m]) * Id<D>();
+  if (place.ends)
+    factor += (place.rowarea / c[m]) * (c[m] / end_c[m] - 1) * place.normal * Trans(place.normal);
+  return factor;
 }
 
 template <int D>
-Projection<D> MacroLaw<D>::ProjectWithMemory(size_t m, const MacroPlace<D> & place,
-                                             FlatVector<> x) {
+Answer<D> MacroLaw<D>::AtStep(size_t m, const MacroPlace<D> & place, FlatVector<> x) {
   Vec<D> now = 0.0, trial = Trial(m, place, x);
   auto data = Data(m, place);
   auto p = Project(data, trial);
@@ -115,34 +116,27 @@ Projection<D> MacroLaw<D>::ProjectWithMemory(size_t m, const MacroPlace<D> & pla
     now = 0.0;
   }
   direction[m] = now;
-  return p;
+  return AnswerOf(m, place, p, x);
 }
 
 template <int D>
-void MacroLaw<D>::AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
-                              FlatVector<> x, FlatVector<> y) const {
-  Vec<D> residual = (place.rowarea / c[m]) * (p.traction - Multiplier(m, x));
-  if (place.ends)
-    residual = EndFactor(m, place.normal) * residual;
-  for (int k : Range(D))
-    y(dofs[D * m + k]) += residual(k);
-}
-
-template <int D>
-ngbla::Mat<D, D> MacroLaw<D>::MultiplierBlock(size_t m, const Vec<D> & normal, double rowarea,
-                                              const ngbla::Mat<D, D> & projection) const {
-  ngbla::Mat<D, D> by_trial = projection - projection * ComplianceOf(m).At(normal);
-  return (rowarea / c[m]) * (by_trial - Id<D>());
-}
-
-template <int D>
-ngbla::Mat<D, D> MacroLaw<D>::EndBlock(size_t m, const Vec<D> & normal, double rowarea,
-                                       const ngbla::Mat<D, D> & projection,
-                                       const EndPressure & spread) const {
-  ngbla::Mat<D, D> trial = Id<D>() - ComplianceOf(m).At(normal);
-  trial += (spread.by_multiplier - 1) * normal * Trans(Vec<D>(Trans(trial) * normal));
-  ngbla::Mat<D, D> by_trial = projection * trial;
-  return (rowarea / c[m]) * EndFactor(m, normal) * (by_trial - Id<D>());
+Answer<D> MacroLaw<D>::AnswerOf(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
+                                FlatVector<> x) const {
+  auto & n = place.normal;
+  auto compliance = ComplianceOf(m);
+  ngbla::Mat<D, D> multiplier = Id<D>() - compliance.At(n), jump = c[m] * Id<D>();
+  if (place.ends) { // the mean pressure of its points in place of the trial pressure
+    double growth = Spread(m, *place.ends).by_multiplier - 1;
+    multiplier += growth * n * Trans(Vec<D>(Trans(multiplier) * n));
+    jump += (end_c[m] - c[m]) * n * Trans(n);
+  }
+  Answer<D> answer;
+  answer.traction = p.traction;
+  answer.by_multiplier = p.derivative * multiplier;
+  answer.by_jump = -1 * (p.derivative * jump);
+  answer.by_normal = p.by_normal - p.derivative * compliance.ByNormal(n, Multiplier(m, x));
+  answer.status = p.status;
+  return answer;
 }
 
 template <int D>

@@ -2,28 +2,11 @@
 #pragma once
 #include "coefficients.hpp"
 #include "compliance.hpp"
-#include "endlaw.hpp"
+#include "law.hpp"
 #include "pairfinder.hpp"
+#include "place.hpp"
 
 namespace ngslac {
-/// Where a macro-element is: means over its paired part.
-template <int D>
-struct MacroPlace {
-  Vec<D> normal;
-  double gap;           // along it
-  Vec<D> slip;          // of this step, perpendicular to the normal
-  Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
-  double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea
-  const EndPoints * ends = nullptr; // where contact ends inside of it
-};
-
-/// Of surfaces that slide; the slip may have a part along the normal.
-template <int D>
-MacroPlace<D> PlaceAt(const Vec<D> & normal, double gap, Vec<D> slip, double area, double rowarea) {
-  slip -= InnerProduct(slip, normal) * normal;
-  return {normal, gap, slip, slip - gap * normal, area, rowarea};
-}
-
 /// The contact law of all macro-elements: multipliers, scales and coefficients.
 template <int D>
 class MacroLaw {
@@ -62,33 +45,33 @@ public:
   SearchMargin Margin() const;
 
   Vec<D> Multiplier(size_t m, FlatVector<> x) const;
+  Array<Vec<D>> Multipliers(FlatVector<> x) const {
+    Array<Vec<D>> all(c.Size());
+    for (size_t m : Range(all))
+      all[m] = Multiplier(m, x);
+    return all;
+  }
   /// The pressure that it stands for before the projection, at rest.
   double GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const;
   /// How the pressure spreads over the points of a macro-element that contact ends in.
   EndPressure Spread(size_t m, const EndPoints & points) const {
     return EndPressure::Of(points, end_c[m]);
   }
-  /// Factor of the multiplier's rows that makes the matrix symmetric where contact ends.
-  ngbla::Mat<D, D> EndFactor(size_t m, const Vec<D> & normal) const;
   Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }
-  Projection<D> ProjectAt(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
-    return Project(Data(m, place), Trial(m, place, x));
+  /// What the law answers at a place and the multiplier of x.
+  Answer<D> At(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
+    return AnswerOf(m, place, Project(Data(m, place), Trial(m, place, x)), x);
   }
-  /// The projection, but what slips the other way than in the last Newton step sticks.
-  Projection<D> ProjectWithMemory(size_t m, const MacroPlace<D> & place, FlatVector<> x);
-  /// Adds the residual of the multiplier's rows.
-  void AddResidual(size_t m, const MacroPlace<D> & place, const Projection<D> & p, FlatVector<> x,
-                   FlatVector<> y) const;
-  /// Derivative of a multiplier's rows by the multiplier, from that of the projection.
-  ngbla::Mat<D, D> MultiplierBlock(size_t m, const Vec<D> & normal, double rowarea,
-                                   const ngbla::Mat<D, D> & projection) const;
-  /// The same where contact ends inside of the macro-element.
-  ngbla::Mat<D, D> EndBlock(size_t m, const Vec<D> & normal, double rowarea,
-                            const ngbla::Mat<D, D> & projection, const EndPressure & spread) const;
+  /// The same for a Newton step: what slips the other way than in the last one sticks.
+  Answer<D> AtStep(size_t m, const MacroPlace<D> & place, FlatVector<> x);
+  /// Factor of the multiplier's rows, which makes the matrix symmetric where contact ends, too.
+  ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const;
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;
 
 private:
+  Answer<D> AnswerOf(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
+                     FlatVector<> x) const;
   LawData<D> Data(size_t m, const MacroPlace<D> & place) const;
   /// The traction before the projection. Macro-elements without a partner stay open.
   Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const;

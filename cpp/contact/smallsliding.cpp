@@ -14,13 +14,13 @@ class SmallSliding : public Kinematics<D> {
 
   Watch watch_obstacle{setup.obstacle};
   shared_ptr<SparseMatrix<double>> mat;
+  Array<Vec<D>> mean;                        // of u1 - u2 at the last At
   Array<Vec<D>> gapvector;                   // mean of x1 - x2 at u = 0
   Array<Vec<D>> slave_normal, master_normal; // means over the paired part
   double share = 0.5;                        // of the master in the stiffness of both bodies
   Array<Vec<D>> direction;                   // in which macro-elements and their partners push
   Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
   Array<Vec<D>> tied; // mean of x1 - x2 at the last Start, which tied surfaces keep
-  Array<int> loaded;  // rows of the displacements that have forces
   Vector<> paired_at; // displacements that gaps are counted from
   MacroEnds<D> ends;  // macro-elements that contact ends in
   struct {
@@ -32,8 +32,7 @@ class SmallSliding : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction> gf, FlatVector<> x,
-                                         Meeting) override {
+  void Start(shared_ptr<GridFunction> gf, FlatVector<> x, Meeting) override {
     shared_ptr<CoefficientFunction> displacement;
     if (gf && !setup.obstacle) // an obstacle is given by its gap in the reference configuration
       displacement = make_shared<GridFunctionCoefficientFunction>(gf, nullptr, u.evaluator);
@@ -56,7 +55,7 @@ public:
       paired_at(i) *= x(i);
     SetDirections();
     Reevaluate();
-    committed.SetSize(jump.Size());
+    committed.SetSize(jump.Size()), mean.SetSize(jump.Size());
     for (size_t m : Range(committed)) {
       committed[m] = jump.Mean(m, x);
       if (displacement) // the gap is linear in u, counted from the paired configuration
@@ -65,12 +64,11 @@ public:
     reference = tied = committed;
     for (size_t m : Range(tied))
       tied[m] += gapvector[m];
-    this->AdjustStart(x);
+    At(x);
+    this->AdjustStart();
     At(x);
     Accept();
     mat = ContactGraph(jump, law->dofs, x.Size(), ends.Dofs(jump.Size()));
-    SetForces();
-    return mat;
   }
 
   Array<double> Ends() const override { return Array<double>(ends.Shares()); }
@@ -79,7 +77,10 @@ public:
     return setup.obstacle ? Vec<D>(0.0) : master_normal[m];
   }
 
-  void At(FlatVector<> x) override { ends.Look(*law, direction, x); }
+  void At(FlatVector<> x) override {
+    ParallelFor(this->Size(), [&](size_t m) { mean[m] = surfaces.jump->Mean(m, x); });
+    ends.Look(*law, direction, x);
+  }
 
   /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is
   /// made, since the last committed one is kept.
@@ -93,10 +94,10 @@ public:
       });
   }
 
-  MacroPlace<D> Place(size_t m, FlatVector<> x) const override {
+  MacroPlace<D> Place(size_t m) const override {
     auto & jump = *surfaces.jump;
     auto & n = direction[m];
-    Vec<D> mean = jump.Mean(m, x), slip = mean - reference[m], apart = mean + gapvector[m];
+    Vec<D> slip = mean[m] - reference[m], apart = mean[m] + gapvector[m];
     slip -= InnerProduct(slip, n) * n;
     double gap = law->Clearance(m) - InnerProduct(n, apart);
     Vec<D> vanishing = setup.tied ? Vec<D>(apart - tied[m]) : Vec<D>(slip - gap * n);
@@ -129,23 +130,6 @@ public:
       ends.AddForces(m, *law, y);
   }
 
-  /// By the matrix, row by row, so that threads do not meet.
-  void AddAllForces(FlatVector<> x, FlatVector<> y) const override {
-    if (!ends.Empty()) {
-      Base::AddAllForces(x, y);
-      return;
-    }
-    ParallelFor(loaded.Size(), [&](size_t i) {
-      int row = loaded[i];
-      auto columns = mat->GetRowIndices(row);
-      auto values = mat->GetRowValues(row);
-      double sum = 0;
-      for (size_t j : Range(columns))
-        sum += values(j) * x(columns[j]);
-      y(row) += sum;
-    });
-  }
-
   pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const override {
     auto & jump = *surfaces.jump;
     if (!EndsOf(m))
@@ -155,28 +139,37 @@ public:
             Moment(jump.moment[m], along) + Moment(ends.MomentOf(m, *law), press)};
   }
 
-  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<>, FlatArray<Projection<D>> projections,
-                                             FlatArray<Vec<D>>, Rim) override {
-    ends.Clear(law->dofs, *mat);
-    ParallelFor(projections.Size(), [&](size_t m) { SetRows(m, projections[m].derivative); });
-    for (size_t m : ends.Numbers())
-      if (EndsOf(m))
-        ends.SetLines(m, *law, *surfaces.jump, direction[m], projections[m].derivative, *mat);
-      else
-        SetForcesOf(m);
+  shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>>, size_t) override {
+    mat->SetZero();
     return mat;
+  }
+
+  PlaceRows<D> RowsOf(size_t m, const Vec<D> &, Rim, BlockSum & stiffness,
+                      LocalHeap & lh) const override {
+    if (EndsOf(m))
+      return ends.RowsOf(m, *law, *surfaces.jump, direction[m], stiffness);
+    auto row = surfaces.jump->Row(m);
+    FlatArray<int> dofs(row.Size(), lh);
+    for (int j : Range(row))
+      dofs[j] = row[j].dof;
+    PlaceRows<D> rows(dofs);
+    for (int j : Range(row)) {
+      rows.force.Col(j) = row[j].integral;
+      rows.jump.Col(j) = 1 / surfaces.jump->area[m] * row[j].integral;
+    }
+    return rows;
   }
 
   void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) override {
     auto & jump = *surfaces.jump;
     for (size_t m : Range(jump.Size())) {
       auto & n = direction[m];
-      Vec<D> mean = jump.Mean(m, x), velocity = mean - committed[m];
-      committed[m] = mean;
+      Vec<D> velocity = mean[m] - committed[m];
+      committed[m] = mean[m];
       if (setup.obstacle || setup.offset) // may have come nearer, too
         velocity += (before[m].gap - now[m].gap - InnerProduct(velocity, n)) * n;
       double approach = InnerProduct(velocity, n);
-      reference[m] = mean + this->TimeToTouch(now[m], approach, L2Norm(velocity)) * velocity;
+      reference[m] = mean[m] + this->TimeToTouch(now[m], approach, L2Norm(velocity)) * velocity;
       reference[m] += law->ElasticSlip(m, n, x);
     }
     Accept();
@@ -285,50 +278,6 @@ private:
     accepted.pairing = surfaces.pairing;
     accepted.gapvector = gapvector;
     accepted.ends = ends.Save();
-  }
-
-  /// The columns of the multipliers, which hold the forces of unit multipliers, do not change until
-  /// the next Update.
-  void SetForces() {
-    auto & jump = this->Jump();
-    BitArray has_forces(mat->Height());
-    has_forces.Clear();
-    ParallelFor(this->Size(), [&](size_t m) {
-      for (auto & e : jump.Row(m))
-        has_forces.SetBitAtomic(e.dof);
-      SetForcesOf(m);
-    });
-    loaded.SetSize0();
-    for (size_t i : Range(mat->Height()))
-      if (has_forces.Test(i))
-        loaded.Append(i);
-  }
-
-  void SetForcesOf(size_t m) {
-    for (auto & e : this->Jump().Row(m))
-      for (int k : Range(D))
-        if (e.integral(k) != 0)
-          (*mat)(e.dof, law->dofs[D * m + k]) = -e.integral(k);
-  }
-
-  void SetRows(size_t m, const ngbla::Mat<D, D> & derivative) {
-    auto & jump = *surfaces.jump;
-    auto by_lam = law->MultiplierBlock(m, direction[m], jump.RowArea(m), derivative);
-    for (int k : Range(D)) {
-      int row = law->dofs[D * m + k];
-      for (int l : Range(D))
-        (*mat)(row, law->dofs[D * m + l]) = by_lam(k, l);
-      auto columns = mat->GetRowIndices(row); // sorted, as the entries are
-      auto values = mat->GetRowValues(row);
-      size_t at = 0;
-      for (auto & e : jump.Row(m)) {
-        while (at < columns.Size() && columns[at] < e.dof)
-          at++;
-        if (at == columns.Size() || columns[at] != e.dof)
-          throw Exception("ngslac: a contact force has no place in the matrix");
-        values(at) = -InnerProduct(Vec<D>(derivative.Row(k)), e.integral);
-      }
-    }
   }
 };
 } // namespace

@@ -61,7 +61,9 @@ class InteriorPoint:
         Where the bulk is linear that is a better start, too, and its Measurement the next one.
         """
         self.state = state
-        motion = self._Motion(state, [spring.Weaken(self.vec) for spring in self.springs])
+        weak = [spring.Weaken(self.vec) for spring in self.springs]
+        given = [self.values[spring.dofs.ravel()] for spring in self.springs]
+        motion = self._Motion(state, weak, given)
         pressure = max(spring.Pressure(motion) for spring in self.springs)
         if self.system.CountMotionAsDone():
             self.values[:] += motion
@@ -113,26 +115,23 @@ class InteriorPoint:
         # Bodies that nothing pushes in the end stay where they are.
         return self.linear.SolveShifted(*given, ~self.multipliers, 0.0, pins)
 
-    def _Motion(self, state, mats):
-        """How displacements answer to the tractions shown, with these matrices of the springs."""
+    def _Motion(self, state, mats, tractions):
+        """How displacements answer to tractions, with these matrices of the springs."""
         residual = self.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
-        for spring in self.springs:
-            spring.contact.AddApply(self.vec, residual)
         residual.FV().NumPy()[self.multipliers] = 0
+        for spring, own in self._Each(tractions):
+            spring.form.AddForces(self.vec, own, residual)
         self.linear.contacts = mats
         self.system.HoldIdle("closed")
         return -self.system.Displace(residual, self._Solve, mats)
 
     def _Direction(self, state, mats, mu, corrections=None):
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
-        now = self.values.copy()
         corrections = corrections or [None] * len(self.springs)
         changes = [spring.law.Change(mu, own) for spring, own in self._Each(corrections)]
-        for spring, change in self._Each(changes):
-            spring.Show(self.values, spring.law.traction + change)
-        motion = self._Motion(state, mats)
-        self.values[:] = now
+        aim = [s.Tractions(s.law.traction + change) for s, change in self._Each(changes)]
+        motion = self._Motion(state, mats, aim)
         steps = [spring.Step(change, motion) for spring, change in self._Each(changes)]
         return steps, motion
 
@@ -207,7 +206,7 @@ class Springs:
         """Matrix of springs that hold the surfaces loosely where they are."""
         d = self.dofs.shape[1]
         weak = np.multiply.outer(self.form.Scalars("c") / WIDE * self.own, np.eye(d))
-        return self.form.AssembleSprings(vec, weak.ravel())
+        return self.form.Matrix(vec, vec.FV().NumPy()[self.dofs.ravel()], weak.ravel())
 
     def Pressure(self, motion):
         """The size of the pressures of those springs after a motion, and of those at the start."""
@@ -257,8 +256,7 @@ class Springs:
         d = self.dofs.shape[1]
         stiffness = np.zeros((len(self.own), d, d))
         stiffness[self.own] = self.law.Stiffness()
-        self.Show(vec.FV().NumPy(), self.law.traction)
-        return self.form.AssembleSprings(vec, stiffness.ravel())
+        return self.form.Matrix(vec, self.Tractions(self.law.traction), stiffness.ravel())
 
     def _Place(self, vec):
         if self.contact.tied:
@@ -274,10 +272,15 @@ class Springs:
         self.law.Place(table["normal"][self.own], gaps, table["slip"][self.own])
         self.law.Bound(self._Bound(self.law.press.size, table))
 
+    def Tractions(self, own):
+        """Of all macro-elements, flat: those `own` (n, d) of its own, and 0."""
+        tractions = np.zeros(self.dofs.shape)
+        tractions[self.own] = own
+        return tractions.ravel()
+
     def Show(self, values, traction):
         """Put tractions (n, d) into the solution."""
-        values[self.dofs] = 0
-        values[self.dofs[self.own]] = traction
+        values[self.dofs.ravel()] = self.Tractions(traction)
 
     def Step(self, change, motion):
         """The step of the law to a motion of the displacements."""

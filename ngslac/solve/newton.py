@@ -335,7 +335,7 @@ class Newton:
                 raise error
             system.GoTo(start)
             failure.exhausted = True
-            return self._Search(error, maxit, start)
+            return self._Search(failure, error, maxit, start)
         except FAILURES:
             if found is None or system.bodies.Lost(found[0]):
                 raise
@@ -343,13 +343,13 @@ class Newton:
             self.Record(system.Measure())
             return self.Accept()
 
-    def _Search(self, error, maxit, start):
+    def _Search(self, failure, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
         try:
             return StatusSearch(self, maxit).Run(error)
         except FAILURES:
-            if not (system.bodies.floating and system.finite):
+            if failure.rubs or not (system.bodies.floating and system.finite):
                 raise
             system.GoTo(start)
             try:

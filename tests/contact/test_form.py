@@ -85,6 +85,7 @@ def test_graph_is_exact(dim, space, law):
     sizes = {"overhang": -0.5} if dim == 3 else {}
     mesh = block_mesh(dim, *(("hex", "tet", 5, 3) if dim == 3 else ()), **sizes)
     contact = contact_form(mesh, space, **law)
+    contact.AssembleLinearization(vector(contact, random_state(contact)))
     rows, columns, _ = (np.array(a) for a in contact.mat.COO())
     assert len(set(zip(rows.tolist(), columns.tolist(), strict=True))) == len(rows)
     used = np.zeros(len(rows), dtype=bool)

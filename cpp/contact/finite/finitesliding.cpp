@@ -5,7 +5,6 @@
 #include "contact/selfcontact.hpp"
 #include "couplings.hpp"
 #include "forceblocks.hpp"
-#include "multiplierlines.hpp"
 #include "referenceareas.hpp"
 
 namespace ngslac {
@@ -57,8 +56,7 @@ class FiniteSliding : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
-                                         Meeting meeting) override {
+  void Start(shared_ptr<GridFunction>, FlatVector<> x, Meeting meeting) override {
     first = meeting;
     slave_reference = finder.Slave(nullptr);
     master_reference = finder.Master(nullptr);
@@ -77,11 +75,10 @@ public:
     reference.SetSize(Size()), last_gap.SetSize(Size());
     reference = Vec<D>(0.0);
     At(x);
-    this->AdjustStart(x);
+    this->AdjustStart();
     for (size_t m : Range(last_gap))
-      last_gap[m] = Place(m, x).gap;
+      last_gap[m] = Place(m).gap;
     Accept();
-    return make_shared<SparseMatrix<double>>(0, 0);
   }
 
   void LearnStiffness(FlatVector<> diagonal) override {
@@ -157,7 +154,7 @@ public:
     });
   }
 
-  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+  MacroPlace<D> Place(size_t m) const override {
     double area = points->area[m], rowarea = surfaces.jump->RowArea(m);
     if (area == 0)
       return PlaceAt(surfaces.jump->normal[m], 0, Vec<D>(0.0), 0, rowarea);
@@ -187,27 +184,23 @@ public:
     return Resultant<D>(now->surfaces.slave, *points, m, Parts(m, traction));
   }
 
-  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
-                                             FlatArray<Vec<D>> tractions, Rim rim) override {
-    auto update = [&](size_t m, Coupling & coupling) {
+  shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>> tractions, size_t n) override {
+    return couplings.Matrix(Size(), *master_shapes, law->dofs, n, [&](size_t m, Coupling & own) {
       return UpdateCoupling<D>(*slave_shapes, *master_shapes, *points,
                                Slides(m) ? &SlipPoints(m) : nullptr, m, IsTraction(tractions[m]),
-                               coupling);
-    };
-    auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
-    MultiplierLines<D> lines(*law, *mat);
-    size_t heap = BlockHeap<D>(surfaces.slave->Degree());
-    AddBlocksInOrder(Size(), *mat, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      lines.SetMultiplierBlock(m, Normal(m), surfaces.jump->RowArea(m), projections[m].derivative);
-      if (points->area[m] == 0)
-        return;
-      MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
-      AddMotion(m, tractions[m], rim, rows, sum, lh);
-      lines.SetForceColumns(m, now->mean[m].normal, rows);
-      Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
-      lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows, sum);
+                               own);
     });
-    return mat;
+  }
+
+  PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim rim, BlockSum & sum,
+                      LocalHeap & lh) const override {
+    if (points->area[m] == 0)
+      return {};
+    MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
+    AddMotion(m, traction, rim, rows, sum, lh);
+    auto & mean = now->mean[m];
+    Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+    return rows.OfPlace(mean.normal, slip, mean.gap + law->Clearance(m));
   }
 
   void Commit(FlatVector<> x, FlatArray<MacroState>, FlatArray<MacroState> states) override {

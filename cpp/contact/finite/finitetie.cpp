@@ -3,7 +3,6 @@
 #include "contact/periods.hpp"
 #include "couplings.hpp"
 #include "forceblocks.hpp"
-#include "multiplierlines.hpp"
 #include "referenceareas.hpp"
 #include "tiemotion.hpp"
 
@@ -36,8 +35,7 @@ class FiniteTie : public Kinematics<D> {
 public:
   using Base::Base;
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
-                                         Meeting) override {
+  void Start(shared_ptr<GridFunction>, FlatVector<> x, Meeting) override {
     slave_reference = finder.Slave(nullptr);
     master_reference = finder.Master(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
@@ -60,7 +58,6 @@ public:
     reference = Vec<D>(0.0);
     At(x);
     accepted = now;
-    return make_shared<SparseMatrix<double>>(0, 0);
   }
 
   void At(FlatVector<> x) override {
@@ -77,7 +74,7 @@ public:
     });
   }
 
-  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+  MacroPlace<D> Place(size_t m) const override {
     auto & jump = *surfaces.jump;
     Vec<D> none = 0.0;
     if (points->area[m] == 0)
@@ -91,7 +88,7 @@ public:
     if (points->area[m] == 0 || !IsTraction(traction))
       return;
     auto coupling = CouplingAt(m);
-    auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
+    auto rows = TieRows(m, coupling, Vec<D>(0.0), lh);
     for (int j : Range(rows.dofs))
       y.Add(rows.dofs[j], -points->area[m] * InnerProduct(traction, Vec<D>(rows.slip.Col(j))));
   }
@@ -102,34 +99,24 @@ public:
     return TieResultant<D>(now->surfaces, *points, m, traction);
   }
 
-  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
-                                             FlatArray<Vec<D>> tractions, Rim) override {
-    auto update = [&](size_t m, Coupling & coupling) {
+  shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>> tractions, size_t n) override {
+    return couplings.Matrix(Size(), *master_shapes, law->dofs, n, [&](size_t m, Coupling & own) {
       return UpdateCoupling<D>(*slave_shapes, *master_shapes, *points, nullptr, m,
-                               IsTraction(tractions[m]), coupling);
-    };
-    auto mat = couplings.Matrix(Size(), *master_shapes, law->dofs, x.Size(), update);
-    MultiplierLines<D> lines(*law, *mat);
-    size_t heap = BlockHeap<D>(surfaces.slave->Degree());
-    AddBlocksInOrder(Size(), *mat, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      auto & derivative = projections[m].derivative;
-      auto own = law->dofs.Range(D * m, D * (m + 1));
-      lines.SetMultiplierBlock(m, Place(m, x).normal, surfaces.jump->RowArea(m), derivative);
-      if (points->area[m] == 0)
-        return;
-      auto rows = RowsAt(m, couplings[m], tractions[m], lh);
-      Matrix<> constraints(D, rows.dofs.Size());
-      for (int j : Range(rows.dofs)) {
-        Vec<D> force = points->area[m] * Vec<D>(rows.slip.Col(j));
-        constraints.Col(j) = -1 * (derivative * force);
-        for (int k : Range(D))
-          (*mat)(rows.dofs[j], own[k]) = -force(k);
-      }
-      sum.Add(own, rows.dofs, std::move(constraints));
-      if (IsTraction(tractions[m]))
-        sum.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
+                               IsTraction(tractions[m]), own);
     });
-    return mat;
+  }
+
+  PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim, BlockSum & stiffness,
+                      LocalHeap & lh) const override {
+    if (points->area[m] == 0)
+      return {};
+    auto rows = TieRows(m, couplings[m], traction, lh);
+    if (IsTraction(traction))
+      stiffness.Add(rows.dofs, rows.turning, std::move(rows.stiffness));
+    PlaceRows<D> result(rows.dofs);
+    result.jump = rows.slip;
+    result.force = points->area[m] * rows.slip;
+    return result;
   }
 
   /// In the present configuration, and with the arms: rigid motions of both bodies do not change
@@ -143,7 +130,7 @@ public:
         auto coupling = CouplingAt(m);
         if (points->area[m] == 0)
           continue;
-        auto rows = RowsAt(m, coupling, Vec<D>(0.0), lh);
+        auto rows = TieRows(m, coupling, Vec<D>(0.0), lh);
         for (int j : Range(rows.dofs))
           entries[m].Append(JumpEntry<D>{rows.dofs[j], points->area[m] * Vec<D>(rows.slip.Col(j))});
       }
@@ -166,14 +153,12 @@ private:
     return coupling;
   }
 
-  MacroRows<D> RowsAt(size_t m, const Coupling & coupling, const Vec<D> & traction,
-                      LocalHeap & lh) const {
+  MacroRows<D> TieRows(size_t m, const Coupling & coupling, const Vec<D> & traction,
+                       LocalHeap & lh) const {
     MacroRows<D> rows(coupling.dofs, coupling.turning);
     AddTie<D>(now->surfaces, *points, m, traction, rows, lh);
     return rows;
   }
-
-  /// Heap for blocks of the dofs of two faces: their size grows with the order.
 };
 } // namespace
 

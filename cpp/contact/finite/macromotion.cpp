@@ -33,6 +33,20 @@ void MacroRows<D>::MakeMeans(const MacroGap<D> & mean, double area, double share
 }
 
 template <int D>
+PlaceRows<D> MacroRows<D>::OfPlace(const Vec<D> & n, const Vec<D> & slipped, double opened) const {
+  PlaceRows<D> rows(dofs);
+  rows.normal = normal;
+  Mat<D, D> across = Id<D>() - n * Trans(n);
+  for (int j : Range(dofs)) {
+    Vec<D> turn = normal.Col(j), moved = across * Vec<D>(slip.Col(j));
+    moved -= InnerProduct(n, slipped) * turn + InnerProduct(turn, slipped) * n;
+    rows.jump.Col(j) = moved - gap(j) * n - opened * turn;
+    rows.force.Col(j) = across * Vec<D>(force.Col(j)) + squeeze(j) * n;
+  }
+  return rows;
+}
+
+template <int D>
 MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
                     FlatArray<RayHit<D>> hits) {
   double gap = 0;

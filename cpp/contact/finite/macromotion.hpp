@@ -2,6 +2,7 @@
 #pragma once
 #include "contact/direction.hpp"
 #include "contact/faceshapes.hpp"
+#include "contact/place.hpp"
 #include "linear/scatter.hpp"
 #include "ray.hpp"
 
@@ -51,6 +52,9 @@ struct MacroRows {
   MacroRows(FlatArray<int> adofs, FlatArray<int> aturning);
   /// Turns integrals of gap and normals (that of the master in place of `tilt`) into the means.
   void MakeMeans(const MacroGap<D> & mean, double area, double share);
+  /// Of all that the law looks at, at this normal, slip and gap; the slip may have a part along the
+  /// normal.
+  PlaceRows<D> OfPlace(const Vec<D> & n, const Vec<D> & slipped, double opened) const;
   int Position(int dof) const { return PositionIn(dofs, dof); }
   int TurningPosition(int dof) const { return PositionIn(turning, dof); }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "contact/finite/couplings.hpp"
 #include "contact/finite/forceblocks.hpp"
-#include "contact/finite/multiplierlines.hpp"
 #include "contact/kinematics.hpp"
 #include "macrotool.hpp"
 
@@ -46,6 +45,7 @@ class ToolSliding : public Kinematics<D> {
   Array<Vec<D>> met;                       // see LookBack
   Array<double> last_gap;                  // at the last Commit
   shared_ptr<Now> now;                     // of the last At
+  Array<Coupling> couplings;               // of the last ZeroMatrix
   struct {
     Paired<D> surfaces;
     shared_ptr<Now> motion;
@@ -56,8 +56,7 @@ public:
               shared_ptr<MacroLaw<D>> law)
       : Base(setup, space, u, law), path(*setup.tool, u) {}
 
-  shared_ptr<SparseMatrix<double>> Start(shared_ptr<GridFunction>, FlatVector<> x,
-                                         Meeting meeting) override {
+  void Start(shared_ptr<GridFunction>, FlatVector<> x, Meeting meeting) override {
     slave_reference = finder.Slave(nullptr);
     shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
     int degree = u.Order(*slave_reference) + 2 * (slave_reference->Degree() - 1);
@@ -71,11 +70,10 @@ public:
     At(x);
     if (meeting == Meeting::now && setup.active)
       CheckSideOfTool<D>(now->scene, *all, setup.maxdist);
-    this->AdjustStart(x);
+    this->AdjustStart();
     for (size_t m : Range(last_gap))
-      last_gap[m] = Place(m, x).gap;
+      last_gap[m] = Place(m).gap;
     Accept();
-    return make_shared<SparseMatrix<double>>(0, 0);
   }
 
   void Reevaluate() override { path.Reevaluate(); }
@@ -116,7 +114,7 @@ public:
       FindSlip();
   }
 
-  MacroPlace<D> Place(size_t m, FlatVector<>) const override {
+  MacroPlace<D> Place(size_t m) const override {
     double area = points->area[m], rowarea = surfaces.jump->RowArea(m);
     if (area == 0)
       return PlaceAt(surfaces.jump->normal[m], 0, Vec<D>(0.0), 0, rowarea);
@@ -165,27 +163,21 @@ public:
     return Resultant<D>(now->scene.slave, *points, m, Parts(m, traction));
   }
 
-  shared_ptr<SparseMatrix<double>> Linearize(FlatVector<> x, FlatArray<Projection<D>> projections,
-                                             FlatArray<Vec<D>> tractions, Rim rim) override {
-    Array<Coupling> couplings(Size());
+  shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>> tractions, size_t n) override {
+    couplings.SetSize(Size());
     ParallelFor(Size(), [&](size_t m) { couplings[m] = CouplingOf(m, IsTraction(tractions[m])); });
-    auto mat = MatrixOf<D>(couplings, *shapes, law->dofs, x.Size());
-    MultiplierLines<D> lines(*law, *mat);
-    AddBlocksInOrder(
-        Size(), *mat, BlockHeap<D>(surfaces.slave->Degree()),
-        [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-          auto & normal = points->area[m] > 0 ? now->mean[m].normal : surfaces.jump->normal[m];
-          lines.SetMultiplierBlock(m, normal, surfaces.jump->RowArea(m), projections[m].derivative);
-          if (points->area[m] == 0)
-            return;
-          MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
-          AddMotion(m, tractions[m], rim, rows, sum, lh);
-          lines.SetForceColumns(m, normal, rows);
-          Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
-          lines.AddConstraints(m, now->mean[m], slip, points->area[m], x, projections[m], rows,
-                               sum);
-        });
-    return mat;
+    return MatrixOf<D>(couplings, *shapes, law->dofs, n);
+  }
+
+  PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim rim, BlockSum & sum,
+                      LocalHeap & lh) const override {
+    if (points->area[m] == 0)
+      return {};
+    MacroRows<D> rows(couplings[m].dofs, couplings[m].turning);
+    AddMotion(m, traction, rim, rows, sum, lh);
+    auto & mean = now->mean[m];
+    Vec<D> slip = Slides(m) ? Slip(m) : Vec<D>(0.0);
+    return rows.OfPlace(mean.normal, slip, mean.gap + law->Clearance(m));
   }
 
   void Commit(FlatVector<> x, FlatArray<MacroState>, FlatArray<MacroState> states) override {
