@@ -6,6 +6,14 @@
 #include <map>
 
 namespace ngslac {
+/// Arrays of numbers by name.
+using NamedNumbers = std::map<string, Array<double>>;
+
+/// A law in place of the compiled one: from `normal`, `gap`, `slip`, `area` and `multiplier` of all
+/// macro-elements to `traction`, `by_gap`, `by_slip` and `status`, and to `by_normal` and
+/// `by_multiplier` where these are not 0. Vectors and matrices row by row.
+using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
+
 /// What a contact form needs besides the two fields.
 struct ContactSetup {
   shared_ptr<CoefficientFunction> u, lam; // trial functions
@@ -23,10 +31,8 @@ struct ContactSetup {
   double maxdist = 0;     // 0: chosen from the size of the surfaces
   double penetration = 0; // 0: chosen from the size of the surfaces
   bool active = true;     // off: no partners, no forces
+  ContactLaw law;         // in place of the compiled one
 };
-
-/// Numbers of a form by name.
-using FormHistory = std::map<string, Array<double>>;
 
 /// Values of one macro-element after an evaluation.
 struct MacroState {
@@ -54,7 +60,7 @@ public:
 
   /// Pairs in the configuration of `gf` (null: reference); slip counts from there, or is that of a
   /// saved history. A failure leaves everything as it was.
-  virtual void Update(shared_ptr<GridFunction> gf, const FormHistory * history) = 0;
+  virtual void Update(shared_ptr<GridFunction> gf, const NamedNumbers * history) = 0;
   /// Throws unless the surfaces are paired, on the present mesh and space.
   void CheckPaired() const;
   /// Finite sliding: pairs anew at x. The points on the slave faces and the partners stay until the
@@ -86,8 +92,8 @@ public:
   /// Pairing, motion and states as at the last Commit, or Update if none came after it.
   virtual void Restore() = 0;
   /// What a later solve depends on, besides the configuration of the pairing.
-  virtual FormHistory History() const = 0;
-  virtual void SetHistory(const FormHistory & history) = 0;
+  virtual NamedNumbers History() const = 0;
+  virtual void SetHistory(const NamedNumbers & history) = 0;
   /// Subtracts the virtual work of tractions at x, d numbers for each macro-element, and of loads
   /// on a tool. Pressures are even.
   virtual void AddForces(const BaseVector & x, FlatArray<double> tractions, BaseVector & y) = 0;
@@ -101,9 +107,14 @@ public:
   virtual void AddScale(FlatVector<> scale) = 0;
   virtual shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) = 0;
 
-  // Flat geometric data, the space dimension fastest.
-  virtual Array<double> Vectors(const string & name) const = 0;
-  virtual Array<double> Scalars(const string & name) const = 0;
+  /// What is known of all macro-elements, the components of vectors fastest: the last evaluation,
+  /// and what does not change until the next pairing.
+  virtual NamedNumbers Table() const = 0;
+  /// Resultants of the tractions of the last evaluation, and their moments (3 numbers) about the
+  /// origin.
+  virtual NamedNumbers Resultants() const = 0;
+  /// The means of what Parameters and other functions may have changed since the last evaluation.
+  virtual void Reevaluate() = 0;
   /// see SegmentTable
   virtual SegmentTable Segments() const = 0;
   /// see MakePointTable
@@ -116,7 +127,6 @@ public:
   virtual Array<double> GapRanges(FlatVector<> x) = 0;
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
-  FlatArray<MacroState> States() const { return states; }
   /// Scalar dofs of what is unknown of the motion of a rigid tool.
   virtual FlatArray<int> ToolDofs() const = 0;
   /// What the macro-elements see of them, as JumpMatrix tells it of displacements: d rows each, a

@@ -5,13 +5,48 @@
 
 namespace ngslac {
 namespace {
-using History = std::map<string, Numbers<double>>;
+using Given = std::map<string, Numbers<double>>;
 
-FormHistory HistoryOf(const History & history) {
-  FormHistory copy;
-  for (auto & [name, values] : history)
+NamedNumbers FromDict(const Given & given) {
+  NamedNumbers copy;
+  for (auto & [name, values] : given)
     copy[name] = FromNumPy(values);
   return copy;
+}
+
+/// Flat arrays by name.
+py::dict ToDict(const NamedNumbers & numbers) {
+  py::dict result;
+  for (auto & [name, values] : numbers)
+    result[name.c_str()] = ToNumPy(values);
+  return result;
+}
+
+/// The same with a row for each macro-element.
+py::dict ToTable(const NamedNumbers & numbers, size_t macros) {
+  py::dict result;
+  for (auto & [name, values] : numbers) {
+    auto flat = ToNumPy(values);
+    bool vectors = macros && values.Size() > macros;
+    result[name.c_str()] = vectors ? py::object(flat.reshape({int(macros), -1})) : flat;
+  }
+  return result;
+}
+
+/// A law in Python, called and released with the lock of the interpreter, whoever has it.
+ContactLaw LawOf(py::object function) {
+  if (function.is_none())
+    return {};
+  auto release = [](py::object * held) {
+    py::gil_scoped_acquire lock;
+    delete held;
+  };
+  shared_ptr<py::object> law(new py::object(function), release);
+  return [law](const NamedNumbers & places) {
+    py::gil_scoped_acquire lock;
+    auto answer = (*law)(ToTable(places, places.at("area").Size()));
+    return FromDict(answer.cast<Given>());
+  };
 }
 } // namespace
 
@@ -34,21 +69,22 @@ void ExportContact(py::module & m) {
                        shared_ptr<CoefficientFunction> tresca,
                        shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool,
                        bool tied, bool bilateral, bool finite, bool edges, double adjust,
-                       double maxdist, double penetration, bool active) {
-             return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                     offset, tool, tied, bilateral, finite, edges,
-                                                     adjust, maxdist, penetration, active});
+                       double maxdist, double penetration, bool active, py::object law) {
+             return ContactForm::Create(ContactSetup{
+                 u, lam, master, obstacle, friction, tresca, offset, tool, tied, bilateral, finite,
+                 edges, adjust, maxdist, penetration, active, LawOf(law)});
            }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
            py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
            py::arg("tool") = nullptr, py::arg("tied") = false, py::arg("bilateral") = false,
            py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
-           py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true)
+           py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true,
+           py::arg("law") = py::none())
       .def(
           "Update",
-          [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<History> & history) {
-            auto copy = history ? HistoryOf(*history) : FormHistory();
+          [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<Given> & history) {
+            auto copy = history ? FromDict(*history) : NamedNumbers();
             py::gil_scoped_release release;
             self.Update(gf, history ? &copy : nullptr);
           },
@@ -81,15 +117,9 @@ void ExportContact(py::module & m) {
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
       .def("Restore", &ContactForm::Restore)
-      .def("History",
-           [](ContactForm & self) {
-             py::dict history;
-             for (auto & [name, values] : self.History())
-               history[name.c_str()] = ToNumPy(values);
-             return history;
-           })
+      .def("History", [](ContactForm & self) { return ToDict(self.History()); })
       .def("SetHistory",
-           [](ContactForm & self, const History & history) { self.SetHistory(HistoryOf(history)); })
+           [](ContactForm & self, const Given & history) { self.SetHistory(FromDict(history)); })
       .def(
           "AddForces",
           [](ContactForm & self, const BaseVector & x, Numbers<double> tractions, BaseVector & y) {
@@ -121,15 +151,11 @@ void ExportContact(py::module & m) {
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
              return self.JumpMatrix(side);
            })
-      .def("Vectors", [](ContactForm & self, string name) { return ToNumPy(self.Vectors(name)); })
-      .def("Scalars", [](ContactForm & self, string name) { return ToNumPy(self.Scalars(name)); })
-      .def("States",
-           [](ContactForm & self) {
-             Array<double> values;
-             for (auto & s : self.States())
-               AppendState(values, s);
-             return ToNumPy(values);
-           })
+      .def("Table",
+           [](ContactForm & self) { return ToTable(self.Table(), self.Space()->NMacros()); })
+      .def("Resultants",
+           [](ContactForm & self) { return ToTable(self.Resultants(), self.Space()->NMacros()); })
+      .def("Reevaluate", &ContactForm::Reevaluate, py::call_guard<py::gil_scoped_release>())
       .def("MultiplierDofs",
            [](ContactForm & self) { return ToNumPy(Array<int>(self.MultiplierDofs())); })
       .def("ToolDofs", [](ContactForm & self) { return ToNumPy(Array<int>(self.ToolDofs())); })

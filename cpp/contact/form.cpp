@@ -27,7 +27,7 @@ Form<D>::Form(const ContactSetup & asetup)
 }
 
 template <int D>
-void Form<D>::Update(shared_ptr<GridFunction> gf, const FormHistory * history) {
+void Form<D>::Update(shared_ptr<GridFunction> gf, const NamedNumbers * history) {
   static Timer timer("ngslac::ContactForm::Update");
   RegionTimer reg(timer);
   CheckUpdated(gf);
@@ -89,14 +89,76 @@ void Form<D>::SetActive(bool active) {
 
 // --- residual and matrices -----------------------------------------------------------------------
 
+namespace {
+/// Of one macro-element. Gap and slip are parts of the jump: the derivatives by it, and by a normal
+/// that turns while it stays, are those of gap and slip.
+template <int D>
+Answer<D> AnswerFrom(NamedNumbers & given, size_t m, const MacroPlace<D> & place) {
+  auto vector = [&](const char * name) {
+    return Vec<D>(FlatVector<>(D, given[name].Data() + D * m));
+  };
+  auto matrix = [&](const char * name) {
+    return Mat<D, D>(FlatMatrix<>(D, D, given[name].Data() + D * D * m));
+  };
+  auto & n = place.normal;
+  Vec<D> by_gap = vector("by_gap");
+  Mat<D, D> by_slip = matrix("by_slip"), across = Id<D>() - n * Trans(n);
+  Answer<D> answer;
+  answer.traction = vector("traction");
+  answer.by_multiplier = matrix("by_multiplier");
+  answer.by_jump = by_slip * across - by_gap * Trans(n);
+  answer.by_normal = matrix("by_normal") - by_gap * Trans(place.jump);
+  answer.by_normal += by_slip * (place.gap * Id<D>() - n * Trans(place.jump));
+  answer.status = StatusFrom(given["status"][m]);
+  return answer;
+}
+} // namespace
+
 /// The answers of the law at x, in a step with its memory of the last one.
 template <int D>
 Array<Answer<D>> Form<D>::Answers(FlatVector<> x, bool step) {
+  if (setup.law)
+    return GivenAnswers(x);
   Array<Answer<D>> answers(states.Size());
   ParallelFor(answers.Size(), [&](size_t m) {
     auto place = Place(m);
     answers[m] = step ? law->AtStep(m, place, x) : law->At(m, place, x);
   });
+  return answers;
+}
+
+template <int D>
+Array<Answer<D>> Form<D>::GivenAnswers(FlatVector<> x) const {
+  NamedNumbers places;
+  auto tractions = law->Multipliers(x);
+  for (size_t m : Range(states)) {
+    auto place = Place(m);
+    places["area"].Append(place.area);
+    places["gap"].Append(place.gap);
+    AppendVector<D>(places["normal"], place.normal);
+    AppendVector<D>(places["slip"], place.slip);
+    AppendVector<D>(places["multiplier"], tractions[m]);
+  }
+  auto given = setup.law(places);
+  for (auto name : {"by_normal", "by_multiplier"})
+    if (auto & zero = given[name]; !zero.Size()) {
+      zero.SetSize(D * D * states.Size());
+      zero = 0.0;
+    }
+  const size_t n = states.Size();
+  for (auto & [name, size] : std::map<string, size_t>{{"traction", D * n},
+                                                      {"by_gap", D * n},
+                                                      {"by_slip", D * D * n},
+                                                      {"by_normal", D * D * n},
+                                                      {"by_multiplier", D * D * n},
+                                                      {"status", n}})
+    if (given[name].Size() != size)
+      throw Exception("LACContact: a law has given " + ToString(given[name].Size()) +
+                      " numbers as '" + name + "' in place of " + ToString(size));
+  Array<Answer<D>> answers(n);
+  for (size_t m : Range(n))
+    if (auto place = Place(m); place.area > 0)
+      answers[m] = AnswerFrom<D>(given, m, place);
   return answers;
 }
 
@@ -222,7 +284,7 @@ void Form<D>::SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & 
     for (int l : Range(D))
       mat(own, law->dofs[D * m + l]) = block(k, l);
     SetInRow(mat, own, rows.dofs, entries.Row(k));
-    for (int j : Range(rows.dofs))
+    for (int j : Range(rows.force.Width()))
       if (rows.force(k, j) != 0)
         mat(rows.dofs[j], own) = -rows.force(k, j);
   }

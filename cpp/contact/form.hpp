@@ -9,7 +9,7 @@ class Form final : public ContactForm {
 public:
   explicit Form(const ContactSetup & asetup);
 
-  void Update(shared_ptr<GridFunction> gf, const FormHistory * history) override;
+  void Update(shared_ptr<GridFunction> gf, const NamedNumbers * history) override;
   void Follow(const BaseVector & x) override;
   void SetStiffness(FlatVector<> diagonal, double factor) override;
   void LearnStiffness(FlatVector<> diagonal) override;
@@ -24,16 +24,17 @@ public:
   void SetEven(bool even) override { law->has_ends = setup.active && !even; }
   void Commit(const BaseVector & x) override;
   void Restore() override;
-  FormHistory History() const override;
-  void SetHistory(const FormHistory & history) override;
+  NamedNumbers History() const override;
+  void SetHistory(const NamedNumbers & history) override;
   void AddForces(const BaseVector & x, FlatArray<double> tractions, BaseVector & y) override;
   shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & x, FlatArray<double> tractions,
                                           FlatArray<double> stiffness) override;
   void Close(const BitArray & macros, BaseVector & x) override;
   void AddScale(FlatVector<> scale) override;
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
-  Array<double> Vectors(const string & name) const override;
-  Array<double> Scalars(const string & name) const override;
+  NamedNumbers Table() const override;
+  NamedNumbers Resultants() const override;
+  void Reevaluate() override;
   SegmentTable Segments() const override;
   Array<double> Points() const override;
   size_t NSegments() const override;
@@ -55,13 +56,14 @@ private:
   void CheckSize(size_t entries) const;
   /// Throws where a pairing could not be made: of mesh, space and gf.
   void CheckUpdated(const shared_ptr<GridFunction> & gf) const;
-  void Reevaluate();
   /// The scale c of macro-elements with a partner, 0 for the others.
   void SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor);
   void FillScales(double otherwise);
   /// Looks at x, with scales for the law.
   void Prepare(const BaseVector & x);
   Array<Answer<D>> Answers(FlatVector<> x, bool step);
+  /// Those of a law in place of the compiled one.
+  Array<Answer<D>> GivenAnswers(FlatVector<> x) const;
   Array<Vec<D>> Tractions(FlatArray<double> flat) const;
   void AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y);
   void AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y);

@@ -49,9 +49,9 @@ void Form<D>::Restore() {
 }
 
 template <int D>
-FormHistory Form<D>::History() const {
+NamedNumbers Form<D>::History() const {
   CheckPaired();
-  FormHistory history;
+  NamedNumbers history;
   kinematics->Save(history);
   SaveVectors<D>(history["reference"], kinematics->Reference());
   history["c"] = law->c;
@@ -67,7 +67,7 @@ FormHistory Form<D>::History() const {
 }
 
 template <int D>
-void Form<D>::SetHistory(const FormHistory & history) {
+void Form<D>::SetHistory(const NamedNumbers & history) {
   for (auto & [name, values] : History())
     if (!history.count(name) || history.at(name).Size() != values.Size())
       throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
@@ -111,70 +111,56 @@ Array<double> Form<D>::ToolRows() const {
 }
 
 template <int D>
-Array<double> Form<D>::Vectors(const string & name) const {
+NamedNumbers Form<D>::Table() const {
   CheckPaired();
-  Array<double> values;
-  if (name == "normal")
-    SaveVectors<D>(values, normal);
-  else if (name == "facing")
-    for (size_t m : Range(states)) {
-      Vec<D> facing = kinematics->FacingNormal(m);
-      for (int k : Range(D))
-        values.Append(facing(k));
+  auto & jump = kinematics->Jump();
+  NamedNumbers table;
+  for (auto & [name, values] : std::map<string, const Array<double> *>{{"area", &jump.area},
+                                                                       {"fullarea", &jump.fullarea},
+                                                                       {"flatness", &jump.flatness},
+                                                                       {"c", &law->c},
+                                                                       {"friction", &law->friction},
+                                                                       {"tresca", &law->threshold},
+                                                                       {"offset", &law->offset}})
+    table[name] = *values;
+  table["ends"] = kinematics->Ends();
+  for (auto & [name, none] : {pair("area", !setup.active), pair("ends", !table["ends"].Size())})
+    if (none) {
+      table[name].SetSize(states.Size());
+      table[name] = 0.0;
     }
-  else if (name == "slave normal")
-    SaveVectors<D>(values, kinematics->Jump().normal);
-  else if (name == "center")
-    SaveVectors<D>(values, kinematics->Jump().center);
-  else if (name == "reference")
-    SaveVectors<D>(values, kinematics->Reference());
-  else if (name == "force" || name == "moment")
-    for (size_t m : Range(states)) {
-      Vec<D> traction;
-      for (int k : Range(D))
-        traction(k) = states[m].traction(k);
-      auto [force, moment] = kinematics->ResultantOf(m, traction);
-      for (int k : Range(name == "force" ? D : 3))
-        values.Append(name == "force" ? force(k) : moment(k));
+  SaveVectors<D>(table["normal"], normal);
+  SaveVectors<D>(table["slave_normal"], jump.normal);
+  SaveVectors<D>(table["center"], jump.center);
+  SaveVectors<D>(table["reference"], kinematics->Reference());
+  for (size_t m : Range(states)) {
+    auto & state = states[m];
+    AppendVector<D>(table["facing"], kinematics->FacingNormal(m));
+    table["prescribed"].Append(D - Trace(space->ReachOf(m)));
+    table["pressure"].Append(state.pressure);
+    table["gap"].Append(state.gap);
+    table["status"].Append(double(state.status));
+    for (int k : Range(D)) {
+      table["traction"].Append(state.traction(k));
+      table["slip"].Append(state.slip(k));
     }
-  else
-    throw Exception("ContactForm: no vectors named " + name);
-  return values;
+  }
+  return table;
 }
 
 template <int D>
-Array<double> Form<D>::Scalars(const string & name) const {
+NamedNumbers Form<D>::Resultants() const {
   CheckPaired();
-  auto & jump = kinematics->Jump();
-  if (name == "area" && !setup.active) {
-    Array<double> none(states.Size());
-    none = 0.0;
-    return none;
+  NamedNumbers table;
+  for (size_t m : Range(states)) {
+    Vec<D> traction;
+    for (int k : Range(D))
+      traction(k) = states[m].traction(k);
+    auto [force, moment] = kinematics->ResultantOf(m, traction);
+    AppendVector<D>(table["force"], force);
+    AppendVector<3>(table["moment"], moment);
   }
-  if (name.rfind("present ", 0) == 0) {
-    law->Reevaluate();
-    return Scalars(name.substr(8));
-  }
-  if (name == "ends") {
-    auto ends = kinematics->Ends();
-    for (size_t m = ends.Size(); m < states.Size(); m++)
-      ends.Append(0);
-    return ends;
-  }
-  std::map<string, const Array<double> *> known{
-      {"area", &jump.area},         {"fullarea", &jump.fullarea},
-      {"flatness", &jump.flatness}, {"c", &law->c},
-      {"friction", &law->friction}, {"threshold", &law->threshold},
-      {"tresca", &law->threshold},  {"offset", &law->offset},
-      {"end_c", &law->end_c}};
-  if (auto found = known.find(name); found != known.end())
-    return Array<double>(FlatArray<double>(*found->second));
-  if (name != "prescribed")
-    throw Exception("ContactForm: no scalars named " + name);
-  Array<double> directions(states.Size());
-  for (size_t m : Range(directions))
-    directions[m] = D - Trace(space->ReachOf(m));
-  return directions;
+  return table;
 }
 
 template <int D>

@@ -67,8 +67,8 @@ public:
   /// Everything is as it was at the last Commit.
   virtual void Restore() = 0;
   /// The numbers of the last commit that a later solve depends on.
-  virtual void Save(FormHistory & history) const = 0;
-  virtual void Load(const FormHistory & history) = 0;
+  virtual void Save(NamedNumbers & history) const = 0;
+  virtual void Load(const NamedNumbers & history) = 0;
 
   size_t Size() const { return surfaces.jump->Size(); }
   const Paired<D> & Surfaces() const { return surfaces; }

@@ -6,8 +6,8 @@ template <int D>
 MacroLaw<D>::MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace,
                       const ProxyInfo & alam)
     : space(aspace), lam(alam), tied(setup.tied), bilateral(setup.bilateral), adjust(setup.adjust),
-      watch_friction(setup.friction), watch_threshold(setup.threshold), watch_offset(setup.offset) {
-}
+      watch_friction(setup.friction), watch_threshold(setup.threshold), watch_offset(setup.offset),
+      own(setup.law != nullptr) {}
 
 template <int D>
 void MacroLaw<D>::FindDofs(const Surface<D> & slave) {
@@ -141,7 +141,7 @@ Answer<D> MacroLaw<D>::AnswerOf(size_t m, const MacroPlace<D> & place, const Pro
 
 template <int D>
 Vec<D> MacroLaw<D>::ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {
-  if (ComplianceOf(m).IsRigid() || !(c[m] > 0))
+  if (own || ComplianceOf(m).IsRigid() || !(c[m] > 0))
     return Vec<D>(0.0);
   Vec<D> slip = (1 / c[m]) * (ComplianceOf(m).At(normal) * Multiplier(m, x));
   return slip - InnerProduct(slip, normal) * normal;

@@ -25,6 +25,7 @@ public:
   Array<double> end_c;               // of points where contact ends inside, whatever c is
   bool has_ends = true;              // else pressures are even everywhere
   Array<int> dofs;                   // of the multipliers, D for each
+  bool own;                          // the answers are those of another law
 
   MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam);
 
@@ -66,6 +67,8 @@ public:
   Answer<D> AtStep(size_t m, const MacroPlace<D> & place, FlatVector<> x);
   /// Factor of the multiplier's rows, which makes the matrix symmetric where contact ends, too.
   ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const;
+  /// Does it look at slip?
+  bool Slides(size_t m) const { return own || max(friction[m], threshold[m]) >= 0; }
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;
 

@@ -5,18 +5,18 @@ namespace ngslac {
 namespace {
 constexpr int state_size = 9; // numbers in a MacroState
 
-Status StatusFrom(double number) {
-  for (auto status : {Status::open, Status::stick, Status::slip})
-    if (number == double(status))
-      return status;
-  throw Exception("LACContact: the saved history holds " + ToString(number) +
-                  " as the status of a macro-element, which is 0, 1 or 2");
-}
-
 Vec<3> VectorFrom(const double * flat) {
   return Vec<3>(flat[0], flat[1], flat[2]);
 }
 } // namespace
+
+Status StatusFrom(double number) {
+  for (auto status : {Status::open, Status::stick, Status::slip})
+    if (number == double(status))
+      return status;
+  throw Exception("LACContact: " + ToString(number) +
+                  " is no status of a macro-element, which is 0, 1 or 2");
+}
 
 void AppendState(Array<double> & flat, const MacroState & state) {
   flat += Array<double>{state.pressure, state.gap, double(state.status)};

@@ -6,12 +6,19 @@ namespace ngslac {
 /// The states that `AppendState` has written; throws if that was not all.
 Array<MacroState> StatesFrom(FlatArray<double> flat);
 
+/// Throws unless that is the number of a status.
+Status StatusFrom(double number);
+
+template <int D>
+void AppendVector(Array<double> & flat, const Vec<D> & vector) {
+  for (int k : Range(D))
+    flat.Append(vector(k));
+}
 /// Vectors as numbers, the space dimension fastest.
 template <int D>
 void SaveVectors(Array<double> & flat, FlatArray<Vec<D>> vectors) {
   for (auto & v : vectors)
-    for (int k : Range(D))
-      flat.Append(v(k));
+    AppendVector<D>(flat, v);
 }
 template <int D>
 void LoadVectors(FlatArray<double> flat, FlatArray<Vec<D>> vectors) {

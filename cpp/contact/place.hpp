@@ -27,7 +27,7 @@ struct PlaceRows {
   FlatArray<int> dofs; // sorted; none without a partner
   Matrix<> jump;       // derivative of the mean jump
   Matrix<> normal;     // derivative of the normal; empty where that stays
-  Matrix<> force;      // work of a unit traction in each direction
+  Matrix<> force;      // work of a unit traction in each direction; empty if the matrix has it
 
   PlaceRows() = default;
   explicit PlaceRows(FlatArray<int> adofs)

@@ -14,12 +14,13 @@ class SmallSliding : public Kinematics<D> {
 
   Watch watch_obstacle{setup.obstacle};
   shared_ptr<SparseMatrix<double>> mat;
-  Array<Vec<D>> mean;                        // of u1 - u2 at the last At
-  Array<Vec<D>> gapvector;                   // mean of x1 - x2 at u = 0
-  Array<Vec<D>> slave_normal, master_normal; // means over the paired part
-  double share = 0.5;                        // of the master in the stiffness of both bodies
-  Array<Vec<D>> direction;                   // in which macro-elements and their partners push
-  Array<Vec<D>> committed;                   // mean of u1 - u2 at the last committed step
+  bool has_forces = false, keeps_forces = false; // their columns in the matrix, which do not change
+  Array<Vec<D>> mean;                            // of u1 - u2 at the last At
+  Array<Vec<D>> gapvector;                       // mean of x1 - x2 at u = 0
+  Array<Vec<D>> slave_normal, master_normal;     // means over the paired part
+  double share = 0.5;                            // of the master in the stiffness of both bodies
+  Array<Vec<D>> direction;                       // in which macro-elements and their partners push
+  Array<Vec<D>> committed;                       // mean of u1 - u2 at the last committed step
   Array<Vec<D>> tied; // mean of x1 - x2 at the last Start, which tied surfaces keep
   Vector<> paired_at; // displacements that gaps are counted from
   MacroEnds<D> ends;  // macro-elements that contact ends in
@@ -140,7 +141,10 @@ public:
   }
 
   shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>>, size_t) override {
-    mat->SetZero();
+    keeps_forces = has_forces && ends.Empty();
+    has_forces = true;
+    if (!keeps_forces)
+      mat->SetZero();
     return mat;
   }
 
@@ -157,6 +161,8 @@ public:
       rows.force.Col(j) = row[j].integral;
       rows.jump.Col(j) = 1 / surfaces.jump->area[m] * row[j].integral;
     }
+    if (keeps_forces)
+      rows.force.SetSize(0, 0);
     return rows;
   }
 
@@ -198,7 +204,7 @@ public:
     SetDirections();
   }
 
-  void Save(FormHistory & history) const override {
+  void Save(NamedNumbers & history) const override {
     SaveVectors(history["memory"], committed);
     history["share"].Append(share);
     if (setup.edges) {
@@ -209,7 +215,7 @@ public:
     if (setup.tied && setup.obstacle) // which has moved since
       SaveVectors(history["tied"], tied);
   }
-  void Load(const FormHistory & history) override {
+  void Load(const NamedNumbers & history) override {
     LoadVectors(history.at("memory"), committed);
     share = history.at("share")[0];
     if (setup.tied && setup.obstacle)

@@ -8,17 +8,13 @@ using namespace ngbla;
 /// Numbers to be added to a vector later: threads that add at once would do so in the order in
 /// which they arrive, and sums would differ in the last bits from run to run.
 class Scatter {
-  Array<int> dofs;
-  Array<double> values;
+  Array<std::pair<int, double>> entries;
 
 public:
-  void Add(int dof, double value) {
-    dofs.Append(dof);
-    values.Append(value);
-  }
+  void Add(int dof, double value) { entries.Append(std::pair(dof, value)); }
   void AddTo(FlatVector<> y) const {
-    for (size_t i : Range(dofs))
-      y(dofs[i]) += values[i];
+    for (auto [dof, value] : entries)
+      y(dof) += value;
   }
 };
 

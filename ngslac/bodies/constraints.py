@@ -35,7 +35,7 @@ SAME_NORMAL, SMOOTH = 1e-6, 0.5
 
 # Normals that may tell what slides: those of contact, or of one side, along which this slides
 # whatever the gap between both.
-CONTACT, SLAVE, MASTER = "normal", "slave normal", "facing"
+CONTACT, SLAVE, MASTER = "normal", "slave_normal", "facing"
 
 
 def ToCSR(mat):
@@ -127,7 +127,7 @@ def _Normals(contact, table, kind):
     """Of all macro-elements (m, d); those of contact where a side has none."""
     if kind == CONTACT:
         return table["normal"]
-    normals = contact.form.Vectors(kind).reshape(-1, contact.mesh.dim)
+    normals = contact.form.Table()[kind]
     there = np.any(normals, axis=1)[:, None]
     return np.where(there, normals, table["normal"])
 
@@ -135,7 +135,7 @@ def _Normals(contact, table, kind):
 def _Coarseness(contact, table):
     """Approach over motion along the surface that the mesh may make, of each macro-element."""
     normal, paired = table["normal"], np.flatnonzero(table["area"] > 0)
-    bend = 24 * np.maximum(1 - contact.form.Scalars("flatness"), 0)
+    bend = 24 * np.maximum(1 - contact.form.Table()["flatness"], 0)
     curved = bend > SAME_NORMAL**2
     count = min(len(paired), 3 if contact.mesh.dim == 2 else 7)
     if count > 1:

@@ -211,7 +211,7 @@ def Rays(contact, rough):
     friction = np.maximum(table["friction"], rough if np.isfinite(rough) else 0.0) / np.cos(wedge)
     pressed = friction[:, None, None] * around - normal
     # Tresca's bound, whatever the pressure: the sum of all directions is as long as one of them.
-    bound = np.where(table["friction"] < 0, np.maximum(contact.form.Scalars("threshold"), 0), 0)
+    bound = np.where(table["friction"] < 0, np.maximum(contact.form.Table()["tresca"], 0), 0)
     held = bound[:, None, None] * around * (np.tan(wedge) if d == 3 else 1.0)
     if rough == np.inf:  # without pressure, too
         pressed, held = np.broadcast_to(-normal, around.shape), around

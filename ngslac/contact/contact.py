@@ -91,6 +91,13 @@ class LACContact(metaclass=Distributable):
         ``finite=True``, bodies may be farther apart at first, or a tool behind the slave.
     penetration : float
         Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
+    law : callable, optional
+        A law of your own in place of that of Coulomb and Tresca. It gets a dict of arrays, a row
+        for each of the n macro-elements: ``normal`` and ``slip`` (n, d), ``gap`` and ``area`` (n),
+        ``multiplier`` (n, d), the traction now; and returns a dict with ``traction`` (n, d) on the
+        slave, its derivatives ``by_gap`` (n, d), ``by_slip`` (n, d, d), and if these are not zero
+        ``by_normal`` and ``by_multiplier`` (n, d, d), and ``status`` (n) as below. Solved by
+        Newton's method alone.
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions, from
         1e-6 to 1e6. The solution does not depend on it.
@@ -153,21 +160,22 @@ class LACContact(metaclass=Distributable):
         edges=False,
         maxdist=None,
         penetration=None,
+        law=None,
         stiffness=1.0,
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
-        law = {"friction": friction, "tresca": tresca, "offset": offset}
-        law |= {"tied": tied, "bilateral": bilateral}
+        given = {"friction": friction, "tresca": tresca, "offset": offset}
+        given |= {"tied": tied, "bilateral": bilateral, "law": law}
         search = {"maxdist": maxdist, "penetration": penetration}
         search |= {"adjust": adjust, "finite": finite, "edges": edges}
-        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **law, **search)
+        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **given, **search)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
-        self.tied, self.bilateral = tied, bilateral
+        self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None
         self.stiffness, self.penetration = stiffness, penetration
         self.gap_is_driven = obstacle is not None or offset is not None
-        self.holds_tangentially = tied or friction is not None or tresca is not None
+        self.holds_tangentially = tied or any(f is not None for f in (friction, tresca, law))
         self._state = FormState(setup, stiffness)
         self.space = self.form.space
         self._unheld = WarnOfUnheld(self.form.component)

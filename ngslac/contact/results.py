@@ -15,6 +15,8 @@ from ngslac.output.segments import Segments
 if TYPE_CHECKING:
     from ngslac.recovery.recovered import Recovered
 
+SHOWN = "area", "fullarea", "friction", "normal", "pressure", "gap", "traction", "slip"
+
 __all__ = ["Check", "Describe", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
 
 
@@ -49,19 +51,10 @@ def Table(self) -> dict[str, np.ndarray]:
         ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
         ``friction`` (n) coefficient, -1 without Coulomb friction.
     """
-    d = self.mesh.dim
-    states = self.form.States().reshape(-1, 9)
-    table = {name: self.form.Scalars(name) for name in ("area", "fullarea", "friction")}
-    alone = table["area"] == 0
-    return table | {
-        "x": self.form.Vectors("center").reshape(-1, d),
-        "normal": self.form.Vectors("normal").reshape(-1, d),
-        "pressure": states[:, 0],
-        "gap": np.where(alone, np.nan, states[:, 1]),
-        "status": states[:, 2].astype(int),
-        "traction": states[:, 3 : 3 + d],
-        "slip": states[:, 6 : 6 + d],
-    }
+    known = self.form.Table()
+    table = {name: known[name] for name in SHOWN}
+    table["gap"] = np.where(table["area"] == 0, np.nan, table["gap"])
+    return table | {"x": known["center"], "status": known["status"].astype(int)}
 
 
 def Force(self, *, on=None) -> np.ndarray:
@@ -88,7 +81,7 @@ def Force(self, *, on=None) -> np.ndarray:
     >>> (contact.Force(on="master") + contact.Force()).round(9).tolist()
     [0.0, 0.0]
     """
-    forces = self.form.Vectors("force").reshape(-1, self.mesh.dim)
+    forces = self.form.Resultants()["force"]
     return forces.sum(axis=0) if on is None else ShareOn(self, on) @ forces
 
 
@@ -129,7 +122,7 @@ def Moment(self, point=None) -> float | np.ndarray:
     """
     d = self.mesh.dim
     point = np.zeros(d) if point is None else CheckPoint("point", point, d)
-    total = self.form.Vectors("moment").reshape(-1, 3).sum(axis=0)
+    total = self.form.Resultants()["moment"].sum(axis=0)
     arm, force = np.zeros(3), np.zeros(3)
     arm[:d], force[:d] = point, self.Force()
     moment = total - np.cross(arm, force)
@@ -182,7 +175,8 @@ def RecoveredOf(self) -> "Recovered":
 
 def WarnIfUnsolved(self):
     """Say that pressures are 0 where there was no solution yet."""
-    if self._solution is None and not np.any(self.form.States().reshape(-1, 9)[:, [0, 2, 3, 4, 5]]):
+    table = self.form.Table()
+    if self._solution is None and not any(np.any(table[k]) for k in ("traction", "status")):
         Warn("nothing is solved yet: pressures, tractions and slips are 0; solve first")
 
 

@@ -36,6 +36,7 @@ def CheckedSetup(
     adjust,
     maxdist,
     penetration,
+    law,
 ):
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
     for name, proxy in {"u": u, "lam": lam}.items():
@@ -47,6 +48,13 @@ def CheckedSetup(
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
+    if law is not None and not callable(law):
+        raise Wrong(TypeError, "law", law, "a function from places to tractions")
+    if law is not None and (tied or bilateral or edges or (friction, tresca) != (None, None)):
+        raise ValueError(
+            "a law of your own says all: drop law, or what is given of tied, bilateral, edges, "
+            "friction and tresca"
+        )
     if tied and (offset is not None or bilateral):
         raise ValueError("tied surfaces keep their distance: drop offset and bilateral, or tied")
     if edges and (finite or tied or bilateral or master is None):
@@ -76,7 +84,7 @@ def CheckedSetup(
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     compiled = None if tool is None else tool.compiled
-    setup = {"u": u, "lam": lam, "master": region, "tool": compiled}
+    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law}
     return tool, setup | functions | flags | lengths
 
 

@@ -87,7 +87,7 @@ class Recovered:
         means = np.where(closed, self._table["pressure"], 0)
         if not contact.finite:
             # Of a constant traction on curved faces this is the mean of the pressure.
-            means = means * contact.form.Scalars("flatness")
+            means = means * contact.form.Table()["flatness"]
         samples = np.maximum(means[surface.macro] - self._PressureOfGaps(displacement), 0)
         fit = PressureFit(surface, self._rough, self._patches, means, samples)
         slip, slack = self._Friction(closed, fit.At())
@@ -116,7 +116,7 @@ class Recovered:
         spacing = surface.touches @ surface.share / count
         paired = (surface.area > 0) & (spacing > 0)  # the others have no points
         wide = np.divide(surface.area, spacing, out=np.ones_like(count), where=paired)
-        scale = GAP_SHARE * contact.form.Scalars("c") / contact.stiffness / np.sqrt(wide)
+        scale = GAP_SHARE * contact.form.Table()["c"] / contact.stiffness / np.sqrt(wide)
         return scale[surface.macro] / self._unit * self._Gaps(displacement)
 
     def _Gaps(self, displacement):
@@ -168,9 +168,8 @@ class Recovered:
 
     def _Balanced(self, density, stretch, slip, slack):
         """Corrections for which forces and moments are those of the multipliers, see `Balance`."""
-        form, d, normals = self._contact.form, self._mesh.dim, self._normals
-        forces, moments = (form.Vectors(name) / self._unit for name in ("force", "moment"))
-        given = forces.reshape(-1, d), moments.reshape(-1, 3)
+        resultants, normals = self._contact.form.Resultants(), self._normals
+        given = [resultants[name] / self._unit for name in ("force", "moment")]
         base = -_Units(self._surface.shapes @ normals)
         if self._pulls:
             base, normals = 0 * base, 0 * normals

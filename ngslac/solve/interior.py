@@ -48,7 +48,7 @@ class InteriorPoint:
         self.linear = Primal(system.linear)
         self.linear.Leave(self.multipliers)
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
-        self.approximates = any(np.any(c.form.Scalars("ends") > 0) for c in system.contacts)
+        self.approximates = any(np.any(c.form.Table()["ends"] > 0) for c in system.contacts)
         pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
             raise ContactConvergenceError("nothing presses where the surfaces face each other")
@@ -198,14 +198,14 @@ class Springs:
         contact.Evaluate(gf)
         table = contact.Table()
         # With large sliding any macro-element may come to face the master.
-        self.own = (table["area"] > 0) | (contact.finite & (self.form.Scalars("c") > 0))
-        self.area, self.stiffness = self._Areas(table), self.form.Scalars("c")[self.own]
+        self.own = (table["area"] > 0) | (contact.finite & (self.form.Table()["c"] > 0))
+        self.area, self.stiffness = self._Areas(table), self.form.Table()["c"][self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
     def Weaken(self, vec):
         """Matrix of springs that hold the surfaces loosely where they are."""
         d = self.dofs.shape[1]
-        weak = np.multiply.outer(self.form.Scalars("c") / WIDE * self.own, np.eye(d))
+        weak = np.multiply.outer(self.form.Table()["c"] / WIDE * self.own, np.eye(d))
         return self.form.Matrix(vec, vec.FV().NumPy()[self.dofs.ravel()], weak.ravel())
 
     def Pressure(self, motion):
@@ -245,7 +245,7 @@ class Springs:
     def _Bound(self, pressure, table):
         """Of the tangential traction."""
         friction = table["friction"][self.own]
-        threshold = self.form.Scalars("threshold")[self.own]
+        threshold = self.form.Table()["tresca"][self.own]
         coulomb = np.where(friction >= 0, friction * pressure, np.inf)
         bound = np.minimum(coulomb, np.where(threshold >= 0, threshold, np.inf))
         return np.where(np.isfinite(bound), bound, 0.0)

@@ -331,6 +331,7 @@ class Newton:
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
             suits = loose or self.path or system.islinear
+            suits = suits and not any(contact.own_law for contact in system.contacts)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)

@@ -58,7 +58,7 @@ class Directions:
             return None
         contact.Follow(gf)
         contact.Evaluate(gf)
-        return contact.form.Vectors("facing").reshape(-1, contact.mesh.dim)
+        return contact.form.Table()["facing"]
 
     def Learn(self, gf, motion):
         """Find the vectors of the `Next` solution from the motion (n,) to this one.

@@ -182,9 +182,9 @@ def _Limits(contact):
     given, form = contact._state.setup, contact.form
     limits = {name: given[name] for name in ("maxdist", "penetration", "adjust")}
     if form.paired:
-        limits |= {
-            name: form.Scalars(f"present {name}") for name in ("friction", "tresca", "offset")
-        }
+        form.Reevaluate()
+        table = form.Table()
+        limits |= {name: table[name] for name in ("friction", "tresca", "offset")}
     return limits
 
 

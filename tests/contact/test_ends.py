@@ -97,7 +97,7 @@ def test_matching_ends_are_none(overhang):
     mesh = TwoBlocks(0.25, overhang=overhang, structured=True, aligned=False)
     problem = beams(mesh=mesh, slave="slave", master="master", edges=True)
     problem.contact.Update()
-    ends = problem.contact.form.Scalars("ends")
+    ends = problem.contact.form.Table()["ends"]
     assert np.all(ends == 0) == (overhang == 0)
 
 

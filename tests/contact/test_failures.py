@@ -100,7 +100,7 @@ def test_a_first_update_that_fails_leaves_an_unpaired_contact(mesh, finite):
 
 PLAIN = ["Force", "Moment", "Table", "Restore", "Segments", "Check", "Mortar", "State", "Plot"]
 NAMES = [*PLAIN, "Evaluate", "Commit", "Follow", "AssembleLinearization"]
-NAMES += ["Apply", "AssembleStep", "SetState", "Draw", "SetConstant", "BeginSolve", "States"]
+NAMES += ["Apply", "AssembleStep", "SetState", "Draw", "SetConstant", "BeginSolve", "Table"]
 
 
 def use(contact, gf, name):

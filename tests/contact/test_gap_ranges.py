@@ -61,7 +61,7 @@ def test_all_points_are_within(dim, space):
     normal = table["normal"][surface.macro]
     gaps = surface.gap * np.einsum("qk,qk->q", surface.normal, normal)
     gaps -= np.einsum("qk,qk->q", surface.Jump(gf.components[-2]), normal)
-    gaps += contact.form.Scalars("offset")[surface.macro]
+    gaps += contact.form.Table()["offset"][surface.macro]
     paired = table["area"] > 0
     sums = np.bincount(surface.macro, surface.weight * gaps, surface.nmacros)
     assert (sums / np.where(paired, table["area"], 1))[paired] == pytest.approx(

@@ -58,7 +58,7 @@ def test_restore_takes_back_the_obstacle(mesh):
 
 def first_touch(contact):
     """Tangential parts of where the slip counts from."""
-    reference = contact.form.Vectors("reference").reshape(-1, 2)
+    reference = contact.form.Table()["reference"]
     normal = contact.Table()["normal"]
     return reference - np.sum(reference * normal, axis=1)[:, None] * normal
 

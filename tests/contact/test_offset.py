@@ -128,7 +128,7 @@ def test_a_press_fit_counts_as_approach_before_the_first_touch(mesh):
         t.Set(value)
         for one in (contact, obstacle):
             one.Commit(moved(one, (way, 0.0)))
-    found, expected = (c.form.Vectors("reference").reshape(-1, 2) for c in (contact, obstacle))
+    found, expected = (c.form.Table()["reference"] for c in (contact, obstacle))
     paired = contact.Table()["area"] > 0
     normal = contact.Table()["normal"]
     across = [v - np.sum(v * normal, axis=1)[:, None] * normal for v in (found, expected)]

@@ -94,7 +94,7 @@ def half(stepper, part=1):
 def outcome(stepper):
     """All end values as numpy arrays."""
     (contact,) = stepper.solver.contacts
-    found = contact.Table() | {"reference": contact.form.Vectors("reference")}
+    found = contact.Table() | {"reference": contact.form.Table()["reference"].ravel()}
     found["gf"] = values(stepper.solver.gf)
     found["numbers"] = np.array([step.number for step in stepper.steps])
     if isinstance(stepper, TimeStepper):

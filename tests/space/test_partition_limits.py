@@ -90,7 +90,7 @@ def test_clamped_part_of_a_slave_presses():
     assert np.all(table["gap"][clamped] < 0)
     assert np.all(table["gap"][clamped] > -3e-4)
     report = contact.Check()
-    assert set(report.prescribed) == set(np.flatnonzero(contact.form.Scalars("prescribed")))
+    assert set(report.prescribed) == set(np.flatnonzero(contact.form.Table()["prescribed"]))
     assert len(report.prescribed) >= 2
     assert "prescribed       " in str(report)
 

@@ -93,10 +93,10 @@ class Ring:
         self.stepper.Integrate(travel, steps=steps, printing=printing, callback=self._Record)
 
     def _Record(self, step):
-        forces = self.outside.form.Vectors("force").reshape(-1, 2)[:, 1]
+        forces = self.outside.form.Resultants()["force"][:, 1]
         heights = self.outside.Table()["x"][:, 1]
         above = heights > (-np.inf if self.quarter else heights.mean())
-        inner = self.inside.form.Vectors("force").reshape(-1, 2)[:, 1]
+        inner = self.inside.form.Resultants()["force"][:, 1]
         self.rows.append(
             {
                 "travel": step.time,

@@ -87,11 +87,11 @@ public:
                              {*master_shapes, *master_reference}, diagonal);
   }
 
-  void Save(FormHistory & history) const override {
+  void Save(NamedNumbers & history) const override {
     history["memory"] = last_gap;
     history["share"].Append(share);
   }
-  void Load(const FormHistory & history) override {
+  void Load(const NamedNumbers & history) override {
     last_gap = history.at("memory");
     share = history.at("share")[0];
   }
@@ -244,9 +244,7 @@ private:
     start = points;
   }
 
-  bool Slides(size_t m) const {
-    return points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
-  }
+  bool Slides(size_t m) const { return points->area[m] > 0 && law->Slides(m); }
 
   /// Did the master come over it from the side?
   bool HasMet(size_t m) const { return start->area[m] == 0 && points->area[m] > 0; }

@@ -143,8 +143,8 @@ public:
     accepted = now;
   }
   void Restore() override { now = accepted; }
-  void Save(FormHistory &) const override {}
-  void Load(const FormHistory &) override { accepted = now; }
+  void Save(NamedNumbers &) const override {}
+  void Load(const NamedNumbers &) override { accepted = now; }
 
 private:
   Coupling CouplingAt(size_t m) const {

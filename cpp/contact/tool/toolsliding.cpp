@@ -78,8 +78,8 @@ public:
 
   void Reevaluate() override { path.Reevaluate(); }
 
-  void Save(FormHistory & history) const override { history["memory"] = last_gap; }
-  void Load(const FormHistory & history) override { last_gap = history.at("memory"); }
+  void Save(NamedNumbers & history) const override { history["memory"] = last_gap; }
+  void Load(const NamedNumbers & history) override { last_gap = history.at("memory"); }
 
   void Follow(FlatVector<> x) override {
     path.Reevaluate();
@@ -217,9 +217,7 @@ private:
   }
 
   /// Nothing has slipped yet before the first Commit.
-  bool Slides(size_t m) const {
-    return start && points->area[m] > 0 && max(law->friction[m], law->threshold[m]) >= 0;
-  }
+  bool Slides(size_t m) const { return start && points->area[m] > 0 && law->Slides(m); }
 
   /// Did the tool come over it from the side?
   bool HasMet(size_t m) const { return start->points->area[m] == 0 && points->area[m] > 0; }
