@@ -19,7 +19,7 @@ from ngslac.contact.state import CheckSaved, FormState
 from ngslac.dirichlet import WarnOfUnheld
 from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
-from ngslac.output import pictures
+from ngslac.output import pictures, scene
 
 __all__ = ["LACContact"]
 
@@ -424,7 +424,7 @@ class LACContact(metaclass=Distributable):
     _WarnIfUnsolved = results.WarnIfUnsolved
     Segments = results.SegmentsOf
     Check = results.Check
-    Draw = pictures.Draw
+    Draw = scene.Draw
     Plot = pictures.Plot
     WriteVTU = pictures.WriteVTU
 

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Lines and dots that show a field on the slave faces, as objects of a webgui scene."""
+"""Lines and areas that show a field on the slave faces in a webgui scene."""
 
 import numpy as np
 import scipy
 
-__all__ = ["Arrows", "Bars", "Dots", "Ticks"]
+__all__ = ["Arrows", "Bands", "BarAreas", "Bars", "Lines", "Ticks"]
 
 LENGTH = 0.2  # of the longest glyph, as a part of the slave's diameter
-HATCHES = 80  # lines in all bars, about
+BAND = 0.03  # its thickness, as a part of the same
+STROKE = 0.12  # half its width, as a part of half its length
 
 
-def _Lines(name, colour, lines):
-    """`lines` (n, 2, d): first and last point of each."""
+def Lines(name, colour, lines):
+    """Thin `lines` (n, 2, d): first and last point of each."""
     lines = np.pad(lines, ((0, 0), (0, 0), (0, 3 - lines.shape[2])))
     return {"type": "lines", "name": name, "color": colour, "position": lines.ravel().tolist()}
 
@@ -22,14 +23,19 @@ def _Scaled(values, faces, size):
 
 
 def Arrows(faces, name, colour, vectors, size=None):
-    """Arrows for `vectors` (n, d), one per face, that start in the middle of the face."""
+    """Arrows for `vectors` (n, d), one per face, outside of the slave body.
+
+    They start in the middle of the face; those that point into the body end there.
+    """
     arrows = _Scaled(vectors, faces, size)
     shown = np.linalg.norm(arrows, axis=1) > 1e-3 * (size or LENGTH * faces.diameter)
-    start, arrows = faces.centers[shown], arrows[shown]
+    start, arrows, normals = faces.centers[shown], arrows[shown], faces.normals[shown]
+    inwards = np.sum(arrows * normals, axis=1, keepdims=True) < 0
+    tip = np.where(inwards, start, start + arrows)
+    start = tip - arrows
     side = _Perpendicular(arrows)
-    tip = start + arrows
     barbs = [tip - 0.3 * arrows + s * side for s in np.linspace(-0.1, 0.1, 9)]
-    return _Lines(
+    return Lines(
         name, colour, np.concatenate([np.stack([e, tip], axis=1) for e in (start, *barbs)])
     )
 
@@ -45,29 +51,44 @@ def _Perpendicular(vectors):
 
 
 def Bars(faces, name, colour, values, size=None):
-    """In 2D a hatched bar for `values` (n,), one per face, that stands on it along the normal."""
-    height = _Scaled(values, faces, size)[:, None] * faces.normals
-    shares = np.linspace(0, 1, max(2, HATCHES // len(values)))[:, None, None]
-    feet = (1 - shares) * faces.ends[0] + shares * faces.ends[1]
-    tops = np.stack([feet[0], feet[-1]], axis=1) + height[:, None]
-    hatches = np.stack([feet, feet + height], axis=2).reshape(-1, 2, 2)
-    return _Lines(name, colour, np.concatenate([hatches, tops]))
+    """In 2D the outline of a bar for `values` (n,), one per face, that stands on its normal."""
+    feet, tops = _Bars(faces, values, size)
+    sides = np.stack([feet, tops], axis=2).reshape(-1, 2, 2)
+    return Lines(name, colour, np.concatenate([sides, np.stack([*tops], axis=1)]))
 
 
-def Ticks(faces, name, colour, size=None):
-    """In 2D lines across the slave side at the ends of the macro-elements."""
-    half = (size or LENGTH * faces.diameter / 4) / 2 * faces.normals
-    lines = np.stack([faces.ends - half, faces.ends + half], axis=2).reshape(-1, 2, 2)
+def BarAreas(faces, values, size=None):
+    """Triangles (n, 3, 3) that fill the `Bars`."""
+    feet, tops = _Bars(faces, values, size)
+    return _Quads(*feet, *tops[::-1])
+
+
+def _Quads(*corners):
+    """Triangles (2 n, 3, 3) of quadrilaterals with four `corners` (n, 2) in their order."""
+    halves = [np.stack([corners[k] for k in half], axis=1) for half in ((0, 1, 2), (0, 2, 3))]
+    return np.pad(np.concatenate(halves), ((0, 0), (0, 0), (0, 1)))
+
+
+def _Bars(faces, values, size):
+    """Feet and tops (2, n, 2) at the ends of each face."""
+    return faces.ends, faces.ends + _Scaled(values, faces, size)[:, None] * faces.normals
+
+
+def Ticks(faces, size=None):
+    """In 2D triangles (n, 3, 3) of strokes across the slave side at ends of macro-elements."""
+    half = (size or LENGTH * faces.diameter / 2) / 2 * faces.normals
     macro = np.tile(faces.macro, 2)
-    near = scipy.spatial.cKDTree(faces.ends.reshape(-1, 2)).query_pairs(
-        1e-9 * faces.diameter, output_type="ndarray"
-    )
-    inner = near[macro[near[:, 0]] == macro[near[:, 1]]]
-    return _Lines(name, colour, np.delete(lines, inner.ravel(), axis=0))
+    ends = faces.ends.reshape(-1, 2)
+    near = scipy.spatial.cKDTree(ends).query_pairs(1e-9 * faces.diameter, output_type="ndarray")
+    inner = near[macro[near[:, 0]] == macro[near[:, 1]]].ravel()
+    ends, half = (np.delete(points, inner, axis=0) for points in (ends, np.tile(half, (2, 1))))
+    width = STROKE * _Perpendicular(half)
+    corners = [-half - width, -half + width, half + width, half - width]
+    return _Quads(*(ends + corner for corner in corners))
 
 
-def Dots(faces, name, colour, chosen):
-    """A dot on each of the `chosen` (n,) faces."""
-    points = np.pad(faces.centers[chosen], ((0, 0), (0, 3 - faces.centers.shape[1])))
-    position = points.ravel().tolist()
-    return {"type": "points", "name": name, "color": colour, "size": 8, "position": position}
+def Bands(faces, chosen):
+    """In 2D triangles (n, 3, 3) of a band along each of the `chosen` (n,) faces."""
+    half = BAND * faces.diameter / 2 * faces.normals[chosen]
+    first, last = faces.ends[:, chosen]
+    return _Quads(first - half, last - half, last + half, first + half)

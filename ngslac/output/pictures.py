@@ -1,161 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Methods of `LACContact` that show it: webgui scenes, profiles by matplotlib, ParaView files."""
+"""Methods of `LACContact` that show it: profiles by matplotlib, ParaView files."""
 
 from pathlib import Path
 
 import numpy as np
-from ngsolve import BND, CF, CoefficientFunction, GridFunction, InnerProduct
+from ngsolve import BND, CF
 
-from ngslac.arguments import (
-    CheckChoice,
-    CheckDisplacement,
-    CheckFunction,
-    CheckInstance,
-    CheckNumber,
-    CheckOnMesh,
-    CheckPositive,
-    Wrong,
-)
+from ngslac.arguments import CheckChoice, CheckDisplacement, CheckFunction, Wrong
 from ngslac.arrays import AsBits
 from ngslac.output.facepoints import FacePoints
-from ngslac.output.glyphs import Arrows, Bars, Dots, Ticks
+from ngslac.output.fields import ARROWS, RECOVERED, SCALARS, SOLVED, VECTORS, FieldOf, NumbersOf
 from ngslac.output.vtkfile import WriteVTK
 
-__all__ = ["Draw", "Plot", "WriteVTU"]
+__all__ = ["Plot", "WriteVTU"]
 
-SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
-RECOVERED = ("recovered pressure", "recovered traction")
-ARROWS = (*VECTORS, RECOVERED[1])
-SOLVED = ("pressure", "status", *VECTORS[:2], *RECOVERED)  # what only a solution has
-KINDS = (*SCALARS, *VECTORS, *RECOVERED, "macros", "segments")
-COLOUR = "crimson"  # of bars and arrows
 CURVE = 9  # points of each face in a plot
-STATUS = {"open": "gray", "stick": "blue", "slip": "orange"}
-
-
-def Draw(
-    self, field="pressure", *, background=None, deformation=None, scale=1, size=None, **options
-):
-    """Show a field of the last evaluation on the slave side, in the webgui.
-
-    In 3D numbers are colours on the slave faces and vectors are arrows on them. In 2D the faces
-    are edges: numbers are bars along the outward normal, vectors arrows, each status a
-    colour of dots (gray open, blue stick, orange slip), drawn on the bodies. Gray dots beside
-    gaps: no partner.
-
-    Parameters
-    ----------
-    field : str
-        "pressure", "gap", "status", "traction", "slip", "normal", the continuous "recovered
-        pressure" and "recovered traction", or what contact is made of: "macros" (by shuffled
-        colours, in 2D by their ends) or "segments".
-    background : CoefficientFunction, optional
-        In 2D the function that colours the bodies, such as a stress. Default: the mesh, or the
-        norm of the `deformation`.
-    deformation : GridFunction or CoefficientFunction, optional
-        Displacement (d,), by which bodies and glyphs are moved.
-    scale : float
-        Factor of the deformation.
-    size : float, optional
-        Length of the longest bar or arrow. Default: a fifth of the slave's diameter.
-    **options :
-        Handed to `ngsolve.webgui.Draw` (min, max, radius, euler_angles, settings, show, ...).
-
-    Returns
-    -------
-    ngsolve.webgui.WebGLScene
-
-    Raises
-    ------
-    ValueError, TypeError
-        An unknown field, or an argument of another kind.
-
-    Examples
-    --------
-    >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
-    >>> scene = contact.Draw("traction", deformation=gf.components[0], show=False)
-    """
-    # Importing the webgui switches NumPy's warnings off: not before somebody draws.
-    from ngsolve import webgui
-
-    CheckChoice("field", field, KINDS)
-    CheckDisplacement("deformation", deformation, self.mesh)
-    CheckNumber("scale", scale)
-    if size is not None:
-        CheckPositive("size", size, "a positive length, or None")
-    if background is not None:
-        wanted = "a CoefficientFunction such as a stress, or None"
-        CheckInstance("background", background, CoefficientFunction, wanted)
-        CheckOnMesh("background", background, self.mesh)
-    self._PairOnce()
-    if field in SOLVED:
-        self._WarnIfUnsolved()
-    flat = self.mesh.dim == 2
-    displacement = deformation
-    if deformation is not None:
-        # `scale` of Draw does not reach a deformation that is not the shown function.
-        options["deformation"] = deformation = scale * displacement
-    objects = list(options.pop("objects", []))
-    if field == "segments":
-        objects.append(self)
-    elif field in ARROWS or flat:
-        objects += _Glyphs(self, field, FacePoints(self, deformation), size)
-    if field == "gap":
-        objects += _Alone(self, FacePoints(self, deformation))
-    if not flat:
-        shown, defaults = _Colours(self, field)
-        return webgui.Draw(shown, self.space.slave, objects=objects, **(defaults | options))
-    shown = displacement if background is None else background
-    shown = [self.mesh] if shown is None else [shown, self.mesh]
-    return webgui.Draw(*shown, objects=objects, **options)
-
-
-def _Glyphs(contact, field, faces, size):
-    if field == "macros":
-        return [Ticks(faces, field, COLOUR, size)]
-    if field in RECOVERED:
-        values = np.squeeze(faces.Evaluate(_Field(contact, field)))
-    else:
-        values = contact.Table()[field][faces.macro]
-    if field == "status":
-        return [Dots(faces, *pair, values == s) for s, pair in enumerate(STATUS.items())]
-    kind = Arrows if field in ARROWS else Bars
-    return [kind(faces, field, COLOUR, np.nan_to_num(values), size)]
-
-
-def _Alone(contact, faces):
-    """Dots where there is no partner, and so no gap."""
-    alone = np.isnan(contact.Table()["gap"])[faces.macro]
-    return [Dots(faces, "no partner", STATUS["open"], alone)] if np.any(alone) else []
-
-
-def _Colours(contact, field):
-    """In 3D the function that gives the colours, and options of its own."""
-    if field == "status":
-        return contact.status, {"min": 0, "max": 2, "settings": {"colormap_ncolors": 3}}
-    if field == "macros":
-        # Neighbours have nearly the same number: in order they would have the same colour.
-        order = np.random.default_rng(1).permutation(contact.space.nmacros)
-        return _Numbers(contact, order), {"settings": {"colormap_ncolors": 32}}
-    if field in ("gap", "segments"):  # a colour needs a number: without a partner the largest
-        gaps = contact.Table()["gap"]
-        known = gaps[np.isfinite(gaps)]
-        return _Numbers(contact, np.nan_to_num(gaps, nan=known.max(initial=0.0))), {}
-    values = _Field(contact, field)
-    return (InnerProduct(values, values) ** 0.5 if field in ARROWS else values), {}
-
-
-def _Field(contact, field):
-    if field in RECOVERED:
-        return getattr(contact.Recovered(), field.removeprefix("recovered "))
-    return getattr(contact, field)
-
-
-def _Numbers(contact, values):
-    """A field with one number for each macro-element."""
-    field = GridFunction(contact.space.WithComponents(1))
-    field.vec.FV().NumPy()[:] = values
-    return field
 
 
 def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
@@ -258,8 +117,8 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     self._PairOnce()
     self._WarnIfUnsolved()
     fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
-    fields |= {name: _Field(self, name) for name in RECOVERED}
-    fields["macro"] = _Numbers(self, np.arange(self.space.nmacros))
+    fields |= {name: FieldOf(self, name) for name in RECOVERED}
+    fields["macro"] = NumbersOf(self, np.arange(self.space.nmacros))
     if displacement is not None:
         fields["displacement"] = displacement
     if self.mesh.dim == 2:  # ParaView's vectors have three components
@@ -295,7 +154,7 @@ def _Smooth(contact, field, faces, coordinate):
         values = np.stack([faces.Evaluate(function, place) for place in places], axis=1)
         return values.reshape(-1, values.shape[-1])
 
-    values = At(_Field(contact, field))
+    values = At(FieldOf(contact, field))
     if field in ARROWS:
         values = _Tangential(values, At(contact.Recovered().normal))
     points = np.stack([faces.Positions(place) for place in places], axis=1)

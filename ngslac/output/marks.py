@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a webgui scene of a contact consists of: a function, objects, patches and a legend."""
+
+import numpy as np
+from ngsolve import InnerProduct
+
+from ngslac.output.camera import View
+from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
+from ngslac.output.glyphs import Arrows, Bands, BarAreas, Bars, Lines, Ticks
+from ngslac.output.shapes import Creases, Patch, Triangles
+
+__all__ = ["FlatMarks", "SolidMarks"]
+
+COLOUR = "crimson"  # of bars and arrows in 2D
+STATUS = {"open": "#808080", "stick": "#4169e1", "slip": "#ff9f1c"}
+ALONE, GRAY = "no partner", STATUS["open"]
+BODIES = {"opacity": 0.3, "behind": True}
+BARS = {"opacity": 0.4, "flat": True}
+HUES = 32  # of macro-elements
+# Colours nearly as in the legend, with a little shade on curved faces.
+LIGHT = {"ambient": 0.75, "diffuse": 0.25, "shininess": 10, "specularity": 0.05}
+PALE = ([0.86, 0.89, 0.93], [0.94, 0.91, 0.85])  # of bodies side by side
+
+
+class Marks:
+    """Arguments of a scene: `shown`, `objects`, `patches`, `legend`, `settings`, `options`."""
+
+    def __init__(self, contact, field, faces, size):
+        self.contact, self.field, self.faces, self.size = contact, field, faces, size
+        self.objects, self.patches, self.settings, self.options = [], [], {}, {}
+        self.legend = list(STATUS.items()) if field == "status" else []
+        self.alone = np.isnan(contact.Table()["gap"])  # macro-elements without a partner
+        if field in ("gap", "segments") and np.any(self.alone):
+            self.legend = [(ALONE, GRAY)]
+        if field == "segments":
+            self.objects = [contact]
+        elif field in ARROWS:
+            vectors = np.nan_to_num(self.FaceValues())
+            colour = COLOUR if contact.mesh.dim == 2 else "black"
+            self.objects = [Arrows(faces, field, colour, vectors, size)]
+
+    def FaceValues(self):
+        """Values of the field, one for each slave face."""
+        if self.field in RECOVERED:
+            return np.squeeze(self.faces.Evaluate(FieldOf(self.contact, self.field)))
+        return self.contact.Table()[self.field][self.faces.macro]
+
+
+class FlatMarks(Marks):
+    """In 2D: bars, bands and strokes on the bodies, which `background` colours."""
+
+    def __init__(self, contact, field, faces, background, size):
+        super().__init__(contact, field, faces, size)
+        self.shown = [background, contact.mesh]
+        if background is None:
+            self.shown = [contact.mesh]
+            self.options = {"colors": _Pale(len(contact.mesh.GetMaterials()))}
+        if field == "macros":
+            self.patches = [Patch(field, COLOUR, Ticks(faces, size), flat=True)]
+        elif field == "status":
+            status = self.FaceValues()
+            self.patches = [self._Band(*s, status == k) for k, s in enumerate(STATUS.items())]
+        elif not self.objects:
+            self._AddBars()
+
+    def _Band(self, name, colour, chosen):
+        return Patch(name, colour, Bands(self.faces, chosen), flat=True)
+
+    def _AddBars(self):
+        values = np.nan_to_num(self.FaceValues())
+        self.objects = [Bars(self.faces, self.field, COLOUR, values, self.size)]
+        areas = BarAreas(self.faces, values, self.size)
+        self.patches = [Patch(f"{self.field} (filled)", COLOUR, areas, **BARS)]
+        if self.field == "gap" and np.any(self.alone):
+            self.patches.append(self._Band(ALONE, GRAY, self.alone[self.faces.macro]))
+
+
+class SolidMarks(Marks):
+    """In 3D: colours on the slave faces, seen through the bodies."""
+
+    def __init__(self, contact, field, faces, deformation, size):
+        super().__init__(contact, field, faces, size)
+        self.settings = {"Light": LIGHT}
+        self.shown = [self._Colours(), contact.space.slave]
+        macros = np.array(contact.space.macros)
+        others = Triangles(contact.mesh, macros < 0, deformation)
+        self.patches = [Patch("Bodies", "silver", others, **BODIES)]
+        if len(creases := Creases(contact.mesh, deformation)):
+            self.objects = [*self.objects, Lines("Creases", "gray", creases)]
+        if field in ("gap", "segments") and np.any(self.alone):
+            alone = (macros >= 0) & self.alone[macros]
+            self.patches.append(Patch(ALONE, GRAY, Triangles(contact.mesh, alone, deformation)))
+        points = Triangles(contact.mesh, macros >= 0, deformation).reshape(-1, 3)
+        self.options |= View(points, faces.normals)
+
+    def _Colours(self):
+        """The function whose values are colours; sets what belongs to it."""
+        contact, field = self.contact, self.field
+        if field == "status":
+            self.options = {"min": 0, "max": 2, "colors": [_RGB(c) for c in STATUS.values()]}
+            self.settings |= {"colormap_ncolors": 3, "Objects": {"Colorbar": False}}
+            return contact.status
+        if field == "macros":
+            # Neighbours have nearly the same number: in order they would have the same colour.
+            order = np.random.default_rng(1).permutation(contact.space.nmacros)
+            hues = min(HUES, len(order))
+            self.options = {"min": -0.5, "max": hues - 0.5}
+            self.settings |= {"colormap_ncolors": hues, "Objects": {"Colorbar": False}}
+            return NumbersOf(contact, order % hues)
+        if field in ("gap", "segments"):
+            return self._Gaps()
+        values = FieldOf(contact, field)
+        return InnerProduct(values, values) ** 0.5 if field in ARROWS else values
+
+    def _Gaps(self):
+        """The webgui leaves out faces with nan, but not from the ends of the colours."""
+        gaps = self.contact.Table()["gap"]
+        known = gaps[~self.alone]
+        self.options = {"min": known.min(initial=np.inf), "max": known.max(initial=-np.inf)}
+        if not len(known):
+            self.options = {"min": 0, "max": 1}
+        return NumbersOf(self.contact, gaps)
+
+
+def _RGB(colour):
+    """Parts from 0 to 1 of a colour such as "#808080"."""
+    return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+
+
+def _Pale(count):
+    """Colours of `count` materials."""
+    return [PALE[k % len(PALE)] for k in range(count)]
