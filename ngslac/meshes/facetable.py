@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Faces of a shape, such as of a STEP file, with what tells one from the other."""
 
+from collections import defaultdict
+
 import numpy as np
 from netgen.occ import TopoDS_Shape
 
@@ -11,7 +13,7 @@ __all__ = ["FaceTable"]
 
 
 def FaceTable(shape) -> Columns:
-    """Names, sizes and places of the faces of a shape, in its own order, to name them by.
+    """Names, sizes, places and bodies of the faces of a shape, in its own order.
 
     Parameters
     ----------
@@ -22,7 +24,10 @@ def FaceTable(shape) -> Columns:
     -------
     dict
         ``number`` (n,) by which ``shape.faces[number]`` (2D: ``shape.edges[number]``) is the face,
-        ``name`` (n,), ``area`` (n,) or length, ``center`` (n, 3) of mass. It prints as a table.
+        ``name`` (n,), ``body`` (n,) by which ``shape.solids[body]`` (2D: ``shape.faces[body]``) has
+        the face, -1 for none, ``material`` (n,) the name of that body, ``area`` (n,) or length,
+        ``center`` (n, 3) of mass. It prints as a table. A face between two glued bodies has two
+        rows, one for each.
 
     Raises
     ------
@@ -31,26 +36,50 @@ def FaceTable(shape) -> Columns:
 
     Examples
     --------
-    >>> from netgen.occ import Box
+    >>> from netgen.occ import Box, Compound
     >>> from ngslac.meshes import FaceTable
-    >>> body = Box((0, 0, 0), (2, 1, 1))
-    >>> body.faces[0].name = "left"
-    >>> table = FaceTable(body)
+    >>> lower, upper = Box((0, 0, 0), (2, 1, 1)), Box((0, 0, 1), (1, 1, 2))
+    >>> lower.name, upper.name = "steel", "rubber"
+    >>> lower.faces[0].name = "left"
+    >>> shape = Compound([lower, upper])
+    >>> table = FaceTable(shape)
     >>> print(table)
-    number  name  area  center
-         0  left     1       0  0.5  0.5
-         1           1       2  0.5  0.5
-         2           2       1    0  0.5
-         3           2       1    1  0.5
-         4           2       1  0.5    0
-         5           2       1  0.5    1
-    >>> body.faces[int(table["area"].argmax())].name = "large"
+    number  name  body  material  area  center
+         0  left     0     steel     1       0  0.5  0.5
+         1           0     steel     1       2  0.5  0.5
+         2           0     steel     2       1    0  0.5
+         3           0     steel     2       1    1  0.5
+         4           0     steel     2       1  0.5    0
+         5           0     steel     2       1  0.5    1
+         6           1    rubber     1       0  0.5  1.5
+         7           1    rubber     1       1  0.5  1.5
+         8           1    rubber     1     0.5    0  1.5
+         9           1    rubber     1     0.5    1  1.5
+        10           1    rubber     1     0.5  0.5    1
+        11           1    rubber     1     0.5  0.5    2
+    >>> lowest = table["center"][:, 2].argmin()
+    >>> shape.faces[int(lowest)].name = "bottom"
     """
     CheckInstance("shape", shape, TopoDS_Shape, "a shape of netgen.occ")
-    faces = list(shape.faces if len(shape.solids) else shape.edges)
+    solid = len(shape.solids) > 0
+    faces = list(shape.faces if solid else shape.edges)
+    bodies = list(shape.solids if solid else shape.faces)
+    body = _Bodies(faces, [list(b.faces if solid else b.edges) for b in bodies])
+    names = np.array([*(b.name or "" for b in bodies), ""], dtype=str)
     return Columns(
         number=np.arange(len(faces)),
         name=np.array([face.name or "" for face in faces], dtype=str),
+        body=body,
+        material=names[body],
         area=np.array([face.mass for face in faces]),
         center=np.array([[*face.center] for face in faces]).reshape(-1, 3),
     )
+
+
+def _Bodies(faces, of_bodies):
+    """The body of each of the `faces`; one that occurs twice belongs to a body each time."""
+    owners = defaultdict(list)
+    for number, own in enumerate(of_bodies):
+        for face in own:
+            owners[face].append(number)
+    return np.array([owners[face].pop(0) if owners[face] else -1 for face in faces], dtype=int)
