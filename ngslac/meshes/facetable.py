@@ -11,6 +11,8 @@ from ngslac.table import Columns
 
 __all__ = ["FaceTable"]
 
+ROUNDING = 1e-12  # coordinates below this part of the largest are 0
+
 
 def FaceTable(shape) -> Columns:
     """Names, sizes, places and bodies of the faces of a shape, in its own order.
@@ -66,13 +68,15 @@ def FaceTable(shape) -> Columns:
     bodies = list(shape.solids if solid else shape.faces)
     body = _Bodies(faces, [list(b.faces if solid else b.edges) for b in bodies])
     names = np.array([*(b.name or "" for b in bodies), ""], dtype=str)
+    center = np.array([[*face.center] for face in faces]).reshape(-1, 3)
+    center[np.abs(center) < ROUNDING * np.abs(center).max(initial=0)] = 0
     return Columns(
         number=np.arange(len(faces)),
         name=np.array([face.name or "" for face in faces], dtype=str),
         body=body,
         material=names[body],
         area=np.array([face.mass for face in faces]),
-        center=np.array([[*face.center] for face in faces]).reshape(-1, 3),
+        center=center,
     )
 
 
