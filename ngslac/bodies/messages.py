@@ -69,6 +69,13 @@ def OverloadMessage(bodies):
     )
 
 
+def FarMessage():
+    return (
+        ". Loose bodies that fall, roll or slide far before they rest have no equilibrium near "
+        "the start: let them move in time by TimeStepper"
+    )
+
+
 def LostMessage(lost):
     return (
         "; ".join(lost)

@@ -15,7 +15,7 @@ from ngslac.arguments import (
     CheckPrinting,
     CheckState,
 )
-from ngslac.bodies.messages import OverloadMessage
+from ngslac.bodies.messages import FarMessage, OverloadMessage
 from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy, Warn
 from ngslac.solve.failure import CarriedOff
@@ -434,4 +434,5 @@ class LoadStepper(metaclass=Distributable):
                 message += "; " + OverloadMessage(self.solver.system.bodies)
         elif closed == 0 and not error.exhausted:
             message += "; all macro-elements are open"
-        return message
+        system = self.solver.system
+        return message + (FarMessage() if system.finite and system.bodies.floating else "")

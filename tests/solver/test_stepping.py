@@ -9,9 +9,10 @@ import pytest
 from motions import bar, elastic, moving, neo_hooke, on_ground, sliding
 from netgen.libngpy._meshing import _GetStatus
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
-from ngsolve import CF, BilinearForm, GridFunction, Mesh, Parameter, VectorH1, sqrt, x
+from ngsolve import CF, BilinearForm, GridFunction, Mesh, Parameter, VectorH1, dx, sqrt, x
 from ngsolve.meshes import MakeStructured2DMesh
 from press import mixed_press, numpy, press
+from press import neo_hooke as neo_hooke_2d
 
 from ngslac import (
     ContactConvergenceError,
@@ -215,6 +216,19 @@ def test_why_no_shorter_step_converges(push, law, said):
     with pytest.raises(ContactConvergenceError, match=few + said):
         stepper.Integrate(steps=1, maxit=1, tol=1e-14, printing=False)
     assert stepper.load.Get() == 0.5
+
+
+def test_loose_bodies_may_need_time():
+    """Where load steps end, the error names the stepper that can follow a fall."""
+
+    def bulk(u, v, load):
+        return neo_hooke_2d(u), load * v[1] * dx("upper")
+
+    for finite in (False, True):
+        stepper = loading(press, bulk=bulk, spring=0, friction=0.3, finite=finite)
+        with pytest.raises(ContactConvergenceError) as caught:
+            stepper.Integrate(steps=1, maxit=1, tol=1e-14, printing=False)
+        assert ("let them move in time by TimeStepper" in str(caught.value)) == finite
 
 
 # --- steps in time -------------------------------------------------------------------------------
