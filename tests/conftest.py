@@ -3,6 +3,8 @@
 import os
 
 import pytest
+from netgen.csg import CSGeometry
+from netgen.occ import OCCGeometry
 from pairwise import MarkFull
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -10,8 +12,20 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("NGS_NUM_THREADS", "1")
 
 
+def ByOneThread(generate):
+    """Netgen's `GenerateMesh` that makes the same mesh with one thread."""
+
+    def Generate(self, *args, parallel_meshing=False, **options):
+        return generate(self, *args, parallel_meshing=parallel_meshing, **options)
+
+    return Generate
+
+
 def pytest_configure(config):
+    """On busy cores the threads of netgen take many times longer than one alone."""
     config.option.loadscopereorder = False  # of pytest-xdist: keep the order below
+    for geometry in (CSGeometry, OCCGeometry):
+        geometry.GenerateMesh = ByOneThread(geometry.GenerateMesh)
 
 
 def pytest_collection_modifyitems(items):

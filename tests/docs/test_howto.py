@@ -6,21 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from howtos import Execute, Pages, Printed, Script
-from netgen.occ import OCCGeometry
 
 HOWTO = Path(__file__).parents[2] / "docs" / "howto"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Netgen makes the same meshes without its threads, which take seconds on a busy machine."""
-    generate = OCCGeometry.GenerateMesh
-
-    def Generate(self, *args, **options):
-        return generate(self, *args, parallel_meshing=False, **options)
-
-    monkeypatch.setattr(OCCGeometry, "GenerateMesh", Generate)
 
 
 def CheckPrinted(shown, printed):
@@ -34,7 +22,7 @@ def CheckPrinted(shown, printed):
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch, quick):
+def run(tmp_path, monkeypatch):
     """Execute the script of a page in a folder of its own; the names it leaves."""
 
     def Run(page):

@@ -27,7 +27,7 @@ def body(shape, dim, name, h, contact, held):
 
 
 def meshed(dim, *bodies, curve=1):
-    mesh = Mesh(OCCGeometry(Compound(bodies), dim=dim).GenerateMesh(parallel_meshing=False))
+    mesh = Mesh(OCCGeometry(Compound(bodies), dim=dim).GenerateMesh())
     return mesh.Curve(curve) if curve > 1 else mesh
 
 
