@@ -3,13 +3,14 @@
 import os
 
 import pytest
-from netgen.csg import CSGeometry
-from netgen.occ import OCCGeometry
 from pairwise import MarkFull
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("NGS_NUM_THREADS", "1")
+
+# The site shows the notebooks as they ran in the tests of the tutorials.
+FIRST = ("tutorials", "test_site.py", "validation", "examples", "solver")
 
 
 def ByOneThread(generate):
@@ -23,16 +24,20 @@ def ByOneThread(generate):
 
 def pytest_configure(config):
     """On busy cores the threads of netgen take many times longer than one alone."""
+    from netgen.csg import CSGeometry  # after the numbers of threads above
+    from netgen.occ import OCCGeometry
+
     config.option.loadscopereorder = False  # of pytest-xdist: keep the order below
     for geometry in (CSGeometry, OCCGeometry):
         geometry.GenerateMesh = ByOneThread(geometry.GenerateMesh)
 
 
 def pytest_collection_modifyitems(items):
-    """The notebooks first, then the site, which shows them as they ran there; pairs of options."""
+    """The long files first, so that no process ends alone with one of them; pairs of options."""
 
     def Rank(item):
-        return 0 if item.path.parent.name == "tutorials" else 1 + (item.path.name != "test_site.py")
+        names = (item.path.parent.name, item.path.name)
+        return next((k for k, name in enumerate(FIRST) if name in names), len(FIRST))
 
     if changing := [item.nodeid for item in items if " at 0x" in item.nodeid]:
         raise pytest.UsageError(f"{changing[0]} has another name in each process: give it an id")

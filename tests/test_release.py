@@ -131,5 +131,6 @@ def test_workflows_run_the_commands_that_people_run():
     assert "python tutorials/examples/hertz.py --out results" in Runs("wheels")
     assert "python tutorials/examples/hertz.py --out results" in readme
     assert CHECK in Runs("weekly")
+    assert any('pytest -n 2 --dist loadfile -m ""' in run for run in Runs("weekly") if run)
     assert CHECK in Runs("wheels")
     assert f'test-command = "{CHECK}"' in (ROOT / "pyproject.toml").read_text()

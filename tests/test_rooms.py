@@ -1,6 +1,7 @@
 """Imports run one way: from a room to those below it, and in no room in a circle."""
 
 import ast
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -48,7 +49,10 @@ def imported(path):
             yield from (name.name for name in node.names)
 
 
-ARROWS = {module: {*imported(path)} & set(MODULES) for module, path in MODULES.items()}
+@cache
+def arrows():
+    """Modules of the package that each of them imports."""
+    return {module: {*imported(path)} & set(MODULES) for module, path in MODULES.items()}
 
 
 def test_every_folder_is_a_room():
@@ -58,8 +62,8 @@ def test_every_folder_is_a_room():
 @pytest.mark.parametrize("module", MODULES)
 def test_imports_run_downwards(module):
     floor = FLOORS.index(room(module))
-    assert [m for m in ARROWS[module] if FLOORS.index(room(m)) > floor] == []
+    assert [m for m in arrows()[module] if FLOORS.index(room(m)) > floor] == []
 
 
 def test_no_circle_of_imports():
-    assert len([*TopologicalSorter(ARROWS).static_order()]) == len(MODULES)
+    assert len([*TopologicalSorter(arrows()).static_order()]) == len(MODULES)
