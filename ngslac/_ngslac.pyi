@@ -8,7 +8,7 @@ import numpy
 import numpy.typing
 import pyngcore.pyngcore
 import typing
-__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'ElementDofs', 'EquilibrationScale', 'FacetCorners', 'FormDiagonal', 'GMRes', 'HoldsGridFunction', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'NamesInstead', 'OrthogonalCondensation', 'PieceOf', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'ProxyPath', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'Unmatched', 'VertexDofs', 'WholeMesh']
+__all__: list[str] = ['BubbleVectorH1', 'Condensation', 'ContactForm', 'DofFingerprint', 'ElementDofs', 'EquilibrationScale', 'FacetCorners', 'FormDiagonal', 'GMRes', 'HoldsGridFunction', 'HoldsProxy', 'InnerElimination', 'IsAssembled', 'LACSpace', 'MergeMatrices', 'NamesInstead', 'PieceOf', 'PlacementOf', 'PolygonDifference', 'PolygonIntersection', 'PolygonOverlap', 'PreconditionedProduct', 'ProxyPath', 'RegionWithFaces', 'RigidTool', 'SchurComplement', 'Side', 'SplitSlaveFaces', 'StarSweeps', 'ToolDrive', 'ToolMotion', 'ToolShape', 'TwoLevel', 'TwoLevelProduct', 'Unmatched', 'VertexDofs', 'WholeMesh']
 class LACSpace(ngsolve.comp.FESpace):
     """
     Contact tractions, constant on macro-elements of the slave surface.
@@ -418,22 +418,40 @@ class BubbleVectorH1(ngsolve.comp.VectorH1):
         ...
 class Condensation(ngsolve.la.BaseMatrix):
     """
-    Newton system without multipliers: each macro-element's multiplier and one inner node of its
-    displacement are eliminated exactly. `symmetric` takes slip for frictionless.
+    Newton system without multipliers, by lifts of least energy, whatever the stiffnesses.
+    `Part` is of a sparse matrix that is equivalent to the product. But for both, `mat` may hold
+    the rows and columns of the multipliers alone.
     """
-    def Expand(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    def Complete(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], image: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Solution of the whole system from one of `mat`.
+        Displacements and multipliers, with the bulk's forces of the first.
+        """
+    def Displacements(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Those of the solution from one of `mat`; from zero: what fulfils the constraints.
+        """
+    def NodeBlocks(self, nodes: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
+        """
+        The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.
+        -1 stands for no dof; what is not free is a row of the identity.
         """
     def Part(self, dofs: pyngcore.pyngcore.BitArray = None) -> ngsolve.la.BaseMatrix:
         """
         Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.
         """
-    def Reduce(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+    def Project(self, z: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Right hand side of `mat` for one of the whole system.
+        P z: the part of displacements that keeps the constraints.
         """
-    def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray, symmetric: bool = False) -> None:
+    def Reduce(self, rhs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], image: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Right hand side of `mat`, with the bulk's forces of what fulfils the constraints.
+        """
+    def Test(self, f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The part of forces that tests what keeps the constraints.
+        """
+    def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray) -> None:
         ...
     @property
     def constraints(self) -> numpy.typing.NDArray[numpy.int32]:
@@ -500,28 +518,16 @@ class SchurComplement:
         """
         (m, m): C^T A^-1 C
         """
-class OrthogonalCondensation(Condensation):
-    """
-    The same by lifts of least energy, whatever the stiffnesses, for preconditioned iterations.
-    `Part` is of a sparse matrix that is equivalent to the product.
-    """
-    def __init__(self, mat: ngsolve.la.BaseMatrix, multipliers: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dim: typing.SupportsInt | typing.SupportsIndex, freedofs: pyngcore.pyngcore.BitArray) -> None:
-        ...
-    def NodeBlocks(self, nodes: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
-        """
-        The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.
-        -1 stands for no dof; what is not free is a row of the identity.
-        """
 class StarSweeps:
     """
     Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of
     which are solved for at once.
     """
-    def Update(self, system: OrthogonalCondensation) -> None:
+    def Update(self, system: Condensation) -> None:
         """
         Takes over a system with the same bulk.
         """
-    def __init__(self, system: OrthogonalCondensation, dofs: pyngcore.pyngcore.BitArray, stars: pyngcore.pyngcore.Table_I, dim: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, system: Condensation, dofs: pyngcore.pyngcore.BitArray, stars: pyngcore.pyngcore.Table_I, dim: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class TwoLevel(ngsolve.la.BaseMatrix):
     """
@@ -529,7 +535,7 @@ class TwoLevel(ngsolve.la.BaseMatrix):
     operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows
     (starts, columns, values) belong to the free `dofs`, and others are empty.
     """
-    def __init__(self, system: OrthogonalCondensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
+    def __init__(self, system: Condensation, sweeps: StarSweeps, coarse: ngsolve.la.BaseMatrix, dofs: numpy.typing.ArrayLike, starts: numpy.typing.ArrayLike, columns: numpy.typing.ArrayLike, values: numpy.typing.ArrayLike) -> None:
         ...
 class PreconditionedProduct:
     """
@@ -545,7 +551,7 @@ class TwoLevelProduct(PreconditionedProduct):
     """
     On the free dofs for a preconditioner M of A itself, to single precision.
     """
-    def __init__(self, preconditioner: TwoLevel, system: OrthogonalCondensation) -> None:
+    def __init__(self, preconditioner: TwoLevel, system: Condensation) -> None:
         ...
 def BoundaryVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int32]:
     """

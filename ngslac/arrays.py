@@ -3,11 +3,13 @@
 
 import numpy as np
 from ngsolve import BaseVector, BitArray
+from ngsolve.la import SparseMatrixd
 
 __all__ = [
     "AddToDiagonal",
     "AsBits",
     "AsNumPy",
+    "Exported",
     "Multiply",
     "SameEntries",
     "SameMatrix",
@@ -52,6 +54,13 @@ def AddToDiagonal(mat, values):
     rows = np.repeat(np.arange(mat.height), np.diff(np.asarray(starts).astype(int)))
     where = np.flatnonzero(rows == np.asarray(columns))
     np.asarray(entries)[where] += values[rows[where]]
+
+
+def Exported(mat):
+    """A scipy matrix as one of NGSolve, also with its zeros."""
+    entries = mat.tocoo()
+    places = (places.astype(np.int32) for places in (entries.row, entries.col))
+    return SparseMatrixd.CreateFromCOO(*places, entries.data, *mat.shape)
 
 
 def SameMatrix(one, other):

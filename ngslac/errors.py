@@ -101,12 +101,12 @@ class ContactWarning(UserWarning):
     """
 
 
-def Warn(message: str) -> None:
-    """A ContactWarning at the line of the user's script that called the package."""
+def Warn(message: str, kind=None) -> None:
+    """A ContactWarning, or one of another kind, at the line of the user's script that called the package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
         frame, level = frame.f_back, level + 1
-    warnings.warn(message, ContactWarning, stacklevel=level)
+    warnings.warn(message, kind or ContactWarning, stacklevel=level)
 
 
 def RefuseCopy(self, *_):

@@ -74,15 +74,4 @@ Array<double> ExplicitRows::Diagonal() const {
   });
   return diagonal;
 }
-
-void ExplicitRows::AddProduct(double s, FlatVector<> x, FlatVector<> y) const {
-  ParallelFor(mat->Height(), [&](size_t i) {
-    auto columns = Columns(i);
-    auto values = Values(i);
-    double sum = 0;
-    for (size_t j : Range(columns))
-      sum += values(j) * x(columns[j]);
-    y(i) += s * sum;
-  });
-}
 } // namespace ngslac

@@ -19,8 +19,6 @@ public:
   /// Rows and columns of some dofs, numbered anew; all of them with their own numbers without bits.
   shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
   Array<double> Diagonal() const;
-  /// y += s (these rows) x
-  void AddProduct(double s, FlatVector<> x, FlatVector<> y) const;
 
 private:
   shared_ptr<SparseMatrix<double>> mat;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "condense.hpp"
 #include "formdiagonal.hpp"
 #include "gmres.hpp"
 #include "nodeblocks.hpp"
 #include "numpy.hpp"
-#include "orthogonal.hpp"
-#include "pivots.hpp"
 #include "twolevel.hpp"
 
 namespace ngslac {
@@ -22,6 +21,17 @@ Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
   return {sparse, std::move(dofs)};
 }
 
+/// A vector that f has changed.
+template <typename F>
+Numbers<double> Changed(const Condensation & system, const Numbers<double> & given, F f) {
+  Vector<> values = View(given, system.VHeight());
+  {
+    py::gil_scoped_release release;
+    f(FlatVector<>(values));
+  }
+  return ToNumPy(FlatVector<>(values));
+}
+
 /// Throws what a signal raised, such as the user's Ctrl-C.
 void LookForSignals() {
   py::gil_scoped_acquire acquire;
@@ -31,21 +41,20 @@ void LookForSignals() {
 } // namespace
 
 void ExportLinear(py::module & m) {
+  using Values = Numbers<double>;
   py::class_<Condensation, shared_ptr<Condensation>, BaseMatrix>(
       m, "Condensation",
-      "Newton system without multipliers: each macro-element's multiplier and one inner node of "
-      "its\n"
-      "displacement are eliminated exactly. `symmetric` takes slip for frictionless.")
+      "Newton system without multipliers, by lifts of least energy, whatever the stiffnesses.\n"
+      "`Part` is of a sparse matrix that is equivalent to the product. But for both, `mat` may "
+      "hold\n"
+      "the rows and columns of the multipliers alone.")
       .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
-                       const BitArray & free, bool symmetric) {
+                       const BitArray & free) {
              auto [sparse, dofs] = Given(mat, multipliers);
              py::gil_scoped_release release;
-             shared_ptr<Condensation> system =
-                 make_shared<PivotCondensation>(sparse, dofs, dim, free, symmetric);
-             return system;
+             return make_shared<Condensation>(sparse, dofs, dim, free);
            }),
-           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"),
-           py::arg("symmetric") = false)
+           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"))
       .def(
           "Part",
           [](const Condensation & self, shared_ptr<BitArray> dofs) -> shared_ptr<BaseMatrix> {
@@ -64,41 +73,51 @@ void ExportLinear(py::module & m) {
                              "as without slip")
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
       .def(
-          "Reduce",
-          [](const Condensation & self, Numbers<double> rhs) {
-            Numbers<double> reduced(rhs.size());
-            auto from = View(rhs, self.VHeight()), to = View(reduced, self.VHeight());
-            py::gil_scoped_release release;
-            self.Reduce(from, to);
-            return reduced;
+          "Project",
+          [](const Condensation & self, Values z) {
+            return Changed(self, z, [&](FlatVector<> x) { self.Project(x); });
           },
-          py::arg("rhs"), "Right hand side of `mat` for one of the whole system.")
+          py::arg("z"), "P z: the part of displacements that keeps the constraints.")
       .def(
-          "Expand",
-          [](const Condensation & self, Numbers<double> rhs, Numbers<double> w) {
-            Numbers<double> x(rhs.size());
-            auto from = View(rhs, self.VHeight()), part = View(w, self.VHeight()),
-                 to = View(x, self.VHeight());
-            py::gil_scoped_release release;
-            self.Expand(from, part, to);
-            return x;
+          "Test",
+          [](const Condensation & self, Values f) {
+            return Changed(self, f, [&](FlatVector<> x) { self.Test(x); });
           },
-          py::arg("rhs"), py::arg("w"), "Solution of the whole system from one of `mat`.");
-  py::class_<OrthogonalCondensation, shared_ptr<OrthogonalCondensation>, Condensation>(
-      m, "OrthogonalCondensation",
-      "The same by lifts of least energy, whatever the stiffnesses, for preconditioned "
-      "iterations.\n"
-      "`Part` is of a sparse matrix that is equivalent to the product.")
-      .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
-                       const BitArray & free) {
-             auto [sparse, dofs] = Given(mat, multipliers);
-             py::gil_scoped_release release;
-             return make_shared<OrthogonalCondensation>(sparse, dofs, dim, free);
-           }),
-           py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"))
+          py::arg("f"), "The part of forces that tests what keeps the constraints.")
+      .def(
+          "Displacements",
+          [](const Condensation & self, Values rhs, Values w) {
+            return Changed(self, w, [&, from = View(rhs, self.VHeight())](FlatVector<> x) {
+              x = self.Displacements(from, x);
+            });
+          },
+          py::arg("rhs"), py::arg("w"),
+          "Those of the solution from one of `mat`; from zero: what fulfils the constraints.")
+      .def(
+          "Reduce",
+          [](const Condensation & self, Values rhs, Values u, Values image) {
+            return Changed(self, rhs,
+                           [&, displacements = View(u, self.VHeight()),
+                            forces = View(image, self.VHeight())](FlatVector<> x) {
+                             x = self.Reduce(Vector<>(x), displacements, forces);
+                           });
+          },
+          py::arg("rhs"), py::arg("u"), py::arg("image"),
+          "Right hand side of `mat`, with the bulk's forces of what fulfils the constraints.")
+      .def(
+          "Complete",
+          [](const Condensation & self, Values rhs, Values u, Values image) {
+            return Changed(self, u,
+                           [&, from = View(rhs, self.VHeight()),
+                            forces = View(image, self.VHeight())](FlatVector<> x) {
+                             self.Complete(from, forces, x);
+                           });
+          },
+          py::arg("rhs"), py::arg("u"), py::arg("image"),
+          "Displacements and multipliers, with the bulk's forces of the first.")
       .def(
           "NodeBlocks",
-          [](const OrthogonalCondensation & self, const Numbers<int> & nodes) {
+          [](const Condensation & self, const Numbers<int> & nodes) {
             if (nodes.ndim() != 2 || nodes.shape(1) < 1)
               throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
             auto list = FromNumPy(nodes);
@@ -117,8 +136,8 @@ void ExportLinear(py::module & m) {
       m, "StarSweeps",
       "Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of\n"
       "which are solved for at once.")
-      .def(py::init([](const OrthogonalCondensation & system, const BitArray & dofs,
-                       const Table<int> & stars, int dim) {
+      .def(py::init([](const Condensation & system, const BitArray & dofs, const Table<int> & stars,
+                       int dim) {
              py::gil_scoped_release release;
              return make_shared<StarSweeps>(system, dofs, stars, dim);
            }),
@@ -130,7 +149,7 @@ void ExportLinear(py::module & m) {
       "Preconditioner: a sweep forward, a correction, a sweep backward. The correction is by the\n"
       "operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows\n"
       "(starts, columns, values) belong to the free `dofs`, and others are empty.")
-      .def(py::init([](const OrthogonalCondensation & system, shared_ptr<StarSweeps> sweeps,
+      .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
                        shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs,
                        const Numbers<int> & starts, const Numbers<int> & columns,
                        const Numbers<float> & values) {
@@ -153,7 +172,7 @@ void ExportLinear(py::module & m) {
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, PreconditionedProduct>(
       m, "TwoLevelProduct",
       "On the free dofs for a preconditioner M of A itself, to single precision.")
-      .def(py::init<shared_ptr<TwoLevel>, shared_ptr<OrthogonalCondensation>>(),
+      .def(py::init<shared_ptr<TwoLevel>, shared_ptr<Condensation>>(),
            py::arg("preconditioner").none(false), py::arg("system").none(false));
   m.def(
       "FormDiagonal",

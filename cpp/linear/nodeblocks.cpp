@@ -5,7 +5,7 @@
 namespace ngslac {
 namespace {
 /// Place of each free dof among the nodes, or -1.
-Array<int> Places(const OrthogonalCondensation & system, FlatArray<int> nodes) {
+Array<int> Places(const Condensation & system, FlatArray<int> nodes) {
   Array<int> place(system.VHeight());
   place = -1;
   for (int i : Range(nodes))
@@ -19,7 +19,7 @@ Array<int> Places(const OrthogonalCondensation & system, FlatArray<int> nodes) {
 }
 
 /// Of each local term the positions of dofs among the nodes on which it depends.
-Array<Array<int>> Positions(const OrthogonalCondensation & system, FlatArray<int> place) {
+Array<Array<int>> Positions(const Condensation & system, FlatArray<int> place) {
   auto terms = system.Terms();
   Array<Array<int>> positions(terms.Size());
   ParallelFor(terms.Size(), [&](size_t m) {
@@ -63,7 +63,7 @@ public:
 };
 } // namespace
 
-BlockRows NodeBlocks(const OrthogonalCondensation & system, FlatArray<int> nodes, int width) {
+BlockRows NodeBlocks(const Condensation & system, FlatArray<int> nodes, int width) {
   static Timer timer("ngslac::NodeBlocks");
   RegionTimer reg(timer);
   auto place = Places(system, nodes);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "orthogonal.hpp"
+#include "condense.hpp"
 
 namespace ngslac {
 /// Rows of square blocks, of `width` rows and columns each, in the order of their columns.
@@ -13,5 +13,5 @@ struct BlockRows {
 /// The part of a system that belongs to some nodes, of `width` dofs each.
 ///
 /// `nodes` lists the dofs node by node; -1, or what is not free, is a row of the identity.
-BlockRows NodeBlocks(const OrthogonalCondensation & system, FlatArray<int> nodes, int width);
+BlockRows NodeBlocks(const Condensation & system, FlatArray<int> nodes, int width);
 } // namespace ngslac

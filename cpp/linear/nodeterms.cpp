@@ -27,7 +27,7 @@ NodeTerm::NodeTerm(const LocalTerm & term, const NodeOrder & order) {
   });
 }
 
-Array<NodeTerm> NodeTerms(const OrthogonalCondensation & system, const NodeOrder & order) {
+Array<NodeTerm> NodeTerms(const Condensation & system, const NodeOrder & order) {
   auto given = system.Terms();
   Array<NodeTerm> terms(given.Size());
   ParallelFor(terms.Size(), [&](size_t m) { terms[m] = NodeTerm(given[m], order); });

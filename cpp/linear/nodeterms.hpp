@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
+#include "condense.hpp"
 #include "nodeorder.hpp"
-#include "orthogonal.hpp"
 
 namespace ngslac {
 /// The local term of a macro-element by nodes, in single precision:  left right.
@@ -18,5 +18,5 @@ struct NodeTerm {
 };
 
 /// Of all macro-elements.
-Array<NodeTerm> NodeTerms(const OrthogonalCondensation & system, const NodeOrder & order);
+Array<NodeTerm> NodeTerms(const Condensation & system, const NodeOrder & order);
 } // namespace ngslac

@@ -4,8 +4,8 @@
 #include "levels.hpp"
 
 namespace ngslac {
-StarSweeps::StarSweeps(const OrthogonalCondensation & system, const BitArray & which,
-                       FlatTable<int> given, int dim)
+StarSweeps::StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> given,
+                       int dim)
     : order(system, which), rows(order.Size()) {
   static Timer timer("ngslac::StarSweeps - setup");
   RegionTimer reg(timer);
@@ -17,7 +17,7 @@ StarSweeps::StarSweeps(const OrthogonalCondensation & system, const BitArray & w
   ParallelFor(stars.Size(), [&](size_t s) { Invert(stars[s]); });
 }
 
-void StarSweeps::Update(const OrthogonalCondensation & system) {
+void StarSweeps::Update(const Condensation & system) {
   static Timer timer("ngslac::StarSweeps - update");
   RegionTimer reg(timer);
   if (size_t(system.VHeight()) != order.slot.Size())
@@ -41,7 +41,7 @@ void StarSweeps::Update(const OrthogonalCondensation & system) {
 }
 
 /// Takes over the local terms, and finds the nodes and stars of each.
-void StarSweeps::SetTerms(const OrthogonalCondensation & system) {
+void StarSweeps::SetTerms(const Condensation & system) {
   terms = NodeTerms(system, order);
   TableCreator<BlockedRows::Link> linker(rows.Size());
   for (; !linker.Done(); linker++)
@@ -62,12 +62,12 @@ void StarSweeps::SetTerms(const OrthogonalCondensation & system) {
   sharing = sharer.MoveTable();
 }
 
-bool StarSweeps::Fill(const OrthogonalCondensation & system, size_t row) {
+bool StarSweeps::Fill(const Condensation & system, size_t row) {
   return rows.Fill(system, order, row, terms, links[row]);
 }
 
 /// Nodes with a row to which macro-elements add something.
-Array<bool> StarSweeps::Changed(const OrthogonalCondensation & system) const {
+Array<bool> StarSweeps::Changed(const Condensation & system) const {
   Array<bool> changed(order.Size());
   ParallelFor(changed.Size(), [&](size_t row) {
     changed[row] = false;

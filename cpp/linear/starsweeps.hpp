@@ -16,10 +16,9 @@ public:
 
   /// Of the scalar dofs `which`. `stars` are dofs, each of which has `dim` entries; what is not in
   /// `which` does not count, and a node in no star makes one.
-  StarSweeps(const OrthogonalCondensation & system, const BitArray & which, FlatTable<int> stars,
-             int dim);
+  StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> stars, int dim);
   /// Takes over a system whose rows differ from the last one only where either is condensed.
-  void Update(const OrthogonalCondensation & system);
+  void Update(const Condensation & system);
 
   const NodeOrder & Order() const { return order; }
   const BlockedRows & Rows() const { return rows; }
@@ -47,9 +46,9 @@ private:
   void Invert(Star & star) const;
   void Solve(const Star & star, FlatArray<Node> b, FlatArray<Node> z) const;
   Array<int> Neighbours(int star) const;
-  Array<bool> Changed(const OrthogonalCondensation & system) const;
-  void SetTerms(const OrthogonalCondensation & system);
-  bool Fill(const OrthogonalCondensation & system, size_t row);
+  Array<bool> Changed(const Condensation & system) const;
+  void SetTerms(const Condensation & system);
+  bool Fill(const Condensation & system, size_t row);
 
   NodeOrder order;
   BlockedRows rows;

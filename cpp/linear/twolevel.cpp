@@ -2,7 +2,7 @@
 #include "twolevel.hpp"
 
 namespace ngslac {
-TwoLevel::TwoLevel(const OrthogonalCondensation & system, shared_ptr<StarSweeps> asweeps,
+TwoLevel::TwoLevel(const Condensation & system, shared_ptr<StarSweeps> asweeps,
                    shared_ptr<BaseMatrix> acoarse, const SparseRows & rows, FlatArray<int> dofs)
     : SquareOperator(system), sweeps(asweeps), coarse(acoarse),
       prolongation(rows, dofs, asweeps->Order().slot, acoarse->VHeight()) {}

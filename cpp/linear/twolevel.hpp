@@ -13,7 +13,7 @@ public:
   using Node = BlockedRows::Node;
 
   /// The coarse operator takes what the residual is on a coarse space, and returns the correction.
-  TwoLevel(const OrthogonalCondensation & system, shared_ptr<StarSweeps> sweeps,
+  TwoLevel(const Condensation & system, shared_ptr<StarSweeps> sweeps,
            shared_ptr<BaseMatrix> coarse, const SparseRows & prolongation, FlatArray<int> dofs);
 
   /// y = M^-1 x
@@ -33,13 +33,13 @@ private:
 /// With this preconditioner, to single precision.
 class TwoLevelProduct : public PreconditionedProduct {
 public:
-  TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<OrthogonalCondensation> system)
+  TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<Condensation> system)
       : pre(pre), system(system) {}
   const BaseMatrix & Matrix() const override { return *system; }
   void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override;
 
 private:
   shared_ptr<TwoLevel> pre;
-  shared_ptr<OrthogonalCondensation> system;
+  shared_ptr<Condensation> system;
 };
 } // namespace ngslac

@@ -17,8 +17,7 @@ class Blocks:
 
     Parameters
     ----------
-    forms : list[ContactForm]
-    scale : (n,) array
+    system : LinearSystem
     free : (n,) bool
 
     Attributes
@@ -37,13 +36,13 @@ class Blocks:
         The dofs of this.
     """
 
-    def __init__(self, forms, scale, free):
-        n = len(scale)
-        self.multipliers = np.concatenate([np.asarray(f.MultiplierDofs()) for f in forms])
+    def __init__(self, system, free):
+        n = len(free)
+        self.multipliers = np.asarray(system.multipliers)
         m = len(self.multipliers)
         number = np.full(n, -1)
         number[self.multipliers] = np.arange(m)
-        row, column, value = self._Entries(forms, scale, free)
+        row, column, value = self._Entries(system.contacts, system.scale, free)
         k, j = number[row], number[column]
         on, by, both = (k < 0) & (j >= 0), (k >= 0) & (j < 0), (k >= 0) & (j >= 0)
         apart = (k < 0) & (j < 0)
@@ -63,11 +62,11 @@ class Blocks:
         )
 
     @staticmethod
-    def _Entries(forms, scale, free):
-        """Rows, columns and values of the sum of all forms, without zeros."""
+    def _Entries(contacts, scale, free):
+        """Rows, columns and values of the sum of all contacts, without zeros."""
         found = []
-        for form in forms:
-            values, columns, starts = (np.asarray(a) for a in form.mat.CSR())
+        for contact in contacts:
+            values, columns, starts = (np.asarray(a) for a in contact.CSR())
             rows = np.repeat(np.arange(len(scale)), np.diff(starts.astype(np.int64)))
             values = scale[rows] * values * scale[columns]
             used = (values != 0) & free[rows] & free[columns]

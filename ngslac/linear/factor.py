@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Sparse factorisations, as preconditioners of the condensed system."""
+"""Sparse factorisations."""
 
 import ctypes
 import importlib.metadata
@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ngslac.arrays import Multiply
 from ngslac.linear.quiet import Quiet
 
-__all__ = ["LU", "Cholesky", "Factor", "IsSymmetric", "LinearSolveError"]
+__all__ = ["LU", "Cholesky", "Factor", "HasEqualWorks", "IsSymmetric", "LinearSolveError"]
 
 # Pardiso's own ordering is no match for nested dissection in three dimensions, and its own
 # refinement, of every solution, costs more than ours.
@@ -21,6 +22,8 @@ FLAGS = {
     "pardisospd": {"ordering": "metis", "refinement": 0, "symmetric": True},
 }
 CHOLESKY = ("pardisospd", "sparsecholesky")
+# Difference of works, relative to what they can be, that is rounding.
+SYMMETRIC = 1e-13
 LOUD = ("umfpack",)  # tell of a singular matrix on the screen, with each solution
 
 
@@ -122,13 +125,23 @@ def _Solves(factors):
 
 
 def IsSymmetric(mat):
-    """Is x.Ay = y.Ax for two random vectors, to rounding?"""
-    random = np.random.default_rng(1)
-    x, y, image = mat.CreateRowVector(), mat.CreateRowVector(), mat.CreateColVector()
-    for vec in (x, y):
-        vec.FV().NumPy()[:] = random.standard_normal(vec.FV().NumPy().size)
-    image.data = mat * y
-    product = x.InnerProduct(image)
-    size = x.Norm() * image.Norm()
-    image.data = mat * x
-    return abs(y.InnerProduct(image) - product) <= 1e-13 * size
+    """Is a matrix symmetric, to rounding, as far as two random vectors show it?"""
+    x, y = np.random.default_rng(1).standard_normal((2, mat.height))
+    return HasEqualWorks(lambda vec: Multiply([mat], vec), x, y)
+
+
+def HasEqualWorks(product, x, y, total=lambda part: part):
+    """Is x.Ay = y.Ax, to rounding?
+
+    Parameters
+    ----------
+    product : callable
+        A times an array.
+    x, y : (n,) array
+        Or the parts of vectors that this process has.
+    total : callable
+        Sums up numbers over all processes.
+    """
+    image = product(y)
+    work, *squares = (float(total(a @ b)) for a, b in ((x, image), (x, x), (image, image)))
+    return bool(abs(total(y @ product(x)) - work) <= SYMMETRIC * np.sqrt(np.prod(squares)))

@@ -23,10 +23,8 @@ class GroundedBulk:
 
     Parameters
     ----------
-    bulk : BaseMatrix
-    scale : (n,) array
-    shift : (n,) array or None
-        To be added to the scaled diagonal.
+    system : LinearSystem
+        Whose bulk, scale and shift these are.
     free : (n,) bool
         Free displacements.
     motions : (n, m) array
@@ -43,23 +41,23 @@ class GroundedBulk:
         The matrix is not symmetric, or has no factors.
     """
 
-    def __init__(self, bulk, scale, shift, free, motions):
-        self.bulk, self.shift, self.free = bulk, shift, free
-        self.scale = scale * free
-        self.mat = MergeMatrices(bulk, [], scale)
+    def __init__(self, system, free, motions):
+        self.bulk, self.shift, self.free = system.mat, system.shift, free
+        self.scale = system.scale * free
+        self.mat = MergeMatrices(system.mat, [], system.scale)
         if not IsSymmetric(self.mat):
             raise LinearSolveError("the bulk is not symmetric")
         self.springs = Grounded(self.mat, free, motions)
-        added = np.zeros(len(scale)) if shift is None else shift * free
+        added = np.zeros(len(free)) if system.shift is None else system.shift * free
         added[self.springs] += SPRING
         AddToDiagonal(self.mat, added)
         self.inverse = Factor(self.mat, AsBits(free), "sparsecholesky")
         self._columns = self._schur = None
 
-    def Fits(self, bulk, scale, shift, free):
+    def Fits(self, system, free):
         """Was it made of these?"""
-        given = (free, self.free), (scale * free, self.scale), (shift, self.shift)
-        return bulk is self.bulk and all(np.array_equal(*pair) for pair in given)
+        pairs = (free, self.free), (system.scale * free, self.scale), (system.shift, self.shift)
+        return system.mat is self.bulk and all(np.array_equal(*pair) for pair in pairs)
 
     def Times(self, u):
         """The free rows of its product, without the springs, with u (n,), zero where not free."""
@@ -71,8 +69,8 @@ class GroundedBulk:
         """Of columns C (n, m), and one more for each spring: a SchurComplement, and C^T K^-1 C."""
         if self._columns is None or not SameMatrix(self._columns, columns):
             unit = UnitColumns(self.springs, len(self.free))
-            given = scipy.sparse.hstack([columns, unit], format="csc")
-            schur = SchurComplement(self.inverse, given.indptr, given.indices, given.data)
+            every = scipy.sparse.hstack([columns, unit], format="csc")
+            schur = SchurComplement(self.inverse, every.indptr, every.indices, every.data)
             self._columns, self._schur = columns, (schur, schur.complement)
         return self._schur
 

@@ -7,6 +7,7 @@ from ngslac.linear.blocks import Blocks
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.grounded import GroundedBulk
 from ngslac.linear.interfacesystem import InterfaceSystem
+from ngslac.linear.refine import Refine
 
 __all__ = ["Interface"]
 
@@ -38,8 +39,6 @@ class Interface:
         Did the last matrix of the bulk serve for one system only?
     """
 
-    rounds = 4
-    exact = 1e-13  # relative residual that is enough
     most = 3000  # multipliers: the dense matrix of more costs as much as factors of the bulk
     krylov = 0
 
@@ -47,70 +46,58 @@ class Interface:
         self.free, self.dim, self.motions = free, dim, motions
         self.factorisations = self._systems = 0
         self.once = False
-        self.Forget()
+        self.NewBulk()
 
-    def Forget(self):
-        """Keep no factorisation for the next system."""
-        self.once = self._systems == 1 or (self.once and not self._systems)
-        self._systems, self._fails, self._kept = 0, False, {}
+    def __str__(self):
+        return "on the interface, the bulk with sparsecholesky, once"
 
     def NewBulk(self):
         """The bulk matrix has got other values."""
-        self.Forget()
+        self.once = self._systems == 1 or (self.once and not self._systems)
+        self._systems, self._fails, self._kept = 0, False, {}
 
-    def NewMatrix(self):
-        """The merged matrix has got other values."""
+    def State(self):
+        """What has been learnt about the bulk."""
+        return {"once": self.once}
 
-    def Begin(self):
-        """Another system; says whether this is the way to solve it.
+    def SetState(self, state):
+        """Go on with a `State`."""
+        self.once = state["once"]
 
-        Not so for the first one of a matrix if that before served once only: a nonlinear bulk has
+    def Solve(self, system, b):
+        """See Method.
+
+        Not for the first system of a matrix if that before served once only: a nonlinear bulk has
         another one each time.
-        """
-        self._systems += 1
-        return not self._fails and not (self.once and self._systems == 1)
-
-    def Solve(self, bulk, forms, scale, shift, b):
-        """x with (bulk + forms) x = b on the free dofs, scaled, and its relative residual.
 
         Raises
         ------
         LinearSolveError
             The matrix is singular, or not of the kind that this is made for.
         """
-        blocks = Blocks(forms, scale, self.free)
+        self._systems += 1
+        if self._fails or (self.once and self._systems == 1):
+            raise LinearSolveError("the bulk is not factored")
+        blocks = Blocks(system, self.free)
         try:
-            kept = self._Kept(bulk, scale, shift, blocks)
-            system = InterfaceSystem(kept, blocks, self.dim)
+            kept = self._Kept(system, blocks)
+            interface = InterfaceSystem(kept, blocks, self.dim)
         except np.linalg.LinAlgError as error:
             raise LinearSolveError(str(error)) from error
-        return self._Refined(kept, blocks, system, b)
+        return Refine(interface.Solve, lambda x: b - blocks.Times(x) - kept.Times(x), b)
 
-    def _Kept(self, bulk, scale, shift, blocks):
+    def _Kept(self, system, blocks):
         """The GroundedBulk; where bodies slip, systems with and without a shift take turns."""
         displacements = self.free.copy()
         displacements[blocks.multipliers] = False
-        given, key = (bulk, scale, shift, displacements), shift is not None
-        if key not in self._kept or not self._kept[key].Fits(*given):
+        key = system.shift is not None
+        if key not in self._kept or not self._kept[key].Fits(system, displacements):
             self._kept.pop(key, None)  # two of them would need twice the memory
             self._fails = True
             if len(blocks.multipliers) > self.most:
                 raise LinearSolveError("the interface is large")
             self.factorisations += 1
-            kept = GroundedBulk(*given, self.motions())
+            kept = GroundedBulk(system, displacements, self.motions())
             kept.Schur(blocks.forces)
             self._kept[key], self._fails = kept, False
         return self._kept[key]
-
-    def _Refined(self, kept, blocks, system, b):
-        x, size, error = np.zeros_like(b), np.linalg.norm(b), 1.0
-        best, left = (x, error), b
-        for _ in range(self.rounds if size else 0):
-            x = x + system.Solve(left)
-            left = b - blocks.Times(x) - kept.Times(x)
-            before, error = error, float(np.linalg.norm(left)) / size
-            if error < best[1]:  # not so where it is NaN
-                best = x, error
-            if not self.exact < error < 0.5 * before:
-                break
-        return best if size else (x, 0.0)

@@ -79,18 +79,18 @@ class InterfaceSystem:
 
     def Solve(self, rhs):
         """The solution (n,) of the whole system."""
-        given, x = rhs[self.blocks.multipliers], np.zeros(len(self.complement))
-        x[self.open] = np.linalg.solve(self.free, given[self.open][:, :, None])[:, :, 0]
+        own, x = rhs[self.blocks.multipliers], np.zeros(len(self.complement))
+        x[self.open] = np.linalg.solve(self.free, own[self.open][:, :, None])[:, :, 0]
         start = self.schur.Forward(rhs)
         trace = self.schur.Trace(start)
         if np.any(x):
             trace -= self.complement @ x
         if len(self.used):
             right = -self._Constrained(trace)
-            right[: self.closed.size] += given[self.closed].ravel()
+            right[: self.closed.size] += own[self.closed].ravel()
             x[self.used] = scipy.linalg.lu_solve(
                 self.factors, self.scale * right, check_finite=False
             )
         solution = self.schur.Solve(start, x)
-        solution[self.blocks.multipliers] = x[: len(given)]
+        solution[self.blocks.multipliers] = x[: len(own)]
         return solution

@@ -1,111 +1,154 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Condensed Newton systems by a preconditioned iteration, which needs little memory."""
+"""Newton systems without multipliers by a preconditioned iteration, which needs little memory."""
 
 import numpy as np
 
 from ngslac._ngslac import (
-    OrthogonalCondensation,
+    Condensation,
+    GMRes,
     PreconditionedProduct,
     TwoLevel,
     TwoLevelProduct,
 )
-from ngslac.linear.condensed import Condensed, RightGMRes
+from ngslac.arrays import AsNumPy, Multiply
+from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.refine import EXACT, Refine
 
-__all__ = ["IterativeCondensed"]
+__all__ = ["Iterative"]
 
 # Residual of a round, in units of what was asked for, that rounding errors have left.
 ROUGH = 5
-# Iterations that have to halve the residual: else it stalls.
-PATIENCE = 60
+# Most iterations; those that have to halve the residual: else it stalls.
+MOST, PATIENCE = 250, 60
+# Relative residuals that a Krylov method, and products in single precision, can reach.
+BEST, SINGLE = 1e-14, 1e-5
 
 
-class IterativeCondensed(Condensed):
-    """With multigrid, which needs little memory, made for each system.
+class Iterative:
+    """Eliminates multipliers, and iterates by GMRES with multigrid, made for each system.
 
-    Slip is in it: a frictionless one costs up to twice the iterations.
+    What is left (``Z^T K Z`` with the columns Z of the displacements that keep the constraints) is
+    symmetric and positive definite where the bulk is, as long as nothing slips. Slip is in it: a
+    frictionless one costs up to twice the iterations.
 
     Parameters
     ----------
-    freedofs, bits, dim, inverse :
-        As above.
+    bits : BitArray
+        Free dofs of the whole system.
+    merged : Merged
+    dim : int
+        Of the mesh.
     multigrid : Multigrid
     preconditioner : callable, optional
         Takes the place of the multigrid method: see ContactSolver.
     """
 
-    most_iterations = 250
-    single = 1e-5  # relative residual that products in single precision reach
+    factorisations = 0
 
-    def __init__(self, freedofs, bits, dim, inverse, multigrid, preconditioner=None):
+    def __init__(self, bits, merged, dim, multigrid, preconditioner=None):
+        self.bits, self.merged, self.dim = bits, merged, dim
         self.multigrid, self.preconditioner = multigrid, preconditioner
-        super().__init__(freedofs, bits, dim, inverse)
-        self._rounds_off = False  # are products in single precision too rough?
+        self.krylov, self._single = 0, True  # do products in single precision serve?
+        self.NewBulk()
 
-    def Forget(self):
-        """Keep no preconditioner for the next system."""
-        super().Forget()
-        if self.multigrid:
-            self.multigrid.Forget()
+    def __str__(self):
+        return "iterative, " + ("as given" if self.preconditioner else "multigrid")
 
     def NewBulk(self):
         """The bulk matrix has got other values."""
-        super().NewBulk()
+        self.merged.Forget()
+        self._number = self._condensed = self._inverse = None
         if self.multigrid:
             self.multigrid.Forget()
 
-    def NewMatrix(self):
-        """The merged matrix has got other values."""
-        super().NewMatrix()
-        self._kept = None
+    def State(self):
+        """Nothing is learnt that counts."""
+        return {}
 
-    def _Accuracy(self, wanted):
-        return max(wanted, self.exact)
+    def SetState(self, state):
+        """Go on with a `State`."""
 
-    def _Learn(self, error, accuracy):
-        if error > ROUGH * accuracy:
-            self._rounds_off = True
+    def Solve(self, system, b):
+        """See Method.
 
-    def _Systems(self, *given):
-        return (OrthogonalCondensation(*given),)
+        Raises
+        ------
+        NgException
+            Constraints depend on each other.
+        LinearSolveError
+            The iteration does not converge.
+        """
+        mat, free = self.merged.Of(system), AsNumPy(self.bits)
+        if self._number != self.merged.number:
+            self._number = self._inverse = None
+            dofs = np.asarray(system.multipliers).tolist()
+            self._condensed = Condensation(mat, dofs, self.dim, self.bits)
+            self._number = self.merged.number
+        exact, size = max(system.accuracy, EXACT), np.linalg.norm(b)
 
-    def _Preconditioners(self, _, system):
-        if self._kept is None:
-            self._kept = self._Make(system)
-        yield self._kept[0], self.most_iterations
+        def Residual(x):
+            left = (b - Multiply([mat], x)) * free
+            if np.linalg.norm(left) > ROUGH * exact * size:
+                self._single = False
+            return left
+
+        def Step(left):
+            return self._Step(mat, left, 0.9 * exact * size, system.scale)
+
+        return Refine(Step, Residual, b, exact=exact)
+
+    def _Step(self, mat, rhs, residual, scale):
+        """Solution of the whole system, up to a residual, from that of the condensed one."""
+        system = self._condensed
+        u = system.Displacements(rhs, 0 * rhs)
+        reduced = system.CreateColVector()
+        reduced.FV().NumPy()[:] = system.Reduce(rhs, u, Multiply([mat], u))
+        size = reduced.Norm()
+        tol = min(max(residual / size, BEST), 0.1) if size else 1.0
+        for inverse in self._Preconditioners(scale):
+            found, converged = self._Iterate(inverse, reduced, tol)
+            if converged:
+                u = system.Displacements(rhs, found.FV().NumPy())
+                return system.Complete(rhs, u, Multiply([mat], u))
+        raise LinearSolveError("the condensed system could not be solved")
+
+    def _Preconditioners(self, scale):
+        if self._inverse is None:
+            self._Make(scale)
+        yield self._inverse
         if self.preconditioner is None and not self.multigrid.learnt:
             self.multigrid.Relearn()
-            self._kept = None
-            self._kept = self._Make(system)
-            yield self._kept[0], self.most_iterations
-        if not self._rounds_off and self._IsOwn(self._kept[0]):
-            self._rounds_off = True  # a stiff body is moved far by what is next to nothing
-            yield self._kept[0], self.most_iterations
+            self._inverse = None
+            self._Make(scale)
+            yield self._inverse
+        if self._single and isinstance(self._inverse, TwoLevel):
+            self._single = False  # a stiff body is moved far by what is next to nothing
+            yield self._inverse
 
-    def _Make(self, system):
-        """The preconditioner, and what has to live as long."""
+    def _Make(self, scale):
+        """Make the preconditioner, and keep what has to live as long."""
+        system = self._condensed
         if self.preconditioner is None:
-            return self.multigrid.Preconditioner(system, self.scale), None
-        mat = system.Part()
-        inverse = self.preconditioner(mat, system.freedofs)
-        if getattr(inverse, "shape", None) != mat.shape:
+            self._inverse = self.multigrid.Preconditioner(system, scale)
+            return
+        self._part = system.Part()
+        inverse = self.preconditioner(self._part, system.freedofs)
+        if getattr(inverse, "shape", None) != self._part.shape:
             raise ValueError(
-                f"preconditioner= returned {inverse}, not an operator of the size {mat.shape}"
+                f"preconditioner= returned {inverse}, not an operator of the size "
+                f"{self._part.shape}"
             )
-        return inverse, mat
+        self._inverse = inverse
 
-    @staticmethod
-    def _IsOwn(inverse):
-        """Has it products with the system of its own?"""
-        return isinstance(inverse, TwoLevel)
-
-    def _Iterate(self, inverse, rhs, tol, iterations, system):
-        own = self._IsOwn(inverse)
-        fused = own and tol >= self.single and not self._rounds_off
+    def _Iterate(self, inverse, rhs, tol):
+        """A solution of the condensed system, preconditioned from the right, and is it one?"""
+        system, own = self._condensed, isinstance(inverse, TwoLevel)
+        fused = own and tol >= SINGLE and self._single
         product = (
             TwoLevelProduct(inverse, system) if fused else PreconditionedProduct(system, inverse)
         )
-        limits = {"tol": tol, "maxiter": iterations, "patience": PATIENCE}
-        krylov, solution = RightGMRes(product, rhs, system.freedofs, **limits)
+        found, residuals, converged = GMRes(product, rhs, system.freedofs, tol, MOST, PATIENCE)
+        self.krylov += len(residuals) - 1
         if own:
-            self.multigrid.Watch(krylov.iterations / -np.log10(tol))
-        return krylov, solution
+            self.multigrid.Watch((len(residuals) - 1) / -np.log10(tol))
+        return found, converged

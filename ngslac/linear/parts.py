@@ -4,10 +4,9 @@
 import numpy as np
 import scipy
 from netgen.meshing import NgException
-from ngsolve.la import SparseMatrixd
 
 from ngslac._ngslac import SchurComplement
-from ngslac.arrays import AsBits
+from ngslac.arrays import AsBits, Exported
 from ngslac.linear.factor import Factor, LinearSolveError
 
 __all__ = ["PartsInverse"]
@@ -92,13 +91,6 @@ class PartsInverse:
         except NgException:
             return None
         return total
-
-
-def Exported(mat):
-    """A scipy matrix as one of NGSolve."""
-    entries = mat.tocoo()
-    places = (places.astype(np.int32) for places in (entries.row, entries.col))
-    return SparseMatrixd.CreateFromCOO(*places, entries.data, *mat.shape)
 
 
 def AreNear(mat, other):

@@ -10,13 +10,12 @@ from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
-from ngslac.arguments import CheckChoice
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.bodies.constraints import ToCSR
-from ngslac.linear.choose import SOLVERS
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
-from ngslac.petsc.solver import LARGE, PetscSolver
+from ngslac.petsc.nodes import Nodes
+from ngslac.petsc.solver import PetscLinearSolver
 
 __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
 
@@ -200,22 +199,20 @@ class RemoteForm:
         """A matrix with the diagonal that the elements have without inertia."""
         return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
 
-    def LinearSolver(self, contact, freedofs, wanted, inverse=None, preconditioner=None):
-        """What solves the linear systems, see `ChooseSolver`."""
-        if wanted is not None:
-            CheckChoice("solver", wanted, SOLVERS)
-        for name, given in (("inverse", inverse), ("preconditioner", preconditioner)):
-            if given is not None:
+    def LinearSolver(self, contact, freedofs, options):
+        """What solves the linear systems, see `MakeLinearSolver`."""
+        wanted = options.solver
+        for name in ("inverse", "preconditioner"):
+            if getattr(options, name) is not None:
                 raise ValueError(f"{name}= is not known on a distributed mesh: leave it out")
         if wanted not in (None, "petsc", "direct", "iterative"):
             raise ValueError(
                 f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
                 "take 'direct' or 'iterative', both on PETSc"
             )
-        team = Team(self.ensemble, self, contact, freedofs)
-        large = freedofs.NumSet() > LARGE[self.space.mesh.dim]
-        method = "iterative" if large else "direct"
-        return PetscSolver(team, freedofs, method if wanted in (None, "petsc") else wanted)
+        nodes = Nodes.Of(contact, freedofs)
+        team = Team(self.ensemble, self, freedofs, nodes)
+        return PetscLinearSolver(team, freedofs, nodes, None if wanted == "petsc" else wanted)
 
 
 class RemoteMatrix(BaseMatrix):

@@ -7,7 +7,6 @@ import numpy as np
 
 from ngslac.arrays import AsNumPy
 from ngslac.parallel.farewell import BeforeOthers
-from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 
 __all__ = ["Team"]
@@ -24,15 +23,13 @@ class Team:
     ensemble : Ensemble
     form : RemoteForm
         The bulk.
-    contact : LACContact
-        The first of those on the space.
     freedofs : BitArray
         Scalar dofs.
+    nodes : Nodes
     """
 
-    def __init__(self, ensemble, form, contact, freedofs):
+    def __init__(self, ensemble, form, freedofs, nodes):
         free = AsNumPy(freedofs)
-        nodes = Nodes.Of(contact, freedofs)
         given = form.number, len(free)
         own = partial(ensemble.crew.tasks["system"], *given, free, nodes)
         self._crew, self._number = ensemble.crew, ensemble.Order("system", *given, own=own)[0]

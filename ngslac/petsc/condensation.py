@@ -4,28 +4,23 @@
 import numpy as np
 import scipy
 from netgen.meshing import NgException
-from ngsolve.la import SparseMatrixd
 
-from ngslac._ngslac import OrthogonalCondensation
-from ngslac.arrays import AsBits
+from ngslac._ngslac import Condensation
+from ngslac.arrays import AsBits, Exported
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.factor import LinearSolveError
+from ngslac.petsc.library import LoadPETSc
 
-__all__ = ["LocalContact", "NoContact"]
+__all__ = ["CondensedSystem", "LocalContact"]
 
 
 class LocalContact:
     """The contacts of a system on the dofs they touch, on rank 0, without the bulk.
 
-    An `OrthogonalCondensation` of contact rows alone knows the projections P and Pl. It adds terms
-    T to the bulk's K, those of slip and a penalty for the constraints, of which only the first stay
-    in  A = Pl^T (K + T) P. So one distributed matrix K + T serves for products with A and
-    preconditions it.
-
     Parameters
     ----------
     mat : csr_matrix
-        Scaled, on free dofs.
+        Scaled, on free dofs; empty on other ranks.
     multipliers : (m,) int
         Their dofs, d in a row for each macro-element.
     dim : int
@@ -35,8 +30,13 @@ class LocalContact:
     ----------
     dofs : (k,) int
         Those touched by multipliers, and these.
+    mat : (k, k) csr_matrix
     terms : (k, k) csr_matrix
-        T, a unit for each multiplier.
+        T, see Condensation, which is added to the bulk's K.
+    islam : (k,) bool
+        Which are multipliers; each has a unit row in what stands for the sum.
+    system : Condensation
+        Of the rows and columns of the multipliers alone.
     """
 
     def __init__(self, mat, multipliers, dim):
@@ -51,76 +51,108 @@ class LocalContact:
         self.mat = scipy.sparse.coo_matrix((values, where), shape=(size, size)).tocsr()
         self.islam = ismultiplier[self.dofs]
         numbers = np.searchsorted(self.dofs, multipliers).tolist()
+        every = np.arange(size)  # also zeros, as the graph has to be symmetric with its diagonal
+        graph = np.hstack([where, where[::-1], (every, every)])
+        values = np.concatenate([values, np.zeros(len(values) + size)])
+        local = Exported(scipy.sparse.coo_matrix((values, graph), shape=(size, size)))
         try:
-            self._system = OrthogonalCondensation(
-                AsNGSolve(self.mat), numbers, dim, AsBits(np.ones(size, dtype=bool))
-            )
+            self.system = Condensation(local, numbers, dim, AsBits(np.ones(size)))
         except NgException as error:
             raise LinearSolveError(str(error)) from error
-        part = ToCSR(self._system.Part())
-        part.eliminate_zeros()
-        self._stiff = part
-        self.terms = part + scipy.sparse.diags_array(self.islam.astype(float)).tocsr()
-
-    def Project(self, z):
-        """P z, 0 for multipliers."""
-        projected = self._system.Expand(np.zeros(len(z)), z)
-        projected[self.islam] = 0
-        return projected
-
-    def Test(self, f):
-        """Pl^T f, 0 for multipliers."""
-        return self._system.Reduce(np.where(self.islam, 0.0, f))
-
-    def Particular(self, b):
-        """Displacements that fulfil the constraints of a right hand side."""
-        found = self._system.Expand(b, np.zeros(len(b)))
-        found[self.islam] = 0
-        return found
-
-    def Bulk(self, x, image):
-        """K x from the image of (K + T) x."""
-        return np.where(self.islam, 0.0, image - self._stiff @ x)
-
-    def Reduce(self, b, bulk):
-        """Right hand side of A from `bulk`, which is K times the `Particular`."""
-        return self._system.Reduce(b - bulk)
-
-    def Displacements(self, b, w):
-        """Those of the solution from that of A."""
-        found = self._system.Expand(b, w)
-        found[self.islam] = 0
-        return found
-
-    def Complete(self, b, w, bulk):
-        """Displacements and multipliers; `bulk` is K times the first."""
-        return self._system.Expand(b - bulk, w)
+        self.terms = ToCSR(self.system.Part())
+        self.terms.eliminate_zeros()
 
 
-class NoContact:
-    """What stands for it on other ranks: all of it is empty."""
+class CondensedSystem:
+    """Products with  A = Pl^T M P,  M = K + T; collective.
 
-    def __init__(self):
-        self.dofs, self.mat, self.terms = (
-            np.zeros(0, dtype=int),
-            scipy.sparse.csr_matrix((0, 0)),
-            None,
-        )
+    The projections of a Condensation take from T all but the terms of slip, so that one distributed
+    matrix serves for products with A and preconditions it.
 
-    def Project(self, z, *_):
-        """Nothing."""
-        return z
+    Parameters
+    ----------
+    numbering : Numbering
+    mat : PETSc.Mat
+        M, with unit rows for multipliers.
+    contact : LocalContact or None
+        The latter where the rank is not 0.
+    """
 
-    Test = Particular = Bulk = Reduce = Displacements = Complete = Project
+    def __init__(self, numbering, mat, contact):
+        PETSc = LoadPETSc()
+        self.numbering, self.mat, self.contact = numbering, mat, contact
+        rows = numbering.new[contact.dofs if contact else []]
+        self._local = PETSc.Vec().createSeq(len(rows), comm=PETSc.COMM_SELF)
+        where = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
+        self._work = numbering.Vector()
+        self._scatter = PETSc.Scatter().create(self._work, where, self._local, None)
 
+    def _Change(self, vec, function, *others):
+        """Put into a vector what a function makes of its entries, and of other arrays, on rank 0.
 
-def AsNGSolve(mat):
-    """A csr_matrix as sparse matrix of NGSolve, with a symmetric graph and its diagonal."""
-    size = mat.shape[0]
-    mat = mat.tocoo()
-    every, zeros = np.arange(size), np.zeros(mat.nnz + size)
-    rows = np.concatenate([mat.row, mat.col, every])
-    columns = np.concatenate([mat.col, mat.row, every])
-    values = np.concatenate([mat.data, zeros])
-    given = rows.tolist(), columns.tolist(), values.tolist()
-    return SparseMatrixd.CreateFromCOO(*given, size, size)
+        These entries are those of the dofs that contact touches. Returns what it has put, and None
+        elsewhere.
+        """
+        self._scatter.scatter(vec, self._local)
+        if self.contact is None:
+            values = None
+        else:
+            values = function(self._local.array.copy(), *others)
+            self._local.array[:] = values
+        self._scatter.scatter(self._local, vec, mode="reverse")
+        return values
+
+    def _Own(self, vec):
+        return self._Change(vec, lambda values: values)
+
+    def _Bulk(self, u, image):
+        """K u from the image of M u."""
+        contact = self.contact
+        return np.where(contact.islam, 0.0, image - contact.terms @ u)
+
+    def Mult(self, z, image):
+        """image = A z"""
+        z.copy(self._work)
+        self._Change(self._work, self._Projected)
+        self.mat.mult(self._work, image)
+        self._Change(image, self._Tested)
+
+    def _Projected(self, z):
+        return np.where(self.contact.islam, 0.0, self.contact.system.Project(z))
+
+    def _Tested(self, image):
+        return self.contact.system.Test(np.where(self.contact.islam, 0.0, image))
+
+    def Reduce(self, b):
+        """The right hand side of A, a new vector."""
+        own, u, reduced = self._Own(b), self._work, b.duplicate()
+        u.set(0)
+        lifted = self._Change(u, lambda zero: self.contact.system.Displacements(own, zero))
+        self.mat.mult(u, reduced)
+        bulk = self._Change(reduced, lambda image: self._Bulk(lifted, image))
+        reduced.aypx(-1.0, b)
+        self._Change(reduced, lambda _: self.contact.system.Reduce(own, lifted, bulk))
+        return reduced
+
+    def Expand(self, b, w):
+        """The solution from that of A: a new vector."""
+        own, x, image = self._Own(b), w.copy(), b.duplicate()
+        u = self._Change(x, lambda part: self.contact.system.Displacements(own, part))
+        self.mat.mult(x, image)
+        bulk = self._Change(image, lambda part: self._Bulk(u, part))
+        self._Change(x, lambda _: self.contact.system.Complete(own, u, bulk))
+        return x
+
+    def Residual(self, b, x):
+        """What a solution leaves of b: a new vector."""
+        own, u, left = self._Own(x), x.copy(), b.duplicate()
+        self._Change(u, lambda part: np.where(self.contact.islam, 0.0, part))
+        self.mat.mult(u, left)
+        self._Change(left, lambda image: self._Image(own, image))
+        left.aypx(-1.0, b)
+        return left
+
+    def _Image(self, x, image):
+        """That of the whole system."""
+        u = np.where(self.contact.islam, 0.0, x)
+        return self._Bulk(u, image) + self.contact.mat @ x

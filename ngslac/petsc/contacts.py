@@ -60,7 +60,8 @@ class Contacts:
         terms, dofs = condensed.terms.tocoo(), condensed.dofs
         where = dofs[terms.row], dofs[terms.col]
         terms = scipy.sparse.csr_matrix((terms.data, where), shape=mat.shape)
-        return OnItsDofs(stiffness + terms + scipy.sparse.diags_array(self._shift))
+        diagonal = scipy.sparse.diags_array(self._shift + self.ismultiplier)
+        return OnItsDofs(stiffness + terms + diagonal)
 
 
 def OnItsDofs(mat):

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.factor import HasEqualWorks, LinearSolveError
+from ngslac.linear.refine import Refine
 from ngslac.petsc.library import Checked, LoadPETSc
 
 __all__ = ["PetscDirect"]
@@ -11,11 +12,14 @@ __all__ = ["PetscDirect"]
 # Per cent of memory beyond the estimate: where pivoting needs more there is another try.
 ROOM = (30, 100, 400)
 OUT_OF_ROOM = (-8, -9, -14, -15, -17, -20)
-SYMMETRIC = 1e-13
 
 
 class PetscDirect:
     """Solves by L D L^T or L U with pivoting, and refines.
+
+    Parameters
+    ----------
+    numbering : Numbering
 
     Attributes
     ----------
@@ -23,12 +27,10 @@ class PetscDirect:
     mat : PETSc.Mat or None
     """
 
-    refinements = 4
-    exact = 1e-14  # relative residual that is enough
-    small = 1e-9  # that which symmetric factors have to reach, or else LU takes over
+    small = 1e-9  # residual that symmetric factors have to reach, or else LU takes over
 
-    def __init__(self):
-        self.factorisations = 0
+    def __init__(self, numbering):
+        self.factorisations, self._total = 0, lambda part: numbering.Total(np.array([part]))[0]
         self.Forget()
 
     def Forget(self):
@@ -40,58 +42,42 @@ class PetscDirect:
         self.Forget()
         self.mat = mat
 
-    def Solve(self, b, x):
-        """Put the solution into x; returns its relative residual.
+    def Solve(self, b):
+        """The solution, a new vector, and its relative residual.
 
         Raises
         ------
         LinearSolveError
             The matrix is singular, or memory does not suffice.
         """
-        size = b.norm()
-        x.set(0)
-        if size == 0:
-            return 0.0
         if self._symmetric is None:
-            self._symmetric = IsSymmetric(self.mat)
+            self._symmetric = IsSymmetric(self.mat, self._total)
         if self._symmetric:
-            error = self._Try("cholesky", b, x)
-            if error <= self.small * size:
-                return error / size
+            x, error = self._Try("cholesky", b)
+            if error <= self.small:
+                return x, error
             self._symmetric, self._factors = False, None
-        error = self._Try("lu", b, x)
-        if not np.isfinite(error):
+        x, error = self._Try("lu", b)
+        if not error < 1:
             raise LinearSolveError("MUMPS: the matrix is singular")
-        return error / size
+        return x, error
 
-    def _Try(self, kind, b, x):
-        """Norm of the residual with one kind of factors; infinity if there are none."""
+    def _Try(self, kind, b):
+        """Solution by one kind of factors, and its relative residual; infinity without any."""
         try:
             if self._factors is None:
                 self._factors = self._Factor(kind)
         except LinearSolveError:
             if kind == "lu":
                 raise
-            return np.inf
-        return self._Refined(b, x)
+            return b, np.inf
 
-    def _Refined(self, b, x):
-        size, left, step = b.norm(), b.copy(), b.duplicate()
-        best, found = np.inf, x.duplicate()
-        found.set(0)
-        for _ in range(self.refinements):
+        def Step(left):
+            step = left.duplicate()
             self._factors.apply(left, step)
-            found.axpy(1.0, step)
-            self.mat.mult(found, left)
-            left.aypx(-1.0, b)
-            before, error = best, left.norm()
-            if not error < before:  # no better, or NaN
-                break
-            found.copy(x)
-            best = error
-            if error <= self.exact * size or error > 0.5 * before:
-                break
-        return best
+            return step
+
+        return Refine(Step, lambda x: b - self.mat * x, b, norm=lambda vec: vec.norm())
 
     def _Factor(self, kind):
         """Factors of MUMPS; collective errors, as its codes are those of all ranks."""
@@ -122,13 +108,13 @@ def MUMPS(mat, kind, room):
     return pc, min(factors.getMumpsInfog(1), 0)
 
 
-def IsSymmetric(mat):
-    """Is x.Ay = y.Ax for two random vectors, to rounding? The same answer on all ranks."""
-    x, y, image = (mat.createVecRight() for _ in range(3))
-    start = mat.getOwnershipRange()[0]
-    for vec, seed in ((x, 0.6), (y, 1.7)):
-        vec.array[:] = np.sin(seed * np.arange(start, start + vec.local_size) ** 1.3)
-    mat.mult(y, image)
-    product, size = x.dot(image), x.norm() * image.norm()
-    mat.mult(x, image)
-    return abs(y.dot(image) - product) <= SYMMETRIC * size
+def IsSymmetric(mat, total):
+    """Is a matrix symmetric? The same answer on all ranks, whose numbers `total` sums up."""
+    vec, start = mat.createVecRight(), mat.getOwnershipRange()[0]
+    rows = np.arange(start, start + vec.local_size) ** 1.3
+
+    def Product(values):
+        vec.array[:] = values
+        return (mat * vec).array.copy()
+
+    return HasEqualWorks(Product, np.sin(0.6 * rows), np.sin(1.7 * rows), total)

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Condensed Newton systems by FGMRES and multigrid."""
 
-import numpy as np
-
 from ngslac.linear.factor import LinearSolveError
-from ngslac.petsc.condensed import CondensedSystem
+from ngslac.linear.refine import EXACT, Refine
+from ngslac.petsc.condensation import CondensedSystem
 from ngslac.petsc.fgmres import FGMRES
 from ngslac.petsc.library import Checked
 
@@ -19,7 +18,7 @@ class PetscIterative:
     numbering : Numbering
     mat : PETSc.Mat
         Of bulk and terms, see CondensedSystem.
-    contact : LocalContact or NoContact
+    contact : LocalContact or None
     preconditioner : PETSc.PC
 
     Attributes
@@ -28,8 +27,6 @@ class PetscIterative:
         Iterations so far.
     """
 
-    rounds = 3
-    exact = 1e-13  # where nothing less is asked for
     best = 1e-12  # relative residual that FGMRES can reach
     most, patience = 150, 60
 
@@ -38,39 +35,32 @@ class PetscIterative:
         self._system = CondensedSystem(numbering, mat, contact)
         self._preconditioner = preconditioner
 
-    def Solve(self, b, x, accuracy):
-        """Put the solution into x; returns its relative residual.
+    def Solve(self, b, accuracy):
+        """The solution, a new vector, and its relative residual.
 
         Raises
         ------
         LinearSolveError
             On all ranks: no convergence.
         """
-        accuracy, size = max(accuracy, self.exact), b.norm()
-        x.set(0)
-        left, error = b, 1.0
-        best, found = (np.inf, None), x.duplicate()
-        found.set(0)
-        for _ in range(self.rounds if size else 0):
-            step, left = self._Step(left, 0.9 * accuracy * size)
-            found.axpy(1.0, step)
-            error = left.norm() / size
-            if error < best[0]:
-                best = error, found.copy()
-            if not accuracy < error < np.inf:
-                break
-        if best[1] is not None:
-            best[1].copy(x)
-        return best[0] if size else 0.0
+        exact, size = max(accuracy, EXACT), b.norm()
+
+        def Step(left):
+            return self._Step(left, 0.9 * exact * size)
+
+        def Residual(x):
+            return self._system.Residual(b, x)
+
+        return Refine(Step, Residual, b, exact=exact, norm=lambda vec: vec.norm())
 
     def _Step(self, b, residual):
-        """A solution up to a residual, and what is left: new vectors."""
+        """A solution up to a residual, a new vector."""
         reduced = self._system.Reduce(b)
         size, w = reduced.norm(), b.duplicate()
         tol = min(max(residual / size, self.best), 0.1) if size else 1.0
         limits = {"tol": tol, "most": self.most, "patience": self.patience}
-        given = reduced, w, self.numbering.Total
-        iteration = FGMRES(self._system.Mult, self._Precondition, *given, **limits)
+        steps = self._system.Mult, self._Precondition
+        iteration = FGMRES(*steps, reduced, w, self.numbering.Total, **limits)
         self.krylov += iteration.number
         if not iteration.residual <= tol:
             raise LinearSolveError(

@@ -2,19 +2,20 @@
 """PETSc as solver of the linear systems of a ContactSolver."""
 
 import numpy as np
-from ngsolve import BitArray
 
 from ngslac.arrays import AsNumPy, SameEntries
-from ngslac.linear.attempts import FirstGood, SolveShifted
+from ngslac.linear.chain import IsLarge
+from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.solver import LinearSolver
+from ngslac.linear.system import Link
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 
-__all__ = ["Alone", "PetscSolver"]
+__all__ = ["PetscLinearSolver", "SerialPetsc"]
 
-# From this many unknowns on an iteration needs less time and memory: 2D and 3D.
-LARGE = {2: 100_000, 3: 30_000}
 # Up to this many factors may take over where the iteration fails: in 3D they need 20 GB by then.
 MOST_DIRECT = 1_000_000
+WAYS = {"iterative": "FGMRES with multigrid", "direct": "factors of MUMPS"}
 
 
 class Alone:
@@ -32,151 +33,125 @@ class Alone:
         return getattr(self._system, name)
 
 
-class PetscSolver:
-    """Solves Newton systems with PETSc, with the interface of a LinearSolver.
+class Taken:
+    """The matrices that a team has, those of the last LinearSystem.
 
     Parameters
     ----------
     team : Alone or what has its methods
         ``Call(name, *args)`` calls a method of the PetscSystem on all ranks, here with these
         arguments, elsewhere with what is to be had there.
-    freedofs : BitArray
-        Scalar dofs.
-    method : {"iterative", "direct"}
-
-    Attributes
-    ----------
-    method : str
-        What solves now.
-    shifts : int
-        Systems in a row that were singular.
-    nearly_singular : bool
-        Was the last one?
     """
 
-    tolerance = 1e-9
-    most_failures = 2  # of an iteration in a row: it is given up
-    wanted = None  # no solver of NGSolve
-    shown = "method", "factorisations", "krylov"  # on all processes
-
-    def __init__(self, team, freedofs, method):
-        self.team, self.freedofs, self.free = team, BitArray(freedofs), AsNumPy(freedofs)
-        self.method, self._failures = method, 0
-        self.shifts, self.nearly_singular = 0, False
-        self.NewBulk()
-
-    @classmethod
-    def Serial(cls, contact, freedofs, inverse=None, preconditioner=None):
-        """For this process alone.
-
-        Parameters
-        ----------
-        contact : LACContact
-            The first of those on the space.
-        inverse, preconditioner : None
-            There is no choice.
-
-        Raises
-        ------
-        ImportError
-            There is no petsc4py.
-        """
-        if inverse is not None or preconditioner is not None:
-            name = "inverse" if inverse is not None else "preconditioner"
-            raise ValueError(f"{name}= does not go with solver='petsc': leave it out")
-        free, nodes = AsNumPy(freedofs), Nodes.Of(contact, freedofs)
-        system = PetscSystem(None, len(free), np.arange(len(free)), free, nodes)
-        return cls(Alone(system), freedofs, Method(nodes, free))
-
-    def __str__(self):
-        ways = {"iterative": "FGMRES with multigrid", "direct": "factors of MUMPS"}
-        return f"linear systems: PETSc, {ways[self.method]}"
-
-    @property
-    def factorisations(self):
-        """Of matrices of full size, so far."""
-        return self.team.Get("factorisations")
-
-    @property
-    def krylov(self):
-        """Krylov iterations so far."""
-        return self.team.Get("krylov")
-
-    def State(self):
-        """What has been learnt about the methods, as a dict."""
-        return {
-            "inverse": None,
-            "methods": [self.method],
-            "failures": self._failures,
-            "once": False,
-        }
-
-    def SetState(self, state):
-        """Go on with the methods of a `State`, also that of a LinearSolver."""
-        if self.method in state["methods"]:
-            self._failures = state["failures"]
-        elif state["methods"] == ["direct"]:
-            self.method = "direct"
-
-    def Forget(self):
-        """Keep nothing for the next system."""
-        self.team.Call("Forget")
+    def __init__(self, team):
+        self.team = team
         self.NewBulk()
 
     def NewBulk(self):
         """The bulk matrix has got other values."""
-        self._bulk = self._given = None
+        self._bulk = self._entries = None
+
+    def Take(self, system):
+        """Set what is not the same as for the last system."""
+        if self._bulk is not system.mat:
+            self.NewBulk()
+            self.team.Call("SetBulk", system.mat)
+            self._bulk = system.mat
+        entries = system.Entries()
+        if self._entries is None or not SameEntries(entries, self._entries):
+            self._entries, shift = None, system.shift
+            if system.alone:  # the multipliers get a diagonal of their own
+                shift = np.zeros(len(system.rhs)) if shift is None else shift.copy()
+                shift[system.multipliers] += 1
+            coupled = system.multipliers[: 0 if system.alone else None]
+            self.team.Call("SetContacts", system.contacts, coupled, system.scale, shift)
+            self._entries = entries
+
+
+class PetscMethod:
+    """One of the ways of a PetscSystem, see Method.
+
+    Parameters
+    ----------
+    taken : Taken
+    name : {"iterative", "direct"}
+    most : int
+        Free dofs up to which this is a way for whole systems.
+    """
+
+    def __init__(self, taken, name, most=np.inf):
+        self._taken, self._name, self._most = taken, name, most
+
+    def __str__(self):
+        return f"PETSc, {WAYS[self._name]}"
 
     @property
-    def used(self):
-        """Has it solved anything since then?"""
-        return self._bulk is not None
+    def factorisations(self):
+        """Of matrices of full size, so far."""
+        return self._taken.team.Get("factorisations") if self._name == "direct" else 0
 
-    def Solve(self, bulk, forms, scale, rhs, shift=None, accuracy=0.0):
-        """See LinearSolver."""
-        self._Take(bulk, forms, scale, shift)
-        self.nearly_singular = True
-        b = scale * rhs * self.free
-        attempts = self._Attempts(b, accuracy)
-        x, name = FirstGood(attempts, self.tolerance, accuracy)
-        if name is not None:
-            self.nearly_singular = False
-            self._LearnFrom(name)
-        return scale * x
+    @property
+    def krylov(self):
+        """Krylov iterations so far."""
+        return self._taken.team.Get("krylov") if self._name == "iterative" else 0
 
-    def SolveShifted(self, bulk, forms, scale, rhs, rows, accuracy=0.0, pins=None):
-        """See LinearSolver."""
-        return SolveShifted(self, (bulk, forms, scale, rhs), rows, accuracy, pins)
+    def Solve(self, system, b):
+        """See Method."""
+        if len(b) > self._most and not system.alone:
+            raise LinearSolveError("the system is large")
+        self._taken.Take(system)
+        return self._taken.team.Call("Solve", b, system.accuracy, self._name)
 
-    def _Take(self, bulk, forms, scale, shift):
-        """Set what is not the same as for the last system."""
-        if self._bulk is not bulk:
-            self.team.Call("SetBulk", bulk)
-            self._bulk, self._given = bulk, None
-        mats = [form.mat for form in forms]
-        given = [[np.array(part) for part in mat.CSR()] for mat in mats]
-        given.append([np.array(scale), np.zeros(0) if shift is None else np.array(shift)])
-        if self._given is None or not SameEntries(given, self._given):
-            self._given = None
-            multipliers = np.concatenate([form.MultiplierDofs() for form in forms])
-            self.team.Call("SetContacts", mats, multipliers, scale, shift)
-            self._given = given
+    def NewBulk(self):
+        """The bulk matrix has got other values."""
+        self._taken.NewBulk()
 
-    def _Attempts(self, b, accuracy):
-        names = ["iterative"] if self.method == "iterative" else []
-        if not names or self.free.sum() <= MOST_DIRECT:
-            names.append("direct")
-        for name in names:
-            yield name, lambda name=name: self.team.Call("Solve", b, accuracy, name)
+    def State(self):
+        """Nothing is learnt."""
+        return {}
 
-    def _LearnFrom(self, name):
-        if self.method == "iterative":
-            self._failures = self._failures + 1 if name == "direct" else 0
-            if self._failures == self.most_failures:
-                self.method = "direct"
+    def SetState(self, state):
+        """Go on with a `State`."""
 
 
-def Method(nodes, free):
-    """The way to solve systems of these Nodes and free dofs."""
-    suits = np.any(nodes.vertices)
-    return "iterative" if suits and free.sum() >= LARGE[nodes.blocks.shape[1]] else "direct"
+def PetscLinearSolver(team, freedofs, nodes, wanted=None):
+    """The LinearSolver of these Nodes and free dofs, with the methods of a team."""
+    free, dim = freedofs.NumSet(), nodes.blocks.shape[1]
+    why = f"{free} free dofs in {dim}D" if wanted is None else "as asked for"
+    if wanted is None:
+        large = np.any(nodes.vertices) and IsLarge(free, dim, "petsc")
+        wanted = "iterative" if large else "direct"
+    names = dict.fromkeys((wanted, "direct"))
+    taken, most = Taken(team), np.inf if wanted == "direct" else MOST_DIRECT
+
+    def Make(_):
+        return [
+            Link(n, PetscMethod(taken, n, most if n == "direct" else np.inf), why) for n in names
+        ]
+
+    return LinearSolver(freedofs, Make)
+
+
+def SerialPetsc(contact, freedofs, options):
+    """The LinearSolver for this process alone.
+
+    Parameters
+    ----------
+    contact : LACContact
+        The first of those on the space.
+    freedofs : BitArray
+        Scalar dofs.
+    options : Options
+        Without `inverse` and `preconditioner`: there is no choice.
+
+    Raises
+    ------
+    ImportError
+        There is no petsc4py.
+    """
+    for name in ("inverse", "preconditioner"):
+        if getattr(options, name) is not None:
+            raise ValueError(f"{name}= does not go with solver='petsc': leave it out")
+    free, nodes = AsNumPy(freedofs), Nodes.Of(contact, freedofs)
+    system = PetscSystem(None, len(free), np.arange(len(free)), free, nodes)
+    return PetscLinearSolver(Alone(system), freedofs, nodes)

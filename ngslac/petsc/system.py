@@ -6,7 +6,6 @@ import scipy
 
 from ngslac.bodies.constraints import ToCSR
 from ngslac.petsc.collective import OnRankZero
-from ngslac.petsc.condensation import NoContact
 from ngslac.petsc.contacts import Contacts
 from ngslac.petsc.direct import PetscDirect
 from ngslac.petsc.iterative import PetscIterative
@@ -45,7 +44,7 @@ class PetscSystem:
         self.numbering = Numbering(comm, n, self.dofs, nodes)
         self.free = free if comm is None else comm.bcast(free)
         self._nodes, self._bulk, self._scale, self._multigrid = nodes, None, None, None
-        self._direct, self.krylov = PetscDirect(), 0
+        self._direct, self.krylov = PetscDirect(self.numbering), 0
         self.Forget()
 
     @property
@@ -138,9 +137,9 @@ class PetscSystem:
         """
         accuracy, method = self.numbering.Tell((accuracy, method))
         solve = self._Direct if method == "direct" else self._Iterate
-        right, x = self.numbering.Put(b, self.numbering.Vector()), self.numbering.Vector()
+        right = self.numbering.Put(b, self.numbering.Vector())
         try:
-            error = solve(right, x, accuracy)
+            x, error = solve(right, accuracy)
             return self.numbering.Get(x), error
         finally:
             self.numbering.CleanUp()
@@ -151,24 +150,24 @@ class PetscSystem:
         self._direct.Forget()
         self.numbering.CleanUp()
 
-    def _Direct(self, b, x, _):
+    def _Direct(self, b, _):
         if self._direct.mat is None:
             self._direct.Take(self._WithBulk(self._OnRankZero(Contacts.All)))
-        return self._direct.Solve(b, x)
+        return self._direct.Solve(b)
 
-    def _Iterate(self, b, x, accuracy):
+    def _Iterate(self, b, accuracy):
         if self._iterative is None:
             self._iterative = self._Iterative()
         before = self._iterative.krylov
         try:
-            return self._iterative.Solve(b, x, accuracy)
+            return self._iterative.Solve(b, accuracy)
         finally:
             self.krylov += self._iterative.krylov - before
 
     def _Iterative(self):
         """The PetscIterative for the matrices that were set."""
         numbering, dim = self.numbering, self.numbering.width
-        condensed = self._OnRankZero(lambda contacts: contacts.Condensed(dim)) or NoContact()
+        condensed = self._OnRankZero(lambda contacts: contacts.Condensed(dim))
         mat = self._WithBulk(self._OnRankZero(lambda contacts: contacts.Sparse(condensed)))
         if self._multigrid is None:
             vertices = self._OnRankZero(lambda _: self._nodes.vertices)

@@ -5,10 +5,6 @@ import numpy as np
 
 from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
-from ngslac.linear.factor import CHOLESKY
-from ngslac.linear.primal import PrimalSolver
-from ngslac.petsc.primal import PrimalPetsc
-from ngslac.petsc.solver import PetscSolver
 from ngslac.solve.barrier import Barrier, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
@@ -45,8 +41,7 @@ class InteriorPoint:
     def __init__(self, system, state):
         self.system, self.vec, self.values = system, system.gf.vec, system.values
         self.multipliers, self.returns = system.residual.multipliers, 0
-        self.linear = Primal(system.linear)
-        self.linear.Leave(self.multipliers)
+        system.linear.shifts = 0
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
         self.approximates = any(np.any(c.form.Table()["ends"] > 0) for c in system.contacts)
         pressure = self._Settle(state)
@@ -108,13 +103,6 @@ class InteriorPoint:
     def _Longest(self, steps):
         return min(spring.law.Longest(step) for spring, step in self._Each(steps))
 
-    def _Solve(self, residual):
-        system = self.system
-        given = system.bulk.mat, [], system.scale, residual
-        pins = system.ground.Shift() if system.ground else None
-        # Bodies that nothing pushes in the end stay where they are.
-        return self.linear.SolveShifted(*given, ~self.multipliers, 0.0, pins)
-
     def _Motion(self, state, mats, tractions):
         """How displacements answer to tractions, with these matrices of the springs."""
         residual = self.vec.CreateVector()
@@ -122,9 +110,16 @@ class InteriorPoint:
         residual.FV().NumPy()[self.multipliers] = 0
         for spring, own in self._Each(tractions):
             spring.form.AddForces(self.vec, own, residual)
-        self.linear.contacts = mats
-        self.system.HoldIdle("closed")
-        return -self.system.Displace(residual, self._Solve, mats)
+        system = self.system
+        system.HoldIdle("closed")
+        pins = system.ground.Shift() if system.ground else None
+
+        def Solve(forces):
+            # Bodies that nothing pushes in the end stay where they are.
+            springs = system.LinearSystem(mats, forces, shift=pins, alone=True)
+            return system.linear.SolveShifted(springs, ~self.multipliers)
+
+        return -system.Displace(residual, Solve, mats)
 
     def _Direction(self, state, mats, mu, corrections=None):
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
@@ -152,14 +147,6 @@ class InteriorPoint:
             spring.law.Take(step, part)
         self.system.Moved(state, trial, motion, part)
         return trial, part
-
-
-def Primal(linear):
-    """What solves for the displacements alone, of the same kind as a solver of all."""
-    if isinstance(linear, PetscSolver):
-        return PrimalPetsc(linear)
-    wanted = linear.wanted
-    return PrimalSolver(linear, wanted if wanted in CHOLESKY else None)
 
 
 class EvenPressures:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact in equilibrium: the solver that users call."""
 
+from functools import partial
+
 import numpy as np
 from ngsolve import CF, GridFunction
 
@@ -20,10 +22,11 @@ from ngslac.contact.contact import LACContact
 from ngslac.dirichlet import Blame
 from ngslac.distributable import Distributable, WarnOfCopies
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.linear.choose import ChooseSolver
+from ngslac.linear.chain import CheckSolver, MakeLinearSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
+from ngslac.linear.system import Options
 from ngslac.parallel.bulk import RemoteForm
-from ngslac.petsc.solver import PetscSolver
+from ngslac.petsc.solver import SerialPetsc
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.iteration import Iteration
@@ -64,24 +67,21 @@ class ContactSolver(metaclass=Distributable):
     freedofs : BitArray, optional
         Default: the free dofs of the space.
     inverse : str, optional
-        NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else
-        "sparsecholesky" for symmetric matrices and "umfpack" for others. A result with a bad
-        residual is recomputed by "umfpack".
-    solver : {"interface", "direct", "iterative", "saddle", "petsc"}, optional
+        NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else "umfpack". A
+        result with a bad residual is recomputed by "umfpack".
+    solver : {"interface", "direct", "iterative", "petsc"}, optional
         How linear systems are solved. "interface": the bulk, held by a few springs whose forces are
         unknowns, is factored once by "sparsecholesky" for all systems of the same matrix; each of
-        them takes a dense matrix of the closed macro-elements. "direct": each macro-element's
-        multiplier and one inner node of its displacement are eliminated, the rest is factored;
-        where something slips in 3D, the system without friction is, and preconditions GMRES. The
-        factorisation serves again while few macro-elements change. "iterative": GMRES on the
-        displacements that keep the constraints, preconditioned by sweeps over vertices with their
-        edges and algebraic multigrid on the vertices: least memory. "saddle": LU of the whole
-        system. "petsc": by PETSc, which is installed apart (Debian: python3-petsc4py), in one
-        process: MUMPS, and from 30,000 free dofs in 3D and 100,000 in 2D on FGMRES with GAMG.
-        Default: "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and
-        systems that it does not suit, as those of a nonlinear bulk, whose matrix is another one
-        each time: "iterative" from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where
-        the iteration fails, the next of the two others. With `inverse` always "direct".
+        them takes a dense matrix of the closed macro-elements. "direct": LU of the whole system.
+        "iterative": GMRES on the displacements that keep the constraints, preconditioned by sweeps
+        over vertices with their edges and algebraic multigrid on the vertices: least memory.
+        "petsc": by PETSc, which is installed apart (Debian: python3-petsc4py), in one process:
+        MUMPS, and from 30,000 free dofs in 3D and 100,000 in 2D on FGMRES with GAMG. Default:
+        "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and systems that it does
+        not suit, as those of a nonlinear bulk, whose matrix is another one each time: "iterative"
+        from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where the iteration fails,
+        the next of the two others. With `inverse` always "direct". ("saddle", an older name of
+        "direct", is deprecated.)
     preconditioner : callable, optional
         For "iterative", in place of its own: ``preconditioner(mat, freedofs)`` returns an operator
         of the same size, which approximates the inverse of a sparse matrix on the free dofs. Called
@@ -134,13 +134,14 @@ class ContactSolver(metaclass=Distributable):
         CheckFreeDofs(freedofs, space, contacts)
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
-        given = inverse, solver, preconditioner, lambda: MotionsOf(contacts[0])
+        options = Options(CheckSolver(solver), inverse, preconditioner)
         if isinstance(a, RemoteForm):
-            linear = a.LinearSolver(contacts[0], scalars, solver, inverse, preconditioner)
-        elif solver == "petsc":
-            linear = PetscSolver.Serial(contacts[0], scalars, inverse, preconditioner)
+            linear = a.LinearSolver(contacts[0], scalars, options)
+        elif options.solver == "petsc":
+            linear = SerialPetsc(contacts[0], scalars, options)
         else:
-            linear = ChooseSolver(a, contacts, scalars, *given)
+            motions = partial(MotionsOf, contacts[0])
+            linear = MakeLinearSolver(a, contacts, scalars, options, motions)
         bulk = Bulk(a, gf, rhs)
         free = linear.free | bulk.inner
         self.system = System(bulk, contacts, linear, free)

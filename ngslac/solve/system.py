@@ -12,6 +12,7 @@ from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
 from ngslac.bodies.freedom import EXACT, Ground
 from ngslac.errors import Warn
+from ngslac.linear.system import LinearSystem
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckBodies, CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
@@ -192,7 +193,7 @@ class System:
     def StartAfresh(self):
         """Keep no matrix and no factorisation: the next solve makes its own."""
         self.bulk.StartAfresh()
-        self.linear.Forget()
+        self.linear.NewBulk()
 
     def Begin(self, motion, constrained):
         """Start a solve.
@@ -292,33 +293,38 @@ class System:
         self.scheme.Change(self)
         return residual
 
+    def LinearSystem(self, contacts, rhs, **options):
+        """That of the bulk, and of matrices of contacts."""
+        multipliers = np.concatenate([form.MultiplierDofs() for form in self._Forms()])
+        return LinearSystem(self.bulk.mat, contacts, multipliers, self.scale, rhs, **options)
+
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
-        given = self.bulk.mat, self._Forms(), self.scale
-        self.loose, drag = False, self.residual.drag
+        self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
         if not drag:
             self.HoldIdle("rubbing")
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
+            system = self.LinearSystem(mats, residual, accuracy=accuracy)
             if drag or self.idle:
                 shift = drag.Shift() if drag else IDLE_SHIFT * displacements
-                return self.linear.Solve(*given, residual, shift, accuracy)
+                return self.linear.Solve(replace(system, shift=shift))
             if self.ground:
-                pins = self.ground.Shift()
-                found = self.linear.SolveShifted(*given, residual, displacements, accuracy, pins)
+                held = replace(system, shift=self.ground.Shift())
+                found = self.linear.SolveShifted(held, displacements)
                 self.loose = bool(self.linear.shifts)
                 return found
-            found = self.linear.SolveShifted(*given, residual, displacements, accuracy)
+            found = self.linear.SolveShifted(system, displacements)
             singular = self.linear.nearly_singular or self.linear.shifts
             if ToolsSlipFar(self.contacts, found):
-                found, singular = self._WithHeldTools(given, residual, accuracy), True
+                found, singular = self._WithHeldTools(system), True
             if singular and self._MayStay(found[displacements]):
-                return self.linear.Solve(*given, residual, IDLE_SHIFT * displacements, accuracy)
+                return self.linear.Solve(replace(system, shift=IDLE_SHIFT * displacements))
             self.loose = bool(singular)
             return found
 
-        return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
+        return self.Displace(residual, Solve, mats)
 
     def _MayStay(self, displacements):
         """May bodies stay where they are, in place of displacements of a nearly singular system?"""
@@ -327,11 +333,11 @@ class System:
         # What holds them is soft, then, unless it hardly holds them.
         return self.bodies.floating and np.max(np.abs(displacements)) > self.bodies.size
 
-    def _WithHeldTools(self, given, residual, accuracy):
+    def _WithHeldTools(self, system):
         """The solution with springs on the motions of tools, as weak as they may be."""
-        tools = np.isin(np.arange(len(residual)), ToolDofs(self.contacts))
+        tools = np.isin(np.arange(len(system.rhs)), ToolDofs(self.contacts))
         for shift in TOOL_SHIFTS:
-            found = self.linear.Solve(*given, residual, shift * tools, accuracy)
+            found = self.linear.Solve(replace(system, shift=shift * tools))
             if not ToolsSlipFar(self.contacts, found):
                 break
         return found

@@ -9,7 +9,7 @@ from ngsolve import BitArray, Projector
 from ngsolve.krylovspace import CGSolver
 from scipy.sparse import csr_matrix, diags
 
-from ngslac._ngslac import OrthogonalCondensation
+from ngslac._ngslac import Condensation
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.linear.factor import HasMKL, OneBLASThread
 from ngslac.linear.inner import InnerDofs
@@ -41,7 +41,7 @@ def Own(a, f):
     elimination = inner and inner.Eliminate(a.mat)
     mat, left = (elimination.mat, free & ~inner.dofs) if inner else (a.mat, free)
     nodes = VertexNodes.Of(space, left)
-    system = OrthogonalCondensation(mat, [], dim, left)
+    system = Condensation(mat, [], dim, left)
     multigrid = Multigrid(nodes, 3 * nodes.count >= free.NumSet(), space)
     inverse = multigrid.Preconditioner(system, np.ones(system.height))
     right, solution = f.vec.CreateVector(), f.vec.CreateVector()

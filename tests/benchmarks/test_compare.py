@@ -269,6 +269,6 @@ def test_quick(monkeypatch, tmp_path):
     ratios, asked = {"frictionless_over_best_cpu": 2.0, "ndof": 99, "best": "own"}, {}
     monkeypatch.setattr(scaling, "Ratios", lambda **options: asked.update(options) or ratios)
     file = tmp_path / "quick.json"
-    compare.main(["--quick", "--json", str(file), "--solver", "saddle"])
+    compare.main(["--quick", "--json", str(file), "--solver", "direct"])
     assert json.loads(file.read_text()) == ratios
-    assert asked == {"ndof": 100_000, "solver": "saddle", "inverse": None}
+    assert asked == {"ndof": 100_000, "solver": "direct", "inverse": None}

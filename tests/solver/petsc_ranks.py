@@ -26,14 +26,14 @@ WORLD = MPI.COMM_WORLD
 def last_system():
     """Of a Newton iteration that has converged: the same one on all ranks."""
     problem = mixed_press3d(n=(3, 2))
-    solver = problem.solver(solver="saddle")
+    solver = problem.solver(solver="direct")
     linear, seen = solver.linear, {}
     solve = linear.Solve
 
-    def watched(bulk, forms, scale, rhs, *given, **flags):
-        x = solve(bulk, forms, scale, rhs, *given, **flags)
-        seen.update(bulk=ToCSR(bulk), mats=[f.mat for f in forms], scale=scale.copy(), x=x.copy())
-        seen["b"] = scale * rhs * linear.free
+    def watched(system):
+        x, scale = solve(system), system.scale.copy()
+        seen.update(bulk=ToCSR(system.mat), mats=system.contacts, scale=scale, x=x.copy())
+        seen["b"] = scale * system.rhs * linear.free
         return x
 
     linear.Solve = watched

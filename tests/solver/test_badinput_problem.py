@@ -171,10 +171,10 @@ REFUSED = [
     ),
     (
         "make(solver='fast')",
-        "one of 'interface', 'direct', 'iterative', 'saddle'",
+        "one of 'interface', 'direct', 'iterative', 'petsc'",
         ValueError,
     ),
-    ("make(solver=3)", "one of 'interface', 'direct', 'iterative', 'saddle'", TypeError),
+    ("make(solver=3)", "one of 'interface', 'direct', 'iterative', 'petsc'", TypeError),
     ("make(preconditioner='bddc')", "preconditioner = 'bddc' must be a function", TypeError),
     (
         "make(preconditioner=lambda mat, free: mat, solver='direct')",

@@ -5,7 +5,7 @@ import pytest
 from ngsolve import ds
 from press import linear, mixed_press3d, numpy, press, press3d, solved
 
-import ngslac.linear.choose
+import ngslac.linear.chain
 from ngslac import LoadStepper
 
 CASES = {  # of many free displacements, with sticking, slip, and open contact
@@ -20,8 +20,8 @@ CASES = {  # of many free displacements, with sticking, slip, and open contact
 
 @pytest.fixture
 def small_is_large(monkeypatch):
-    monkeypatch.setattr(ngslac.linear.choose, "LARGE", {2: 1, 3: 1})
-    monkeypatch.setattr(ngslac.linear.choose, "FACTORED", {2: 0, 3: 0})
+    monkeypatch.setitem(ngslac.linear.chain.LARGE, "ngsolve", {2: 1, 3: 1})
+    monkeypatch.setattr(ngslac.linear.chain, "FACTORED", {2: 0, 3: 0})
 
 
 def state(flags, **options):
@@ -88,3 +88,9 @@ def test_large_sliding_in_steps(small_is_large):
         results.append(numpy(problem.gf.components[0]))
         assert [step.cuts for step in history] == [0, 0]
     assert results[0] == pytest.approx(results[1], abs=1e-8 * np.abs(results[1]).max())
+
+
+def test_an_older_name_of_the_direct_solver():
+    with pytest.warns(DeprecationWarning, match="solver='direct'") as told:
+        assert press().solver(solver="saddle").linear.method == "direct"
+    assert "press.py" in told[0].filename

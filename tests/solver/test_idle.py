@@ -11,7 +11,7 @@ from resting import resting
 from ngslac import FloatingBodyError
 from ngslac.errors import ContactWarning
 
-SOLVERS = ["interface", "direct", "iterative", "saddle"]
+SOLVERS = ["interface", "direct", "iterative"]
 LENGTHS = [1e-6, 1e-3, 1.0, 1e3, 1e6]
 
 

@@ -10,7 +10,6 @@ from ngslac._ngslac import InnerElimination
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.inner import InnerDofs
-from ngslac.linear.primal import PrimalSolver
 
 
 def dense(mat):
@@ -94,12 +93,3 @@ def test_goes_on_where_inner_dofs_are_singular(monkeypatch):
     solved(reference, solver="direct")
     assert (solver.linear.method, solver.linear.inner) == ("iterative", None)
     same(problem, reference, 1e-8)
-
-
-def test_displacements_alone_are_solved_with_inner_dofs():
-    """The interior point method eliminates none."""
-    linear = press3d(order=2, n=(2, 1), kinds=("hex", "hex")).solver(solver="iterative").linear
-    inner = AsNumPy(linear.inner.dofs)
-    assert inner.any()
-    assert not AsNumPy(linear.bits)[inner].any()
-    assert AsNumPy(PrimalSolver(linear, None).bits)[inner].all()

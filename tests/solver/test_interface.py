@@ -1,5 +1,7 @@
 """Systems of one bulk, solved on the interface: the same solution, with one factorisation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from netgen.meshing import NgException
@@ -14,6 +16,7 @@ from ngslac.bodies.constraints import ToCSR
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.linear.factor import Factor, LinearSolveError
 from ngslac.linear.grounding import Grounded
+from ngslac.linear.system import LinearSystem
 
 TIED = {"tied": True, "friction": None}
 CASES = {
@@ -72,7 +75,7 @@ def test_a_nonlinear_bulk_is_solved_as_before():
     problem, reference = mixed_press(nonlinear=True), mixed_press(nonlinear=True)
     solver = solved(problem)
     expected = solved(reference, solver="direct")
-    interface, direct = (method for _, method in solver.linear._methods)
+    interface, direct = (link.method for link in solver.linear._links)
     assert interface.factorisations == 1
     assert direct.factorisations == expected.linear.factorisations - 1 > 0
     same(problem, reference)
@@ -98,7 +101,7 @@ def test_large_interfaces_are_solved_as_before(monkeypatch):
     """A dense matrix of so many multipliers is not even tried."""
     monkeypatch.setattr("ngslac.linear.interface.Interface.most", 3)
     problem, reference = mixed_press(), mixed_press()
-    (_, interface), (_, direct) = solved(problem).linear._methods
+    interface, direct = (link.method for link in solved(problem).linear._links)
     expected = solved(reference, solver="direct").linear.factorisations
     assert (interface.factorisations, direct.factorisations) == (0, expected)
     same(problem, reference, 1e-12)
@@ -119,14 +122,14 @@ def test_singular_systems_are_told():
     problem = press()
     solver, (u, _), (v, _) = solved(problem), *problem.X.TnT()
     bulk, form = BilinearForm(linear(u, v)).Assemble().mat, problem.contact.form
-    interface, free = solver.linear._methods[0][1], solver.linear.free
+    interface, free = solver.linear._links[0].method, solver.linear.free
     rhs = np.random.default_rng(0).standard_normal(len(free)) * free
     scale = solver.system.scale
-    given = bulk, [form], scale
+    system = LinearSystem(bulk, [form.mat], form.MultiplierDofs(), scale, rhs / scale)
     with pytest.raises(LinearSolveError, match="singular"):
-        interface.Solve(*given, None, rhs)
+        interface.Solve(system, rhs)
     shift = np.where(np.isin(np.arange(len(rhs)), form.MultiplierDofs()), 0, 1.0)
-    x, error = interface.Solve(*given, shift, rhs)
+    x, error = interface.Solve(replace(system, shift=shift), rhs)
     left = (rhs - scale * Multiply([bulk, form.mat], scale * x) - shift * x) * free
     assert error < 1e-12
     assert np.abs(left).max() < 1e-11 * np.abs(rhs).max()

@@ -8,7 +8,7 @@ from ngsolve import GetNumThreads, IdentityMatrix, SetNumThreads, TaskManager
 from press import mixed_press, mixed_press3d, numpy, press3d
 from test_condensed import dense, made, random_vectors, system
 
-from ngslac._ngslac import MergeMatrices, OrthogonalCondensation, StarSweeps, TwoLevel
+from ngslac._ngslac import Condensation, MergeMatrices, StarSweeps, TwoLevel
 from ngslac.arrays import AsNumPy
 
 PENALTY = 3
@@ -40,7 +40,7 @@ def onto(columns):
 def test_product_is_that_of_the_formula(case):
     """``A = (1 - Pi_G) (K - G F^+ E) (1 - Pi_E)`` with projections on all reactions at once."""
     given, _ = system(made(case))
-    condensed = OrthogonalCondensation(*given)
+    condensed = Condensation(*given)
     mat, rows, inner = blocks(given, condensed.constraints)
     E2, G2 = np.vstack([e for e, _ in rows]), np.hstack([g for _, g in rows])
     unit = np.eye(len(inner))
@@ -55,7 +55,7 @@ def test_product_is_that_of_the_formula(case):
 def test_rows_are_those_of_the_formula(case):
     """``K - G F^+ E + 3 sum Pi_G Pi_E`` with projections macro-element by macro-element."""
     given, _ = system(made(case))
-    condensed = OrthogonalCondensation(*given)
+    condensed = Condensation(*given)
     mat, rows, inner = blocks(given, condensed.constraints)
     expected = mat + PENALTY * sum(onto(G2) @ onto(E2.T) for E2, G2 in rows if len(E2))
     found = dense(condensed.Part(condensed.freedofs))
@@ -66,7 +66,7 @@ def test_rows_are_those_of_the_formula(case):
 @pytest.mark.parametrize("case", ["2D mixed", "3D mixed"])
 def test_blocks_of_nodes_are_a_part_of_the_rows(case):
     given, _ = system(made(case))
-    condensed, width = OrthogonalCondensation(*given), given[2]
+    condensed, width = Condensation(*given), given[2]
     nodes = np.flatnonzero(AsNumPy(condensed.freedofs))[: 40 * width].reshape(-1, width)[::-1]
     starts, columns, values = condensed.NodeBlocks(nodes)
     found, entries = np.zeros((nodes.size,) * 2), values.reshape(-1, width, width)
@@ -85,18 +85,18 @@ def test_blocks_of_nodes_are_a_part_of_the_rows(case):
 def systems(make, **flags):
     """Condensations of all Newton steps of a problem, and its space."""
     problem = make(**flags)
-    solver, seen = problem.solver(solver="saddle"), []
+    solver, seen = problem.solver(solver="direct"), []
     solve = solver.linear.Solve
 
-    def Solve(bulk, forms, scale, *args, **options):
-        seen.append(MergeMatrices(bulk, forms, scale))
-        return solve(bulk, forms, scale, *args, **options)
+    def Solve(system):
+        seen.append(MergeMatrices(system.mat, system.contacts, system.scale))
+        return solve(system)
 
     solver.linear.Solve = Solve
     solver.Solve(printing=False)
     fes = problem.contact.form.fes
     given = problem.contact.form.MultiplierDofs().tolist(), problem.mesh.dim, solver.linear.bits
-    return [OrthogonalCondensation(mat, *given) for mat in seen], fes
+    return [Condensation(mat, *given) for mat in seen], fes
 
 
 def sweeps(condensed, fes):

@@ -8,7 +8,7 @@ from pyamg.relaxation.relaxation import block_gauss_seidel
 from scipy.sparse import bsr_matrix
 
 from ngslac import BubbleVectorH1
-from ngslac.linear.choose import FACTORED, LARGE
+from ngslac.linear.chain import FACTORED, LARGE
 from ngslac.linear.multigrid import (
     COARSEST,
     Hierarchy,
@@ -68,7 +68,7 @@ def test_iterations_do_not_grow_with_the_mesh():
 def test_a_setup_serves_again():
     problem = press3d(**FIRST)
     solver = problem.solver(solver="iterative")
-    multigrid, learnt = solver.linear._methods[0][1].multigrid, []
+    multigrid, learnt = solver.linear._links[0].method.multigrid, []
     make = multigrid.Preconditioner
 
     def Preconditioner(*given):
@@ -199,9 +199,9 @@ def test_rigid_motions_are_kept_by_each_level(block, turn, factor, shift):
 
 def test_chosen_by_itself_also_for_first_order(monkeypatch):
     monkeypatch.setitem(FACTORED, 3, 0)
-    monkeypatch.setitem(LARGE, 3, 100)
+    monkeypatch.setitem(LARGE["ngsolve"], 3, 100)
     assert press3d(**FIRST).solver().linear.method == "iterative"
-    monkeypatch.setitem(LARGE, 3, 10_000)
+    monkeypatch.setitem(LARGE["ngsolve"], 3, 10_000)
     assert press3d(**FIRST).solver(inverse="umfpack").linear.method == "direct"
     monkeypatch.setitem(FACTORED, 3, 10_000)
     assert press3d(**FIRST).solver().linear.method == "interface"

@@ -142,9 +142,9 @@ def test_steps_after_cuts(tmp_path):
 
 def test_methods_that_were_given_up(tmp_path):
     """A linear solver that has learnt what does not work goes on without it."""
-    used, fresh, other = (continued.loading() for _ in range(3))
-    del used.solver.linear._methods[0]  # as after failures in a row
-    for stepper, method in ((used, "saddle"), (fresh, "direct")):
+    used, fresh, other = (slid() for _ in range(3))
+    del used.solver.linear._links[0]  # as after failures in a row
+    for stepper, method in ((used, "direct"), (fresh, "interface")):
         SaveState(tmp_path / "state", stepper)
         LoadState(tmp_path / "state", other)
         assert other.solver.linear.method == method

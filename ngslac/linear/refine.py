@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What to do with linear systems that one method does not solve, whatever the methods are."""
+"""What a good solution is, and how one gets better."""
 
 import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.linear.factor import LinearSolveError
 
-__all__ = ["FirstGood", "SolveShifted"]
+__all__ = ["EXACT", "FirstGood", "Refine"]
 
 ACCEPTABLE = 1e-5  # nearly singular: the next Newton step makes up for it
-# Of the diagonal of the scaled matrix where that is singular, and how often in a row.
-SHIFT, MOST_SHIFTS = 1e-4, 5
+# Relative residual that is enough where nothing less is asked for, and rounds to reach it.
+EXACT, ROUNDS = 1e-13, 4
 
 
-def FirstGood(attempts, tolerance, accuracy):
+def FirstGood(attempts, tolerance, accuracy=0.0):
     """The first good solution of several attempts, or the best one if that is acceptable.
 
     Parameters
@@ -28,6 +28,8 @@ def FirstGood(attempts, tolerance, accuracy):
     Returns
     -------
     x : array
+    error : float
+        Its relative residual.
     name : str or None
         None: the system is nearly singular.
 
@@ -44,37 +46,39 @@ def FirstGood(attempts, tolerance, accuracy):
             errors.append(f"{name}: {failure}")
             continue
         if error <= max(tolerance, 3 * accuracy * (name == "iterative")):
-            return x, name
+            return x, error, name
         errors.append(f"{name}: relative residual {error:.1e}")
         if error < best[1]:
             best = x, error
     if best[1] <= ACCEPTABLE:
-        return best[0], None
-    raise LinearSolveError("the linear system could not be solved (" + ", ".join(errors) + ")")
+        return *best, None
+    raise LinearSolveError(", ".join(errors))
 
 
-def SolveShifted(linear, given, rows, accuracy, pins=None):
-    """Solve a system; a singular matrix gets a small diagonal on `rows` (n,) bool.
-
-    Where all that holds a body slips, nothing tells how far it moves. It moves as if it had mass,
-    less each time, until something sticks.
+def Refine(solve, residual, b, *, exact=EXACT, rounds=ROUNDS, norm=np.linalg.norm):
+    """The best solution that iterative refinement finds, from zero on, and its relative residual.
 
     Parameters
     ----------
-    linear : LinearSolver or PetscSolver
-        Counts the shifts in a row as `shifts`.
-    given : tuple
-        Bulk, forms, scale and right hand side, for its `Solve`.
-    pins : (n,) array, optional
-        A diagonal that the matrix has in any case.
+    solve : callable
+        The approximate solution for a right hand side.
+    residual : callable
+        What a solution leaves of `b`.
+    b : vector
+        Of any kind that has sums and a `norm`.
+    exact : float
+        The relative residual that ends it.
+    rounds : int
+        The most solutions; each has to halve the residual.
     """
-    try:
-        solution = linear.Solve(*given, pins, accuracy)
-        linear.shifts = 0
-    except LinearSolveError:
-        linear.shifts += 1
-        if linear.shifts > MOST_SHIFTS:
-            raise
-        shift = SHIFT * 0.1 ** (linear.shifts - 1) * rows
-        solution = linear.Solve(*given, shift if pins is None else shift + pins)
-    return solution
+    x, left, size, error = 0 * b, b, norm(b), 1.0
+    best = x, (1.0 if size else 0.0)
+    for _ in range(rounds if size else 0):
+        x = x + solve(left)
+        left = residual(x)
+        before, error = error, float(norm(left)) / size
+        if error < best[1]:  # not so where it is NaN
+            best = x, error
+        if not exact < error < 0.5 * before:
+            break
+    return best

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The methods for linear systems that suit a problem, in order."""
+
+from ngslac.arguments import CheckChoice, CheckFunction
+from ngslac.arrays import AsNumPy
+from ngslac.errors import Warn
+from ngslac.linear.direct import Direct, Merged
+from ngslac.linear.inner import InnerDofs
+from ngslac.linear.interface import Interface
+from ngslac.linear.iterative import Iterative
+from ngslac.linear.solver import LinearSolver
+from ngslac.linear.system import Link
+from ngslac.linear.twolevel import Multigrid
+from ngslac.linear.vertices import VertexNodes
+
+__all__ = ["SOLVERS", "CheckSolver", "IsLarge", "MakeLinearSolver"]
+
+SOLVERS = "interface", "direct", "iterative", "petsc"
+# From this many free displacements on an iterative solution is the faster one: 2D and 3D.
+LARGE = {
+    "ngsolve": {2: 25_000, 3: 5_000},
+    "petsc": {2: 100_000, 3: 30_000},
+}
+# Up to this many the factors of the bulk alone are cheaper than iterations for each system.
+FACTORED = {2: 10_000_000, 3: 25_000}
+
+
+def IsLarge(free, dim, backend="ngsolve"):
+    """Are iterations faster than factors with so many free dofs?"""
+    return free >= LARGE[backend][dim]
+
+
+def CheckSolver(name):
+    """The name of a solver, or None; that of one that is no more is taken for "direct"."""
+    if name == "saddle":
+        Warn(
+            "solver='saddle' is what solver='direct' does: write that instead; the name goes in "
+            "release 0.3",
+            DeprecationWarning,
+        )
+        return "direct"
+    return name if name is None else CheckChoice("solver", name, SOLVERS)
+
+
+def MakeLinearSolver(a, contacts, freedofs, options, motions):
+    """The LinearSolver for these forms and free scalar dofs: what is wanted, or the fastest.
+
+    Parameters
+    ----------
+    a : BilinearForm
+        The bulk.
+    contacts : list[LACContact]
+    freedofs : BitArray
+    options : Options
+    motions : callable
+        Gives the rigid motions, see `Grounded`.
+    """
+    wanted, inverse, preconditioner = options.solver, options.inverse, options.preconditioner
+    if preconditioner is not None:
+        CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")
+        if wanted not in (None, "iterative"):
+            raise ValueError(f"preconditioner= goes with solver='iterative', not {wanted!r}")
+        wanted = "iterative"
+    dim, free = a.space.mesh.dim, freedofs.NumSet()
+    form = contacts[0].form
+    nodes = VertexNodes.Of(form.component, freedofs, form.offset * form.fes.dim)
+    suits = nodes is not None and nodes.count > 0
+    if wanted == "iterative" and not suits and not preconditioner:
+        raise ValueError(
+            f"solver='iterative' needs {dim} free displacements on the vertices of the mesh, which "
+            "this space does not have: take solver='direct'"
+        )
+    names = _Names(wanted, inverse, suits and IsLarge(free, dim), free <= FACTORED[dim])
+    why = f"{free} free dofs in {dim}D" if wanted is None else "as asked for"
+    multigrid = inner = None
+    if "iterative" in names:
+        multigrid = Multigrid(nodes, 3 * nodes.count >= free, a.space) if suits else None
+        if not preconditioner:
+            inner = InnerDofs.Of(form.fes, freedofs, form.offset, form.component)
+
+    def Make(bits):
+        merged = Merged()
+        make = {
+            "interface": lambda: Interface(AsNumPy(bits), dim, motions),
+            "iterative": lambda: Iterative(bits, merged, dim, multigrid, preconditioner),
+            "direct": lambda: Direct(bits, merged, inverse),
+        }
+        return [Link(name, make[name](), why) for name in names]
+
+    return LinearSolver(freedofs, Make, inner)
+
+
+def _Names(wanted, inverse, iterates, factors):
+    """Of the methods of a chain, which ends with the safe one.
+
+    Parameters
+    ----------
+    wanted, inverse : str or None
+    iterates, factors : bool
+        Are iterations faster than factors for one system, and factors of the bulk for many?
+    """
+    if wanted in ("iterative", "direct"):
+        return list(dict.fromkeys((wanted, "direct")))
+    if wanted is None and inverse:
+        return ["direct"]
+    names = ["iterative"] if iterates and not inverse else []
+    names.insert(0 if wanted or factors else len(names), "interface")
+    return [*names, "direct"]

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A linear system, what users choose for its solution, and what solves it."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from ngsolve import BaseMatrix
+
+__all__ = ["LinearSystem", "Link", "Method", "Options"]
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """(mat + contacts) x = rhs on the free dofs, which is solved with scaled rows and columns.
+
+    Attributes
+    ----------
+    mat : BaseMatrix
+        Of the bulk.
+    contacts : list[BaseMatrix]
+        What contacts add to it.
+    multipliers : (m,) int
+        Their dofs, d in a row for each macro-element.
+    scale : (n,) array
+    rhs : (n,) array
+    shift : (n,) array, optional
+        Is added to the diagonal of the scaled matrix, in which the bulk's is 1.
+    accuracy : float
+        Relative residual that is enough of an iteration.
+    alone : bool
+        Are the displacements solved for alone? Then the multipliers stay zero.
+    """
+
+    mat: BaseMatrix
+    contacts: list
+    multipliers: np.ndarray
+    scale: np.ndarray
+    rhs: np.ndarray
+    shift: np.ndarray | None = None
+    accuracy: float = 0.0
+    alone: bool = False
+
+    def Entries(self):
+        """A list of lists of arrays, which with `mat` make the scaled matrix."""
+        shift = np.zeros(0) if self.shift is None else np.array(self.shift)
+        contacts = [[np.array(part) for part in contact.CSR()] for contact in self.contacts]
+        return [*contacts, [np.array(self.scale), shift, np.array(self.alone)]]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What users choose, see `ContactSolver`."""
+
+    solver: str | None = None
+    inverse: str | None = None
+    preconditioner: object = None
+
+
+class Method(Protocol):
+    """One way to solve linear systems.
+
+    Attributes
+    ----------
+    factorisations, krylov : int
+        Of matrices of full size, and iterations, since this was made.
+    """
+
+    factorisations: int
+    krylov: int
+
+    def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
+        """Scaled solution for a scaled right hand side, and its relative residual."""
+
+    def NewBulk(self) -> None:
+        """Keep nothing: the matrix of the bulk has got other values."""
+
+    def State(self) -> dict:
+        """What was learnt."""
+
+    def SetState(self, state: dict) -> None:
+        """Go on with a `State`, or with that of all methods together."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A method of a chain: its name, and why it is there."""
+
+    name: str
+    method: Method
+    why: str
