@@ -102,7 +102,7 @@ class ContactWarning(UserWarning):
 
 
 def Warn(message: str, kind=None) -> None:
-    """A ContactWarning, or one of another kind, at the line of the user's script that called the package."""
+    """A warning at the line of the user's script that called the package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
         frame, level = frame.f_back, level + 1

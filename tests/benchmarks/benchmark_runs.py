@@ -11,7 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import patch
 
-import ngslac.linear.merged
+import ngslac.linear.direct
 from benchmark_elastic import SolveForm
 from ngsolve import BilinearForm, TaskManager
 
@@ -27,7 +27,7 @@ CALLS = {
     "pairing": [(ContactForm, "Update")],
     "contact": [(ContactForm, name) for name in FORM],
     "bulk": [(BilinearForm, name) for name in ("Assemble", "AssembleLinearization", "Apply")],
-    "merge": [(ngslac.linear.merged, "MergeMatrices")],
+    "merge": [(ngslac.linear.direct, "MergeMatrices")],
     "solve": [(LinearSolver, "Solve")],
     "floating": [(Bodies, "__init__"), (Bodies, "Freedom")],  # is a body held by nothing?
 }
