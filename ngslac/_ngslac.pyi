@@ -545,8 +545,15 @@ class PreconditionedProduct:
         """
         z = M^-1 x and image = A z.
         """
+    @typing.overload
     def __init__(self, mat: ngsolve.la.BaseMatrix, inverse: ngsolve.la.BaseMatrix | None = None) -> None:
         ...
+    @typing.overload
+    def __init__(self, size: typing.SupportsInt | typing.SupportsIndex, apply: collections.abc.Callable, total: collections.abc.Callable) -> None:
+        """
+        apply(x, z, image) fills arrays: z = M^-1 x and image = A z. Where processes have parts
+        of the vectors, total(numbers) sums up arrays over all of them.
+        """
 class TwoLevelProduct(PreconditionedProduct):
     """
     On the free dofs for a preconditioner M of A itself, to single precision.

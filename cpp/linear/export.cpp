@@ -32,6 +32,31 @@ Numbers<double> Changed(const Condensation & system, const Numbers<double> & giv
   return ToNumPy(FlatVector<>(values));
 }
 
+/// Products that Python makes of arrays, of which each process may have a part.
+class FunctionProduct : public PreconditionedProduct {
+  size_t size;
+  py::function apply, total;
+
+  static Numbers<double> Shown(const BaseVector & vec) {
+    auto values = vec.FV<double>();
+    return Numbers<double>(values.Size(), values.Data(), py::none()); // a view
+  }
+
+public:
+  FunctionProduct(size_t asize, py::function aapply, py::function atotal)
+      : size(asize), apply(aapply), total(atotal) {}
+  shared_ptr<BaseVector> MakeVector() const override { return make_shared<VVector<double>>(size); }
+  void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override {
+    py::gil_scoped_acquire acquire;
+    apply(Shown(x), Shown(z), Shown(image));
+  }
+  void Total(FlatVector<> sums) const override {
+    py::gil_scoped_acquire acquire;
+    auto found = total(ToNumPy(sums)).cast<Numbers<double>>();
+    sums = View(found, sums.Size());
+  }
+};
+
 /// Throws what a signal raised, such as the user's Ctrl-C.
 void LookForSignals() {
   py::gil_scoped_acquire acquire;
@@ -167,6 +192,15 @@ void ExportLinear(py::module & m) {
              return product;
            }),
            py::arg("mat").none(false), py::arg("inverse") = nullptr)
+      .def(py::init([](size_t size, py::function apply, py::function total) {
+             shared_ptr<PreconditionedProduct> product =
+                 make_shared<FunctionProduct>(size, apply, total);
+             return product;
+           }),
+           py::arg("size"), py::arg("apply"), py::arg("total"),
+           "apply(x, z, image) fills arrays: z = M^-1 x and image = A z. Where processes have "
+           "parts\n"
+           "of the vectors, total(numbers) sums up arrays over all of them.")
       .def("Apply", &PreconditionedProduct::Apply, py::call_guard<py::gil_scoped_release>(),
            py::arg("x"), py::arg("z"), py::arg("image"), "z = M^-1 x and image = A z.");
   py::class_<TwoLevelProduct, shared_ptr<TwoLevelProduct>, PreconditionedProduct>(

@@ -24,10 +24,12 @@ void Combine(FlatArray<shared_ptr<BaseVector>> vectors, const Vector<> & factors
 /// Orthonormal vectors on the free dofs.
 class Basis {
   Array<shared_ptr<BaseVector>> vectors;
+  const PreconditionedProduct & product;
   const BitArray & free;
 
 public:
-  explicit Basis(const BitArray & afree) : free(afree) {}
+  Basis(const PreconditionedProduct & aproduct, const BitArray & afree)
+      : product(aproduct), free(afree) {}
 
   const BaseVector & Last() const { return *vectors.Last(); }
 
@@ -42,10 +44,12 @@ public:
   double Norm(FlatVector<> w) const {
     Vector<> squares((w.Size() + chunk - 1) / chunk);
     ForChunks(w.Size(), [&](IntRange range, size_t k) { squares(k) = L2Norm2(w.Range(range)); });
-    double sum = 0;
+    Vector<> sum(1);
+    sum = 0.0;
     for (double square : squares)
-      sum += square;
-    return sqrt(sum);
+      sum(0) += square;
+    product.Total(sum);
+    return sqrt(sum(0));
   }
 
   void Append(shared_ptr<BaseVector> w, double norm) {
@@ -65,6 +69,7 @@ public:
     sums = 0.0;
     for (size_t k : Range(parts.Height()))
       sums += parts.Row(k);
+    product.Total(sums);
     Combine(vectors, -sums, w);
     h.Range(0, m) += sums;
   }
@@ -146,12 +151,11 @@ GMResSolution GMRes(const PreconditionedProduct & product, const BaseVector & rh
                     const function<void()> & look) {
   static Timer timer("ngslac::GMRes");
   RegionTimer reg(timer);
-  auto & mat = product.Matrix();
-  shared_ptr<BaseVector> x = mat.CreateRowVector(), start = mat.CreateColVector();
+  shared_ptr<BaseVector> x = product.MakeVector(), start = product.MakeVector();
   CheckSizes(*x, *start, rhs, free);
   *x = 0.0;
   *start = rhs;
-  Basis basis(free);
+  Basis basis(product, free);
   basis.Restrict(start->FV<double>());
   double norm = basis.Norm(start->FV<double>());
   GMResSolution found{x, {norm}, norm == 0};
@@ -162,8 +166,8 @@ GMResSolution GMRes(const PreconditionedProduct & product, const BaseVector & rh
   Array<shared_ptr<BaseVector>> moves; // M^-1 q
   for (int k = 0; k < limits.maxiter && !found.converged; k++) {
     look();
-    shared_ptr<BaseVector> next = mat.CreateColVector();
-    moves.Append(mat.CreateRowVector());
+    shared_ptr<BaseVector> next = product.MakeVector();
+    moves.Append(product.MakeVector());
     product.Apply(basis.Last(), *moves.Last(), *next);
     auto w = next->FV<double>();
     basis.Restrict(w);

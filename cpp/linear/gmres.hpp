@@ -18,7 +18,8 @@ struct GMResSolution {
 };
 
 /// GMRES without restart from zero for  A x = rhs  on the free dofs, preconditioned from the right:
-/// the norm is that of the residual itself.
+/// the norm is that of the residual itself. Where processes have parts of the vectors all of them
+/// call it, and take the same decisions.
 ///
 /// The vectors  z = M^-1 q  are kept and combined (flexible GMRES, Saad 1993): M^-1 may be in any
 /// precision and not even the same each time, its rounding errors are none of the solution. A basis

@@ -9,10 +9,11 @@ using namespace ngla;
 class PreconditionedProduct {
 public:
   virtual ~PreconditionedProduct() = default;
-  /// Makes vectors.
-  virtual const BaseMatrix & Matrix() const = 0;
+  virtual shared_ptr<BaseVector> MakeVector() const = 0;
   /// z = M^-1 x  and  image = A z.
   virtual void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const = 0;
+  /// Sums up numbers over all processes that have parts of the vectors.
+  virtual void Total(FlatVector<>) const {}
 };
 
 /// Of any two operators; without an inverse M is the identity.
@@ -20,7 +21,7 @@ class OperatorProduct : public PreconditionedProduct {
 public:
   OperatorProduct(shared_ptr<BaseMatrix> mat, shared_ptr<BaseMatrix> inverse)
       : mat(mat), inverse(inverse) {}
-  const BaseMatrix & Matrix() const override { return *mat; }
+  shared_ptr<BaseVector> MakeVector() const override { return mat->CreateColVector(); }
   void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override {
     if (inverse)
       inverse->Mult(x, z);

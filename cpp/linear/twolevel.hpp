@@ -35,7 +35,7 @@ class TwoLevelProduct : public PreconditionedProduct {
 public:
   TwoLevelProduct(shared_ptr<TwoLevel> pre, shared_ptr<Condensation> system)
       : pre(pre), system(system) {}
-  const BaseMatrix & Matrix() const override { return *system; }
+  shared_ptr<BaseVector> MakeVector() const override { return system->CreateColVector(); }
   void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override;
 
 private:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.linear.grounding import Spread
+from ngslac.linear.grounded import Spread
 
 __all__ = ["EXACT", "Apart", "Freedom", "Ground", "NullSpace", "Unresisted"]
 

@@ -2,14 +2,18 @@
 """Newton systems on the interface: the bulk is factored once for all of them."""
 
 import numpy as np
+import scipy
 
-from ngslac.linear.blocks import Blocks
 from ngslac.linear.factor import LinearSolveError
-from ngslac.linear.grounded import GroundedBulk
-from ngslac.linear.interfacesystem import InterfaceSystem
+from ngslac.linear.grounded import SPRING, GroundedBulk, UnitColumns
 from ngslac.linear.refine import Refine
 
 __all__ = ["Interface"]
+
+# Of what is left of rows that are combinations of others, relative to the largest entry.
+ROUNDING = 1e-10
+# Reciprocal condition number of a singular matrix.
+SINGULAR = 1e-14
 
 
 class Interface:
@@ -101,3 +105,191 @@ class Interface:
             kept.Schur(blocks.forces)
             self._kept[key], self._fails = kept, False
         return self._kept[key]
+
+
+class InterfaceSystem:
+    """K u + C x = f, E u + F lam = g with x = (lam, S u, -alpha P^T u), see `Interface`.
+
+    The rows of E are combinations of the columns of C, or are appended to these.
+
+    Parameters
+    ----------
+    kept : GroundedBulk
+    blocks : Blocks
+    d : int
+        Multipliers of a macro-element.
+
+    Raises
+    ------
+    LinearSolveError
+        The system is singular.
+    """
+
+    def __init__(self, kept, blocks, d):
+        self.blocks, own = blocks, blocks.Own(d)
+        m = len(blocks.multipliers)
+        numbers = np.arange(m).reshape(-1, d)
+        closed = np.diff(blocks.rows.indptr).reshape(-1, d).any(axis=1)
+        self.closed, self.open, self.free = numbers[closed], numbers[~closed], own[~closed]
+        self.weights = Weights(blocks.rows, blocks.forces, d)
+        columns = [blocks.forces, UnitColumns(blocks.touched, len(kept.free))]
+        if self.weights is None:
+            columns.append(blocks.rows[self.closed.ravel()].T)
+        else:
+            self.weights = self.weights[closed]
+        self.schur, self.complement = kept.Schur(scipy.sparse.hstack(columns, format="csc"))
+        self.touched = np.arange(m, m + len(blocks.touched))
+        self.stiffness = blocks.stiffness[blocks.touched][:, blocks.touched]
+        count = len(self.complement)
+        self.springs = np.arange(count - len(kept.springs), count)
+        # Unknowns of the dense system, as columns of the complement.
+        self.used = np.concatenate([self.closed.ravel(), self.touched, self.springs])
+        self._Factor(own[closed])
+
+    def _Factor(self, own):
+        matrix = -self._Constrained(self.complement[:, self.used])
+        rows = np.arange(self.closed.size).reshape(self.closed.shape)
+        matrix[rows[:, :, None], rows[:, None]] += own
+        others = np.arange(rows.size, len(matrix))
+        matrix[others, others] += 1
+        self.scale = 1 / np.maximum(np.abs(matrix).max(axis=1, initial=0), np.finfo(float).tiny)
+        matrix *= self.scale[:, None]
+        if len(matrix):
+            norm = np.abs(matrix).sum(axis=0).max()
+            self.factors = scipy.linalg.lu_factor(matrix, check_finite=False)
+            if not scipy.linalg.lapack.dgecon(self.factors[0], norm)[0] > SINGULAR:
+                raise LinearSolveError("the interface is singular")
+
+    def _Constrained(self, values):
+        """Rows of the closed macro-elements, of S and of the springs from C^T u (k, ...)."""
+        if self.weights is None:
+            rows = values[self.touched.size + len(self.blocks.multipliers) :][: self.closed.size]
+        else:
+            means = values[self.closed].reshape(*self.closed.shape, values[0].size)
+            rows = (self.weights @ means).reshape(self.closed.size, *values.shape[1:])
+        added = -self.stiffness @ values[self.touched]
+        return np.concatenate([rows, added, SPRING * values[self.springs]])
+
+    def Solve(self, rhs):
+        """The solution (n,) of the whole system."""
+        own, x = rhs[self.blocks.multipliers], np.zeros(len(self.complement))
+        x[self.open] = np.linalg.solve(self.free, own[self.open][:, :, None])[:, :, 0]
+        start = self.schur.Forward(rhs)
+        trace = self.schur.Trace(start)
+        if np.any(x):
+            trace -= self.complement @ x
+        if len(self.used):
+            right = -self._Constrained(trace)
+            right[: self.closed.size] += own[self.closed].ravel()
+            x[self.used] = scipy.linalg.lu_solve(
+                self.factors, self.scale * right, check_finite=False
+            )
+        solution = self.schur.Solve(start, x)
+        solution[self.blocks.multipliers] = x[: len(own)]
+        return solution
+
+
+class Blocks:
+    """(K + S) u + G lam = f, E u + F lam = g, scaled.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    free : (n,) bool
+
+    Attributes
+    ----------
+    multipliers : (m,) int
+        Their dofs, d in a row for each macro-element.
+    forces : (n, m) csc_matrix
+        G, with the rows of the whole system.
+    rows : (m, n) csr_matrix
+        E, with its columns.
+    own : (m, m) csr_matrix
+        F; 1 on the diagonal of what is not free.
+    stiffness : (n, n) csr_matrix
+        What contacts add to K, as in large sliding.
+    touched : (k,) int
+        The dofs of this.
+    """
+
+    def __init__(self, system, free):
+        n = len(free)
+        self.multipliers = np.asarray(system.multipliers)
+        m = len(self.multipliers)
+        number = np.full(n, -1)
+        number[self.multipliers] = np.arange(m)
+        row, column, value = self._Entries(system.contacts, system.scale, free)
+        k, j = number[row], number[column]
+        on, by, both = (k < 0) & (j >= 0), (k >= 0) & (j < 0), (k >= 0) & (j >= 0)
+        apart = (k < 0) & (j < 0)
+        self.stiffness = scipy.sparse.csr_matrix(
+            (value[apart], (row[apart], column[apart])), shape=(n, n)
+        )
+        self.touched = np.union1d(row[apart], column[apart])
+        held = np.flatnonzero(~free[self.multipliers])
+        self.forces = scipy.sparse.csc_matrix((value[on], (row[on], j[on])), shape=(n, m))
+        self.rows = scipy.sparse.csr_matrix((value[by], (k[by], column[by])), shape=(m, n))
+        self.own = scipy.sparse.csr_matrix(
+            (
+                np.concatenate([value[both], np.ones(len(held))]),
+                (np.concatenate([k[both], held]), np.concatenate([j[both], held])),
+            ),
+            shape=(m, m),
+        )
+
+    @staticmethod
+    def _Entries(contacts, scale, free):
+        """Rows, columns and values of the sum of all contacts, without zeros."""
+        found = []
+        for contact in contacts:
+            values, columns, starts = (np.asarray(a) for a in contact.CSR())
+            rows = np.repeat(np.arange(len(scale)), np.diff(starts.astype(np.int64)))
+            values = scale[rows] * values * scale[columns]
+            used = (values != 0) & free[rows] & free[columns]
+            found.append((rows[used], columns[used], values[used]))
+        return (np.concatenate(part) for part in zip(*found, strict=True))
+
+    def Times(self, x):
+        """The product (n,) of the matrix without K with x (n,)."""
+        multipliers = x[self.multipliers]
+        product = self.forces @ multipliers + self.stiffness @ x
+        product[self.multipliers] = self.rows @ x + self.own @ multipliers
+        return product
+
+    def Own(self, d):
+        """The blocks (k, d, d) of macro-elements on the diagonal of F, which has no others."""
+        blocks = DiagonalBlocks(self.own, d)
+        if np.count_nonzero(blocks) < self.own.count_nonzero():
+            raise LinearSolveError("macro-elements have conditions with each other")
+        return blocks
+
+
+def Weights(rows, forces, d):
+    """T with rows = T forces^T for the d rows of each macro-element: (k, d, d) or None."""
+    products = DiagonalBlocks(rows @ forces, d)
+    squares = DiagonalBlocks(forces.T @ forces, d)
+    weights = products @ np.linalg.pinv(squares, rcond=ROUNDING, hermitian=True)
+    left = np.abs((rows - BlockDiagonal(weights) @ forces.T).data).max(initial=0)
+    return weights if left <= ROUNDING * np.abs(rows.data).max(initial=0) else None
+
+
+def BlockDiagonal(blocks):
+    """A sparse matrix of blocks (k, d, d)."""
+    k, d, _ = blocks.shape
+    where = np.arange(k * d).reshape(k, d)
+    rows = np.broadcast_to(where[:, :, None], blocks.shape)
+    columns = np.broadcast_to(where[:, None], blocks.shape)
+    return scipy.sparse.csr_matrix(
+        (blocks.ravel(), (rows.ravel(), columns.ravel())), (k * d, k * d)
+    )
+
+
+def DiagonalBlocks(mat, d):
+    """(k, d, d): those of a sparse matrix of k x k blocks."""
+    mat = mat.tocoo()
+    inside = mat.row // d == mat.col // d
+    row, column = mat.row[inside], mat.col[inside]
+    blocks = np.zeros((mat.shape[0] // d, d, d))
+    np.add.at(blocks, (row // d, row % d, column % d), mat.data[inside])
+    return blocks

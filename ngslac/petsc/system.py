@@ -5,8 +5,8 @@ import numpy as np
 import scipy
 
 from ngslac.bodies.constraints import ToCSR
-from ngslac.petsc.collective import OnRankZero
-from ngslac.petsc.contacts import Contacts
+from ngslac.linear.factor import LinearSolveError
+from ngslac.petsc.condensation import Contacts
 from ngslac.petsc.direct import PetscDirect
 from ngslac.petsc.iterative import PetscIterative
 from ngslac.petsc.matrices import Assembled, Sum
@@ -188,4 +188,14 @@ class PetscSystem:
         return Sum(self._bulk, Assembled(self.numbering, part, rows))
 
     def _OnRankZero(self, function):
-        return OnRankZero(self.numbering, lambda: function(self._contacts))
+        """What a function of the Contacts returns, None on other ranks; all raise its errors."""
+        found = error = None
+        if self.numbering.rank == 0:
+            try:
+                found = function(self._contacts)
+            except LinearSolveError as raised:
+                error = str(raised)
+        error = self.numbering.Tell(error)
+        if error is not None:
+            raise LinearSolveError(error)
+        return found

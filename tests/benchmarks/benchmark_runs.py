@@ -11,10 +11,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import patch
 
-import ngslac.linear.direct
 from benchmark_elastic import SolveForm
 from ngsolve import BilinearForm, TaskManager
 
+import ngslac.linear.direct
 from ngslac import ContactSolver, LoadStepper
 from ngslac._ngslac import ContactForm
 from ngslac.bodies.bodies import Bodies

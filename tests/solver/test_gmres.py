@@ -210,6 +210,22 @@ def test_matrix_in_python(threads):
     assert np.array_equal(x.FV().NumPy(), expected)
 
 
+def test_products_of_functions_on_parts_of_vectors():
+    """Where another process has the same all sums are twice as large, and the way the same."""
+    values, rhs = given(shift=3.0)
+
+    def apply(x, z, image):
+        z[:] = 0.5 * x
+        image[:] = values @ z
+
+    product = PreconditionedProduct(N, apply, lambda sums: 2 * sums)
+    x, residuals, converged = GMRes(product, vector(matrix(values), rhs), every(), 1e-10, 100)
+    expected, history, _ = run(values, rhs)
+    assert converged
+    assert residuals == pytest.approx(np.sqrt(2) * history, rel=1e-6, abs=1e-12 * history[0])
+    assert x.FV().NumPy() == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+
+
 def test_interruption():
     values, rhs = given()
     mat = Product(values, act=lambda: signal.raise_signal(signal.SIGINT))

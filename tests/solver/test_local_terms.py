@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from ngsolve import GetNumThreads, IdentityMatrix, SetNumThreads, TaskManager
 from press import mixed_press, mixed_press3d, numpy, press3d
-from test_condensed import dense, made, random_vectors, system
+from test_condensed import dense, random_vectors, system
+from test_linear import made
 
 from ngslac._ngslac import Condensation, MergeMatrices, StarSweeps, TwoLevel
 from ngslac.arrays import AsNumPy

@@ -7,7 +7,8 @@ import pytest
 from netgen.meshing import NgException
 from ngsolve import Grad, InnerProduct, Parameter, Sym, TaskManager, dx
 from press import mixed_press3d, press3d, same, solved, stress
-from test_condensed import CASES, condition, dense, made, system
+from test_condensed import condition, dense, system
+from test_linear import CASES, made
 
 from ngslac._ngslac import Condensation
 from ngslac.arrays import AsBits, AsNumPy

@@ -7,51 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-from press import mixed_press, mixed_press3d, press, press3d, same, solved
+from press import press, solved
+from test_linear import needs_petsc
 
 from ngslac import FloatingBodyError
 from ngslac.linear import chain
 from ngslac.petsc import library, numbering
-from ngslac.petsc.fgmres import FGMRES
-
-try:
-    library.LoadPETSc()
-    missing = ""
-except ImportError as error:
-    missing = str(error)
-needs_petsc = pytest.mark.skipif(bool(missing), reason=missing or "petsc4py is there")
-
-CASES = {
-    "stick": (press, {"friction": 5.0}),
-    "frictionless": (press, {}),
-    "mixed": (mixed_press, {}),
-    "large sliding": (mixed_press, {"finite": True}),
-    "nonlinear": (mixed_press, {"nonlinear": True}),
-    "condensed": (mixed_press, {"condense": True}),
-    "first order": (mixed_press, {"order": 1}),
-    "3D mixed": (mixed_press3d, {}),
-    "3D tets": (mixed_press3d, {"kinds": ("tet", "tet")}),
-    "3D third order": (mixed_press3d, {"order": 3, "n": (3, 2)}),
-    "3D tied": (press3d, {"tied": True, "friction": None}),
-}
-
-
-@needs_petsc
-@pytest.mark.parametrize("method", ["direct", "iterative"])
-@pytest.mark.parametrize("case", CASES)
-def test_same_solution(case, method, monkeypatch):
-    monkeypatch.setitem(chain.LARGE, "petsc", dict.fromkeys((2, 3), 0 if method[0] == "i" else 1e9))
-    make, flags = CASES[case]
-    reference, problem = make(**flags), make(**flags)
-    solved(reference)
-    solver = solved(problem, solver="petsc")
-    assert solver.linear.method == method
-    assert (solver.linear.factorisations > 0) == (method == "direct")
-    assert (solver.linear.krylov > 0) == (method == "iterative")
-    # An iteration leaves what Newton takes for rounding, times the condition.
-    same(problem, reference, 1e-9 if method == "direct" else 1e-8)
 
 
 @needs_petsc
@@ -130,51 +92,3 @@ def test_any_number_of_ranks_solves_the_same_system():
         assert found["singular fails"]
         krylov.append(found["krylov"])
     assert abs(krylov[1] - krylov[0]) <= 3
-
-
-class Array:
-    """As much of a PETSc.Vec as the iteration needs."""
-
-    def __init__(self, values):
-        self.array = np.array(values, dtype=float)
-
-    def norm(self):
-        return np.linalg.norm(self.array)
-
-    def duplicate(self):
-        return Array(0 * self.array)
-
-    def set(self, value):
-        self.array[:] = value
-
-
-def test_fgmres_solves_with_a_preconditioner_that_changes():
-    random = np.random.default_rng(0)
-    mat = np.eye(30) + 0.3 * random.standard_normal((30, 30)) / np.sqrt(30)
-    b, x, count = Array(random.standard_normal(30)), Array(np.zeros(30)), [0]
-
-    def product(z, image):
-        image.array[:] = mat @ z.array
-
-    def precondition(r, z):
-        count[0] += 1
-        z.array[:] = (1 + 0.3 * np.sin(count[0] * np.arange(30))) * r.array
-
-    limits = {"tol": 1e-10, "most": 40, "patience": 40}
-    iteration = FGMRES(product, precondition, b, x, lambda values: values, **limits)
-    assert np.linalg.norm(mat @ x.array - b.array) <= 1.01e-10 * b.norm()
-    assert iteration.number == count[0] <= 30
-
-
-def test_fgmres_ends_where_it_stalls():
-    b, x = Array(np.eye(30)[0]), Array(np.zeros(30))
-
-    def product(z, image):  # a cycle: no vector but the last one has a part of b
-        image.array[:] = np.roll(z.array, 1)
-
-    def precondition(r, z):
-        z.array[:] = r.array
-
-    limits = {"tol": 1e-10, "most": 40, "patience": 5}
-    iteration = FGMRES(product, precondition, b, x, lambda values: values, **limits)
-    assert (iteration.number, iteration.residual) == (5, 1.0)

@@ -1,0 +1,130 @@
+"""All ways to solve linear systems find the same, whatever they are asked for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from ngsolve import BilinearForm
+from press import linear as stiffness
+from press import mixed_press, mixed_press3d, press, press3d, same, solved
+
+from ngslac import BubbleVectorH1
+from ngslac.arrays import Multiply
+from ngslac.linear import chain
+from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.system import LinearSystem
+from ngslac.petsc import library
+
+TIED = {"tied": True, "friction": None}
+BUBBLES = {"order": 1, "space": BubbleVectorH1, "flags": {"slave": "slave"}}
+CASES = {
+    "2D stick": (press, {"friction": 5.0}),
+    "2D slip": (press, {"friction": 0.1}),
+    "2D tied": (press, TIED),
+    "2D frictionless": (press, {}),
+    "2D bilateral": (press, {"bilateral": True, "friction": 0.2}),
+    "2D tresca": (press, {"tresca": 0.5}),
+    "2D mixed": (mixed_press, {}),
+    "2D edges": (mixed_press, {"edges": True}),
+    "2D finite": (mixed_press, {"finite": True}),
+    "2D large": (mixed_press, {"finite": True, "nonlinear": True}),
+    "2D condensed": (mixed_press, {"condense": True}),
+    "2D first order": (mixed_press, {"order": 1}),
+    "2D third order": (mixed_press, {"order": 3}),
+    "2D bubbles": (mixed_press, BUBBLES),
+    "2D held by contact": (press, {"flags": {"dirichlet": "bottom"}, "friction": 0.1}),
+    "3D stick": (press3d, {"friction": 5.0}),
+    "3D tied": (press3d, TIED),
+    "3D frictionless": (press3d, {}),
+    "3D mixed": (mixed_press3d, {}),
+    "3D slip": (press3d, {"friction": 0.1}),
+    "3D tets": (mixed_press3d, {"kinds": ("tet", "tet")}),
+    "3D third order": (mixed_press3d, {"order": 3, "n": (3, 2)}),
+}
+try:
+    library.LoadPETSc()
+    missing = ""
+except ImportError as error:
+    missing = str(error)
+needs_petsc = pytest.mark.skipif(bool(missing), reason=missing or "petsc4py is there")
+# How near the displacements come to those of LU, relative to them.
+METHODS = {"interface": 1e-11, "iterative": 1e-7, "petsc direct": 1e-9, "petsc iterative": 1e-7}
+ALL = [*METHODS][:2] + [pytest.param(name, marks=needs_petsc) for name in [*METHODS][2:]]
+
+
+def made(case):
+    make, flags = CASES[case]
+    return make(**flags)
+
+
+def chosen(method, monkeypatch):
+    """Options of a solver with a method; PETSc's depend on the size."""
+    if method.startswith("petsc"):
+        large = 0 if method.endswith("iterative") else 1e9
+        monkeypatch.setitem(chain.LARGE, "petsc", {2: large, 3: large})
+    return {"solver": method.split()[0]}
+
+
+@pytest.mark.parametrize("method", ALL)
+@pytest.mark.parametrize("case", CASES)
+def test_same_solution(case, method, monkeypatch):
+    if (case, method) == ("2D large", "interface"):
+        pytest.skip("the bulk has another matrix each time")
+    reference, problem = made(case), made(case)
+    expected = solved(reference, solver="direct")
+    solver = solved(problem, **chosen(method, monkeypatch))
+    linear = solver.linear
+    assert linear.method == method.split()[-1]
+    assert (linear.krylov > 0) == ("iterative" in method)
+    assert (linear.factorisations == 0) == ("iterative" in method)
+    if method == "interface":
+        assert linear.factorisations == 1
+        assert len(solver.history) == len(expected.history)
+    same(problem, reference, METHODS[method])
+
+
+@pytest.mark.parametrize("method", ["direct", *ALL])
+def test_systems(method, monkeypatch):
+    """Of any right hand side, with and without a diagonal that holds what nothing else does."""
+    problem = press(friction=5.0)
+    solver = problem.solver(**chosen(method, monkeypatch))
+    solver.Solve(printing=False)
+    (u, _), (v, _) = problem.X.TnT()
+    loose, form = BilinearForm(stiffness(u, v)).Assemble().mat, problem.contact.form
+    linear, scale = solver.linear, solver.system.scale
+    own, free = linear._links[0].method, linear.free
+    b = np.random.default_rng(0).standard_normal(len(free)) * free
+    held = LinearSystem(problem.a.mat, [form.mat], form.MultiplierDofs(), scale, b / scale)
+    shift = np.where(np.isin(np.arange(len(b)), form.MultiplierDofs()), 0, 1.0)
+    shifted = replace(held, mat=loose, shift=shift)
+    for system in (held, shifted, held):
+        x, error = own.Solve(system, b)
+        left = b - scale * Multiply([system.mat, form.mat], scale * x)
+        left -= 0 if system.shift is None else shift * x
+        assert error < 1e-9
+        assert np.linalg.norm(left * free) < 1.1e-9 * np.linalg.norm(b)
+        assert not np.any(x[~free])
+        assert linear.Solve(system) == pytest.approx(scale * x, rel=1e-6, abs=1e-6)
+    assert not np.any(linear.Solve(replace(held, rhs=0 * b)))
+    own.NewBulk()
+    own.SetState(linear.State())
+    assert np.linalg.norm(own.Solve(held, b)[0] - x) < 1e-7 * np.linalg.norm(x)
+
+
+@pytest.mark.parametrize("method", ["direct", *ALL])
+def test_singular_systems_are_told(method, monkeypatch):
+    """Nothing holds the upper block sideways: no method says that it has a solution."""
+    problem = press()
+    solver = problem.solver(**chosen(method, monkeypatch))
+    solver.Solve(printing=False)
+    (u, _), (v, _) = problem.X.TnT()
+    loose, form = BilinearForm(stiffness(u, v)).Assemble().mat, problem.contact.form
+    own, free, scale = solver.linear._links[0].method, solver.linear.free, solver.system.scale
+    b = np.random.default_rng(0).standard_normal(len(free)) * free
+    try:
+        _, error = own.Solve(
+            LinearSystem(loose, [form.mat], form.MultiplierDofs(), scale, b / scale), b
+        )
+    except LinearSolveError:
+        return
+    assert not error < 1e-5
