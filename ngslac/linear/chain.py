@@ -8,9 +8,9 @@ from ngslac.linear.direct import Direct, Merged
 from ngslac.linear.inner import InnerDofs
 from ngslac.linear.interface import Interface
 from ngslac.linear.iterative import Iterative
+from ngslac.linear.multigrid import Multigrid
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Link
-from ngslac.linear.twolevel import Multigrid
 from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["SOLVERS", "CheckSolver", "IsLarge", "MakeLinearSolver"]

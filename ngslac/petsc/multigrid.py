@@ -5,7 +5,7 @@ import numpy as np
 
 from ngslac.petsc.library import Checked, LoadPETSc, Options
 
-__all__ = ["Multigrid"]
+__all__ = ["PetscMultigrid"]
 
 # Blocks of nodes, and all dofs that contact touches as one more block: slip couples the dofs of a
 # macro-element in an unsymmetric way, which smaller blocks do not see.
@@ -35,7 +35,7 @@ COARSE = {
 }
 
 
-class Multigrid:
+class PetscMultigrid:
     """Two levels of PCMG, GAMG below; collective.
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order: the

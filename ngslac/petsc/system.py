@@ -10,7 +10,7 @@ from ngslac.petsc.condensation import Contacts
 from ngslac.petsc.direct import PetscDirect
 from ngslac.petsc.iterative import PetscIterative
 from ngslac.petsc.matrices import Assembled, Sum
-from ngslac.petsc.multigrid import Multigrid
+from ngslac.petsc.multigrid import PetscMultigrid
 from ngslac.petsc.numbering import Numbering
 
 __all__ = ["PetscSystem"]
@@ -171,7 +171,7 @@ class PetscSystem:
         mat = self._WithBulk(self._OnRankZero(lambda contacts: contacts.Sparse(condensed)))
         if self._multigrid is None:
             vertices = self._OnRankZero(lambda _: self._nodes.vertices)
-            self._multigrid = Multigrid(numbering, numbering.Rows(vertices))
+            self._multigrid = PetscMultigrid(numbering, numbering.Rows(vertices))
         touched = self._OnRankZero(lambda contacts: self._nodes.With(contacts.touched))
         motions = numbering.Columns(self._OnRankZero(self._Motions))
         pc = self._multigrid.Preconditioner(mat, numbering.Rows(touched), motions)

@@ -116,7 +116,7 @@ class InteriorPoint:
 
         def Solve(forces):
             # Bodies that nothing pushes in the end stay where they are.
-            springs = system.LinearSystem(mats, forces, shift=pins, alone=True)
+            springs = system.MakeLinearSystem(mats, forces, shift=pins, alone=True)
             return system.linear.SolveShifted(springs, ~self.multipliers)
 
         return -system.Displace(residual, Solve, mats)

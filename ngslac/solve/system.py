@@ -293,7 +293,7 @@ class System:
         self.scheme.Change(self)
         return residual
 
-    def LinearSystem(self, contacts, rhs, **options):
+    def MakeLinearSystem(self, contacts, rhs, **options):
         """That of the bulk, and of matrices of contacts."""
         multipliers = np.concatenate([form.MultiplierDofs() for form in self._Forms()])
         return LinearSystem(self.bulk.mat, contacts, multipliers, self.scale, rhs, **options)
@@ -306,7 +306,7 @@ class System:
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
-            system = self.LinearSystem(mats, residual, accuracy=accuracy)
+            system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
             if drag or self.idle:
                 shift = drag.Shift() if drag else IDLE_SHIFT * displacements
                 return self.linear.Solve(replace(system, shift=shift))

@@ -13,7 +13,7 @@ from ngslac._ngslac import Condensation
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.linear.factor import HasMKL, OneBLASThread
 from ngslac.linear.inner import InnerDofs
-from ngslac.linear.twolevel import Multigrid
+from ngslac.linear.multigrid import Multigrid
 from ngslac.linear.vertices import VertexNodes
 from ngslac.rigid import MotionsAt
 

@@ -71,7 +71,7 @@ def systems(problem, **changes):
     """The LinearSystem of a problem that is solved, for a random right hand side."""
     system, form = problem.made.system, problem.contact.form
     rhs = np.random.default_rng(0).standard_normal(len(system.scale)) * system.linear.free
-    return replace(system.LinearSystem([form.mat], rhs), **changes)
+    return replace(system.MakeLinearSystem([form.mat], rhs), **changes)
 
 
 def test_wrong_solutions_are_not_taken(monkeypatch):

@@ -9,7 +9,7 @@ from scipy.sparse import bsr_matrix
 
 from ngslac import BubbleVectorH1
 from ngslac.linear.chain import FACTORED, LARGE
-from ngslac.linear.multigrid import (
+from ngslac.linear.hierarchy import (
     COARSEST,
     Hierarchy,
     Inverses,
