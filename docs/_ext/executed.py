@@ -19,7 +19,9 @@ __all__ = ["Executed", "Keep"]
 def _Package():
     """A hash that changes with every file of the package."""
     total, package = hashlib.sha256(), Path(ngslac.__file__).parent
-    for source in sorted(file for file in package.rglob("*") if file.suffix in (".py", ".so")):
+    for source in sorted(
+        file for file in package.rglob("*") if file.suffix in (".py", ".so", ".js")
+    ):
         total.update(source.read_bytes())
     return total.hexdigest()
 
