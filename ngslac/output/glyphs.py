@@ -7,7 +7,7 @@ import scipy
 __all__ = ["Arrows", "Bands", "BarAreas", "Bars", "Lines", "Ticks"]
 
 LENGTH = 0.2  # of the longest glyph, as a part of the slave's diameter
-BAND = 0.03  # its thickness, as a part of the same
+BAND, OF_FACE = 0.03, 0.4  # its largest thickness, as a part of the same, and of a face
 STROKE = 0.12  # half its width, as a part of half its length
 
 
@@ -89,6 +89,7 @@ def Ticks(faces, size=None):
 
 def Bands(faces, chosen):
     """In 2D triangles (n, 3, 3) of a band along each of the `chosen` (n,) faces."""
-    half = BAND * faces.diameter / 2 * faces.normals[chosen]
+    length = np.median(np.linalg.norm(faces.ends[1] - faces.ends[0], axis=1))
+    half = min(BAND * faces.diameter, OF_FACE * length) / 2 * faces.normals[chosen]
     first, last = faces.ends[:, chosen]
     return _Quads(first - half, last - half, last + half, first + half)

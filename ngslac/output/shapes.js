@@ -39,6 +39,7 @@ function patchObject(patch) {
 function legendObject(entries) {
   const box = document.createElement("div");
   box.style = "position: absolute; left: 20px; top: 52px; z-index: 1; user-select: none";
+  Object.assign(box.style, { padding: "2px 6px", color: "black", background: "#ffffffc0" });
   for (const [word, color] of entries) {
     const line = box.appendChild(document.createElement("div"));
     const spot = line.appendChild(document.createElement("span"));
