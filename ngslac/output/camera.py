@@ -2,7 +2,7 @@
 """From where a 3D scene is seen: before the slave face, a little from the side."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 __all__ = ["View"]
 
@@ -16,9 +16,9 @@ AROUND = 1.6  # radius of what is seen, by that of the slave face
 def View(points, normals):
     """Options euler_angles, center, radius of a scene that looks at a face with these `points`."""
     low, high = points.min(axis=0), points.max(axis=0)
-    angles = Rotation.from_matrix(_Axes(_Towards(normals))).as_euler("XYZ", degrees=True)
+    turn = scipy.spatial.transform.Rotation.from_matrix(_Axes(_Towards(normals)))
     return {
-        "euler_angles": angles.round(3).tolist(),
+        "euler_angles": turn.as_euler("XYZ", degrees=True).round(3).tolist(),
         "center": ((low + high) / 2).tolist(),
         "radius": float(AROUND * np.linalg.norm(high - low) / 2),
     }
