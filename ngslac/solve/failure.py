@@ -103,7 +103,8 @@ class Failure:
         if self.unbalanced or self.slides:
             error = FloatingBodyError(self.unbalanced or self.slides)
         error.history, error.certain, error.rubs = history, self.certain, self.rubs
-        error.slides = bool(self.slides) or (self.rubs and self.system.islinear)
+        goes_on = self.system.islinear or self.system.slid
+        error.slides = bool(self.slides) or (self.rubs and goes_on)
         error.exhausted, error.unheld = self.known, self.unheld or loose
         return error
 

@@ -23,7 +23,7 @@ STRAYED = 0.5
 # iterations from which on nearly all has slipped for long.
 SEARCH, RUBBED = 30, 10
 # Most iterations in which loose bodies come to rest.
-RELAX = 200
+RELAX = 500
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
@@ -193,6 +193,7 @@ class Newton:
     def Accept(self):
         """The last line, if the state that it tells of is possible."""
         Look(self.system)()
+        self.system.restless = self.system.slid = False
         for contact in self.system.contacts:
             contact._ClearOpen(self.system.gf)
         self.system.residual.Accept()
@@ -336,7 +337,7 @@ class Newton:
                 raise error
             system.GoTo(start)
             failure.exhausted = True
-            return self._Search(failure, error, maxit, start)
+            return self._Search(error, maxit, start)
         except FAILURES:
             if found is None or system.bodies.Lost(found[0]):
                 raise
@@ -344,17 +345,18 @@ class Newton:
             self.Record(system.Measure())
             return self.Accept()
 
-    def _Search(self, failure, error, maxit, start):
+    def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
         try:
             return StatusSearch(self, maxit).Run(error)
         except FAILURES:
-            if failure.rubs or not (system.bodies.floating and system.finite):
+            if system.restless or not (system.bodies.floating and system.finite):
                 raise
             system.GoTo(start)
             try:
                 return Relaxation(self, len(self.history) + RELAX).Run()
             except FAILURES:
+                system.restless = True
                 system.GoTo(start)
             raise

@@ -12,15 +12,18 @@ __all__ = ["Relaxation"]
 # Diagonal that holds bodies where they were, relative to that of the scaled bulk: the first one,
 # the last one, and by what factor it falls after a stage that ends, and grows after one that fails.
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
-# Newton steps of a stage, the residual at its end, and how many stages may fail.
-STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 10
+# Newton steps of a stage, the residual at its end, and how many stages in a row may fail.
+STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 4
 # Stages after one that failed until the drag falls again.
 WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
 # A way, relative to the mesh, on which bodies do not come to rest.
-LOST = 0.2
+LOST = 1.0
+# Bodies that slide with a force against them that changes by less than this part from one stage to
+# the next, in so many of them, go on for ever.
+SAME_FORCE, STEADY = 5e-3, 5
 
 
 @dataclass
@@ -71,7 +74,7 @@ class Relaxation:
         """The last line of the table, or an error if bodies do not come to rest."""
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
-        newton.onpath, size, failures, wait = True, FIRST, 0, 0
+        newton.onpath, size, failures, wait, self._forces = True, FIRST, 0, 0, []
         start, smallest = system.values.copy(), self._Smallest()
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
@@ -79,6 +82,10 @@ class Relaxation:
                 if system.Way(start) > LOST * system.residual.size:
                     break
                 if self._Settles(size):
+                    failures = 0
+                    if self._SlidesOn():
+                        system.slid = True
+                        break
                     moved = system.Way(before[0])
                     if moved < REST * smallest and (last := self._Polish()):
                         return last
@@ -96,6 +103,16 @@ class Relaxation:
         """Size of the smallest macro-element."""
         tables = [(contact.Table(), contact.mesh.dim - 1) for contact in self.system.contacts]
         return min(np.min(table["fullarea"]) ** (1 / d) for table, d in tables)
+
+    def _SlidesOn(self):
+        """Do bodies slide steadily, against a force that does not fall?"""
+        last = self.newton.history[-1]
+        drag = self.system.residual.drag
+        force = np.linalg.norm(drag.Forces(self.system.values, self.system.scale))
+        self._forces = [*self._forces, force] if last.slip and not last.stick else []
+        forces = np.array(self._forces[-STEADY - 1 :])
+        changes = np.abs(np.diff(forces)) <= SAME_FORCE * forces[1:]
+        return len(changes) == STEADY and bool(np.all(changes))
 
     def _Settles(self, size):
         """Does Newton's method come to the end of a stage?"""

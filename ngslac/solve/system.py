@@ -89,6 +89,9 @@ class System:
         Do bodies float, with friction, that nothing pushes?
     notes : dict
         What the look at the last state that was accepted has to say, by its kind.
+    restless, slid : bool
+        Did loose bodies not come to rest by `Relaxation`, as they slid on steadily? Then that is
+        not tried again before a state is accepted.
     slides : bool
         Do round bodies stay where they are, even where closed contact seems to resist?
     loose : bool
@@ -100,6 +103,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
+        self.restless = self.slid = False
         self.notes, self._said = {}, set()
         self.lean = None
         self._bodies = bodies
