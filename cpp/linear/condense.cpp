@@ -247,11 +247,65 @@ void Condensation::SumRow(int row, RowSum & sum) const {
   }
 }
 
-shared_ptr<ExplicitRows> Condensation::Rows() const {
-  Array<bool> changes(mat->Height());
-  ParallelFor(changes.Size(), [&](size_t i) { changes[i] = Changes(i); });
-  return make_shared<ExplicitRows>(mat, ismultiplier, Where(changes),
-                                   [&](int row, RowSum & sum) { SumRow(row, sum); });
+shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
+  size_t n = mat->Height();
+  if (bits && bits->Size() != n)
+    throw Exception("Condensation: " + ToString(bits->Size()) + " bits for " + ToString(n) +
+                    " rows");
+  Array<int> number(n), dofs;
+  number = -1;
+  for (int i : Range(n))
+    if (!bits || bits->Test(i)) {
+      number[i] = dofs.Size();
+      dofs.Append(i);
+    }
+  auto each = [&](auto f) {
+    ForEachSum(dofs.Size(), [&](size_t i, RowSum & sum) {
+      sum.Clear();
+      if (!ismultiplier[dofs[i]])
+        SumRow(dofs[i], sum);
+      f(i, sum);
+    });
+  };
+  Array<int> sizes(dofs.Size());
+  each([&](size_t i, const RowSum & sum) {
+    sizes[i] = 0;
+    for (int j : sum.Columns())
+      sizes[i] += number[j] >= 0;
+  });
+  auto part = make_shared<SparseMatrix<double>>(sizes, dofs.Size());
+  each([&](size_t i, const RowSum & sum) {
+    auto columns = part->GetRowIndices(i);
+    auto values = part->GetRowValues(i);
+    int size = 0;
+    for (int j : sum.Columns())
+      if (number[j] >= 0)
+        columns[size++] = j;
+    QuickSort(columns);
+    for (int k : Range(size)) {
+      values(k) = sum[columns[k]];
+      columns[k] = number[columns[k]];
+    }
+  });
+  return part;
+}
+
+Array<double> Condensation::Diagonal() const {
+  Array<double> diagonal(mat->Height());
+  ParallelFor(diagonal.Size(), [&](size_t i) {
+    diagonal[i] = 0;
+    if (ismultiplier[i])
+      return;
+    auto columns = mat->GetRowIndices(i);
+    if (size_t j = columns.Pos(i); j < columns.Size())
+      diagonal[i] = mat->GetRowValues(i)(j);
+    for (int m : touching[i]) {
+      int pos = terms[m].Position(i);
+      for (int k : Range(terms[m].left.Width()))
+        diagonal[i] += terms[m].left(pos, k) * terms[m].right(k, pos);
+    }
+  });
+  return diagonal;
 }
 
 void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const {

@@ -1,10 +1,56 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "explicitrows.hpp"
-#include "localblock.hpp"
-#include "squareoperator.hpp"
+#include "sparserow.hpp"
+#include <la.hpp>
 
 namespace ngslac {
+using namespace ngla;
+
+/// A real square matrix that is known by its products; derived classes define one of Mult, MultAdd.
+class SquareOperator : public BaseMatrix {
+public:
+  /// With vectors of the same kind as another one.
+  explicit SquareOperator(const BaseMatrix & other)
+      : size(other.VHeight()), format(other.RowFormat()) {}
+
+  bool IsComplex() const override { return false; }
+  int VHeight() const override { return size; }
+  int VWidth() const override { return size; }
+  VecFormat RowFormat() const override { return format; }
+  VecFormat ColFormat() const override { return format; }
+
+private:
+  int size;
+  VecFormat format;
+};
+
+/// What one macro-element contributes to a Newton system, split into multipliers that its rows
+/// determine and constraints; see Condensation.
+struct LocalBlock {
+  Array<int> dofs;        // displacements, sorted
+  Array<int> multipliers; // d
+  Matrix<> E2, G2;        // constraints x dofs, dofs x constraints
+  Matrix<> U1, U2;        // rows that determine multipliers, rows that are constraints
+  Matrix<> V2;            // multipliers that the constraints leave free
+  Matrix<> solved;        // V1 (U1^T F V1)^-1
+  Matrix<> E1, GL;        // U1^T E and G solved: the local term of K is  - GL E1
+  bool slides = false;    // E1 is not zero
+
+  int NConstraints() const { return E2.Height(); }
+};
+
+/// Entries of a vector.
+inline Vector<> Gather(FlatArray<int> dofs, FlatVector<> x) {
+  Vector<> values(dofs.Size());
+  for (int i : Range(dofs))
+    values(i) = x(dofs[i]);
+  return values;
+}
+
+/// Splits a block, whose dofs and multipliers are set; `lifts` are the positions that may carry the
+/// constraints.
+void SplitBlock(LocalBlock & block, const SparseMatrix<double> & mat, FlatArray<int> lifts);
+
 /// What a macro-element adds to the rows of its dofs:  left right.
 struct LocalTerm {
   FlatArray<int> dofs;
@@ -47,8 +93,11 @@ public:
 
   /// y += s A x
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
-  /// K + T
-  shared_ptr<ExplicitRows> Rows() const;
+  /// Rows and columns of K + T of some dofs, numbered anew; of all with their own numbers without
+  /// bits.
+  shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
+  /// Of K + T.
+  Array<double> Diagonal() const;
   /// Of each macro-element; without columns where it adds nothing.
   FlatArray<LocalTerm> Terms() const { return terms; }
   /// The macro-elements of each dof.

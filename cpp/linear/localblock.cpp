@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "localblock.hpp"
+#include "condense.hpp"
 
 namespace ngslac {
 namespace {

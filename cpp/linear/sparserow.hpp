@@ -18,20 +18,4 @@ void ForEachSum(size_t count, F f) {
       f(i, sum);
   });
 }
-
-/// The sum; starts the next one.
-inline SparseRow TakeRow(RowSum & sum) {
-  SparseRow row{Array<int>(sum.Columns()), Array<double>(sum.Values())};
-  sum.Clear();
-  return row;
-}
-
-/// The indices that are set, in ascending order.
-inline Array<int> Where(FlatArray<bool> set) {
-  Array<int> found;
-  for (int i : Range(set))
-    if (set[i])
-      found.Append(i);
-  return found;
-}
 } // namespace ngslac

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "starsweeps.hpp"
 #include "indexmap.hpp"
-#include "levels.hpp"
 
 namespace ngslac {
 StarSweeps::StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> given,
