@@ -12,6 +12,7 @@ from ngslac import BubbleVectorH1
 from ngslac.arrays import Multiply
 from ngslac.linear import chain
 from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.refine import Refine
 from ngslac.linear.system import LinearSystem
 from ngslac.petsc import library
 
@@ -81,6 +82,17 @@ def test_same_solution(case, method, monkeypatch):
         assert linear.factorisations == 1
         assert len(solver.history) == len(expected.history)
     same(problem, reference, METHODS[method])
+
+
+@pytest.mark.parametrize(
+    ("factor", "expected", "left"), [(0.9, 1.0, 1e-4), (3.0, 0.0, 1.0), (np.nan, 0.0, 1.0)]
+)
+def test_refinement_keeps_the_best(factor, expected, left):
+    """Of four rounds, each with the same relative error."""
+    b = np.arange(1.0, 4.0)
+    x, error = Refine(lambda rhs: factor * rhs, lambda x: b - x, b)
+    assert x == pytest.approx(expected * b, abs=1e-3)
+    assert error == pytest.approx(left)
 
 
 @pytest.mark.parametrize("method", ["direct", *ALL])
