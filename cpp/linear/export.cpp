@@ -45,8 +45,8 @@ class FunctionProduct : public PreconditionedProduct {
   }
 
 public:
-  FunctionProduct(size_t asize, py::function aapply, py::function atotal)
-      : size(asize), apply(aapply), total(atotal) {}
+  FunctionProduct(size_t asize, py::function function, py::function atotal)
+      : size(asize), apply(function), total(atotal) {}
   shared_ptr<BaseVector> MakeVector() const override { return make_shared<VVector<double>>(size); }
   void Apply(const BaseVector & x, BaseVector & z, BaseVector & image) const override {
     py::gil_scoped_acquire acquire;

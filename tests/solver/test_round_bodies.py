@@ -149,6 +149,29 @@ def test_five_discs_rest_in_a_box(finite):
     assert abs(carried(case)) == pytest.approx(1, abs=1e-2)
 
 
+@pytest.mark.full  # half a minute
+def test_six_discs_in_one_contact_fall_and_spread():
+    """All of them slave and master at once; gaps in the pile, and wider ones to the walls."""
+    half, gap, high = 3.1, 1.02, 1 + np.sqrt(3)
+    spots = [(-2, 1), (0, 1), (2, 1), (-1, high), (1, high), (0, 2 * high - 1)]
+    discs = [Circle((gap * x, gap * y), 1).Face() for x, y in spots]
+    for disc in discs:
+        disc.faces.name, disc.edges.name, disc.faces.maxh = "disc", "round", 0.25
+    box = MoveTo(-half - 0.7, -1).Rectangle(2 * half + 1.4, 6).Face()
+    box -= MoveTo(-half, 0).Rectangle(2 * half, 6).Face()
+    box.faces.name, box.edges.name = "box", "wall"
+    mesh = Mesh(OCCGeometry(Compound([*discs, box]), dim=2).GenerateMesh(maxh=0.5)).Curve(2)
+    V = VectorH1(mesh, order=2, definedon="disc")
+    X = V * LACSpace(V, slave="round")
+    (u, lam), (v, _) = X.TnT()
+    weight, a, gf = Parameter(0), BilinearForm(X), GridFunction(X)
+    a += Variation(NeoHooke(Id(2) + Grad(u), 1000.0, 0.3) * dx("disc"))
+    a += weight * v[1] * dx("disc")
+    contact = LACContact(u, lam, master="round|wall", finite=True, friction=0.1)
+    LoadStepper(ContactSolver(a, gf, contact), weight).Integrate(1, steps=5, printing=False)
+    assert contact.Force(on="wall")[1] == pytest.approx(-6 * np.pi, rel=1e-2)
+
+
 def test_all_solvers_leave_the_same_pile():
     one, *others = (settle(pile(THREE, 2, solver=s)) for s in (None, "direct"))
     for other in others:
