@@ -104,7 +104,12 @@ def Colours(box):
     return len(np.unique(pixels, axis=0))
 
 
-@pytest.mark.parametrize("name", TUTORIALS)
+LOOKED_AT = "01_contact_in_twenty_lines", "03_three_dimensions"  # the others in the full run
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in LOOKED_AT else pytest.mark.full) for n in TUTORIALS]
+)
 def test_scenes_in_a_browser(site, page, name):
     page, errors = page
     page.goto((site / "tutorials" / f"{name}.html").as_uri())
@@ -161,19 +166,6 @@ WIDER = """() => {
 }"""
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [390, 1600])
-def test_pages_fit_into_phones_and_wide_screens(site, browser, width, scheme):
-    faults = {}
-    with Opened(browser, width, scheme) as (page, errors):
-        for path in sorted(site.rglob("*.html")):
-            page.goto(path.as_uri())
-            if found := page.evaluate(WIDER):
-                faults[path.name] = found
-    assert not faults
-    assert not errors
-
-
 # Text that is wider or higher than a box that does not show what sticks out.
 CUT = """() => {
   const hides = node => ["hidden", "clip"].includes(getComputedStyle(node).overflowX);
@@ -186,18 +178,25 @@ SCREENS = 2700  # pixels: three screens, for the pages about benchmarks
 LONGEST = 8000  # pixels; tutorials and theory are read from the beginning to the end
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (1600, "dark")])
-def test_pages_are_short_and_show_all_of_their_text(site, browser, width, scheme):
-    cut, long = {}, {}
-    with Opened(browser, width, scheme) as (page, _):
+def test_pages_fit_into_phones_and_wide_screens(site, browser):
+    """Nothing sticks out or is cut, light and dark, and pages are short on a desktop."""
+    wide, cut, long = {}, {}, {}
+    with Opened(browser, 390) as (page, errors):
+        # Scenes have tests of their own, and drawing them takes most of the time.
+        page.route("**/_static/scenes/*", lambda route: route.fulfill(body=""))
         for path in sorted(site.rglob("*.html")):
             page.goto(path.as_uri())
-            if found := page.evaluate(CUT):
-                cut[path.name] = found
+            for width, scheme in ((390, "light"), (390, "dark"), (1600, "dark"), (1600, "light")):
+                page.emulate_media(color_scheme=scheme)
+                page.set_viewport_size({"width": width, "height": 900})
+                key = path.name, width, scheme
+                wide[key], cut[key] = page.evaluate(WIDER), page.evaluate(CUT)
             height = page.evaluate("document.querySelector('article').scrollHeight")
             free = path.parent.name == "tutorials" or path.stem in ("theory", "genindex")
             most = SCREENS if path.stem.startswith("benchmarks") else LONGEST
-            if width == 1600 and not free and height > most:
+            if not free and height > most:
                 long[path.name] = height
-    assert not cut
+    assert not {key: found for key, found in wide.items() if found}
+    assert not {key: found for key, found in cut.items() if found}
     assert not long
+    assert not errors
