@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "form.hpp"
-#include "finite/forceblocks.hpp"
 #include "linear/eliminate.hpp"
 #include "linear/formdiagonal.hpp"
 

@@ -23,6 +23,13 @@ public:
   void AddTo(SparseMatrix<double> & mat, int part, int parts) const;
 };
 
+/// Size of a heap for blocks of the dofs of two faces, which grows with their degree.
+template <int D>
+size_t BlockHeap(int degree) {
+  size_t functions = D * size_t(pow(degree + 1, D - 1));
+  return 20 * 1000 * 1000 + 300 * sqr(functions);
+}
+
 /// Runs f(i, heap, sum) for 0 <= i < n in threads, and adds up in the order of i: sums in the order
 /// in which threads arrive would differ in the last bits from run to run. Blocks wait only until
 /// their batch is complete.

@@ -22,8 +22,8 @@ STRAYED = 0.5
 # Most iterations of another method where loads carry a body off or nearly all slips; Newton's
 # iterations from which on nearly all has slipped for long.
 SEARCH, RUBBED = 30, 10
-# Most iterations in which loose bodies come to rest.
-RELAX = 500
+# Most iterations in which loose bodies come to rest, for each of them, and for all.
+RELAX, MOST_RELAX = 120, 500
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
@@ -329,6 +329,7 @@ class Newton:
         if failure.slides or failure.rubs:
             maxit = min(maxit, len(self.history) + SEARCH)
         failure.LookAt(start, error, lost=found is None)
+        system.restless = system.restless or bool(failure.unbalanced)
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
             suits = loose or self.path or system.islinear
@@ -355,7 +356,8 @@ class Newton:
                 raise
             system.GoTo(start)
             try:
-                return Relaxation(self, len(self.history) + RELAX).Run()
+                most = min(RELAX * len(system.bodies.floating), MOST_RELAX)
+                return Relaxation(self, len(self.history) + most).Run()
             except FAILURES:
                 system.restless = True
                 system.GoTo(start)

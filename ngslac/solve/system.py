@@ -90,8 +90,8 @@ class System:
     notes : dict
         What the look at the last state that was accepted has to say, by its kind.
     restless, slid : bool
-        Did loose bodies not come to rest by `Relaxation`, as they slid on steadily? Then that is
-        not tried again before a state is accepted.
+        Did loads carry loose bodies off, or did these not come to rest by `Relaxation`, as they
+        slid on steadily? Then that is not tried again before a state is accepted.
     slides : bool
         Do round bodies stay where they are, even where closed contact seems to resist?
     loose : bool

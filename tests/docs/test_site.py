@@ -182,8 +182,6 @@ def test_pages_fit_into_phones_and_wide_screens(site, browser):
     """Nothing sticks out or is cut, light and dark, and pages are short on a desktop."""
     wide, cut, long = {}, {}, {}
     with Opened(browser, 390) as (page, errors):
-        # Scenes have tests of their own, and drawing them takes most of the time.
-        page.route("**/_static/scenes/*", lambda route: route.fulfill(body=""))
         for path in sorted(site.rglob("*.html")):
             page.goto(path.as_uri())
             for width, scheme in ((390, "light"), (390, "dark"), (1600, "dark"), (1600, "light")):

@@ -17,10 +17,10 @@ NAMED = Pairs("""
     callback:function? contacts:contacts deformation:displacement? density:density dt:positive
     displacement:displacement? edges:flag end:number energy:energy? field:word file:saved-file
     filename:path finite:flag freedofs:bits? friction:scalar? gf:solution initial:word
-    inverse:word? lam:trial load:parameter master:region maxcuts:count maxdist:positive?
-    maxit:count mesh:mesh motion:motion? obstacle:gap offset:gap? penetration:positive?
-    predict:flag prescribe:prescribed? printing:flag rho_inf:share rhs:load? same_load:flag
-    slave:region state:state steps:count time:parameter? tied:flag tol:below-one tool:tool
+    inverse:word? lam:trial law:function? load:parameter master:region maxcuts:count
+    maxdist:positive? maxit:count mesh:mesh motion:motion? obstacle:gap offset:gap?
+    penetration:positive? predict:flag prescribe:prescribed? printing:flag rho_inf:share
+    rhs:load? same_load:flag slave:region state:state steps:count time:parameter? tied:flag tol:below-one tool:tool
     tresca:scalar? u:trial x:vector y:vector
 """)
 
@@ -107,7 +107,7 @@ BubbleVectorH1 | mesh slave order:count dirichlet:any-pattern? | mesh=w.mesh, sl
 SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
 LACContact | u lam master friction tresca maxdist penetration stiffness:positive
     | u=w.u, lam=w.lam, master="master"
-LACContact with another law | offset adjust tied bilateral finite edges
+LACContact with another law | offset adjust tied bilateral finite edges law
 LACContact with obstacle | obstacle friction offset | obstacle=0.01
 LACContact.Update | gf:solution?
 LACContact.Activate | gf:solution?

@@ -159,4 +159,6 @@ def test_refinement_in_a_product_space(space):
     assert contact.Check().paired_area == pytest.approx(area, rel=1e-12)
     assert len(contact.Table()["area"]) == contact.pressure.space.nmacros == 2 * n
     assert len(contact.normal.vec) * contact.normal.space.dim == 4 * n
+    contact.form.SetConstant(1.0)
+    contact.AssembleLinearization(gf.vec)
     assert contact.form.mat.height == X.ndof * X.dim

@@ -4,13 +4,6 @@
 #include "macromotion.hpp"
 
 namespace ngslac {
-/// Size of a heap for blocks of the dofs of two faces, which grows with their degree.
-template <int D>
-size_t BlockHeap(int degree) {
-  size_t functions = D * size_t(pow(degree + 1, D - 1));
-  return 20 * 1000 * 1000 + 300 * sqr(functions);
-}
-
 /// Of the forces on a master face by its own dofs.
 void AddBlock(FlatArray<int> masters, FlatMatrix<> block, BlockSum & forces);
 
