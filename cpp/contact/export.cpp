@@ -45,7 +45,12 @@ ContactLaw LawOf(py::object function) {
   return [law](const NamedNumbers & places) {
     py::gil_scoped_acquire lock;
     auto answer = (*law)(ToTable(places, places.at("area").Size()));
-    return FromDict(answer.cast<Given>());
+    try {
+      return FromDict(answer.cast<Given>());
+    } catch (py::cast_error &) {
+      throw Exception("LACContact: law must return a dict of arrays of numbers, not " +
+                      string(py::str(py::type::of(answer))));
+    }
   };
 }
 } // namespace

@@ -86,6 +86,9 @@ def test_refused():
         contact_form(block_mesh(2), law=LimitedSpring(), friction=0.3)
     with pytest.raises(TypeError, match="law = 3 must be a function from places"):
         contact_form(block_mesh(2), law=3)
+    contact = with_law(2, False, lambda places: None)
+    with pytest.raises(NgException, match="law must return a dict of arrays of numbers, not"):
+        contact.Evaluate(GridFunction(contact.form.fes))
     contact = with_law(2, False, lambda places: {"traction": places["normal"]})
     with pytest.raises(NgException, match="a law has given 0 numbers as 'by_gap' in place of"):
         contact.Evaluate(GridFunction(contact.form.fes))

@@ -19,9 +19,9 @@ NAMED = Pairs("""
     filename:path finite:flag freedofs:bits? friction:scalar? gf:solution initial:word
     inverse:word? lam:trial law:function? load:parameter master:region maxcuts:count
     maxdist:positive? maxit:count mesh:mesh motion:motion? obstacle:gap offset:gap?
-    penetration:positive? predict:flag prescribe:prescribed? printing:flag rho_inf:share
-    rhs:load? same_load:flag slave:region state:state steps:count time:parameter? tied:flag tol:below-one tool:tool
-    tresca:scalar? u:trial x:vector y:vector
+    penetration:positive? predict:flag prescribe:prescribed? printing:flag rho_inf:share rhs:load?
+    same_load:flag slave:region state:state steps:count time:parameter? tied:flag tol:below-one
+    tool:tool tresca:scalar? u:trial x:vector y:vector
 """)
 
 
