@@ -4,8 +4,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import GridFunction, InnerProduct, LinearForm, SurfaceL2, ds, specialcf
-from scipy.linalg import eigh
 
 from ngslac.bodies.rigidmotions import Arms, Field
 
@@ -123,11 +123,11 @@ class Surfaces:
         sizes = np.linalg.eigvalsh(whole)
         if sizes[0] <= np.finfo(float).eps * len(inside) * sizes[-1]:  # too little touches others
             return np.zeros((len(sizes), 0)), none, none
-        across, along = eigh(moved_across, whole)
+        across, along = scipy.linalg.eigh(moved_across, whole)
         own = along[:, across <= self.most**2]
         if not own.shape[1]:
             return own, none, none
-        points, turned = eigh(own.T @ Squares(self.points) @ own, own.T @ whole @ own)
+        points, turned = scipy.linalg.eigh(own.T @ Squares(self.points) @ own, own.T @ whole @ own)
         round_ = (points > EXACT**2) & (points <= POINTWISE**2)
         own, points = own @ turned[:, round_], points[round_]
         if not own.shape[1]:
