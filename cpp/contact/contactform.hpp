@@ -107,8 +107,8 @@ public:
   virtual void AddScale(FlatVector<> scale) = 0;
   virtual shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) = 0;
 
-  /// What is known of all macro-elements, the components of vectors fastest: the last evaluation,
-  /// and what does not change until the next pairing.
+  /// Of all macro-elements, the components of vectors fastest: the values of the last evaluation,
+  /// and those that stay until the next pairing.
   virtual NamedNumbers Table() const = 0;
   /// Resultants of the tractions of the last evaluation, and their moments (3 numbers) about the
   /// origin.

@@ -36,9 +36,9 @@ struct Projection {
   Status status;
 };
 
-/// What a law answers at a place: the traction that the multiplier should be, and its derivatives.
+/// The answer of a law at a place: the traction that the multiplier should be, and its derivatives.
 ///
-/// That by the normal counts at a fixed mean jump.
+/// The one by the normal counts at a fixed mean jump.
 template <int D>
 struct Answer {
   Vec<D> traction = Vec<D>(0.0);

@@ -22,7 +22,6 @@ public:
 
   bool Empty() const { return rows.Size() == 0; }
   FlatArray<double> Shares() const { return shares; }
-  FlatArray<size_t> Numbers() const { return numbers; }
   const EndPoints * PointsOf(size_t m) const {
     return place.Size() && place[m] >= 0 ? &rows[place[m]].points : nullptr;
   }

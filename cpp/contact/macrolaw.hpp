@@ -59,7 +59,7 @@ public:
     return EndPressure::Of(points, end_c[m]);
   }
   Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }
-  /// What the law answers at a place and the multiplier of x.
+  /// The answer of the law at a place and the multiplier of x.
   Answer<D> At(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
     return AnswerOf(m, place, Project(Data(m, place), Trial(m, place, x)), x);
   }

@@ -30,7 +30,7 @@ struct PlaceRows {
   Matrix<> force;      // work of a unit traction in each direction; empty if the matrix has it
 
   PlaceRows() = default;
-  explicit PlaceRows(FlatArray<int> adofs)
-      : dofs(adofs), jump(D, dofs.Size()), force(D, dofs.Size()) {}
+  explicit PlaceRows(FlatArray<int> adofs, bool forces = true)
+      : dofs(adofs), jump(D, dofs.Size()), force(D, forces ? dofs.Size() : 0) {}
 };
 } // namespace ngslac

@@ -156,13 +156,11 @@ public:
     FlatArray<int> dofs(row.Size(), lh);
     for (int j : Range(row))
       dofs[j] = row[j].dof;
-    PlaceRows<D> rows(dofs);
-    for (int j : Range(row)) {
-      rows.force.Col(j) = row[j].integral;
+    PlaceRows<D> rows(dofs, !keeps_forces);
+    for (int j : Range(row))
       rows.jump.Col(j) = 1 / surfaces.jump->area[m] * row[j].integral;
-    }
-    if (keeps_forces)
-      rows.force.SetSize(0, 0);
+    for (int j : Range(rows.force.Width()))
+      rows.force.Col(j) = row[j].integral;
     return rows;
   }
 

@@ -165,11 +165,11 @@ class LACContact(metaclass=Distributable):
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
-        given = {"friction": friction, "tresca": tresca, "offset": offset}
-        given |= {"tied": tied, "bilateral": bilateral, "law": law}
+        terms = {"friction": friction, "tresca": tresca, "offset": offset}
+        terms |= {"tied": tied, "bilateral": bilateral, "law": law}
         search = {"maxdist": maxdist, "penetration": penetration}
         search |= {"adjust": adjust, "finite": finite, "edges": edges}
-        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **given, **search)
+        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **terms, **search)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None

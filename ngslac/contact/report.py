@@ -66,10 +66,11 @@ class ContactReport:
         )
         size = full ** (1 / (contact.mesh.dim - 1))
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
-        self.prescribed = np.flatnonzero(contact.form.Table()["prescribed"] > 0.5)
+        known = contact.form.Table()
+        self.prescribed = np.flatnonzero(known["prescribed"] > 0.5)
         faces = _FacesOf(contact.space)
         self.large = np.flatnonzero(faces > 4 * np.median(faces))
-        self.bent = np.flatnonzero(contact.form.Table()["flatness"] < 0.9)
+        self.bent = np.flatnonzero(known["flatness"] < 0.9)
         finite = [np.isfinite(table[name]) for name in ("area", "fullarea")]
         finite.append(np.isfinite(table["gap"]) | ~paired)
         self.undefined = np.flatnonzero(~np.all([*finite, *np.isfinite(table["normal"]).T], axis=0))

@@ -15,9 +15,10 @@ from ngslac.output.segments import Segments
 if TYPE_CHECKING:
     from ngslac.recovery.recovered import Recovered
 
-SHOWN = "area", "fullarea", "friction", "normal", "pressure", "gap", "traction", "slip"
-
 __all__ = ["Check", "Describe", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
+
+# What `Table` shows under the names of the form.
+SHOWN = "area", "fullarea", "friction", "normal", "pressure", "gap", "traction", "slip"
 
 
 def Describe(self) -> str:

@@ -57,8 +57,8 @@ class InteriorPoint:
         """
         self.state = state
         weak = [spring.Weaken(self.vec) for spring in self.springs]
-        given = [self.values[spring.dofs.ravel()] for spring in self.springs]
-        motion = self._Motion(state, weak, given)
+        tractions = [self.values[spring.dofs.ravel()] for spring in self.springs]
+        motion = self._Motion(state, weak, tractions)
         pressure = max(spring.Pressure(motion) for spring in self.springs)
         if self.system.CountMotionAsDone():
             self.values[:] += motion
@@ -183,16 +183,16 @@ class Springs:
     def __init__(self, contact, gf):
         self.contact, self.form, self.gf = contact, contact.form, gf
         contact.Evaluate(gf)
-        table = contact.Table()
+        table, self._scale = contact.Table(), self.form.Table()["c"]
         # With large sliding any macro-element may come to face the master.
-        self.own = (table["area"] > 0) | (contact.finite & (self.form.Table()["c"] > 0))
-        self.area, self.stiffness = self._Areas(table), self.form.Table()["c"][self.own]
+        self.own = (table["area"] > 0) | (contact.finite & (self._scale > 0))
+        self.area, self.stiffness = self._Areas(table), self._scale[self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
     def Weaken(self, vec):
         """Matrix of springs that hold the surfaces loosely where they are."""
         d = self.dofs.shape[1]
-        weak = np.multiply.outer(self.form.Table()["c"] / WIDE * self.own, np.eye(d))
+        weak = np.multiply.outer(self._scale / WIDE * self.own, np.eye(d))
         return self.form.Matrix(vec, vec.FV().NumPy()[self.dofs.ravel()], weak.ravel())
 
     def Pressure(self, motion):

@@ -332,8 +332,7 @@ class Newton:
         system.restless = system.restless or bool(failure.unbalanced)
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
-            suits = loose or self.path or system.islinear
-            suits = suits and not any(contact.own_law for contact in system.contacts)
+            suits = not system.own_law and (loose or self.path or system.islinear)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)

@@ -126,6 +126,11 @@ class System:
         return any(contact.holds_tangentially for contact in self.contacts)
 
     @property
+    def own_law(self):
+        """Has a contact a law of the user's own, of which only Newton's method knows?"""
+        return any(contact.own_law for contact in self.contacts)
+
+    @property
     def islinear(self):
         """Is nothing but the contact law nonlinear, as far as seen?"""
         return bool(self.bulk.islinear) and not self.finite
