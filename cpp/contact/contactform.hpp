@@ -120,6 +120,8 @@ public:
   /// see MakePointTable
   virtual Array<double> Points() const = 0;
   virtual size_t NSegments() const = 0;
+  /// How deep the search sees from macro-elements.
+  virtual Array<double> Depths() const = 0;
   /// How deep macro-elements lie behind the master that is too deep for the search to find; else 0.
   virtual Array<double> Overlaps() const = 0;
   /// Of each macro-element at x: the least and the greatest gap at its points, and where both are.

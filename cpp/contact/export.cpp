@@ -184,6 +184,7 @@ void ExportContact(py::module & m) {
             return ToNumPy(table);
           },
           py::arg("x"))
+      .def("Depths", [](ContactForm & self) { return ToNumPy(self.Depths()); })
       .def("Overlaps", [](ContactForm & self) { return ToNumPy(self.Overlaps()); })
       .def_property_readonly("nsegments", &ContactForm::NSegments)
       .def_property_readonly("space", &ContactForm::Space)

@@ -38,6 +38,7 @@ public:
   SegmentTable Segments() const override;
   Array<double> Points() const override;
   size_t NSegments() const override;
+  Array<double> Depths() const override;
   Array<double> Overlaps() const override;
   Array<double> GapRanges(FlatVector<> x) override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }

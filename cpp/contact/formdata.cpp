@@ -184,6 +184,13 @@ Array<double> Form<D>::Points() const {
 }
 
 template <int D>
+Array<double> Form<D>::Depths() const {
+  CheckPaired();
+  auto & surfaces = kinematics->Surfaces();
+  return kinematics->Finder().Depths(*surfaces.slave, *surfaces.master);
+}
+
+template <int D>
 Array<double> Form<D>::Overlaps() const {
   CheckPaired();
   auto & [slave, master, pairing, jump] = kinematics->Surfaces();

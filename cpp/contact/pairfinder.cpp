@@ -36,6 +36,8 @@ PairingOptions PairFinder<D>::Options(const Surface<D> & slave, const Surface<D>
                                       int order, SearchMargin margin) const {
   auto options = SearchOptions(slave, master, setup.maxdist, setup.penetration, order);
   options.maxdist += margin.farther, options.penetration += margin.deeper;
+  if (selfcontact)
+    LimitToOthers(slave, master, options);
   return options;
 }
 
@@ -48,8 +50,6 @@ Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D
   } else {
     int order = Degree(*slave, max(u.Order(*slave), u.Order(*master)));
     auto options = Options(*slave, *master, (D == 2 ? 2 : 1) * order, margin);
-    if (selfcontact)
-      LimitToOthers(*slave, *master, options);
     *pairing = ngslac::Pair<D>(*slave, *master, options);
     if (pairing->Size() == 0 && !selfcontact && setup.active) // self-contact may come later
       CheckMeeting(*slave, *master, options, margin, meeting);
@@ -62,7 +62,9 @@ Pairing<D> PairFinder<D>::PairFiner(const Surface<D> & slave, const Surface<D> &
                                     SearchMargin margin, const BitArray & faces) const {
   int order = Degree(slave, max(u.Order(slave), u.Order(master)));
   auto options = Options(slave, master, (D == 2 ? 6 : 2) * order, margin);
-  options.maypair = [&](int face, int) { return faces.Test(face); };
+  options.maypair = [&, others = options.maypair](int face, int master_face) {
+    return faces.Test(face) && (!others || others(face, master_face));
+  };
   return ngslac::Pair<D>(slave, master, options);
 }
 
@@ -73,7 +75,7 @@ void PairFinder<D>::CheckMeeting(const Surface<D> & slave, const Surface<D> & ma
   BitArray all(slave.Size());
   all.Set();
   double deepest = 0, searched = options.penetration - margin.deeper;
-  for (double depth : Depths(slave, master, options.penetration, all))
+  for (double depth : Excesses(slave, master, options, all))
     deepest = max(deepest, depth - margin.deeper);
   if (deepest > searched)
     throw Exception("LACContact: slave and master never meet: the bodies overlap by up to " +
@@ -97,11 +99,22 @@ bool PairFinder<D>::AreApart(const Surface<D> & slave, const Surface<D> & master
 }
 
 template <int D>
-Array<double> PairFinder<D>::Depths(const Surface<D> & slave, const Surface<D> & master,
-                                    double searched, const BitArray & faces) const {
-  Array<double> depths(slave.Size());
+Array<double> PairFinder<D>::Excesses(const Surface<D> & slave, const Surface<D> & master,
+                                      const PairingOptions & options,
+                                      const BitArray & faces) const {
+  Array<double> depths(slave.Size()), limits(slave.Size());
   depths = 0.0;
-  auto parts = DeepParts<D>(slave, master, faces, searched);
+  for (int f : Range(slave.Size()))
+    limits[f] = options.Penetration(f);
+  auto & ma = *u.fes->GetMeshAccess();
+  auto bodies = selfcontact ? BodiesOfVertices(ma) : Array<int>();
+  auto body = [&](int element) {
+    return bodies[ma.GetElement(ElementId(BND, element)).Vertices()[0]];
+  };
+  auto maypair = [&](int f, int m) {
+    return faces.Test(f) && (!selfcontact || body(slave.Element(f)) != body(master.Element(m)));
+  };
+  auto parts = DeepParts<D>(slave, master, maypair, limits);
   if (parts.Size() == 0)
     return depths;
   size_t base = master.BaseSize(); // an image is as thick as what it is one of
@@ -117,13 +130,25 @@ Array<double> PairFinder<D>::Depths(const Surface<D> & slave, const Surface<D> &
 }
 
 template <int D>
+Array<double> PairFinder<D>::Depths(const Surface<D> & slave, const Surface<D> & master) const {
+  auto options = Options(slave, master, 1, {});
+  Array<double> least(space->NMacros());
+  least = numeric_limits<double>::infinity();
+  for (size_t f : Range(slave.Size())) {
+    double & depth = least[space->MacroOfFace()[slave.Element(f)]];
+    depth = min(depth, options.Penetration(f));
+  }
+  return least;
+}
+
+template <int D>
 Array<double> PairFinder<D>::Overlaps(const Surface<D> & slave, const Surface<D> * master,
                                       SearchMargin margin, const BitArray & faces) const {
   Array<double> deepest(space->NMacros());
   deepest = 0.0;
-  if (!master || selfcontact || faces.NumSet() == 0)
+  if (!master || faces.NumSet() == 0)
     return deepest;
-  auto depths = Depths(slave, *master, Options(slave, *master, 1, margin).penetration, faces);
+  auto depths = Excesses(slave, *master, Options(slave, *master, 1, margin), faces);
   for (size_t f : Range(depths))
     if (double & most = deepest[space->MacroOfFace()[slave.Element(f)]]; depths[f] > 0)
       most = max(most, depths[f] - margin.deeper);

@@ -49,6 +49,8 @@ public:
   /// Some faces of the slave once more, with more points.
   Pairing<D> PairFiner(const Surface<D> & slave, const Surface<D> & master, SearchMargin margin,
                        const BitArray & faces) const;
+  /// How deep the search sees from the faces of each macro-element, at least.
+  Array<double> Depths(const Surface<D> & slave, const Surface<D> & master) const;
   /// How deep the macro-elements of some faces lie in the master's body where that is too deep for
   /// the search; else 0.
   Array<double> Overlaps(const Surface<D> & slave, const Surface<D> * master, SearchMargin margin,
@@ -70,7 +72,7 @@ private:
   /// Does maxdist alone keep them from pairing, so that they may meet later?
   bool AreApart(const Surface<D> & slave, const Surface<D> & master) const;
   /// Of each slave face, by how much it is too deep in the master's body, see Overlaps.
-  Array<double> Depths(const Surface<D> & slave, const Surface<D> & master, double searched,
-                       const BitArray & faces) const;
+  Array<double> Excesses(const Surface<D> & slave, const Surface<D> & master,
+                         const PairingOptions & options, const BitArray & faces) const;
 };
 } // namespace ngslac

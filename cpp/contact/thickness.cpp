@@ -3,8 +3,6 @@
 #include "pairing/overlap.hpp"
 
 namespace ngslac {
-namespace {
-/// For each vertex, one vertex that stands for the body that it belongs to.
 Array<int> BodiesOfVertices(const MeshAccess & ma) {
   Array<int> parent(ma.GetNV());
   for (int v : Range(parent))
@@ -24,6 +22,7 @@ Array<int> BodiesOfVertices(const MeshAccess & ma) {
   return parent;
 }
 
+namespace {
 /// Boundaries all of whose faces have a body on one side only.
 Region Outside(shared_ptr<MeshAccess> ma) {
   BitArray mask(ma->GetNRegions(BND));

@@ -49,14 +49,17 @@ double Distance(const Surface<D> & surface, int face, const Vec<D> & p) {
   return nearest;
 }
 
-template <int D>
-double Distance(const Surface<D> & surface, const BoxTree<D> & tree, const Vec<D> & p) {
+/// Distance of a point and the faces that count.
+template <int D, typename F>
+double Distance(const Surface<D> & surface, const BoxTree<D> & tree, const Vec<D> & p, F counts) {
   double nearest = numeric_limits<double>::max();
   netgen::Point<D> point;
   for (int k : Range(D))
     point(k) = p(k);
-  tree.VisitNear(point, nearest,
-                 [&](int face) { nearest = min(nearest, sqr(Distance<D>(surface, face, p))); });
+  tree.VisitNear(point, nearest, [&](int face) {
+    if (counts(face))
+      nearest = min(nearest, sqr(Distance<D>(surface, face, p)));
+  });
   return sqrt(nearest);
 }
 
@@ -81,19 +84,21 @@ bool LeadsOut(const Surface<D> & master, int face, const PairPoint<D> & p) {
 
 template <int D>
 Array<DeepPart> DeepParts(const Surface<D> & slave, const Surface<D> & master,
-                          const BitArray & faces, double limit) {
+                          std::function<bool(int, int)> maypair, FlatArray<double> limits) {
   auto options = Backwards(slave, master);
   options.backs = true; // where one is nearer the slave lies behind another body
-  options.maypair = [&](int face, int) { return faces.Test(face); };
+  options.maypair = maypair;
   auto pairing = Pair<D>(slave, master, options);
   auto tree = FaceTree(master);
   Array<DeepPart> parts;
   for (size_t s : Range(pairing.Size())) {
     auto & segment = pairing.segments[s];
+    double limit = limits[segment.slave];
     DeepPart part{segment.slave, segment.master, limit};
+    auto counts = [&](int face) { return maypair(segment.slave, face); };
     for (auto & p : pairing.corners.Range(pairing.Corners(s)))
       if (-p.gap > part.depth && LeadsOut(master, segment.master, p) &&
-          -p.gap <= detour * Distance<D>(master, tree, slave.Point(segment.slave, p.slave)))
+          -p.gap <= detour * Distance<D>(master, tree, slave.Point(segment.slave, p.slave), counts))
         part.depth = -p.gap;
     if (part.depth > limit)
       parts.Append(part);
@@ -119,8 +124,8 @@ Array<double> ThicknessesBehind(const Surface<D> & surface, const Surface<D> & o
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template Array<DeepPart> DeepParts(const Surface<D> &, const Surface<D> &, const BitArray &,     \
-                                     double);                                                      \
+  template Array<DeepPart> DeepParts(const Surface<D> &, const Surface<D> &,                       \
+                                     std::function<bool(int, int)>, FlatArray<double>);            \
   template Array<double> ThicknessesBehind(const Surface<D> &, const Surface<D> &,                 \
                                            std::function<bool(int, int)>);
 INSTANTIATE(2)

@@ -11,10 +11,11 @@ struct DeepPart {
 
 /// Where slave faces lie behind the master deeper than a limit: the nearest of all master faces
 /// behind them looks their way, and none is much nearer in another direction. Searched without
-/// limit, for these slave faces.
+/// limit, for faces that may pair; a limit for each slave face.
 template <int D>
 Array<DeepPart> DeepParts(const Surface<D> & slave, const Surface<D> & master,
-                          const BitArray & faces, double limit);
+                          std::function<bool(int slave, int master)> maypair,
+                          FlatArray<double> limits);
 
 /// How thick the body behind each face is at most, against its normal: up to the nearest of other
 /// faces that may count; infinite where there is none.

@@ -20,6 +20,8 @@ __all__ = ["Bodies"]
 TOLERANCE = 1e-8
 # Forces against a rigid motion, relative to those against others: more is a spring, if a weak one.
 RESISTS = 1e-12
+# The same of springs that are weak beside the body: next to nothing holds it.
+WEAK = 1e-2
 # How far a body goes, relative to the size of the mesh, when nothing holds it.
 FAR = 1.0
 # How much of a motion along all surfaces of a body closed contact may seem to prevent: where the
@@ -36,6 +38,8 @@ class Bodies:
         Parts, and the combinations of rigid motions that neither conditions nor the bulk prevents.
     false : bool
         Does the bulk resist some of them, as its space cannot represent rotations?
+    loose : int
+        How many parts float, or are held by weak springs alone.
 
     Parameters
     ----------
@@ -53,7 +57,7 @@ class Bodies:
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
-        self._slides, self.false = None, False
+        self._slides, self.false, self.loose = None, False, 0
         # Coordinates far from the origin hold rounding errors.
         far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
@@ -111,10 +115,12 @@ class Bodies:
         most = max((motions.shape[1] for _, motions in resisted), default=0)
         columns = [self._ForcesOf(resisted, forces, weights) for weights in np.eye(most)]
         false = FalseStiffness(self, forces) if most else None
+        self.loose = len(parts) - len(resisted)
         for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
             if yes:
                 moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
                 free = NullSpace(moved / scale, self.resists)
+                self.loose += NullSpace(moved / scale, WEAK).shape[1] > 0
                 if free.shape[1] < motions.shape[1] and false.any:
                     free, self.false = false.Unresisted(dofs, motions, moved, scale), True
                 motions = motions @ free

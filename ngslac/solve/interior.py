@@ -132,7 +132,8 @@ class InteriorPoint:
 
     def _Take(self, state, steps, motion):
         """As much of the steps as stays inside and has a residual."""
-        start, part = self.values.copy(), self._Longest(steps)
+        start = self.values.copy()
+        part = min(self._Longest(steps), self.system.Sight(-motion))
         for _ in range(HALVINGS):
             self.values[:] = start + part * motion
             for spring, step in self._Each(steps):

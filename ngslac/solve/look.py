@@ -40,6 +40,7 @@ class Look:
         self.system.notes.clear()
         self._LookAtElements()
         self._LookAtMotions()
+        self._LookAtWays()
         self._LookAtDepths()
         self._LookAtPoints()
         self._LookAtSliding()
@@ -62,6 +63,15 @@ class Look:
         if free and system.IsDriven(free, "rubbing"):
             raise MechanismError(DrivenMessage(system.DrivenMotion(free)))
         self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")
+
+    def _LookAtWays(self):
+        """Bodies that have gone through another one, and are far behind it."""
+        if found := self.system.Passed():
+            way, place = found
+            raise ContactConvergenceError(
+                f"the slave around {ShownPoint(place)} has moved by {way:.3g} through the master "
+                "that it faced, and touches nothing: take smaller steps"
+            )
 
     def _LookAtDepths(self):
         """Parts of a slave so deep in the master that contact does not see them."""

@@ -84,7 +84,8 @@ class Newton:
                 state = system.Measure()
             self.Record(state)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
-            if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
+            strays = system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))
+            if not strays:
                 return last
             found = system.Place()
             raise ContactConvergenceError("bodies move until their forces are rounding errors")
@@ -296,15 +297,18 @@ class Newton:
     # --- where it does not get there -----------------------------------------------------------
 
     def _Strays(self):
-        """Did a body that contact holds slip as far as macro-elements are large?
+        """Did a body that contact holds move farther than what drives it, by a macro-element?
 
-        Contacts that follow large sliding are made for that.
+        In small sliding its slip tells, which is not made for as much.
         """
+        if not self.system.bodies.floating:
+            return False
+        if self.system.finite and self.system.Flight() > STRAYED:
+            return True
         contacts = [c for c in self.system.contacts if not c.finite]
         tables = [(c.Table(), c.mesh.dim - 1) for c in contacts]
         slips = [np.linalg.norm(t["slip"], axis=1) / t["fullarea"] ** (1 / d) for t, d in tables]
-        farthest = max((np.max(slip) for slip in slips), default=0.0)
-        return bool(self.system.bodies.floating) and farthest > STRAYED
+        return max((np.max(slip) for slip in slips), default=0.0) > STRAYED
 
     def _IsPushedFrom(self, start):
         """Do loads carry a body off from that solution? Contacts are as they are afterwards."""
@@ -351,11 +355,11 @@ class Newton:
         try:
             return StatusSearch(self, maxit).Run(error)
         except FAILURES:
-            if system.restless or not (system.bodies.floating and system.finite):
+            if system.restless or not system.bodies.loose:
                 raise
             system.GoTo(start)
             try:
-                most = min(RELAX * len(system.bodies.floating), MOST_RELAX)
+                most = min(RELAX * system.bodies.loose, MOST_RELAX)
                 return Relaxation(self, len(self.history) + most).Run()
             except FAILURES:
                 system.restless = True

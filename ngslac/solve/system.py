@@ -29,8 +29,6 @@ TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 IDLE = 1e-9
 # Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
 FALSE_TURN = 1e-3
-# How deep contact looks for the master by default, over the extent of the slave.
-DEPTH = 0.1
 # Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
@@ -185,6 +183,36 @@ class System:
     def Way(self, before):
         """How far anything has moved since other values (n,)."""
         return np.abs(self.values - before)[~self.residual.multipliers].max()
+
+    def Flight(self):
+        """How much farther free dofs have moved than driven ones, over the largest macro."""
+        moved = np.abs(self.values - self._start)
+        free, displacements = self.residual.free, ~self.residual.multipliers
+        driven = np.max(moved[displacements & ~free], initial=0)
+        tables = [(c.Table()["fullarea"], c.mesh.dim - 1) for c in self.contacts]
+        size = max(np.max(area) ** (1 / d) for area, d in tables)
+        return (np.max(moved[displacements & free]) - driven) / size
+
+    def Passed(self):
+        """How far the slave has gone through its master since the start, and where; or None.
+
+        By more than the slave is large, straight on, where all that moves so far is open.
+        """
+        meshed = [c for c in self.contacts if c.finite and c.tool is None and not c.tied]
+        sizes = [np.ptp(c.Table()["x"], axis=0).max() for c in meshed]
+        if not meshed or self.Way(self._start) <= min(sizes):
+            return None
+        now, open_now = self.Place(), [contact.Table()["status"] == 0 for contact in meshed]
+        motion = self.values - self._start
+        self.values[:] = self._start
+        self.residual.Follow()
+        self.Evaluate()
+        found = map(WayThrough, meshed, sizes, open_now, [motion] * len(meshed))
+        farthest = max(found, key=lambda way: way[0])
+        self.GoTo(now)
+        self.Measure()
+        self.Evaluate()
+        return farthest if farthest[0] > 0 else None
 
     def CheckSpace(self):
         """What was made for a space goes on with this one: it was not refined since."""
@@ -515,19 +543,32 @@ class System:
         return known, others
 
 
+def Approach(contact, motion):
+    """How much nearer to the master a motion (n,) brings each macro-element, times its area."""
+    table, d = contact.Table(), contact.mesh.dim
+    moved = (AllJumps(contact) @ motion).reshape(len(table["area"]), d)
+    return np.sum(moved * table["normal"], axis=1)
+
+
+def WayThrough(contact, size, may, motion):
+    """How far a motion takes some macro-elements through the master, if by more than a size."""
+    table = contact.Table()
+    paired = may & (table["area"] > 0)
+    way = np.zeros(len(paired))
+    way[paired] = Approach(contact, motion)[paired] / table["area"][paired] - table["gap"][paired]
+    farthest = int(np.argmax(way))
+    return (way[farthest] if way[farthest] > size else 0.0), table["x"][farthest]
+
+
 def SightOf(contact, motion):
     """The part of a motion (n,) of the solution after which a contact still sees its master.
 
     Macro-elements may come as near as they are to it, and pass it by the depth of the search.
     """
-    table, d = contact.Table(), contact.mesh.dim
+    table, approach = contact.Table(), Approach(contact, motion)
     area = table["area"]
-    moved = (AllJumps(contact) @ motion).reshape(len(area), d)
-    approach = np.sum(moved * table["normal"], axis=1)
     coming = np.flatnonzero((area > 0) & (approach > 0))
     if not len(coming):
         return 1.0
-    extent = np.ptp(table["x"], axis=0).max() + table["fullarea"].max() ** (1 / (d - 1))
-    depth = contact.penetration or DEPTH * extent
-    way = np.maximum(table["gap"][coming], 0) + depth
+    way = np.maximum(table["gap"][coming], 0) + contact.form.Depths()[coming]
     return min(1.0, np.min(way * area[coming] / approach[coming]))

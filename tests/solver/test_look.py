@@ -13,6 +13,7 @@ from ngsolve import (
     GridFunction,
     Id,
     InnerProduct,
+    Integrate,
     Mesh,
     Parameter,
     Sym,
@@ -35,6 +36,7 @@ from ngslac import (
     LACSpace,
     LoadStepper,
 )
+from ngslac.materials import NeoHooke
 from ngslac.solve.look import Look
 
 
@@ -238,3 +240,64 @@ def test_right_angles_are_no_curved_surface():
     assert warned(lambda: ContactSolver(a, gf, contact).Solve(printing=False)) == []
     force = contact.Force()
     assert force[0] / force[1] == pytest.approx(-slope, rel=1e-6)
+
+
+class Resting:
+    """Discs above a floor, of one contact for all, on springs that hold next to nothing."""
+
+    def __init__(
+        self, *, centers=((0, 1.001),), spring=1e-3, weight=1.0, friction=0.3, bulk="hooke"
+    ):
+        discs = [Circle(center, 1).Face() for center in centers]
+        for disc in discs:
+            disc.faces.name, disc.edges.name, disc.faces.maxh = "disc", "round", 0.4
+        floor = MoveTo(-4, -1).Rectangle(8, 1).Face()
+        floor.faces.name, floor.edges.name, floor.faces.maxh = "floor", "wall", 0.7
+        shape = OCCGeometry(Compound([*discs, floor]), dim=2)
+        mesh = Mesh(shape.GenerateMesh()).Curve(2)
+        V = VectorH1(mesh, order=2, definedon="disc")
+        fes = V * LACSpace(V, slave="round")
+        (u, lam), (v, _) = fes.TnT()
+        self.load, a = Parameter(0), BilinearForm(fes)
+        if bulk == "hooke":
+            a += hooke(u, v, 1e3) * dx("disc")
+        else:
+            a += Variation(NeoHooke(Id(2) + Grad(u), 2.6e3, 0.3) * dx("disc"))
+        a += (self.load * weight * v[1] + spring * u * v) * dx("disc")
+        self.contact = LACContact(u, lam, master="round|wall", finite=True, friction=friction)
+        self.gf = GridFunction(fes)
+        self.solver = ContactSolver(a, self.gf, self.contact)
+        self.weight = weight * Integrate(1.0, mesh, definedon=mesh.Materials("disc"))
+
+
+# Newton's method, the interior point method and the relaxation threw these through the floor.
+@pytest.mark.parametrize(
+    "case",
+    [
+        {"spring": 1e-3, "friction": None},
+        {"spring": 1e-6, "weight": 0.01},
+        {"spring": 1e-6},
+        {"spring": 1e-3},
+        {"spring": 1e-3, "bulk": "neo-hooke"},
+        {"centers": ((-1.001, 1.001), (1.001, 1.001)), "weight": 10.0, "friction": None},
+    ],
+)
+def test_no_step_throws_what_weak_springs_hold_through_the_floor(case):
+    p = Resting(**case)
+    try:
+        LoadStepper(p.solver, p.load).Integrate(1, steps=1, printing=False)
+    except ContactConvergenceError:
+        return
+    assert abs(p.contact.Force(on="wall")[1]) == pytest.approx(p.weight, rel=0.01)
+
+
+@pytest.mark.parametrize("depth", [0.6, 20])
+def test_a_disc_within_or_below_the_floor_that_it_shares_a_contact_with(depth):
+    p = Resting()
+    p.solver.Solve(printing=False)
+    p.gf.components[0].Set(CF((0, -depth)), definedon=p.gf.space.mesh.Materials("disc"))
+    p.contact.Evaluate(p.gf)
+    p.solver.system.residual.Follow()
+    p.solver.system.Measure()
+    with pytest.raises(ContactConvergenceError, match=r"(inside of|through) the master"):
+        Look(p.solver.system)()
