@@ -7,21 +7,21 @@ namespace ngslac {
 namespace {
 template <int D>
 unique_ptr<Kinematics<D>> MakeKinematics(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                         const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
+                                         const ProxyInfo & u, shared_ptr<MacroLaw<D>> law,
+                                         shared_ptr<ToolPath<D>> tool) {
   if (setup.finite && setup.obstacle)
     throw Exception("LACContact: finite=True needs a master surface, or a tool in space");
-  auto make = setup.tool      ? MakeToolSliding<D>
-              : !setup.finite ? MakeSmallSliding<D>
-              : setup.tied    ? MakeFiniteTie<D>
-                              : MakeFiniteSliding<D>;
-  return make(setup, space, u, law);
+  if (tool)
+    return MakeToolSliding<D>(setup, space, u, law, tool);
+  return (setup.finite ? MakeFiniteSliding<D> : MakeSmallSliding<D>)(setup, space, u, law);
 }
 } // namespace
 
 template <int D>
 Form<D>::Form(const ContactSetup & asetup)
     : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
-      kinematics(MakeKinematics<D>(setup, space, u, law)) {
+      tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
+      kinematics(MakeKinematics<D>(setup, space, u, law, tool)) {
   law->has_ends = setup.active;
 }
 
@@ -61,7 +61,7 @@ void Form<D>::Follow(const BaseVector & bx) {
   if (!setup.finite || !setup.active)
     return;
   CheckSize(bx.FV<double>().Size());
-  Reevaluate(); // the limits of the search
+  law->Reevaluate(); // the limits of the search
   kinematics->Follow(bx.FV<double>());
   normal = kinematics->Jump().normal; // before any Evaluate
 }
@@ -171,7 +171,6 @@ void Form<D>::AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVect
       y(law->dofs[D * m + k]) += left(k);
   });
   AddForces(tractions, y);
-  kinematics->AddLoads(y);
 }
 
 template <int D>
@@ -179,6 +178,8 @@ void Form<D>::AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y) {
   ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
     kinematics->AddForces(m, tractions[m], forces, lh);
   });
+  if (tool)
+    tool->AddLoads(y);
 }
 
 template <int D>
@@ -224,7 +225,6 @@ void Form<D>::AddForces(const BaseVector & bx, FlatArray<double> tractions, Base
   CheckSize(by.FV<double>().Size());
   EvenPressures even(*law);
   AddForces(Tractions(tractions), by.FV<double>());
-  kinematics->AddLoads(by.FV<double>());
 }
 
 template <int D>
@@ -333,7 +333,10 @@ void Form<D>::Lean(FlatArray<double> vectors) {
   if (vectors.Size() && vectors.Size() != D * states.Size())
     throw Exception("LACContact: " + ToString(vectors.Size()) + " numbers of vectors for " +
                     ToString(states.Size()) + " macro-elements");
-  kinematics->Lean(vectors);
+  if (!kinematics->Surfaces().master || setup.tied)
+    return; // pressures of tools and tied surfaces keep their directions
+  law->lean.SetSize(vectors.Size() / D);
+  LoadVectors<D>(vectors, law->lean);
 }
 
 // --- scales --------------------------------------------------------------------------------------
@@ -387,13 +390,13 @@ void Form<D>::LearnStiffness(FlatVector<> diagonal) {
 template <int D>
 void Form<D>::LearnStiffness(const BilinearForm & bulk) {
   CheckSize(u.fes->GetDimension() * bulk.GetFESpace()->GetNDof());
-  auto & [slave, master, pairing, jump] = kinematics->Surfaces();
-  if (!master) // what is rigid is stiffer
+  auto & surfaces = kinematics->Surfaces();
+  if (!surfaces.master) // what is rigid is stiffer
     return;
   BitArray wanted(bulk.GetFESpace()->GetNDof());
   wanted.Clear();
   Array<DofId> dofs;
-  for (auto & surface : {slave, master})
+  for (auto & surface : {surfaces.slave, surfaces.master})
     for (size_t face : Range(surface->Size())) {
       u.fes->GetDofNrs(ElementId(BND, surface->Element(face)), dofs);
       for (DofId dof : dofs)
@@ -412,10 +415,16 @@ void Form<D>::AddScale(FlatVector<> scale) {
   for (int i : Range(ToolDofs())) { // as if all of the slave were in contact, and elastic
     double stiffness = 0;
     for (size_t m : Range(states))
-      stiffness +=
-          law->c[m] / kinematics->Jump().RowArea(m) * L2Norm2(kinematics->ToolIntegral(m, i));
+      stiffness += law->c[m] / kinematics->Jump().RowArea(m) * L2Norm2(ToolIntegral(m, i));
     scale(ToolDofs()[i]) = stiffness > 0 ? 1 / sqrt(stiffness) : 1;
   }
+}
+
+template <int D>
+Vec<D> Form<D>::ToolIntegral(size_t m, int unknown) const {
+  auto & own = kinematics->Surfaces().unknowns[unknown];
+  auto & jump = kinematics->Jump();
+  return jump.area[m] > 0 ? Vec<D>(jump.area[m] * own.linear + own.spin * jump.moment[m]) : 0.0;
 }
 
 // --- checks --------------------------------------------------------------------------------------
@@ -457,15 +466,9 @@ void Form<D>::CheckUpdated(const shared_ptr<GridFunction> & gf) const {
 }
 
 template <int D>
-void Form<D>::Reevaluate() {
-  law->Reevaluate();
-  kinematics->Reevaluate();
-}
-
-template <int D>
 void Form<D>::Prepare(const BaseVector & x) {
   CheckSize(x.FV<double>().Size());
-  Reevaluate();
+  law->Reevaluate();
   for (double value : law->c)
     if (!(value > 0))
       throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "

@@ -34,7 +34,7 @@ public:
   shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override;
   NamedNumbers Table() const override;
   NamedNumbers Resultants() const override;
-  void Reevaluate() override;
+  void Reevaluate() override { law->Reevaluate(); }
   SegmentTable Segments() const override;
   Array<double> Points() const override;
   size_t NSegments() const override;
@@ -43,7 +43,7 @@ public:
   Array<double> GapRanges(FlatVector<> x) override;
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
   void SetActive(bool active) override;
-  FlatArray<int> ToolDofs() const override { return kinematics->ToolDofs(); }
+  FlatArray<int> ToolDofs() const override { return tool ? tool->Dofs() : FlatArray<int>(); }
   Array<double> ToolRows() const override;
   bool IsCurrent() const override;
 
@@ -71,12 +71,15 @@ private:
   void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim);
   void SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
                 SparseMatrix<double> & mat) const;
+  /// Integral over a macro-element of how an unknown of the tool moves it.
+  Vec<D> ToolIntegral(size_t m, int unknown) const;
   /// Numbers of boundary elements and of vertices.
   std::array<size_t, 2> MeshSize() const;
   /// Entries of a vector on the product space.
   size_t NScalars() const { return u.fes->GetNDof() * u.fes->GetDimension(); }
 
   shared_ptr<MacroLaw<D>> law;
+  shared_ptr<ToolPath<D>> tool; // null: there is none
   unique_ptr<Kinematics<D>> kinematics;
   Array<Vec<D>> normal;           // of the macro-elements at the last evaluation
   size_t nscalars = 0;            // entries of a vector on the product space that was paired

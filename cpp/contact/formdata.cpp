@@ -5,7 +5,7 @@ namespace ngslac {
 template <int D>
 void Form<D>::Evaluate(const BaseVector & bx) {
   CheckSize(bx.FV<double>().Size());
-  Reevaluate();
+  law->Reevaluate();
   auto x = bx.FV<double>();
   kinematics->At(x);
   auto answers = Answers(x, false);
@@ -106,7 +106,7 @@ Array<double> Form<D>::ToolRows() const {
   for (size_t m : Range(states))
     for (int k : Range(D))
       for (int i : Range(ToolDofs()))
-        rows.Append(-kinematics->ToolIntegral(m, i)(k));
+        rows.Append(-ToolIntegral(m, i)(k));
   return rows;
 }
 
@@ -123,19 +123,17 @@ NamedNumbers Form<D>::Table() const {
                                                                        {"tresca", &law->threshold},
                                                                        {"offset", &law->offset}})
     table[name] = *values;
-  table["ends"] = kinematics->Ends();
-  for (auto & [name, none] : {pair("area", !setup.active), pair("ends", !table["ends"].Size())})
-    if (none) {
-      table[name].SetSize(states.Size());
-      table[name] = 0.0;
-    }
+  if (!setup.active)
+    table["area"] = 0.0;
   SaveVectors<D>(table["normal"], normal);
   SaveVectors<D>(table["slave_normal"], jump.normal);
   SaveVectors<D>(table["center"], jump.center);
   SaveVectors<D>(table["reference"], kinematics->Reference());
   for (size_t m : Range(states)) {
     auto & state = states[m];
-    AppendVector<D>(table["facing"], kinematics->FacingNormal(m));
+    auto place = kinematics->Place(m);
+    AppendVector<D>(table["facing"], place.facing);
+    table["ends"].Append(place.end);
     table["prescribed"].Append(D - Trace(space->ReachOf(m)));
     table["pressure"].Append(state.pressure);
     table["gap"].Append(state.gap);
@@ -193,20 +191,22 @@ Array<double> Form<D>::Depths() const {
 template <int D>
 Array<double> Form<D>::Overlaps() const {
   CheckPaired();
-  auto & [slave, master, pairing, jump] = kinematics->Surfaces();
-  BitArray faces(slave->Size()); // whose macro-elements are not paired, or in part only
+  auto & slave = *kinematics->Surfaces().slave;
+  auto & jump = kinematics->Jump();
+  BitArray faces(slave.Size()); // whose macro-elements are not paired, or in part only
   faces.Clear();
-  for (size_t f : Range(slave->Size()))
-    if (int m = space->MacroOfFace()[slave->Element(f)];
-        setup.active && jump->area[m] < (1 - 1e-6) * jump->fullarea[m])
+  for (size_t f : Range(slave.Size()))
+    if (int m = space->MacroOfFace()[slave.Element(f)];
+        setup.active && jump.area[m] < (1 - 1e-6) * jump.fullarea[m])
       faces.SetBit(f);
-  return kinematics->Finder().Overlaps(*slave, master.get(), law->Margin(), faces);
+  auto * master = kinematics->Surfaces().master.get();
+  return kinematics->Finder().Overlaps(slave, master, law->Margin(), faces);
 }
 
 template <int D>
 Array<double> Form<D>::GapRanges(FlatVector<> x) {
   CheckSize(x.Size());
-  Reevaluate();
+  law->Reevaluate();
   kinematics->At(x);
   Array<double> table;
   auto ranges = kinematics->GapRanges(x);

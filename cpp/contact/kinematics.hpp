@@ -8,9 +8,6 @@
 #include "pairfinder.hpp"
 
 namespace ngslac {
-/// Does the matrix see that the overlap changes where the master ends?
-enum class Rim { stays, moves };
-
 /// How macro-elements move with the dofs, whatever the law is.
 ///
 /// Small sliding: as at the last Start. Finite sliding: in the configuration looked at last.
@@ -25,33 +22,17 @@ public:
   /// Pairs at x, the values of gf (null: in the reference configuration, x is zero); slip counts
   /// from there. What moves may meet later.
   virtual void Start(shared_ptr<GridFunction> gf, FlatVector<> x, Meeting meeting) = 0;
-  /// Pairs anew at x.
-  virtual void Follow(FlatVector<> /* x */) {}
-  /// Evaluates what Parameters and other functions may have changed.
-  virtual void Reevaluate() {}
-  /// Looks at the configuration of x, of which everything below tells.
-  virtual void At(FlatVector<> /* x */) {}
+  /// Pairs anew at x what moves.
+  virtual void Follow(FlatVector<> x) = 0;
+  /// Evaluates the configuration of x, and what Parameters and other functions may have changed;
+  /// the functions below refer to it.
+  virtual void At(FlatVector<> x) = 0;
   virtual MacroPlace<D> Place(size_t m) const = 0;
   /// Subtracts the virtual work of a traction on one macro-element.
   virtual void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const = 0;
-  /// Mean normal of the master where a macro-element sees it, else zero.
-  virtual Vec<D> FacingNormal(size_t /* m */) const { return Vec<D>(0.0); }
-  /// The gaps of points in the configuration of the pairing, x; of macro-elements without a partner
-  /// they mean nothing.
-  virtual Array<GapRange<D>> GapRanges(FlatVector<> /* x */) const {
-    return GapRangesOf<D>(*space, surfaces, [&](size_t m, const Segment &, const PairPoint<D> & p) {
-      return law->Clearance(m) + p.gap;
-    });
-  }
-  /// Finite sliding: vectors that the directions of the pressures are turned by; empty: none.
-  virtual void Lean(FlatArray<double> /* vectors */) {}
-  /// How far contact ends inside of each macro-element, see EndShares; empty: that is not known.
-  virtual Array<double> Ends() const { return Array<double>(); }
-  /// Subtracts loads that act on the other body.
-  virtual void AddLoads(FlatVector<> /* y */) const {}
-  /// Unknown motions of a rigid master, and the integral of one of them over a macro-element.
-  virtual FlatArray<int> ToolDofs() const { return FlatArray<int>(); }
-  virtual Vec<D> ToolIntegral(size_t /* m */, int /* unknown */) const { return Vec<D>(0.0); }
+  /// The gaps of points at x, where it was evaluated; of macro-elements without a partner they mean
+  /// nothing.
+  virtual Array<GapRange<D>> GapRanges(FlatVector<> x) const = 0;
   /// Resultant of a traction, and its moment about the origin.
   virtual pair<Vec<D>, Vec<3>> ResultantOf(size_t m, const Vec<D> & traction) const = 0;
   /// A square zero matrix of size n with the entries of all rows under these tractions.
@@ -60,8 +41,8 @@ public:
   /// traction.
   virtual PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim rim, BlockSum & stiffness,
                               LocalHeap & lh) const = 0;
-  /// Looks at the diagonal of the bulk matrix.
-  virtual void LearnStiffness(FlatVector<> /* diagonal */) {}
+  /// Learns which body is the stiffer one from the diagonal of the bulk matrix.
+  virtual void LearnStiffness(FlatVector<> diagonal) = 0;
   /// Accepts x as the end of a step, with the states before and after it.
   virtual void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) = 0;
   /// Everything is as it was at the last Commit.
@@ -123,11 +104,9 @@ unique_ptr<Kinematics<D>> MakeSmallSliding(const ContactSetup & setup, shared_pt
                                            const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
 template <int D>
 unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law,
+                                          shared_ptr<ToolPath<D>> path);
 template <int D>
 unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
                                             const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
-template <int D>
-unique_ptr<Kinematics<D>> MakeFiniteTie(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                        const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
 } // namespace ngslac

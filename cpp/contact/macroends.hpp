@@ -21,7 +21,7 @@ public:
             FlatVector<> x);
 
   bool Empty() const { return rows.Size() == 0; }
-  FlatArray<double> Shares() const { return shares; }
+  double ShareOf(size_t m) const { return shares.Size() ? shares[m] : 0; }
   const EndPoints * PointsOf(size_t m) const {
     return place.Size() && place[m] >= 0 ? &rows[place[m]].points : nullptr;
   }

@@ -24,6 +24,7 @@ public:
   Array<double> adjusted;            // minus the gaps of the start that count as zero
   Array<double> end_c;               // of points where contact ends inside, whatever c is
   bool has_ends = true;              // else pressures are even everywhere
+  Array<Vec<D>> lean;                // turn the directions of pressures; empty: none do
   Array<int> dofs;                   // of the multipliers, D for each
   bool own;                          // the answers are those of another law
 

@@ -54,7 +54,7 @@ Paired<D> PairFinder<D>::Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D
     if (pairing->Size() == 0 && !selfcontact && setup.active) // self-contact may come later
       CheckMeeting(*slave, *master, options, margin, meeting);
   }
-  return {std::move(slave), std::move(master), pairing, nullptr};
+  return {std::move(slave), std::move(master), pairing, nullptr, margin};
 }
 
 template <int D>

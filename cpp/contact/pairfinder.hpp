@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "contactform.hpp"
+#include "toolpath.hpp"
 
 namespace ngslac {
-/// Both surfaces in one configuration, cut into segments, and the macro-elements over them.
-template <int D>
-struct Paired {
-  shared_ptr<Surface<D>> slave, master; // no master: an obstacle
-  shared_ptr<Pairing<D>> pairing;
-  shared_ptr<MacroJump<D>> jump; // null: not made yet
-};
-
 /// What the gap of contact differs by from that between the surfaces: openings and overlaps are
 /// searched so much farther.
 struct SearchMargin {
@@ -18,6 +10,17 @@ struct SearchMargin {
   bool operator==(const SearchMargin & other) const {
     return farther == other.farther && deeper == other.deeper;
   }
+};
+
+/// Both surfaces in one configuration, cut into segments, and the macro-elements over them.
+template <int D>
+struct Paired {
+  shared_ptr<Surface<D>> slave, master; // no master: an obstacle or a tool
+  shared_ptr<Pairing<D>> pairing;
+  shared_ptr<MacroJump<D>> jump = nullptr;          // null: not made yet
+  SearchMargin margin = SearchMargin();             // of the search
+  BitArray closed = BitArray();                     // macro-elements then, for self-contact
+  Array<ToolDof<D>> unknowns = Array<ToolDof<D>>(); // how those of a tool move it there
 };
 
 /// What it means that slave and master do not meet.

@@ -3,6 +3,9 @@
 #include "endlaw.hpp"
 
 namespace ngslac {
+/// Does the matrix see that the overlap changes where the master ends?
+enum class Rim { stays, moves };
+
 /// Where a macro-element is: means over its paired part.
 template <int D>
 struct MacroPlace {
@@ -12,6 +15,8 @@ struct MacroPlace {
   Vec<D> jump;          // what has to vanish: slip minus gap n, or all of u1 - u2 of tied surfaces
   double area, rowarea; // paired; factor of the multiplier's rows, see MacroJump::RowArea
   const EndPoints * ends = nullptr; // where contact ends inside of it
+  Vec<D> facing = Vec<D>(0.0);      // mean normal of the master where it sees that
+  double end = 0;                   // how far contact ends inside of it, see EndShares
 };
 
 /// Of surfaces that slide; the slip may have a part along the normal.

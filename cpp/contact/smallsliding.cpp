@@ -55,7 +55,7 @@ public:
     for (size_t i : Range(x))
       paired_at(i) *= x(i);
     SetDirections();
-    Reevaluate();
+    LookAtObstacle();
     committed.SetSize(jump.Size()), mean.SetSize(jump.Size());
     for (size_t m : Range(committed)) {
       committed[m] = jump.Mean(m, x);
@@ -72,27 +72,12 @@ public:
     mat = ContactGraph(jump, law->dofs, x.Size(), ends.Dofs(jump.Size()));
   }
 
-  Array<double> Ends() const override { return Array<double>(ends.Shares()); }
-
-  Vec<D> FacingNormal(size_t m) const override {
-    return setup.obstacle ? Vec<D>(0.0) : master_normal[m];
-  }
+  void Follow(FlatVector<>) override {}
 
   void At(FlatVector<> x) override {
+    LookAtObstacle();
     ParallelFor(this->Size(), [&](size_t m) { mean[m] = surfaces.jump->Mean(m, x); });
     ends.Look(*law, direction, x);
-  }
-
-  /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is
-  /// made, since the last committed one is kept.
-  void Reevaluate() override {
-    if (watch_obstacle)
-      watch_obstacle.WhereChanged([&] {
-        auto moved = make_shared<Pairing<D>>(*surfaces.pairing);
-        SetObstacleGaps(*watch_obstacle, *u.fes->GetMeshAccess(), *surfaces.slave, *moved);
-        gapvector = surfaces.jump->GapVectors(*moved);
-        surfaces.pairing = moved;
-      });
   }
 
   MacroPlace<D> Place(size_t m) const override {
@@ -102,7 +87,9 @@ public:
     slip -= InnerProduct(slip, n) * n;
     double gap = law->Clearance(m) - InnerProduct(n, apart);
     Vec<D> vanishing = setup.tied ? Vec<D>(apart - tied[m]) : Vec<D>(slip - gap * n);
-    return {n, gap, slip, vanishing, jump.area[m], jump.RowArea(m), EndsOf(m)};
+    Vec<D> facing = setup.obstacle ? Vec<D>(0.0) : master_normal[m];
+    return {n,         gap,    slip,           vanishing, jump.area[m], jump.RowArea(m),
+            EndsOf(m), facing, ends.ShareOf(m)};
   }
 
   /// Of which `Place` takes the means.
@@ -192,7 +179,7 @@ public:
     auto shapes = [&](const Surface<D> & side) {
       return FaceShapes<D>(u, side, max(1, u.Order(side)));
     };
-    auto & [slave, master, pairing, jump] = surfaces;
+    auto &slave = surfaces.slave, &master = surfaces.master;
     auto on_slave = shapes(*slave), on_master = shapes(*master);
     share = MasterShare<D>(u, {on_slave, *slave}, {on_master, *master}, diagonal);
     if (setup.edges) {
@@ -227,6 +214,18 @@ public:
   }
 
 private:
+  /// The gaps of a pairing with an obstacle, which may move: of the present pairing another one is
+  /// made, since the last committed one is kept.
+  void LookAtObstacle() {
+    if (watch_obstacle)
+      watch_obstacle.WhereChanged([&] {
+        auto moved = make_shared<Pairing<D>>(*surfaces.pairing);
+        SetObstacleGaps(*watch_obstacle, *u.fes->GetMeshAccess(), *surfaces.slave, *moved);
+        gapvector = surfaces.jump->GapVectors(*moved);
+        surfaces.pairing = moved;
+      });
+  }
+
   /// On the faces that the pairing uses.
   FaceDisplacement<D> Displacement(const Surface<D> & surface, int Segment::* face,
                                    FlatVector<> x) const {

@@ -12,6 +12,7 @@ class Scatter {
 
 public:
   void Add(int dof, double value) { entries.Append(std::pair(dof, value)); }
+  FlatArray<std::pair<int, double>> Entries() const { return entries; }
   void AddTo(FlatVector<> y) const {
     for (auto [dof, value] : entries)
       y(dof) += value;

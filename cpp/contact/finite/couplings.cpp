@@ -24,8 +24,6 @@ template <int D>
 Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
                  bool pushes) {
   Array<int> key;
-  if (points.area[macro] == 0)
-    return key;
   key.Append(pushes);
   for (auto * from : {&points, start})
     if (from) {
@@ -37,39 +35,49 @@ Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, si
     }
   return key;
 }
-} // namespace
 
+/// Sets the coupling of a macro-element, unless it is the same as before; says whether it changed.
 template <int D>
-bool UpdateCoupling(const FaceShapes<D> & slave, const FaceShapes<D> & master,
-                    const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
-                    bool pushes, Coupling & coupling) {
-  auto key = KeyOf(points, start, macro, pushes);
+bool Update(const Scene<D> & scene, const MacroPoints<D> * start, size_t macro, bool pushes,
+            Coupling & coupling) {
+  // Unknowns of a tool have a diagonal whatever touches, where the solver may hold them.
+  auto & unknowns = scene.unknowns;
+  bool exists = scene.points->area[macro] > 0 || unknowns.Size();
+  pushes = pushes || unknowns.Size();
+  auto key = exists ? KeyOf(*scene.points, start, macro, pushes) : Array<int>();
   if (key == coupling.key)
     return false;
   coupling = Coupling();
   coupling.key = std::move(key);
-  if (points.area[macro] == 0)
+  if (!exists)
     return true;
+  coupling.pushes = pushes;
   Array<int> slaves, masters;
   auto add = [&](const MacroPoints<D> & from) {
     for (int s : from.segments[macro]) {
       slaves.Append(from.pairing->segments[s].slave);
-      masters.Append(from.pairing->segments[s].master);
+      if (scene.master_shapes)
+        masters.Append(from.pairing->segments[s].master);
     }
   };
-  add(points);
-  coupling.turning = DofsOf(slave, slaves);
-  coupling.turning += DofsOf(master, masters);
-  SortUnique(coupling.turning);
+  auto dofs = [&] {
+    auto result = DofsOf(scene.slave_shapes, slaves);
+    if (scene.master_shapes)
+      result += DofsOf(*scene.master_shapes, masters);
+    result += unknowns;
+    SortUnique(result);
+    return result;
+  };
+  add(*scene.points);
+  coupling.turning = dofs();
   if (pushes)
     coupling.masters = masters;
   if (start)
     add(*start);
-  coupling.dofs = DofsOf(slave, slaves);
-  coupling.dofs += DofsOf(master, masters);
-  SortUnique(coupling.dofs);
+  coupling.dofs = dofs();
   return true;
 }
+} // namespace
 
 namespace {
 /// Columns of a range of rows, one row after the other.
@@ -84,7 +92,7 @@ struct RowColumns {
 template <int D>
 class RowFinder {
   FlatArray<Coupling> couplings;
-  const FaceShapes<D> & master;
+  const FaceShapes<D> * master;
   FlatArray<int> lamdof;
   const Table<int> & macros;
   const Table<int> & faces;
@@ -92,7 +100,7 @@ class RowFinder {
   std::unordered_map<size_t, int> known;
 
 public:
-  RowFinder(FlatArray<Coupling> acouplings, const FaceShapes<D> & amaster, FlatArray<int> alamdof,
+  RowFinder(FlatArray<Coupling> acouplings, const FaceShapes<D> * amaster, FlatArray<int> alamdof,
             const Table<int> & amacros, const Table<int> & afaces)
       : couplings(acouplings), master(amaster), lamdof(alamdof), macros(amacros), faces(afaces) {}
 
@@ -111,12 +119,12 @@ public:
     for (int m : of_row) {
       for (int column : lamdof.Range(D * m, D * (m + 1)))
         found.Position(column);
-      if (couplings[m].masters.Size())
+      if (couplings[m].pushes)
         for (int column : couplings[m].turning)
           found.Position(column);
     }
     for (int face : faces[row])
-      for (int column : master.Dofs(face))
+      for (int column : master->Dofs(face))
         found.Position(column);
     result.columns += found.Indices();
     std::sort(result.columns.begin() + begin, result.columns.end());
@@ -146,11 +154,11 @@ Table<int> Owners(size_t n, size_t nmacros, F f) {
   });
   return table;
 }
-} // namespace
 
+/// A zero matrix of size n with the entries for all macro-elements.
 template <int D>
 shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
-                                          const FaceShapes<D> & master, FlatArray<int> lamdof,
+                                          const FaceShapes<D> * master, FlatArray<int> lamdof,
                                           size_t n) {
   size_t nmacros = couplings.Size();
   auto macros = Owners(n, nmacros, [&](size_t m, TableCreator<int> & creator) {
@@ -159,7 +167,7 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
   });
   auto faces = Owners(n, nmacros, [&](size_t m, TableCreator<int> & creator) {
     for (int face : couplings[m].masters)
-      for (int dof : master.Dofs(face))
+      for (int dof : master->Dofs(face))
         creator.Add(dof, face);
   });
   Array<int> macro_of(n), sizes(n);
@@ -199,13 +207,32 @@ shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling> couplings,
   });
   return mat;
 }
+} // namespace
 
-#define INSTANTIATE(D)                                                                             \
-  template bool UpdateCoupling(const FaceShapes<D> &, const FaceShapes<D> &,                       \
-                               const MacroPoints<D> &, const MacroPoints<D> *, size_t, bool,       \
-                               Coupling &);                                                        \
-  template shared_ptr<SparseMatrix<double>> MatrixOf(FlatArray<Coupling>, const FaceShapes<D> &,   \
-                                                     FlatArray<int>, size_t);
-INSTANTIATE(2)
-INSTANTIATE(3)
+template <int D>
+shared_ptr<SparseMatrix<double>>
+Couplings::Matrix(const Scene<D> & scene, FlatArray<const MacroPoints<D> *> start,
+                  FlatArray<Vec<D>> tractions, FlatArray<int> lamdof, size_t n) {
+  couplings.SetSize(start.Size());
+  std::atomic<bool> same = last && last->Height() == n;
+  ParallelFor(start.Size(), [&](size_t m) {
+    if (Update(scene, start[m], m, IsTraction(tractions[m]), couplings[m]))
+      same = false;
+  });
+  if (same) {
+    last = make_shared<SparseMatrix<double>>(static_cast<const MatrixGraph &>(*last));
+    last->SetZero();
+  } else
+    last = MatrixOf<D>(couplings, scene.master_shapes, lamdof, n);
+  return last;
+}
+
+template shared_ptr<SparseMatrix<double>> Couplings::Matrix(const Scene<2> &,
+                                                            FlatArray<const MacroPoints<2> *>,
+                                                            FlatArray<Vec<2>>, FlatArray<int>,
+                                                            size_t);
+template shared_ptr<SparseMatrix<double>> Couplings::Matrix(const Scene<3> &,
+                                                            FlatArray<const MacroPoints<3> *>,
+                                                            FlatArray<Vec<3>>, FlatArray<int>,
+                                                            size_t);
 } // namespace ngslac

@@ -15,28 +15,38 @@ public:
   int slaves, masters; // numbers of scalar functions
   FlatArray<int> at;   // positions of the dofs in the rows of the macro-element, slave first
 
-  FacePair(const MovingSurfaces<D> & now, const Segment & asegment, const MacroRows<D> & rows,
+  FacePair(const Scene<D> & now, const Segment & asegment, const MacroRows<D> & rows,
            LocalHeap & lh)
-      : FacePair(now.slave_shapes, &now.master_shapes, asegment, rows, lh) {}
-  /// `amaster_shapes`: null for a tool
+      : FacePair(now.slave_shapes, now.master_shapes, asegment, lh) {
+    for (int j : Range(at))
+      at[j] = rows.Position(Dof(j));
+  }
+  /// Without rows, and without a master if its shapes are null.
   FacePair(const FaceShapes<D> & aslave_shapes, const FaceShapes<D> * amaster_shapes,
-           const Segment & asegment, const MacroRows<D> & rows, LocalHeap & lh)
+           const Segment & asegment, LocalHeap & lh)
       : slave_shapes(aslave_shapes), master_shapes(amaster_shapes), segment(asegment),
         slaves(slave_shapes.Size(segment.slave)),
         masters(master_shapes ? master_shapes->Size(segment.master) : 0),
-        at(SlaveDofs().Size() + MasterDofs().Size(), lh) {
-    int next = 0;
-    for (auto & dofs : {SlaveDofs(), MasterDofs()})
-      for (int dof : dofs)
-        at[next++] = rows.Position(dof);
-  }
+        at(SlaveDofs().Size() + MasterDofs().Size(), lh) {}
 
   FlatArray<int> SlaveDofs() const { return slave_shapes.Dofs(segment.slave); }
   FlatArray<int> MasterDofs() const {
     return master_shapes ? master_shapes->Dofs(segment.master) : FlatArray<int>();
   }
+  int Dof(int j) const {
+    int n = SlaveDofs().Size();
+    return j < n ? SlaveDofs()[j] : MasterDofs()[j - n];
+  }
   /// of scalar functions times components
   int Size() const { return D * (slaves + masters); }
+
+  /// Adds such columns to rows of the macro-element.
+  void AddTo(FlatMatrix<> rows, FlatMatrix<> columns, double factor, LocalHeap & lh) const {
+    auto of_dofs = OfDofs(columns, lh);
+    for (int row : Range(of_dofs.Height()))
+      for (int j : Range(at))
+        rows(row, at[j]) += factor * of_dofs(row, j);
+  }
 
   /// A column for each dof in place of each function and component.
   FlatMatrix<> OfDofs(FlatMatrix<> m, LocalHeap & lh) const {
@@ -94,4 +104,25 @@ FlatMatrixFixWidth<D> Gradients(const Mat<D, D - 1> & dx,
     }
   return result;
 }
+
+/// A pair of points that once faced each other.
+template <int D>
+struct OldPair {
+  Vec<D> x, apart; // of the slave; since then
+  Vec<D> slave_normal, master_normal;
+  double gap; // of then
+  Mat<D, D - 1> dx, dy;
+  ContactDirection<D> direction;
+
+  OldPair(const MeshScene<D> & now, const Segment & segment, const PairPoint<D> & p) : gap(p.gap) {
+    Vec<D> y;
+    now.slave.Evaluate(segment.slave, p.slave, x, dx);
+    now.master.Evaluate(segment.master, p.master, y, dy);
+    slave_normal = now.slave.Normal(segment.slave, dx);
+    master_normal = now.master.Normal(segment.master, dy);
+    direction = ContactDirection<D>(slave_normal, master_normal, now.share);
+    apart = x + gap * slave_normal - y;
+  }
+  Vec<D> Slip() const { return direction.Across() * apart; }
+};
 } // namespace ngslac

@@ -1,8 +1,31 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "contact/macrotables.hpp"
 #include "facepair.hpp"
 #include "pointsums.hpp"
 
 namespace ngslac {
+template <int D>
+shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
+                                      const Surface<D> & slave, const LACSpace & space,
+                                      FlatArray<double> area) {
+  auto & segments = pairing->segments;
+  auto of_segments = SegmentsOfMacros<D>(space, slave, *pairing);
+  auto of_rim = OfMacros<D>(
+      pairing->rim.Size(), [&](int i) { return segments[pairing->rim[i].segment].slave; }, slave,
+      space);
+  Array<Mat<D, D - 1>> dual(space.NMacros());
+  for (size_t m : Range(dual))
+    if (area[m] > 0) {
+      auto & segment = segments[of_segments[m][0]];
+      Vec<D> x;
+      Mat<D, D - 1> dx;
+      slave.Evaluate(segment.slave, pairing->points[segment.first].slave, x, dx);
+      dual[m] = DualBasis<D>(dx);
+    }
+  return make_shared<MacroPoints<D>>(MacroPoints<D>{
+      pairing, std::move(of_segments), std::move(of_rim), Array<double>(area), std::move(dual)});
+}
+
 template <int D>
 MacroRows<D>::MacroRows(FlatArray<int> adofs, FlatArray<int> aturning)
     : dofs(adofs), turning(aturning), data(4 * D + 2, adofs.Size()),
@@ -47,23 +70,23 @@ PlaceRows<D> MacroRows<D>::OfPlace(const Vec<D> & n, const Vec<D> & slipped, dou
 }
 
 template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    FlatArray<RayHit<D>> hits) {
+MacroGap<D> MeshScene<D>::MeanOf(size_t m) {
+  auto & points = *this->points;
   double gap = 0;
   Vec<D> slave = 0.0, master = 0.0;
-  for (int s : points.segments[macro]) {
+  for (int s : points.segments[m]) {
     auto & segment = points.pairing->segments[s];
     for (size_t i : points.pairing->Points(s)) {
       auto & p = points.pairing->points[i];
-      Ray<D> ray(now.slave, segment.slave, now.master, segment.master, p);
+      Ray<D> ray(this->slave, segment.slave, this->master, segment.master, p);
       hits[i] = ray.Hit();
       gap += p.weight * ray.gap;
       slave += p.weight * ray.normal;
-      master += p.weight * now.master.Normal(segment.master, ray.dy);
+      master += p.weight * this->master.Normal(segment.master, ray.dy);
     }
   }
-  double mean = 1 / points.area[macro];
-  return {mean * gap, mean * slave, mean * master, now.share};
+  double mean = 1 / points.area[m];
+  return {mean * gap, mean * slave, mean * master, share};
 }
 
 namespace {
@@ -85,7 +108,7 @@ void ForFacePairs(const MacroPoints<D> & points, size_t macro, F f) {
 /// Adds what the points between two faces contribute to the derivatives, by scalar functions.
 template <int D>
 class FacePairDerivative {
-  const MovingSurfaces<D> & now;
+  const MeshScene<D> & now;
   const MacroTraction<D> & traction;
   MacroRows<D> & rows;
   FacePair<D> faces;
@@ -97,12 +120,12 @@ class FacePairDerivative {
   FlatMatrix<> rim; // forces at the end of the master
 
 public:
-  FacePairDerivative(const MovingSurfaces<D> & anow, const Segment & segment,
+  FacePairDerivative(const MeshScene<D> & anow, const Segment & segment,
                      const MacroTraction<D> & atraction, MacroRows<D> & arows, LocalHeap & lh)
       : now(anow), traction(atraction), rows(arows), faces(now, segment, rows, lh),
         loaded(!traction.IsZero()), n1(D * faces.slaves), n(faces.Size()),
-        sums({now.slave_shapes, segment.slave, lh}, {now.master_shapes, segment.master, lh}, loaded,
-             lh),
+        sums({now.slave_shapes, segment.slave, lh}, {*now.master_shapes, segment.master, lh},
+             loaded, lh),
         columns(3 * D + 2, n, lh), rim(0, 0, lh) {
     columns = 0.0;
   }
@@ -128,7 +151,7 @@ public:
     auto [slave, master] = pair(faces.segment.slave, faces.segment.master);
     Ray<D> ray(now.slave, slave, now.master, master, end.point);
     auto on_slave = now.slave_shapes.Calc(slave, end.point.slave, lh);
-    auto on_master = now.master_shapes.Calc(master, ray.eta, lh);
+    auto on_master = now.master_shapes->Calc(master, ray.eta, lh);
     auto gradients = Gradients<D>(ray.dx, on_slave, lh);
     // Where rays end they lie closer than where they start, if the slave is curved.
     Mat<D - 1, D - 1> bend = now.slave.Hessian(slave, end.point.slave, ray.normal);
@@ -161,13 +184,10 @@ public:
       rim -= work * Trans(growth);
   }
 
-  void AddToRows(const MasterBlock & add, LocalHeap & lh) {
+  void AddToRows(BlockSum & stiffness, LocalHeap & lh) {
     auto & at = faces.at;
     sums.AddTo(columns);
-    auto of_dofs = faces.OfDofs(columns, lh);
-    for (int row : Range(of_dofs.Height()))
-      for (int j : Range(at))
-        rows.data(row, at[j]) += of_dofs(row, j);
+    faces.AddTo(rows.data, columns, 1, lh);
     if (!loaded)
       return;
     auto by_dofs = faces.BlockOfDofs(Block(lh), lh);
@@ -179,12 +199,25 @@ public:
     for (int i : Range(at))
       for (int j : Range(has_rim && i < slaves.Size() ? at.Size() : slaves.Size()))
         rows.stiffness(at[i], turning[j]) += by_dofs(i, j);
-    FlatMatrix<> own(masters.Size(), masters.Size(), lh);
-    own = by_dofs.Rows(master).Cols(master);
-    add(masters, own);
+    AddBlock(masters, by_dofs.Rows(master).Cols(master), stiffness);
   }
 
 private:
+  /// Of the forces on the master face by its own dofs.
+  static void AddBlock(FlatArray<int> masters, SliceMatrix<> block, BlockSum & stiffness) {
+    int n = masters.Size();
+    ArrayMem<int, 100> order(n), sorted(n);
+    for (int i : Range(n))
+      order[i] = i;
+    std::sort(order.begin(), order.end(), [&](int i, int j) { return masters[i] < masters[j]; });
+    Matrix<> values(n, n);
+    for (int j : Range(n)) {
+      sorted[j] = masters[order[j]];
+      values.Col(j) = block.Col(order[j]);
+    }
+    stiffness.Add(masters, sorted, std::move(values));
+  }
+
   Vec<D> NormalOf(int face, Vec<D - 1> eta) const {
     Vec<D> y;
     Mat<D, D - 1> dy;
@@ -205,60 +238,60 @@ private:
 } // namespace
 
 template <int D>
-void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    FlatArray<RayHit<D>> hits, const MacroGap<D> & mean,
-                    const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
-                    const MasterBlock & add, LocalHeap & lh) {
+void MeshScene<D>::AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim,
+                                  MacroRows<D> & rows, BlockSum & stiffness, LocalHeap & lh) const {
+  auto & points = *this->points;
   auto & pairing = *points.pairing;
-  ForFacePairs(points, macro, [&](FlatArray<int> segments) {
+  ForFacePairs(points, m, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
-    FacePairDerivative<D> derivative(now, pairing.segments[segments[0]], traction, rows, lh);
+    FacePairDerivative<D> derivative(*this, pairing.segments[segments[0]], traction, rows, lh);
     for (int s : segments)
       for (size_t i : pairing.Points(s))
         derivative.Add(pairing.points[i], hits[i]);
-    for (int r : points.rim[macro])
-      if (moving_rim && segments.Contains(pairing.rim[r].segment))
-        derivative.AddRim(pairing.rim[r], mean, lh);
-    derivative.AddToRows(add, lh);
+    for (int r : points.rim[m])
+      if (rim == Rim::moves && segments.Contains(pairing.rim[r].segment))
+        derivative.AddRim(pairing.rim[r], this->mean[m], lh);
+    derivative.AddToRows(stiffness, lh);
   });
-  rows.MakeMeans(mean, points.area[macro], now.share);
+  rows.MakeMeans(this->mean[m], points.area[m], share);
 }
 
 template <int D>
-void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, Scatter & y,
-                 LocalHeap & lh) {
-  ForFacePairs(points, macro, [&](FlatArray<int> segments) {
+void MeshScene<D>::AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
+                             LocalHeap & lh) const {
+  auto & points = *this->points;
+  auto & slave_shapes = this->slave_shapes;
+  auto & master_shapes = *this->master_shapes;
+  ForFacePairs(points, m, [&](FlatArray<int> segments) {
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[segments[0]];
-    FlatVector<> on_slave(now.slave_shapes.Functions(segment.slave).Height(), lh);
-    FlatVector<> on_master(now.master_shapes.Functions(segment.master).Height(), lh);
+    FlatVector<> on_slave(slave_shapes.Functions(segment.slave).Height(), lh);
+    FlatVector<> on_master(master_shapes.Functions(segment.master).Height(), lh);
     FlatMatrixFixWidth<D> slave(on_slave.Size(), lh), master(on_master.Size(), lh);
     slave = 0.0, master = 0.0;
     for (int s : segments)
       for (size_t i : points.pairing->Points(s)) {
         auto & p = points.pairing->points[i];
         Vec<D> force = p.weight * traction.At(hits[i].normal);
-        now.slave_shapes.CalcBasis(segment.slave, p.slave, on_slave);
-        now.master_shapes.CalcBasis(segment.master, hits[i].eta, on_master);
+        slave_shapes.CalcBasis(segment.slave, p.slave, on_slave);
+        master_shapes.CalcBasis(segment.master, hits[i].eta, on_master);
         for (int j : Range(on_slave))
           slave.Row(j) -= on_slave(j) * force;
         for (int j : Range(on_master))
           master.Row(j) += on_master(j) * force;
       }
-    now.slave_shapes.AddForces(segment.slave, slave, y, lh);
-    now.master_shapes.AddForces(segment.master, master, y, lh);
+    slave_shapes.AddForces(segment.slave, slave, y, lh);
+    master_shapes.AddForces(segment.master, master, y, lh);
   });
 }
 
 template <int D>
-pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & points,
-                               size_t macro, const MacroTraction<D> & traction) {
+pair<Vec<D>, Vec<3>> Scene<D>::Resultant(size_t m, const MacroTraction<D> & traction) const {
   Vec<D> force = 0.0;
   Vec<3> moment = 0.0;
-  for (int s : points.segments[macro]) {
-    int face = points.pairing->segments[s].slave;
-    for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
+  for (int s : points->segments[m]) {
+    int face = points->pairing->segments[s].slave;
+    for (auto & p : points->pairing->points.Range(points->pairing->Points(s))) {
       Vec<D> x;
       Mat<D, D - 1> dx;
       slave.Evaluate(face, p.slave, x, dx);
@@ -271,18 +304,15 @@ pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & 
 }
 
 #define INSTANTIATE(D)                                                                             \
+  template shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>>, const Surface<D> &, \
+                                                 const LACSpace &, FlatArray<double>);             \
   template struct MacroRows<D>;                                                                    \
-  template MacroGap<D> MeanGap(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
-                               FlatArray<RayHit<D>>);                                              \
-  template void AddDerivatives(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,          \
-                               FlatArray<RayHit<D>>, const MacroGap<D> &,                          \
-                               const MacroTraction<D> &, bool, MacroRows<D> &,                     \
-                               const MasterBlock &, LocalHeap &);                                  \
-  template void AddTraction(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t,             \
-                            FlatArray<RayHit<D>>, const MacroTraction<D> &, Scatter &,             \
-                            LocalHeap &);                                                          \
-  template pair<Vec<D>, Vec<3>> Resultant(const Surface<D> &, const MacroPoints<D> &, size_t,      \
-                                          const MacroTraction<D> &);
+  template pair<Vec<D>, Vec<3>> Scene<D>::Resultant(size_t, const MacroTraction<D> &) const;       \
+  template MacroGap<D> MeshScene<D>::MeanOf(size_t);                                               \
+  template void MeshScene<D>::AddForces(size_t, const MacroTraction<D> &, Scatter &, LocalHeap &)  \
+      const;                                                                                       \
+  template void MeshScene<D>::AddDerivatives(size_t, const MacroTraction<D> &, Rim,                \
+                                             MacroRows<D> &, BlockSum &, LocalHeap &) const;
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

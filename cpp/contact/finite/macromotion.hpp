@@ -3,19 +3,11 @@
 #include "contact/direction.hpp"
 #include "contact/faceshapes.hpp"
 #include "contact/place.hpp"
+#include "linear/blocksum.hpp"
 #include "linear/scatter.hpp"
 #include "ray.hpp"
 
 namespace ngslac {
-/// Both surfaces in one configuration, and how they move with the dofs.
-template <int D>
-struct MovingSurfaces {
-  const FaceShapes<D> & slave_shapes;
-  const FaceShapes<D> & master_shapes;
-  Surface<D> slave, master;
-  double share; // of the master in the stiffness of both
-};
-
 /// Quadrature points on the slave surface with the master faces they see: of one pairing, fixed in
 /// the coordinates of the slave faces.
 template <int D>
@@ -31,6 +23,18 @@ template <int D>
 shared_ptr<MacroPoints<D>> MakePoints(shared_ptr<const Pairing<D>> pairing,
                                       const Surface<D> & slave, const LACSpace & space,
                                       FlatArray<double> area);
+
+/// Points that faced each other once: slip counts from there.
+template <int D>
+struct SlipPairs {
+  shared_ptr<const MacroPoints<D>> points;
+  // Of a tool, point by point: the partner and the normal there in the coordinates of the tool, and
+  // the gap along the normal of the slave.
+  Array<Vec<D>> at, normal;
+  Array<double> gap;
+
+  explicit SlipPairs(shared_ptr<const MacroPoints<D>> apoints) : points(apoints) {}
+};
 
 template <int D>
 struct MacroGap;
@@ -109,34 +113,84 @@ struct MacroTraction {
   bool IsZero() const { return pressure == 0 && !IsTraction(even); }
 };
 
-/// A block of the derivative of the contact forces at fixed pressure and tangential traction, for
-/// the dofs of a master face.
-using MasterBlock = std::function<void(FlatArray<int> master, FlatMatrix<> block)>;
-
-/// The hits of all points of the pairing that belong to the macro-element are set, too.
+/// A slave and what it faces in one configuration, at the points of one pairing; macro-elements
+/// without a partner are left out.
 template <int D>
-MacroGap<D> MeanGap(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    FlatArray<RayHit<D>> hits);
+class Scene {
+public:
+  const FaceShapes<D> & slave_shapes;
+  const FaceShapes<D> * master_shapes; // null: a tool
+  Array<int> unknowns;                 // dofs of a tool's motion
+  Surface<D> slave;
+  shared_ptr<const MacroPoints<D>> points;
+  Array<MacroGap<D>> mean;
+  Array<Vec<D>> slip; // since the last Commit, of macro-elements that slide
 
-/// Derivatives of gap, normal and forces at this mean; of the forces only if there are any.
-/// `moving_rim`: the overlap changes where the master ends, which the value at fixed points does
-/// not see.
-template <int D>
-void AddDerivatives(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                    FlatArray<RayHit<D>> hits, const MacroGap<D> & mean,
-                    const MacroTraction<D> & traction, bool moving_rim, MacroRows<D> & rows,
-                    const MasterBlock & add, LocalHeap & lh);
+  /// The reference surface displaced by x.
+  Scene(const FaceShapes<D> & shapes, const FaceShapes<D> * amaster_shapes,
+        const Surface<D> & reference, FlatVector<> x, shared_ptr<const MacroPoints<D>> apoints)
+      : slave_shapes(shapes), master_shapes(amaster_shapes), slave(shapes.Displaced(reference, x)),
+        points(apoints) {}
+  virtual ~Scene() = default;
+  /// Is the other one the same configuration?
+  virtual bool IsLike(const Scene & other) const = 0;
+  virtual MacroGap<D> MeanOf(size_t m) = 0;
+  /// At a point of the pairing; NaN if it faces nothing.
+  virtual double GapAt(const Segment & segment, const PairPoint<D> & p) const = 0;
+  /// Subtracts the virtual work of a traction.
+  virtual void AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
+                         LocalHeap & lh) const = 0;
+  /// Derivatives of gap, normal and forces; of the forces only if there are any.
+  virtual void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim,
+                              MacroRows<D> & rows, BlockSum & stiffness, LocalHeap & lh) const = 0;
+  virtual shared_ptr<const SlipPairs<D>> Pairs() const = 0;
+  /// How far the slave slid along its partners since they faced each other: the mean of the part of
+  /// x + g n - y  across the contact direction, with the gap g and the partner y of then. Rigid
+  /// motions of both bodies do not change it, and what comes nearer in that direction does not
+  /// slip.
+  virtual Vec<D> SlipOf(const SlipPairs<D> & pairs, size_t m) const = 0;
+  /// Adds its derivative to that of the slip.
+  virtual void AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
+                       LocalHeap & lh) const = 0;
+  /// Resultant of a traction on the slave, and its moment about the origin (2D: the last
+  /// component).
+  virtual pair<Vec<D>, Vec<3>> Resultant(size_t m, const MacroTraction<D> & traction) const;
+};
 
-/// Subtracts the virtual work of a traction.
+/// Two surfaces, where the normals of the slave meet the master.
 template <int D>
-void AddTraction(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-                 FlatArray<RayHit<D>> hits, const MacroTraction<D> & traction, Scatter & y,
-                 LocalHeap & lh);
+class MeshScene : public Scene<D> {
+  using Base = Scene<D>;
+  Array<RayHit<D>> hits; // of the points
 
-/// Resultant of a traction on the slave, and its moment about the origin (2D: the last component).
-template <int D>
-pair<Vec<D>, Vec<3>> Resultant(const Surface<D> & slave, const MacroPoints<D> & points,
-                               size_t macro, const MacroTraction<D> & traction);
+public:
+  Surface<D> master;
+  double share; // of the master in the stiffness of both
+
+  MeshScene(const FaceShapes<D> & slave_shapes, const FaceShapes<D> & shapes,
+            const Surface<D> & slave_reference, const Surface<D> & reference, double ashare,
+            FlatVector<> x, shared_ptr<const MacroPoints<D>> points)
+      : Base(slave_shapes, &shapes, slave_reference, x, points),
+        hits(points ? points->pairing->points.Size() : 0), master(shapes.Displaced(reference, x)),
+        share(ashare) {}
+  bool IsLike(const Scene<D> & other) const override {
+    auto & as_this = static_cast<const MeshScene &>(other);
+    return share == as_this.share && this->slave.HasShapeOf(other.slave) &&
+           master.HasShapeOf(as_this.master);
+  }
+  MacroGap<D> MeanOf(size_t m) override;
+  double GapAt(const Segment &, const PairPoint<D> & p) const override { return p.gap; }
+  void AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
+                 LocalHeap & lh) const override;
+  void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim, MacroRows<D> & rows,
+                      BlockSum & stiffness, LocalHeap & lh) const override;
+  shared_ptr<const SlipPairs<D>> Pairs() const override {
+    return make_shared<SlipPairs<D>>(this->points);
+  }
+  Vec<D> SlipOf(const SlipPairs<D> & pairs, size_t m) const override;
+  void AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
+               LocalHeap & lh) const override;
+};
 
 /// A tangential vector of the paired configuration, turned and stretched with the slave surface.
 template <int D>
@@ -150,15 +204,4 @@ Vec<D> Carried(const Surface<D> & before, const Surface<D> & slave, const MacroP
 template <int D>
 void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points, size_t macro,
                      const Vec<D> & vector, MacroRows<D> & rows, LocalHeap & lh);
-
-/// How far the slave slid along the master since the points were paired: the mean of the part of
-/// x + g n - y  across the contact direction, with the gap g and the partner y of the pairing.
-/// Rigid motions of both bodies do not change it, and what comes nearer in that direction does not
-/// slip.
-template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro);
-/// Adds its derivative to that of the slip.
-template <int D>
-void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-             MacroRows<D> & rows, LocalHeap & lh);
 } // namespace ngslac

@@ -4,28 +4,6 @@
 
 namespace ngslac {
 namespace {
-/// A pair of points that once faced each other.
-template <int D>
-struct OldPair {
-  Vec<D> apart; // since then
-  Vec<D> slave_normal, master_normal;
-  double gap; // of then
-  Mat<D, D - 1> dx, dy;
-  ContactDirection<D> direction;
-
-  OldPair(const MovingSurfaces<D> & now, const Segment & segment, const PairPoint<D> & p)
-      : gap(p.gap) {
-    Vec<D> x, y;
-    now.slave.Evaluate(segment.slave, p.slave, x, dx);
-    now.master.Evaluate(segment.master, p.master, y, dy);
-    slave_normal = now.slave.Normal(segment.slave, dx);
-    master_normal = now.master.Normal(segment.master, dy);
-    direction = ContactDirection<D>(slave_normal, master_normal, now.share);
-    apart = x + gap * slave_normal - y;
-  }
-  Vec<D> Slip() const { return direction.Across() * apart; }
-};
-
 /// The derivative of the slip by the scalar functions of one side: they move the points apart by
 /// `moves` times their value, and by `swings` times the turn of the side's normal; that has the
 /// factor `turns` in the contact direction.
@@ -88,26 +66,28 @@ private:
 } // namespace
 
 template <int D>
-Vec<D> MeanSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro) {
+Vec<D> MeshScene<D>::SlipOf(const SlipPairs<D> & pairs, size_t m) const {
+  auto & points = *pairs.points;
   Vec<D> sum = 0.0;
-  for (int s : points.segments[macro])
+  for (int s : points.segments[m])
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s)))
-      sum += p.weight * OldPair<D>(now, points.pairing->segments[s], p).Slip();
-  return (1 / points.area[macro]) * sum;
+      sum += p.weight * OldPair<D>(*this, points.pairing->segments[s], p).Slip();
+  return (1 / points.area[m]) * sum;
 }
 
 template <int D>
-void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_t macro,
-             MacroRows<D> & rows, LocalHeap & lh) {
-  double mean = 1 / points.area[macro];
-  for (int s : points.segments[macro]) {
+void MeshScene<D>::AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
+                           LocalHeap & lh) const {
+  auto & points = *pairs.points;
+  double mean = 1 / points.area[m];
+  for (int s : points.segments[m]) {
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[s];
-    FacePair<D> faces(now, segment, rows, lh);
-    SlipSide<D> of_slave(now.slave_shapes, segment.slave, 1, lh);
-    SlipSide<D> of_master(now.master_shapes, segment.master, -1, lh);
+    FacePair<D> faces(*this, segment, rows, lh);
+    SlipSide<D> of_slave(this->slave_shapes, segment.slave, 1, lh);
+    SlipSide<D> of_master(*this->master_shapes, segment.master, -1, lh);
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
-      OldPair<D> old(now, segment, p);
+      OldPair<D> old(*this, segment, p);
       auto & d = old.direction;
       double w = mean * p.weight;
       of_slave.Add(p.slave, old, w, d.of_slave, old.gap, old.slave_normal, old.dx);
@@ -117,10 +97,7 @@ void AddSlip(const MovingSurfaces<D> & now, const MacroPoints<D> & points, size_
     columns = 0.0;
     of_slave.AddTo(columns, 0);
     of_master.AddTo(columns, D * faces.slaves);
-    auto of_dofs = faces.OfDofs(columns, lh);
-    for (int l : Range(D))
-      for (int j : Range(faces.at))
-        rows.slip(l, faces.at[j]) += of_dofs(l, j);
+    faces.AddTo(rows.slip, columns, 1, lh);
   }
 }
 
@@ -155,7 +132,9 @@ void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points,
   HeapReset hr(lh);
   auto & segment = points.pairing->segments[points.segments[macro][0]];
   auto shapes = slave.Calc(segment.slave, points.pairing->points[segment.first].slave, lh);
-  FacePair<D> faces(slave, nullptr, segment, rows, lh);
+  FacePair<D> faces(slave, nullptr, segment, lh);
+  for (int j : Range(faces.at))
+    faces.at[j] = rows.Position(faces.Dof(j));
   FlatMatrix<> columns(D, faces.Size(), lh);
   columns = 0.0;
   Vec<D - 1> components = Trans(points.dual[macro]) * vector;
@@ -163,10 +142,7 @@ void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points,
     for (int k : Range(D))
       for (int a : Range(D - 1))
         columns(k, D * i + k) += components(a) * shapes.derivative(a, i);
-  auto of_dofs = faces.OfDofs(columns, lh);
-  for (int k : Range(D))
-    for (int j : Range(faces.at))
-      rows.slip(k, faces.at[j]) -= of_dofs(k, j);
+  faces.AddTo(rows.slip, columns, -1, lh);
 }
 
 #define INSTANTIATE(D)                                                                             \
@@ -175,9 +151,9 @@ void SubtractCarried(const FaceShapes<D> & slave, const MacroPoints<D> & points,
                           const Vec<D> &);                                                         \
   template void SubtractCarried(const FaceShapes<D> &, const MacroPoints<D> &, size_t,             \
                                 const Vec<D> &, MacroRows<D> &, LocalHeap &);                      \
-  template Vec<D> MeanSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t);             \
-  template void AddSlip(const MovingSurfaces<D> &, const MacroPoints<D> &, size_t, MacroRows<D> &, \
-                        LocalHeap &);
+  template Vec<D> MeshScene<D>::SlipOf(const SlipPairs<D> &, size_t) const;                        \
+  template void MeshScene<D>::AddSlip(const SlipPairs<D> &, size_t, MacroRows<D> &, LocalHeap &)   \
+      const;
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "macrotool.hpp"
+#include "toolscene.hpp"
 
 namespace ngslac {
 namespace {

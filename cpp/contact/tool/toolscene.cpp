@@ -1,8 +1,148 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "macrotool.hpp"
+#include "toolscene.hpp"
 #include "contact/finite/facepair.hpp"
 
 namespace ngslac {
+template <int D>
+shared_ptr<Pairing<D>> AllPoints(const Surface<D> & reference, int order) {
+  return make_shared<Pairing<D>>(PairWithObstacle<D>(reference, order));
+}
+
+namespace {
+/// From there on, as an angle of both normals of 120 degrees, a point faces the tool as a whole.
+constexpr double whole_cosine = -0.5;
+
+double PartOfWay(double cosine) {
+  return (facing_cosine - cosine) / (facing_cosine - whole_cosine);
+}
+} // namespace
+
+double Facing(double cosine) {
+  double t = min(1.0, max(0.0, PartOfWay(cosine)));
+  return t * t * (3 - 2 * t);
+}
+
+double FacingGrowth(double cosine) {
+  double t = PartOfWay(cosine);
+  if (t <= 0 || t >= 1)
+    return 0;
+  return -6 * (1 - t) / (t * (3 - 2 * t)) / (facing_cosine - whole_cosine);
+}
+
+namespace {
+/// A point of the slave surface with what the tool is there.
+template <int D>
+struct SlavePoint {
+  Vec<D> x, normal;
+  Mat<D, D - 1> dx;
+  ToolHit<D> hit;
+
+  SlavePoint(const ToolScene<D> & now, int face, Vec<D - 1> xi) {
+    now.slave.Evaluate(face, xi, x, dx);
+    normal = now.slave.Normal(face, dx);
+    hit = now.tool.At(now.InSpace(x));
+  }
+  /// The cosine between both normals; 0 where the tool has none.
+  double Cosine() const { return InnerProduct(normal, hit.normal); }
+  /// To the plane that touches the tool, along the slave normal.
+  double Along() const { return -hit.distance / Cosine(); }
+};
+} // namespace
+
+template <int D>
+shared_ptr<Pairing<D>> FacingPoints(const Pairing<D> & all, const ToolScene<D> & now) {
+  auto result = make_shared<Pairing<D>>(all);
+  ParallelFor(result->Size(), [&](size_t s) {
+    int face = result->segments[s].slave;
+    auto set = [&](PairPoint<D> & p) {
+      SlavePoint<D> point(now, face, p.slave);
+      double share = Facing(point.Cosine());
+      p.gap = share > 0 ? point.Along() : point.hit.distance;
+      p.normal = point.normal;
+      p.weight *= share;
+    };
+    for (auto & p : result->points.Range(result->Points(s)))
+      set(p);
+    for (auto & p : result->corners.Range(result->Corners(s)))
+      set(p);
+  });
+  return result;
+}
+
+template <int D>
+shared_ptr<const SlipPairs<D>> ToolScene<D>::Pairs() const {
+  auto pairs = make_shared<SlipPairs<D>>(this->points);
+  auto & pairing = *this->points->pairing;
+  size_t n = pairing.points.Size();
+  pairs->at.SetSize(n), pairs->normal.SetSize(n), pairs->gap.SetSize(n);
+  ParallelFor(pairing.Size(), [&](size_t s) {
+    for (size_t i : pairing.Points(s)) {
+      auto & p = pairing.points[i];
+      SlavePoint<D> point(*this, pairing.segments[s].slave, p.slave);
+      pairs->gap[i] = p.weight > 0 ? point.Along() : 0;
+      Vec<D> partner = InSpace(point.x) + pairs->gap[i] * point.normal;
+      Vec<D> normal = tool.At(partner).normal;
+      if (L2Norm2(normal) == 0)
+        normal = point.hit.normal;
+      pairs->at[i] = tool.place.ToTool(partner);
+      pairs->normal[i] = Trans(tool.place.turn) * normal;
+    }
+  });
+  return pairs;
+}
+
+template <int D>
+double ToolScene<D>::GapAt(const Segment & segment, const PairPoint<D> & p) const {
+  SlavePoint<D> point(*this, segment.slave, p.slave);
+  return point.Cosine() < facing_cosine ? point.hit.distance
+                                        : std::numeric_limits<double>::quiet_NaN();
+}
+
+template <int D>
+MacroGap<D> ToolScene<D>::MeanOf(size_t m) {
+  auto & points = *this->points;
+  double distance = 0;
+  Vec<D> slave = 0.0, tool = 0.0;
+  for (int s : points.segments[m])
+    for (auto & p : points.pairing->points.Range(points.pairing->Points(s)))
+      if (p.weight > 0) {
+        SlavePoint<D> point(*this, points.pairing->segments[s].slave, p.slave);
+        distance += p.weight * point.hit.distance;
+        slave += p.weight * point.normal;
+        tool += p.weight * point.hit.normal;
+      }
+  double mean = 1 / points.area[m];
+  return {mean * distance, mean * slave, mean * tool, 1.0};
+}
+
+template <int D>
+void ToolScene<D>::AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
+                             LocalHeap & lh) const {
+  auto & points = *this->points;
+  auto & shapes = this->slave_shapes;
+  for (int s : points.segments[m]) {
+    HeapReset hr(lh);
+    int face = points.pairing->segments[s].slave;
+    FlatVector<> values(shapes.Functions(face).Height(), lh);
+    FlatMatrixFixWidth<D> forces(values.Size(), lh);
+    forces = 0.0;
+    for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
+      if (p.weight == 0)
+        continue;
+      Vec<D> x;
+      Mat<D, D - 1> dx;
+      this->slave.Evaluate(face, p.slave, x, dx);
+      Vec<D> force = p.weight * traction.At(this->slave.Normal(face, dx));
+      shapes.CalcBasis(face, p.slave, values);
+      for (int i : Range(values))
+        forces.Row(i) -= values(i) * force;
+      for (auto & own : tool.dofs)
+        y.Add(own.dof, InnerProduct(force, own.At(InSpace(x))));
+    }
+    shapes.AddForces(face, forces, y, lh);
+  }
+}
+
 namespace {
 /// Adds what the points of one slave face contribute to the derivatives: by its scalar functions,
 /// and after them by the unknowns of the tool.
@@ -32,9 +172,9 @@ public:
   ToolFaceDerivative(const ToolScene<D> & anow, const Segment & segment, const MacroGap<D> & amean,
                      const MacroTraction<D> & atraction, bool amoving, MacroRows<D> & arows,
                      LocalHeap & lh)
-      : now(anow), mean(amean), traction(atraction), rows(arows),
-        faces(now.shapes, nullptr, segment, rows, lh), loaded(!traction.IsZero()), moving(amoving),
-        n1(faces.Size()), n(n1 + now.tool.dofs.Size()), columns(3 * D + 2, n, lh), block(n, n, lh) {
+      : now(anow), mean(amean), traction(atraction), rows(arows), faces(now, segment, rows, lh),
+        loaded(!traction.IsZero()), moving(amoving), n1(faces.Size()), n(n1 + now.tool.dofs.Size()),
+        columns(3 * D + 2, n, lh), block(n, n, lh) {
     columns = 0.0, block = 0.0;
   }
 
@@ -45,7 +185,7 @@ public:
     now.slave.Evaluate(face, p.slave, x, dx);
     x = Vec<D>(now.InSpace(x));
     auto hit = now.tool.At(x);
-    auto shapes = now.shapes.Calc(face, p.slave, lh);
+    auto shapes = now.slave_shapes.Calc(face, p.slave, lh);
     Point point{p.weight,
                 x,
                 now.slave.Normal(face, dx),
@@ -184,13 +324,14 @@ private:
 } // namespace
 
 template <int D>
-void AddToolDerivatives(const ToolScene<D> & now, const MacroPoints<D> & points, size_t macro,
-                        const MacroGap<D> & mean, const MacroTraction<D> & traction, bool moving,
-                        MacroRows<D> & rows, LocalHeap & lh) {
-  for (int s : points.segments[macro]) {
+void ToolScene<D>::AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim,
+                                  MacroRows<D> & rows, BlockSum &, LocalHeap & lh) const {
+  auto & points = *this->points;
+  auto & mean = this->mean[m];
+  for (int s : points.segments[m]) {
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[s];
-    ToolFaceDerivative<D> derivative(now, segment, mean, traction, moving, rows, lh);
+    ToolFaceDerivative<D> derivative(*this, segment, mean, traction, rim == Rim::moves, rows, lh);
     for (auto & p : points.pairing->points.Range(points.pairing->Points(s)))
       if (p.weight > 0) {
         HeapReset hr(lh);
@@ -198,7 +339,7 @@ void AddToolDerivatives(const ToolScene<D> & now, const MacroPoints<D> & points,
       }
     derivative.AddToRows(lh);
   }
-  rows.MakeMeans(mean, points.area[macro], 1);
+  rows.MakeMeans(mean, points.area[m], 1);
 }
 
 namespace {
@@ -209,7 +350,7 @@ struct OldPartner {
   Vec<D> place;                       // of the tool's point
   Mat<D, D - 1> dx;
 
-  OldPartner(const ToolScene<D> & now, const ToolPartners<D> & partners, size_t point, int face,
+  OldPartner(const ToolScene<D> & now, const SlipPairs<D> & partners, size_t point, int face,
              Vec<D - 1> xi) {
     Vec<D> x;
     now.slave.Evaluate(face, xi, x, dx);
@@ -223,29 +364,29 @@ struct OldPartner {
 } // namespace
 
 template <int D>
-Vec<D> ToolSlip(const ToolScene<D> & now, const MacroPoints<D> & points,
-                const ToolPartners<D> & partners, size_t macro) {
+Vec<D> ToolScene<D>::SlipOf(const SlipPairs<D> & pairs, size_t m) const {
+  auto & points = *pairs.points;
   Vec<D> sum = 0.0;
-  for (int s : points.segments[macro])
+  for (int s : points.segments[m])
     for (size_t i : points.pairing->Points(s)) {
       auto & p = points.pairing->points[i];
       if (p.weight == 0)
         continue;
-      OldPartner<D> old(now, partners, i, points.pairing->segments[s].slave, p.slave);
+      OldPartner<D> old(*this, pairs, i, points.pairing->segments[s].slave, p.slave);
       sum += p.weight * (old.Across() * old.apart);
     }
-  return 1 / points.area[macro] * sum;
+  return 1 / points.area[m] * sum;
 }
 
 template <int D>
-void AddToolSlip(const ToolScene<D> & now, const MacroPoints<D> & points,
-                 const ToolPartners<D> & partners, size_t macro, MacroRows<D> & rows,
-                 LocalHeap & lh) {
-  double mean = 1 / points.area[macro];
-  for (int s : points.segments[macro]) {
+void ToolScene<D>::AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
+                           LocalHeap & lh) const {
+  auto & points = *pairs.points;
+  double mean = 1 / points.area[m];
+  for (int s : points.segments[m]) {
     HeapReset hr(lh);
     auto & segment = points.pairing->segments[s];
-    FacePair<D> faces(now.shapes, nullptr, segment, rows, lh);
+    FacePair<D> faces(*this, segment, rows, lh);
     FlatMatrix<> columns(D, faces.Size(), lh);
     columns = 0.0;
     for (size_t point : points.pairing->Points(s)) {
@@ -254,18 +395,18 @@ void AddToolSlip(const ToolScene<D> & now, const MacroPoints<D> & points,
         continue;
       HeapReset hr(lh);
       double weight = mean * p.weight;
-      OldPartner<D> old(now, partners, point, segment.slave, p.slave);
-      auto shapes = now.shapes.Calc(segment.slave, p.slave, lh);
+      OldPartner<D> old(*this, pairs, point, segment.slave, p.slave);
+      auto shapes = this->slave_shapes.Calc(segment.slave, p.slave, lh);
       auto gradients = Gradients<D>(old.dx, shapes, lh);
       Mat<D, D> across = old.Across();
       for (int i : Range(faces.slaves)) {
-        Vec<D> swing = partners.gap[point] * Vec<D>(across * Vec<D>(gradients.Row(i)));
+        Vec<D> swing = pairs.gap[point] * Vec<D>(across * Vec<D>(gradients.Row(i)));
         for (int l : Range(D))
           for (int k : Range(D))
             columns(l, D * i + k) +=
                 weight * (across(l, k) * shapes.value(i) - swing(l) * old.slave_normal(k));
       }
-      for (auto & own : now.tool.dofs) {
+      for (auto & own : tool.dofs) {
         Vec<D> turn = own.spin * old.normal, moved = across * own.At(old.place);
         moved += InnerProduct(old.normal, old.apart) * turn;
         moved += InnerProduct(turn, old.apart) * old.normal;
@@ -273,21 +414,14 @@ void AddToolSlip(const ToolScene<D> & now, const MacroPoints<D> & points,
           rows.slip(l, rows.Position(own.dof)) -= weight * moved(l);
       }
     }
-    auto of_dofs = faces.OfDofs(columns, lh);
-    for (int l : Range(D))
-      for (int j : Range(faces.at))
-        rows.slip(l, faces.at[j]) += of_dofs(l, j);
+    faces.AddTo(rows.slip, columns, 1, lh);
   }
 }
 
 #define INSTANTIATE(D)                                                                             \
-  template void AddToolDerivatives(const ToolScene<D> &, const MacroPoints<D> &, size_t,           \
-                                   const MacroGap<D> &, const MacroTraction<D> &, bool,            \
-                                   MacroRows<D> &, LocalHeap &);                                   \
-  template Vec<D> ToolSlip(const ToolScene<D> &, const MacroPoints<D> &, const ToolPartners<D> &,  \
-                           size_t);                                                                \
-  template void AddToolSlip(const ToolScene<D> &, const MacroPoints<D> &, const ToolPartners<D> &, \
-                            size_t, MacroRows<D> &, LocalHeap &);
+  template shared_ptr<Pairing<D>> AllPoints(const Surface<D> &, int);                              \
+  template shared_ptr<Pairing<D>> FacingPoints(const Pairing<D> &, const ToolScene<D> &);          \
+  template class ToolScene<D>;
 INSTANTIATE(2)
 INSTANTIATE(3)
 } // namespace ngslac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "toolposition.hpp"
+#include "toolpath.hpp"
 
 namespace ngslac {
 template <int D>
@@ -63,12 +63,6 @@ void ToolPath<D>::Reevaluate() {
   loads.SetSize0();
   for (auto & drive : drives)
     loads.Append(drive.given.load ? ValuesOf(*drive.given.load)(0) : 0.0);
-}
-
-template <int D>
-void ToolPath<D>::Forget() {
-  for (auto & watch : watches)
-    watch->Forget();
 }
 
 template <int D>

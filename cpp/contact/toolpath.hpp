@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include "contact/coefficients.hpp"
-#include "contact/contactform.hpp"
+#include "coefficients.hpp"
+#include "contactform.hpp"
 
 namespace ngslac {
 /// How the points of a tool move with an unknown of its motion:  linear + spin x.
@@ -56,7 +56,6 @@ public:
   ToolPath(const RigidTool & tool, const ProxyInfo & u);
   /// Evaluates what Parameters may have changed.
   void Reevaluate();
-  void Forget();
   /// Another number for other values of Parameters.
   int Version() const { return version; }
   ToolPosition<D> At(FlatVector<> x) const;
