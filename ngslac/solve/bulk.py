@@ -17,12 +17,12 @@ __all__ = ["LINEAR", "ROUNDING", "Bulk"]
 LINEAR = 1e-10
 # Errors of a force, relative to the stiffness times the displacement.
 ROUNDING = 1e-14
-# Change of the residual, relative to the forces at work, that tells nothing.
+# Change of the residual, relative to the forces at work, that says nothing about the form.
 TINY = 1e-5
 
 
 @dataclass
-class Honest:
+class Exact:
     """Where the form itself was applied, what it gave, the merit and rounding errors there."""
 
     vec: BaseVector
@@ -34,28 +34,17 @@ class Honest:
 class Bulk:
     """What is solved besides contact, at the solution.
 
-    A form whose residual changes as its matrix says seems to be linear, be it from the solution to
-    a random displacement, where that is asked first, or along Newton's steps: its matrix is kept,
-    and a product with it takes the place of the element loop. What looks converged then has to be
-    confirmed.
-
-    Parameters
-    ----------
-    a : BilinearForm
-        Or what has its verbs.
-    gf : GridFunction
-    rhs :
-        As in ContactSolver.
+    A random displacement shows whether the form is linear, when its matrix is made first. The
+    matrix of a linear form is kept, and products with it take the place of the element loop, until
+    a residual of the form itself shows that a Parameter has changed the form.
 
     Attributes
     ----------
     islinear : bool or None
-        As far as seen; None: not at all.
+        None: not asked yet.
     inner : (n,) bool
         Free dofs that are condensed: they are not in the matrix.
-    product : BaseMatrix or None
-        A product with it takes the place of the form.
-    last : Honest or None
+    last : Exact or None
         The last residual that came from the form itself.
     """
 
@@ -66,14 +55,18 @@ class Bulk:
             inner = BitArray(a.space.FreeDofs())
             inner &= ~a.space.FreeDofs(True)
             self.inner = AsNumPy(ScalarDofs(inner, a.space))
-        self._vouched = False  # is the matrix linear as a random displacement says?
-        self._refuted = False  # by a random displacement: no other one is asked
         self.StartAfresh()
 
     @property
     def mat(self):
         """The derivative of the form where it was assembled last."""
         return self.a.mat
+
+    @property
+    def product(self):
+        """The matrix, where a product with it takes the place of the form; else None."""
+        known = self.islinear and self.last is not None and not self.a.condense
+        return self.mat if known else None
 
     @property
     def elastic(self):
@@ -94,143 +87,108 @@ class Bulk:
 
     def StartAfresh(self):
         """Know nothing of the form."""
-        self.islinear = None
+        self.islinear, self._changed = None, False
         self.Forget()
 
     def Forget(self):
         """Know no residual of before: the next one comes from the form."""
-        self.last, self.product, self._proposed, self._probe = None, None, None, None
+        self.last = self._probe = None
+
+    def Begin(self):
+        """A solve begins: a form that has changed is asked anew."""
+        if self._changed:
+            self.StartAfresh()
 
     def Assemble(self):
         """Make the matrix at the solution; False if that of before still holds."""
         self._probe = None
         if self.islinear and self.mat.height == self.a.space.ndof:
-            if self._vouched:  # the way to a solution is the same each time
-                self._TakeForLinear()
             return False
-        self._vouched = False
-        self.Propose(None)
-        if self.islinear is not None or self.a.condense or self._refuted:
-            AssembleBulk(self.a, self.gf.vec)
-            return True
-        self._probe = Probe.At(self.a, self.gf)
-        if self._probe and AssembleLinear(self.a) and self._probe.Agrees(self.mat):
-            self._TakeForLinear()
-            return True
+        if self.islinear is None:
+            self._probe = Probe.At(self)
+            if self._probe and AssembleLinear(self.a) and self._probe.Agrees(self):
+                self.islinear = True
+                return True
         AssembleBulk(self.a, self.gf.vec)
-        if self._probe and self._probe.Agrees(self.mat):
-            self._TakeForLinear()
-        self._refuted = not self.islinear
+        if self.islinear is None:
+            self.islinear = bool(self._probe and self._probe.Agrees(self))
         return True
-
-    def _TakeForLinear(self):
-        self.islinear = self._vouched = True
-        self.Propose(self.mat)
-        self.Propose(self.mat)
-
-    def Propose(self, mat):
-        """Use a matrix in place of the form if that is proposed twice.
-
-        A first step often is a rigid motion, which tells little.
-        """
-        self.product = mat if mat is self._proposed else None
-        self._proposed = mat
 
     # --- residual ------------------------------------------------------------------------------
 
-    def Apply(self, honest):
-        """The residual before loads are taken off, and whether it comes from the form itself.
+    def Apply(self, exact):
+        """The residual (BaseVector) before loads are taken off, and whether it is exact.
 
-        Parameters
-        ----------
-        honest : bool
-            It has to.
-
-        Returns
-        -------
-        BaseVector, bool
+        It comes from the form itself then, as it does where `exact` asks for that.
         """
-        if not honest and self.product is not None and self.last is not None:
-            residual = self.gf.vec.CreateVector()
+        residual = self.gf.vec.CreateVector()
+        if not exact and self.product is not None:
             residual.data = self.last.residual + self.Change()
             return residual, False
         probe, self._probe = self._probe, None
         if probe is not None and np.array_equal(probe.values, self.gf.vec.FV().NumPy()):
             return probe.residual, True
-        residual = self.gf.vec.CreateVector()
         self.a.Apply(self.gf.vec, residual)
         return residual, True
 
     def Remember(self, residual, merit, rounding):
-        """Take an honest residual as the one from which products go on."""
+        """Take an exact residual as the one from which products go on."""
         start = self.gf.vec.CreateVector()
         start.data = self.gf.vec
-        self.last = Honest(start, residual, merit, rounding)
+        self.last = Exact(start, residual, merit, rounding)
 
     def Change(self):
-        """What a linear form adds to its last honest residual."""
+        """What a linear form adds to its last exact residual."""
         moved, change = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         moved.data = self.gf.vec - self.last.vec
         change.data = self.product * moved
         return change
 
-    # --- is it linear? -------------------------------------------------------------------------
+    # --- is it linear, still? ------------------------------------------------------------------
 
     def Learn(self, before, after, motion, scale, residual):
-        """See from a motion (n,) between two States whether the form is linear.
+        """See from a motion (n,) between two Measurements whether a condensed form has changed."""
+        if self.islinear and self.a.condense:
+            self.islinear = self._Explains(before.bulk - after.bulk, motion, scale, residual)
+            self._changed = not self.islinear
 
-        Parameters
-        ----------
-        before, after : Measurement
-        motion, scale : (n,) array
-        residual : Residual
-            Tells the forces at work, and rounding errors.
-        """
-        if after.honest:
-            change = before.bulk - after.bulk
-            self.islinear = self.Explains(change, motion, scale, residual)
-            keeps = self.islinear and not self.a.condense  # else the matrix is not all of it
-            self.Propose(self.mat if keeps else None)
-
-    def Explains(self, difference, motion, scale, residual):
-        """Does the matrix say so of a difference (n,) of residuals? See `Learn`.
-
-        What is too short tells nothing.
-        """
-        change, expected = self.gf.vec.CreateVector(), Multiply([self.mat], motion)
-        change.FV().NumPy()[:] = difference
-        inside, inner = self._MovesInside(change, motion, scale), self.inner
-        self.Condense(change)
+    def _Explains(self, change, motion, scale, residual):
+        """Does the matrix explain a change (n,) of residuals, as far as that says anything?"""
+        deviation, expected = self.Deviation(change, motion)
+        away = np.linalg.norm((deviation / scale)[self.inner])
         deviation, expected = (
-            np.where(inner, 0.0, scale * force)
-            for force in (change.FV().NumPy() - expected, expected)
+            np.linalg.norm((scale * forces)[~self.inner]) for forces in (deviation, expected)
         )
-        size, deviation = np.linalg.norm(expected), np.linalg.norm(deviation)
-        # Of thin bodies in bending the forces are small beside those that cancel out.
-        rounding = residual.rounding + ROUNDING * np.linalg.norm(motion / scale)
-        if size < max(TINY * residual.forces, residual.rounding):
-            return self.islinear is not False
-        linear = inside and deviation <= LINEAR * size
-        return bool(linear or (self.islinear is not False and deviation <= rounding))
-
-    def _MovesInside(self, change, motion, scale):
-        """Do condensed dofs move as the bulk says where forces change so?
-
-        Their matrix K_ii is known by its inverse only: K_ii^-1 times forces is the motion that is
-        not that of the harmonic extension.
-        """
-        if not self.a.condense:
+        if expected < max(TINY * residual.forces, residual.rounding):
             return True
-        moved, own = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        # Of thin bodies in bending the forces are small beside those that cancel out.
+        moved = np.linalg.norm(motion / scale)
+        inside = away <= LINEAR * moved and deviation <= LINEAR * expected
+        return bool(inside or deviation <= residual.rounding + ROUNDING * moved)
+
+    def Deviation(self, change, motion):
+        """How far a change (n,) of the residual is from what the matrix says, and what that is.
+
+        Of condensed dofs the matrix K_ii is known by its inverse only: for them both are motions,
+        as K_ii^-1 times forces is the motion that is not that of the harmonic extension.
+        """
+        forces, deviation = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
+        forces.FV().NumPy()[:] = change
+        expected = Multiply([self.mat], motion)
+        if not self.a.condense:
+            return change - expected, expected
+        moved, follows = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         moved.FV().NumPy()[:] = motion
-        own.data = self.a.inner_solve * change + self.a.harmonic_extension * moved
-        away = np.where(self.inner, own.FV().NumPy() - motion, 0.0) / scale
-        return np.linalg.norm(away) <= LINEAR * np.linalg.norm(motion / scale)
+        follows.data = self.a.harmonic_extension * moved
+        deviation.data = self.a.inner_solve * forces + follows - moved
+        self.Condense(forces)
+        expected = np.where(self.inner, np.abs(follows.FV().NumPy()) + np.abs(motion), expected)
+        outside = forces.FV().NumPy() - expected
+        return np.where(self.inner, deviation.FV().NumPy(), outside), expected
 
     def Refute(self):
-        """It is not linear: be honest from now on."""
-        self.islinear = self._vouched = False
-        self.Propose(None)
+        """The form is another one: it is assembled in each step up to the end of the solve."""
+        self.islinear, self._changed = False, True
 
     # --- condensation --------------------------------------------------------------------------
 

@@ -7,8 +7,6 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BaseVector
 
-from ngslac.arrays import Multiply
-
 __all__ = ["AssembleLinear", "Probe"]
 
 # Deviations that are rounding: of all, and of a row, relative to what is expected there.
@@ -38,29 +36,30 @@ class Probe:
     change: np.ndarray
 
     @classmethod
-    def At(cls, a, gf):
-        """From a solution; None where the form has no value."""
-        vec, there, here = (gf.vec.CreateVector() for _ in range(3))
-        way = ElementSize(gf.space.mesh) * RandomWay(len(gf.vec.FV().NumPy()))
-        vec.FV().NumPy()[:] = gf.vec.FV().NumPy() + way
+    def At(cls, bulk):
+        """From the solution of a Bulk; None where the form has no value."""
+        gf, vec = bulk.gf, bulk.gf.vec
+        there, at, here = (vec.CreateVector() for _ in range(3))
+        way = ElementSize(gf.space.mesh) * RandomWay(len(vec.FV().NumPy()))
+        at.FV().NumPy()[:] = vec.FV().NumPy() + way
         try:
-            a.Apply(gf.vec, here)
-            a.Apply(vec, there)
+            bulk.a.Apply(vec, here)
+            bulk.a.Apply(at, there)
         except NgException:
             return None
         change = there.FV().NumPy() - here.FV().NumPy()
         if not np.all(np.isfinite(change)):
             return None
-        return cls(gf.vec.FV().NumPy().copy(), here, way, change)
+        return cls(vec.FV().NumPy().copy(), here, way, change)
 
-    def Agrees(self, mat):
-        """Is a matrix that of a linear form with this change?"""
-        expected = Multiply([mat], self.way)
-        deviation = np.abs(self.change - expected)
-        expected = np.abs(expected)
-        if not np.linalg.norm(deviation) <= ALL * np.linalg.norm(expected):
-            return False
-        return bool(np.all(deviation <= ROW * expected))
+    def Agrees(self, bulk):
+        """Is the matrix of a Bulk that of a linear form with this change?"""
+        deviation, expected = map(np.abs, bulk.Deviation(self.change, self.way))
+        return all(
+            np.linalg.norm(deviation[rows]) <= ALL * np.linalg.norm(expected[rows])
+            and np.all(deviation[rows] <= ROW * expected[rows])
+            for rows in (bulk.inner, ~bulk.inner)
+        )
 
 
 def AssembleLinear(a):

@@ -39,7 +39,7 @@ class Measurement:
         Share of their area that faces a master.
     reason : str
         Why there is no residual.
-    honest : bool
+    exact : bool
         Is `bulk` what the bulk form itself says?
     """
 
@@ -51,7 +51,7 @@ class Measurement:
     status: np.ndarray = field(repr=False)
     covered: np.ndarray = field(repr=False)
     reason: str = ""
-    honest: bool = True
+    exact: bool = True
 
     @property
     def finite(self):
@@ -120,7 +120,7 @@ class Residual:
         for contact in self.contacts:
             self.multipliers[contact.form.MultiplierDofs()] = True
         self.reference, self.tol = self.converged, tol
-        state = self.Measure(scale, honest=True)
+        state = self.Measure(scale, exact=True)
         if state.finite:
             self._CheckMultiplierLoads(scale)
         # A body that moves without touching feels nothing but the jump of its Dirichlet values.
@@ -149,36 +149,36 @@ class Residual:
         self.converged = max(self.forces, self.converged)
 
     def Confirm(self, state, scale):
-        """The honest Measurement of gf in place of the last one.
+        """The exact Measurement of gf in place of the last one.
 
-        Where the bulk turns out not to be linear, gf is that of the last honest residual if this
+        Where the bulk turns out not to be linear, gf is that of the last exact residual if this
         was smaller.
         """
-        if state.honest:
+        if state.exact:
             return state
         last, change = self.bulk.last, self.bulk.Change()
-        honest = self.Measure(scale, honest=True)
-        if honest.finite:
+        exact = self.Measure(scale, exact=True)
+        if exact.finite:
             size, deviation = (
                 Norm((scale * forces)[~self.multipliers])
-                for forces in (change.FV().NumPy(), honest.bulk - state.bulk)
+                for forces in (change.FV().NumPy(), exact.bulk - state.bulk)
             )
             if deviation <= max(LINEAR * size, 1e-2 * LINEAR * self.forces, self.rounding):
-                return honest
+                return exact
         self.bulk.Refute()
-        if not honest.merit <= last.merit:
+        if not exact.merit <= last.merit:
             self.gf.vec.data = last.vec
-            honest = self.Measure(scale)
-        return honest
+            exact = self.Measure(scale)
+        return exact
 
-    def Measure(self, scale, honest=False):
-        """The Measurement of gf; `honest`: by the bulk form, even if it seems to be linear."""
+    def Measure(self, scale, exact=False):
+        """The Measurement of gf; `exact`: by the bulk form, even if it seems to be linear."""
         vec = self.gf.vec
         contact_residual = vec.CreateVector()
         contact_residual[:] = 0
         try:
             self.Follow()
-            residual, honest = self.bulk.Apply(honest)
+            residual, exact = self.bulk.Apply(exact)
             for contact in self.contacts:
                 contact.AddApply(vec, contact_residual)
                 contact.form.Evaluate(vec)
@@ -208,11 +208,11 @@ class Residual:
         self.forces, self.scaled, self.parts = forces, scaled, np.stack([bulk, pushed])
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
         self.places = self._RoundingOfPlaces(scale)
-        state = self._StateOf(bulk, honest)
-        if honest:
+        state = self._StateOf(bulk, exact)
+        if exact:
             self.bulk.Remember(residual, state.merit, self.rounding)
         elif self._IsSpoilt(state):
-            return self.Measure(scale, honest=True)
+            return self.Measure(scale, exact=True)
         return state
 
     def _IsSpoilt(self, state):
@@ -221,7 +221,7 @@ class Residual:
         matters = errors > max(self.tol * max(self.forces, self.reference), 10 * self.rounding)
         return matters and state.unbalance <= errors
 
-    def _StateOf(self, bulk, honest):
+    def _StateOf(self, bulk, exact):
         """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
@@ -243,7 +243,7 @@ class Residual:
             equilibrium,
             np.concatenate([t["status"] for t in tables]),
             np.concatenate([t["area"] / t["fullarea"] for t in tables]),
-            honest=honest,
+            exact=exact,
         )
 
     def _Rounding(self, scale, pushed):

@@ -327,7 +327,7 @@ class ContactSolver(metaclass=Distributable):
         if not self.history:
             return None
         system = self.system
-        return system.residual.Measure(system.scale, honest=not same_load).merit
+        return system.residual.Measure(system.scale, exact=not same_load).merit
 
     def State(self) -> dict:
         """What the next solve depends on: solution, contacts, forces at work.

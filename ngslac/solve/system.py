@@ -130,7 +130,7 @@ class System:
 
     @property
     def islinear(self):
-        """Is nothing but the contact law nonlinear, as far as seen?"""
+        """Is nothing but the contact law nonlinear?"""
         return bool(self.bulk.islinear) and not self.finite
 
     # --- state ---------------------------------------------------------------------------------
@@ -242,6 +242,7 @@ class System:
         constrained : (n,) bool
             Those of which that counts.
         """
+        self.bulk.Begin()
         self.motion, self._driven, self.slides = None, None, True
         self.linear.shifts, self._start = 0, self.values.copy()
         self.SetDrag(None)
@@ -287,9 +288,9 @@ class System:
         """The Measurement of the solution."""
         return self.residual.Measure(self.scale, self.motion is not None)
 
-    def MeasureHonestly(self):
-        """The Measurement of the solution and its multipliers, by the bulk form itself."""
-        return self.residual.Measure(self.scale, honest=True)
+    def MeasureExactly(self):
+        """The Measurement of the solution, by the bulk form itself."""
+        return self.residual.Measure(self.scale, exact=True)
 
     def Sight(self, correction):
         """The part of a correction (n,) that takes no face farther than contact looks for it."""

@@ -288,10 +288,6 @@ class DynamicForm:
         known = self._applied is not None and np.array_equal(self._applied[0], x)
         return self._applied[1].copy() if known else None
 
-    def Change(self, forces, motion):
-        """What the form adds along a motion (n,) where the one without inertia adds forces."""
-        return self.share * (forces + self.factor.Get() * self.mass.Times(motion))
-
     def ElasticChange(self, motion):
         """What a linear form without inertia adds along a motion (n,); not where it condenses."""
         return Multiply([self.mat], motion) / self.share - self.factor.Get() * self.mass.Times(

@@ -110,7 +110,7 @@ class LimitLoad:
     def _LeadsWhatTouches(self):
         """Does the load move a tool or change gaps, rather than push? Such a load has no limit."""
         self.system.residual.Follow()
-        return self.system.MeasureHonestly().constraint > IDLE
+        return self.system.MeasureExactly().constraint > IDLE
 
     # --- from a converged state ------------------------------------------------------------------
 
@@ -131,7 +131,7 @@ class LimitLoad:
         system.motion = None
         system.Assemble()
         system.residual.Follow()
-        state = system.MeasureHonestly()
+        state = system.MeasureExactly()
         if not state.finite or state.equilibrium < IDLE:
             return None, None
         start = self._Forces()
@@ -162,7 +162,7 @@ class LimitLoad:
     def _Work(self, before, start, motion, part):
         """Of the forces that a part of the motion adds, along all of it."""
         self.system.values[:] = before + part * motion
-        if not self.system.MeasureHonestly().finite:
+        if not self.system.MeasureExactly().finite:
             return np.nan
         return float(motion @ (self._Forces() - start))
 
@@ -175,7 +175,7 @@ class LimitLoad:
         at = []
         for load in (self._begin, self._goal):
             self.load.Set(load)
-            if not self.system.MeasureHonestly().finite:
+            if not self.system.MeasureExactly().finite:
                 return
             at.append(np.where(residual.multipliers, 0.0, residual.scaled))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))

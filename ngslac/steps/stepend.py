@@ -126,28 +126,20 @@ class StepEnd:
         return self._Settle(groups, rows, velocity, before, now, works, taken)
 
     def _Forces(self, start, motion, system):
-        """Those of the bulk at the end, on the way, and whether they are linear there.
-
-        Newton's steps say little of that: with another stiffness in each step they seem to be
-        linear as often as the matrix is made anew.
-        """
+        """Those of the bulk at the end, on the way, and whether they are linear there."""
         form, step = self.form, self.gf.vec.FV().NumPy() - start
-        seems, before = bool(system.bulk.islinear), self._balanced
-        steady = seems and not form.renewed
+        islinear, before = system.bulk.islinear, self._balanced
+        linear = islinear and not form.renewed
         whole = not form.condense  # is the matrix that of all dofs?
 
         def IsRounding(forces):
-            return seems and system.residual.IsRounding(forces, system.scale)
+            return islinear and system.residual.IsRounding(forces, system.scale)
 
-        product = form.ElasticChange if whole and steady else None
+        product = form.ElasticChange if whole and linear else None
         forces = self._forces.Next(form.Elastic(self.gf.vec.FV().NumPy()), product)
         if whole:
             change = form.ElasticChange(step)
             linear = self._forces.Changed(before, forces, change, IsRounding)
-        else:
-            change = form.Change(sum(forces) - sum(before), step)
-            given = change, step, system.scale, system.residual
-            linear = steady and system.bulk.Explains(*given)
         return forces, *self._forces.OnTheWay(motion, before, forces, linear, IsRounding)
 
     def _NewVelocity(self, motion, force, dt):

@@ -212,7 +212,7 @@ def test_a_mechanism_under_a_load_is_no_state(torque):
     warned(p.solve)
     p.torque.Set(torque)
     system = p.solver.system
-    system.residual.Measure(system.scale, honest=True)
+    system.residual.Measure(system.scale, exact=True)
     with pytest.raises(FloatingBodyError, match="'disc' floats \\(rotation\\) under the loads"):
         Look(system)()
     with pytest.raises(FloatingBodyError, match="'disc' floats \\(rotation\\)"):

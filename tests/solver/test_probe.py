@@ -81,21 +81,20 @@ def test_the_matrix_is_the_derivative(law, once, affine):
     problem.gf.vec.FV().NumPy()[:] = 1e-3 * random
     problem.a.AssembleLinearization(problem.gf.vec)
     expected = problem.a.mat.AsVector().FV().NumPy().copy()
-    probe = Probe.At(problem.a, problem.gf)
-    assert bool(probe and probe.Agrees(problem.a.mat)) is affine
-    assert AssembleLinear(problem.a)
-    assert bool(probe and probe.Agrees(problem.a.mat)) is once
     bulk = Bulk(problem.a, problem.gf, None)
+    probe = Probe.At(bulk)
+    assert bool(probe and probe.Agrees(bulk)) is affine
+    assert AssembleLinear(problem.a)
+    assert bool(probe and probe.Agrees(bulk)) is once
     bulk.Assemble()
-    assert bulk.islinear is (True if affine else None)
-    assert (bulk.product is not None) is affine
+    assert bulk.islinear is affine
     given = bulk.mat.AsVector().FV().NumPy()
     assert given == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
 
 
 def test_a_form_without_a_value_there_is_not_asked():
     problem = press(bulk=lambda u, v, _: [linear(u, v), log(1e-3 + u[0]) * v[0] * dx], spring=0)
-    assert Probe.At(problem.a, problem.gf) is None
+    assert Probe.At(Bulk(problem.a, problem.gf, None)) is None
 
 
 def test_a_prestress_that_changes_between_solves():
@@ -158,7 +157,7 @@ def flight(load, **flags):
 def distrust(patch):
     """Every residual and every load comes from the form."""
     apply = Bulk.Apply
-    patch.setattr(Bulk, "Apply", lambda self, honest: apply(self, True))
+    patch.setattr(Bulk, "Apply", lambda self, exact: apply(self, True))
     patch.setattr(bulks.Probe, "At", lambda *_: None)
     patch.setattr(forces, "STEADY", -1.0)
     patch.setattr(parts, "MOST_ROWS", 0)
@@ -268,6 +267,6 @@ def test_a_stop_that_newtons_steps_do_not_see(monkeypatch):
 
 def assemble(bulk):
     """A new matrix in each iteration."""
-    bulk.Propose(None)
+    bulk.islinear = False
     AssembleBulk(bulk.a, bulk.gf.vec)
     return True

@@ -104,7 +104,7 @@ def test_the_status_line_follows_newtons_method():
     assert 0 == shares[0] < shares[-2] <= 100
 
 
-def test_a_solution_whose_honest_residual_has_no_value_is_none(monkeypatch):
+def test_a_solution_whose_exact_residual_has_no_value_is_none(monkeypatch):
     nothing = Measurement.Nothing("the form has no value there")
     monkeypatch.setattr(Residual, "Confirm", lambda *_: nothing)
     problem = mixed_press()
