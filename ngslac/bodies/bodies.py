@@ -15,7 +15,7 @@ from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
 from ngslac.bodies.slides import SlidesOf
 from ngslac.rigid import Tables
 
-__all__ = ["Bodies"]
+__all__ = ["Bodies", "NoBodies"]
 
 TOLERANCE = 1e-8
 # Forces against a rigid motion, relative to those against others: more is a spring, if a weak one.
@@ -77,14 +77,6 @@ class Bodies:
             for dofs, combinations in self._WithoutForces(allowed, forces, sizes)
         ]
         self.name = BodyNames(space, self.part, sizes > 0, self.motions)
-
-    @classmethod
-    def Heavy(cls):
-        """Bodies with mass, however small: nothing floats but tools, which have none."""
-        bodies = object.__new__(cls)
-        bodies.floating, bodies.names, bodies.motions = [], ["unknown"], np.zeros((0, 0))
-        bodies.false, bodies._slides = False, []
-        return bodies
 
     def _Allowed(self, used, free):
         """Parts that their constrained dofs let move: dofs, combinations of motions as columns."""
@@ -317,6 +309,14 @@ class Bodies:
         values = rows.data * (own & (self.part[columns] == part))
         shape = rows.shape[0], self.count
         return scipy.sparse.csr_matrix((values, columns, rows.indptr), shape=shape) @ motions
+
+
+class NoBodies(Bodies):
+    """Bodies with mass, however small: nothing floats but tools, which have none."""
+
+    def __init__(self):
+        self.floating, self.names, self.motions = [], ["unknown"], np.zeros((0, 0))
+        self.false, self._slides = False, []
 
 
 def Norm(matrix):

@@ -45,107 +45,14 @@ from ngslac.solve.problem import (
 from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.system import System
 
-__all__ = ["ContactSolver", "OnBulk"]
+__all__ = ["ContactSolver", "Equilibrium"]
 
 
-class ContactSolver(metaclass=Distributable):
-    """Solve bulk plus contact by a generalised Newton method.
+class Equilibrium:
+    """Solves a System; `constrained` (n,) bool are the dofs that its space holds."""
 
-    The contact status of each macro-element follows from the projection in the contact form, so
-    that active set, friction and the bulk's nonlinearity converge in one loop, quadratically in the
-    end. What is solved is scaled to be independent of units, and each linear solve is checked.
-
-    Parameters
-    ----------
-    a : BilinearForm
-        The bulk, on the product space. May contain the loads, may be nonlinear, may condense.
-    gf : GridFunction
-        Solution, on the same space; start value, with Dirichlet values set.
-    contacts : LACContact or list of LACContact
-    rhs : LinearForm, BaseVector or callable returning a BaseVector, optional
-        Further loads (force units): the solution makes ``a.Apply(gf) - rhs`` + contact vanish.
-    freedofs : BitArray, optional
-        Default: the free dofs of the space.
-    inverse : str, optional
-        NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else "umfpack". A
-        result with a bad residual is recomputed by "umfpack".
-    solver : {"interface", "direct", "iterative", "petsc"}, optional
-        How linear systems are solved. "interface": the bulk, held by a few springs whose forces are
-        unknowns, is factored once by "sparsecholesky" for all systems of the same matrix; each of
-        them takes a dense matrix of the closed macro-elements. "direct": LU of the whole system.
-        "iterative": GMRES on the displacements that keep the constraints, preconditioned by sweeps
-        over vertices with their edges and algebraic multigrid on the vertices: least memory.
-        "petsc": by PETSc, which is installed apart (Debian: python3-petsc4py), in one process:
-        MUMPS, and from 30,000 free dofs in 3D and 100,000 in 2D on FGMRES with GAMG. Default:
-        "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and systems that it does
-        not suit, as those of a nonlinear bulk, whose matrix is another one each time: "iterative"
-        from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where the iteration fails,
-        the next of the two others. With `inverse` always "direct". ("saddle", an older name of
-        "direct", is deprecated.)
-    preconditioner : callable, optional
-        For "iterative", in place of its own: ``preconditioner(mat, freedofs)`` returns an operator
-        of the same size, which approximates the inverse of a sparse matrix on the free dofs. Called
-        for each new matrix; the numbers of the scalar dofs are those of the product space, and the
-        rows of the multipliers are empty.
-    initial : {"gap", "none"}
-        Which macro-elements start closed when a body is held by contact alone: those nearest to the
-        master, or none (then such a body is an error).
-
-    Attributes
-    ----------
-    history : list[Iteration]
-        Of the last `Solve`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If there is no contact, spaces differ, the start holds NaN, an option is unknown, or the
-        bulk form was made with a flag that leaves no matrix to solve with.
-
-    Examples
-    --------
-    >>> solver = ContactSolver(a, gf, contact)
-    >>> solver.Solve(printing=False).equilibrium < 1e-10
-    True
-    """
-
-    __deepcopy__ = __reduce_ex__ = RefuseCopy
-
-    def __init__(
-        self,
-        a,
-        gf,
-        contacts,
-        *,
-        rhs=None,
-        freedofs=None,
-        inverse=None,
-        solver=None,
-        preconditioner=None,
-        initial="gap",
-    ):
-        space = CheckBulk(a).space
-        if not isinstance(a, RemoteForm):
-            WarnOfCopies(space.mesh)
-        contacts = CheckContacts(contacts, space, gf)
-        CheckSlaves(contacts)
-        CheckStart(gf, space)
-        self.initial = CheckChoice("initial", initial, ("gap", "none"))
-        CheckFreeDofs(freedofs, space, contacts)
-        CheckInverse(inverse)
-        scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
-        options = Options(CheckSolver(solver), inverse, preconditioner)
-        if isinstance(a, RemoteForm):
-            linear = a.LinearSolver(contacts[0], scalars, options)
-        elif options.solver == "petsc":
-            linear = SerialPetsc(contacts[0], scalars, options)
-        else:
-            motions = partial(MotionsOf, contacts[0])
-            linear = MakeLinearSolver(a, contacts, scalars, options, motions)
-        bulk = Bulk(a, gf, rhs)
-        free = linear.free | bulk.inner
-        self.system = System(bulk, contacts, linear, free)
-        self.constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
+    def __init__(self, system, constrained, initial):
+        self.system, self.constrained, self.initial = system, constrained, initial
         self.history, self.stuck = [], None
         self._running, self._silent = False, True
 
@@ -358,24 +265,101 @@ class ContactSolver(metaclass=Distributable):
         self.history = state["history"]
 
 
-def OnBulk(solver, bulk, bodies):
-    """The same solver for another bulk on its space, and what stands for the bodies.
+class ContactSolver(Equilibrium, metaclass=Distributable):
+    """Solve bulk plus contact by a generalised Newton method.
+
+    The contact status of each macro-element follows from the projection in the contact form, so
+    that active set, friction and the bulk's nonlinearity converge in one loop, quadratically in the
+    end. What is solved is scaled to be independent of units, and each linear solve is checked.
 
     Parameters
     ----------
-    solver : ContactSolver
-        Shares contacts and linear solver with the new one.
-    bulk : Bulk
-    bodies : Bodies or None
-        None: they are found in the matrix of the bulk.
+    a : BilinearForm
+        The bulk, on the product space. May contain the loads, may be nonlinear, may condense.
+    gf : GridFunction
+        Solution, on the same space; start value, with Dirichlet values set.
+    contacts : LACContact or list of LACContact
+    rhs : LinearForm, BaseVector or callable returning a BaseVector, optional
+        Further loads (force units): the solution makes ``a.Apply(gf) - rhs`` + contact vanish.
+    freedofs : BitArray, optional
+        Default: the free dofs of the space.
+    inverse : str, optional
+        NGSolve sparse direct solver. Default, where MKL is installed: Pardiso; else "umfpack". A
+        result with a bad residual is recomputed by "umfpack".
+    solver : {"interface", "direct", "iterative", "petsc"}, optional
+        How linear systems are solved. "interface": the bulk, held by a few springs whose forces are
+        unknowns, is factored once by "sparsecholesky" for all systems of the same matrix; each of
+        them takes a dense matrix of the closed macro-elements. "direct": LU of the whole system.
+        "iterative": GMRES on the displacements that keep the constraints, preconditioned by sweeps
+        over vertices with their edges and algebraic multigrid on the vertices: least memory.
+        "petsc": by PETSc, which is installed apart (Debian: python3-petsc4py), in one process:
+        MUMPS, and from 30,000 free dofs in 3D and 100,000 in 2D on FGMRES with GAMG. Default:
+        "interface" in 2D and up to 25,000 free dofs in 3D. Other problems, and systems that it does
+        not suit, as those of a nonlinear bulk, whose matrix is another one each time: "iterative"
+        from 5,000 free dofs in 3D and 25,000 in 2D on, else "direct"; where the iteration fails,
+        the next of the two others. With `inverse` always "direct". ("saddle", an older name of
+        "direct", is deprecated.)
+    preconditioner : callable, optional
+        For "iterative", in place of its own: ``preconditioner(mat, freedofs)`` returns an operator
+        of the same size, which approximates the inverse of a sparse matrix on the free dofs. Called
+        for each new matrix; the numbers of the scalar dofs are those of the product space, and the
+        rows of the multipliers are empty.
+    initial : {"gap", "none"}
+        Which macro-elements start closed when a body is held by contact alone: those nearest to the
+        master, or none (then such a body is an error).
 
-    Returns
-    -------
-    ContactSolver
+    Attributes
+    ----------
+    history : list[Iteration]
+        Of the last `Solve`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If there is no contact, spaces differ, the start holds NaN, an option is unknown, or the
+        bulk form was made with a flag that leaves no matrix to solve with.
+
+    Examples
+    --------
+    >>> solver = ContactSolver(a, gf, contact)
+    >>> solver.Solve(printing=False).equilibrium < 1e-10
+    True
     """
-    other = object.__new__(type(solver))
-    vars(other).update(vars(solver))
-    free = solver.system.residual.free
-    other.system = System(bulk, solver.contacts, solver.linear, free, bodies)
-    other.system.scheme = solver.system.scheme
-    return other
+
+    __deepcopy__ = __reduce_ex__ = RefuseCopy
+
+    def __init__(
+        self,
+        a,
+        gf,
+        contacts,
+        *,
+        rhs=None,
+        freedofs=None,
+        inverse=None,
+        solver=None,
+        preconditioner=None,
+        initial="gap",
+    ):
+        space = CheckBulk(a).space
+        if not isinstance(a, RemoteForm):
+            WarnOfCopies(space.mesh)
+        contacts = CheckContacts(contacts, space, gf)
+        CheckSlaves(contacts)
+        CheckStart(gf, space)
+        CheckChoice("initial", initial, ("gap", "none"))
+        CheckFreeDofs(freedofs, space, contacts)
+        CheckInverse(inverse)
+        scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
+        options = Options(CheckSolver(solver), inverse, preconditioner)
+        if isinstance(a, RemoteForm):
+            linear = a.LinearSolver(contacts[0], scalars, options)
+        elif options.solver == "petsc":
+            linear = SerialPetsc(contacts[0], scalars, options)
+        else:
+            motions = partial(MotionsOf, contacts[0])
+            linear = MakeLinearSolver(a, contacts, scalars, options, motions)
+        bulk = Bulk(a, gf, rhs)
+        free = linear.free | bulk.inner
+        constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))
+        super().__init__(System(bulk, contacts, linear, free), constrained, initial)

@@ -17,12 +17,13 @@ from ngslac.arguments import (
     CheckState,
     FillVector,
 )
-from ngslac.bodies.bodies import Bodies
+from ngslac.bodies.bodies import NoBodies
 from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.parallel.functions import RemoteIntegrand
 from ngslac.solve.bulk import Bulk
-from ngslac.solve.solver import ContactSolver, OnBulk
+from ngslac.solve.solver import ContactSolver, Equilibrium
+from ngslac.solve.system import System
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.control import Journal, StepControl
 from ngslac.steps.directions import Directions
@@ -115,12 +116,7 @@ class TimeStepper(metaclass=Distributable):
     def __init__(
         self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
     ):
-        CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
-        if isinstance(solver.a, DynamicForm):
-            raise TypeError(
-                "solver is the one that a TimeStepper works with: give the ContactSolver that this "
-                "was made of"
-            )
+        CheckInstance("solver", solver, ContactSolver, "a ContactSolver, of the static problem")
         solver.system.CheckSpace()
         self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
@@ -134,7 +130,10 @@ class TimeStepper(metaclass=Distributable):
         self.prescribe = prescribe
         self.velocity = GridFunction(solver.gf.space, name="velocity")
         self._end = StepEnd(solver, self.form, self.mass, self.scheme, self.velocity)
-        self.solver = OnBulk(solver, Bulk(self.form, solver.gf, self._end.Load), Bodies.Heavy())
+        bulk = Bulk(self.form, solver.gf, self._end.Load)
+        system = System(bulk, solver.contacts, solver.linear, free, NoBodies())
+        system.scheme = solver.system.scheme
+        self.solver = Equilibrium(system, solver.constrained, solver.initial)
         self._journal = Journal(self, "time", self.time)
         self.balance, self.steps, self.printing = None, [], True
         self._directions = Directions(solver.contacts)

@@ -7,7 +7,6 @@ from press import mixed_press, numpy, press, solved, stress
 
 from ngslac import AugmentedLagrangianSolver, ContactSolver, LoadStepper
 from ngslac.solve.bulk import Bulk
-from ngslac.solve.solver import OnBulk
 
 
 class Watched:
@@ -42,7 +41,9 @@ class Distrustful(Bulk):
 
 
 def distrustful(problem):
-    return OnBulk(problem.solver(), Distrustful(problem.a, problem.gf, None), None)
+    solver = problem.solver()
+    solver.system.bulk = solver.system.residual.bulk = Distrustful(problem.a, problem.gf, None)
+    return solver
 
 
 def exact(problem):

@@ -57,5 +57,5 @@ def test_copies_are_refused():
         for make in (copy.copy, copy.deepcopy, pickle.dumps):
             with pytest.raises(TypeError, match="can be neither pickled nor copied"):
                 make(thing)
-    with pytest.raises(TypeError, match="solver is the one that a TimeStepper works with"):
+    with pytest.raises(TypeError, match="a ContactSolver, of the static problem"):
         TimeStepper(moving.solver, 1.0, dt=0.1)
