@@ -43,18 +43,7 @@ def CheckSolver(name):
 
 
 def MakeLinearSolver(a, contacts, freedofs, options, motions):
-    """The LinearSolver for these forms and free scalar dofs: what is wanted, or the fastest.
-
-    Parameters
-    ----------
-    a : BilinearForm
-        The bulk.
-    contacts : list[LACContact]
-    freedofs : BitArray
-    options : Options
-    motions : callable
-        Gives the rigid motions, see `Grounded`.
-    """
+    """The LinearSolver for these forms and free scalar dofs: what is wanted, or the fastest."""
     wanted, inverse, preconditioner = options.solver, options.inverse, options.preconditioner
     if preconditioner is not None:
         CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")
@@ -91,14 +80,7 @@ def MakeLinearSolver(a, contacts, freedofs, options, motions):
 
 
 def _Names(wanted, inverse, iterates, factors):
-    """Of the methods of a chain, which ends with the safe one.
-
-    Parameters
-    ----------
-    wanted, inverse : str or None
-    iterates, factors : bool
-        Are iterations faster than factors for one system, and factors of the bulk for many?
-    """
+    """Of the methods of a chain, which ends with the safe one."""
     if wanted in ("iterative", "direct"):
         return list(dict.fromkeys((wanted, "direct")))
     if wanted is None and inverse:

@@ -16,16 +16,10 @@ SAFE = "umfpack"
 
 
 class Merged:
-    """The scaled matrix of bulk and contacts, changed where contacts change.
-
-    Attributes
-    ----------
-    number : int
-        Of the matrix: another one where it has got other values.
-    """
+    """The scaled matrix of bulk and contacts, changed where contacts change."""
 
     def __init__(self):
-        self.number = 0
+        self.number = 0  # of the matrix: another one where it has got other values
         self.Forget()
 
     def Forget(self):
@@ -56,14 +50,6 @@ class Direct:
 
     Some factorisations return NaN on saddle point matrices, others lose ten digits, without saying
     so. Then the safe solver takes over.
-
-    Parameters
-    ----------
-    bits : BitArray
-        Free dofs.
-    merged : Merged
-    inverse : str, optional
-        Name of an NGSolve solver; None: the fastest of those installed.
     """
 
     tolerance = 1e-9

@@ -94,13 +94,7 @@ class OneBLASThread(ContextDecorator):
 
 
 def Factor(mat, freedofs, inverse, **flags):
-    """Sparse factorisation of a matrix, as operator.
-
-    Raises
-    ------
-    ValueError
-        There is no solver of this name. LinearSolveError: the matrix is singular.
-    """
+    """Sparse factorisation of a matrix, as operator."""
     quiet = Quiet()
     try:
         with quiet:
@@ -131,17 +125,7 @@ def IsSymmetric(mat):
 
 
 def HasEqualWorks(product, x, y, total=lambda part: part):
-    """Is x.Ay = y.Ax, to rounding?
-
-    Parameters
-    ----------
-    product : callable
-        A times an array.
-    x, y : (n,) array
-        Or the parts of vectors that this process has.
-    total : callable
-        Sums up numbers over all processes.
-    """
+    """Is x.Ay = y.Ax, to rounding?"""
     image = product(y)
     work, *squares = (float(total(a @ b)) for a, b in ((x, image), (x, x), (image, image)))
     return bool(abs(total(y @ product(x)) - work) <= SYMMETRIC * np.sqrt(np.prod(squares)))

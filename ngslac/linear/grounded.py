@@ -21,25 +21,6 @@ class GroundedBulk:
 
     The springs make it regular, whatever holds the bodies; their forces are unknowns of the
     interface, so that the solution knows nothing of them.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Whose bulk, scale and shift these are.
-    free : (n,) bool
-        Free displacements.
-    motions : (n, m) array
-        See `Grounded`.
-
-    Attributes
-    ----------
-    springs : (k,) int
-        Their dofs.
-
-    Raises
-    ------
-    LinearSolveError
-        The matrix is not symmetric, or has no factors.
     """
 
     def __init__(self, system, free, motions):
@@ -84,17 +65,7 @@ def UnitColumns(dofs, n):
 
 
 def Grounded(mat, free, motions):
-    """Dofs (k,) that springs on them hold all bodies by, whatever else holds these.
-
-    Parameters
-    ----------
-    mat : SparseMatrix
-        Scalar.
-    free : (n,) bool
-        Its dofs that count.
-    motions : (n, m) array
-        Rigid motions of the whole mesh, zero where dofs are no displacements.
-    """
+    """Dofs (k,) that springs on them hold all bodies by, whatever else holds these."""
     dofs = np.flatnonzero(free & np.any(motions, axis=1))
     part = FreeParts(mat, free)[dofs]
     dofs = dofs[np.argsort(part, kind="stable")]

@@ -33,15 +33,6 @@ class Hierarchy:
 
     Rigid motions are functions of each level. Aggregates and prolongations are learnt from one
     matrix; the matrices of all levels follow from any other one with the same rows.
-
-    Parameters
-    ----------
-    mat : bsr_matrix
-        Of the finest level, a block for each pair of nodes.
-    modes : (n, m) array
-        What it takes to nearly nothing.
-    fewest : int
-        Levels below the finest one that are to be made however small that is.
     """
 
     def __init__(self, mat, modes, fewest=0):
@@ -147,15 +138,7 @@ def Probe(size):
 
 
 class VCycle(BaseMatrix):
-    """Gauss-Seidel sweeps by nodes on each level, a factorisation on the coarsest one.
-
-    Parameters
-    ----------
-    prolongations : list[bsr_matrix]
-        To each level but the last from the one below, the finest one first.
-    matrices : list[bsr_matrix]
-        Of the levels, see `Take`.
-    """
+    """Gauss-Seidel sweeps by nodes on each level, a factorisation on the coarsest one."""
 
     def __init__(self, prolongations, matrices):
         super().__init__()
@@ -164,13 +147,7 @@ class VCycle(BaseMatrix):
         self.Take(matrices)
 
     def Take(self, matrices):
-        """Cycles for these matrices from now on.
-
-        Raises
-        ------
-        LinearSolveError
-            A matrix is singular.
-        """
+        """Cycles for these matrices from now on."""
         self._levels = [
             (mat, *Triangles(mat), *transfer, Inverses(mat))
             for mat, transfer in zip(matrices, self._transfers, strict=False)

@@ -15,10 +15,6 @@ class InnerDofs:
 
     What is left are vertices, edges and faces, as after static condensation: smaller systems, and
     with stars of these alone the iterations do not see what is inside.
-
-    Parameters
-    ----------
-    dofs : BitArray
     """
 
     def __init__(self, dofs):
@@ -44,13 +40,7 @@ class InnerDofs:
         self._kept = None, None
 
     def Eliminate(self, bulk):
-        """The InnerElimination of a matrix.
-
-        Raises
-        ------
-        LinearSolveError
-            The matrix of an element's inner dofs is singular.
-        """
+        """The InnerElimination of a matrix."""
         if self._kept[0] is not bulk:
             try:
                 self._kept = bulk, InnerElimination(bulk, self.dofs)

@@ -25,22 +25,6 @@ class Interface:
         u = K^-1 (f - C x),  E u + F lam = g,  x = (lam, -alpha P^T u)
 
     takes a dense matrix of the closed macro-elements, and a forward and a backward substitution.
-
-    Parameters
-    ----------
-    free : (n,) bool
-        Scalar dofs of the whole system.
-    dim : int
-        Of the mesh.
-    motions : callable
-        Gives the rigid motions (n, m), see `Grounded`.
-
-    Attributes
-    ----------
-    factorisations : int
-        Of matrices of full size since this was made.
-    once : bool
-        Did the last matrix of the bulk serve for one system only?
     """
 
     most = 3000  # multipliers: the dense matrix of more costs as much as factors of the bulk
@@ -49,7 +33,7 @@ class Interface:
     def __init__(self, free, dim, motions):
         self.free, self.dim, self.motions = free, dim, motions
         self.factorisations = self._systems = 0
-        self.once = False
+        self.once = False  # did the last matrix of the bulk serve for one system only?
         self.NewBulk()
 
     def __str__(self):
@@ -73,11 +57,6 @@ class Interface:
 
         Not for the first system of a matrix if that before served once only: a nonlinear bulk has
         another one each time.
-
-        Raises
-        ------
-        LinearSolveError
-            The matrix is singular, or not of the kind that this is made for.
         """
         self._systems += 1
         if self._fails or (self.once and self._systems == 1):
@@ -111,18 +90,6 @@ class InterfaceSystem:
     """K u + C x = f, E u + F lam = g with x = (lam, S u, -alpha P^T u), see `Interface`.
 
     The rows of E are combinations of the columns of C, or are appended to these.
-
-    Parameters
-    ----------
-    kept : GroundedBulk
-    blocks : Blocks
-    d : int
-        Multipliers of a macro-element.
-
-    Raises
-    ------
-    LinearSolveError
-        The system is singular.
     """
 
     def __init__(self, kept, blocks, d):
@@ -191,11 +158,6 @@ class InterfaceSystem:
 
 class Blocks:
     """(K + S) u + G lam = f, E u + F lam = g, scaled.
-
-    Parameters
-    ----------
-    system : LinearSystem
-    free : (n,) bool
 
     Attributes
     ----------

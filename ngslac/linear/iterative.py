@@ -30,17 +30,6 @@ class Iterative:
     What is left (``Z^T K Z`` with the columns Z of the displacements that keep the constraints) is
     symmetric and positive definite where the bulk is, as long as nothing slips. Slip is in it: a
     frictionless one costs up to twice the iterations.
-
-    Parameters
-    ----------
-    bits : BitArray
-        Free dofs of the whole system.
-    merged : Merged
-    dim : int
-        Of the mesh.
-    multigrid : Multigrid
-    preconditioner : callable, optional
-        Takes the place of the multigrid method: see ContactSolver.
     """
 
     factorisations = 0
@@ -69,15 +58,7 @@ class Iterative:
         """Go on with a `State`."""
 
     def Solve(self, system, b):
-        """See Method.
-
-        Raises
-        ------
-        NgException
-            Constraints depend on each other.
-        LinearSolveError
-            The iteration does not converge.
-        """
+        """See Method."""
         mat, free = self.merged.Of(system), AsNumPy(self.bits)
         if self._number != self.merged.number:
             self._number = self._inverse = None

@@ -28,14 +28,6 @@ class Mixed(BaseMatrix):
     ``C + B K^-1 B^T`` is like a mass matrix, and so like ``diag(C + B diag(K)^-1 B^T)``, whatever
     the bulk modulus is (Elman, Silvester, Wathen, Finite Elements and Fast Iterative Solvers,
     chapter 4).
-
-    Parameters
-    ----------
-    system : Condensation
-        Of displacements and pressures.
-    inverse : BaseMatrix
-        Preconditioner of its displacements, zero on the pressures.
-    pressures : (n,) bool
     """
 
     def __init__(self, system, inverse, pressures):

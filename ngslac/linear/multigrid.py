@@ -21,19 +21,6 @@ class Multigrid:
     their matrix is a part of the given one. Where they are nearly all functions, the sweeps are
     those of the finest level. The sweeps solve for a vertex and what is around it at once: that
     takes less than half of the iterations of single dofs; stiffness may jump inside of elements.
-
-    Parameters
-    ----------
-    nodes : VertexNodes
-    most : bool
-        Are most dofs those of the vertices?
-    space : FESpace
-        Of the whole system.
-
-    Attributes
-    ----------
-    learnt : bool
-        Was the setup made for the last matrix?
     """
 
     growth = 1.5  # of the iterations, from which on a new setup is made

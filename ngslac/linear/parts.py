@@ -22,18 +22,6 @@ class PartsInverse:
 
     The components of a vector in different directions, and on different bodies, know nothing of
     each other. Each of these parts is factored alone, equal ones once.
-
-    Parameters
-    ----------
-    mat : (n, n) scipy.sparse.csr_matrix
-        Without entries that are zero.
-    free : (n,) bool
-        Its dofs; others, and those with a zero diagonal, stay zero.
-
-    Raises
-    ------
-    LinearSolveError
-        The matrix is singular.
     """
 
     def __init__(self, mat, free):

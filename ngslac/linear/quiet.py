@@ -10,13 +10,7 @@ __all__ = ["Quiet"]
 
 
 class Quiet:
-    """A context in which nothing that libraries print reaches the screen.
-
-    Attributes
-    ----------
-    text : str
-        What that was, afterwards.
-    """
+    """A context in which nothing that libraries print reaches the screen."""
 
     def __init__(self):
         self.text, self._kept, self._file = "", [], None

@@ -14,30 +14,7 @@ EXACT, ROUNDS = 1e-13, 4
 
 
 def FirstGood(attempts, tolerance, accuracy=0.0):
-    """The first good solution of several attempts, or the best one if that is acceptable.
-
-    Parameters
-    ----------
-    attempts : iterable of (str, callable)
-        Names and functions that return a solution and its relative residual.
-    tolerance : float
-        The largest residual of a good solution.
-    accuracy : float
-        That which is asked for of an "iterative" one, of which three times that is good, too.
-
-    Returns
-    -------
-    x : array
-    error : float
-        Its relative residual.
-    name : str or None
-        None: the system is nearly singular.
-
-    Raises
-    ------
-    LinearSolveError
-        No solution is acceptable.
-    """
+    """The first good solution of several attempts, or the best one if that is acceptable."""
     errors, best = [], (None, np.inf)
     for name, solve in attempts:
         try:
@@ -56,21 +33,7 @@ def FirstGood(attempts, tolerance, accuracy=0.0):
 
 
 def Refine(solve, residual, b, *, exact=EXACT, rounds=ROUNDS, norm=np.linalg.norm):
-    """The best solution that iterative refinement finds, from zero on, and its relative residual.
-
-    Parameters
-    ----------
-    solve : callable
-        The approximate solution for a right hand side.
-    residual : callable
-        What a solution leaves of `b`.
-    b : vector
-        Of any kind that has sums and a `norm`.
-    exact : float
-        The relative residual that ends it.
-    rounds : int
-        The most solutions; each has to halve the residual.
-    """
+    """The best solution of iterative refinement from zero on, and its relative residual."""
     x, left, size, error = 0 * b, b, norm(b), 1.0
     best = x, (1.0 if size else 0.0)
     for _ in range(rounds if size else 0):

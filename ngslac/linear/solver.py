@@ -21,21 +21,6 @@ class LinearSolver:
 
     Whatever the method, the residual of the whole system must be small, or the next method of the
     chain takes over.
-
-    Parameters
-    ----------
-    freedofs : BitArray
-    chain : callable
-        Makes the list of Links for a BitArray of free dofs; the last one is "direct".
-    inner : InnerDofs, optional
-        Free dofs that are eliminated beforehand.
-
-    Attributes
-    ----------
-    shifts : int
-        Systems in a row that were singular.
-    nearly_singular : bool
-        Was the last one?
     """
 
     tolerance = 1e-9
@@ -44,7 +29,7 @@ class LinearSolver:
 
     def __init__(self, freedofs, chain, inner=None):
         self.freedofs, self.free, self.inner = BitArray(freedofs), AsNumPy(freedofs), inner
-        self.shifts = self._failures = 0
+        self.shifts = self._failures = 0  # in a row: singular systems, iterations that failed
         self.nearly_singular, self._chain, self._all = False, chain, []
         self._MakeMethods()
 

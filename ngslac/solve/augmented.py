@@ -97,20 +97,7 @@ class AugmentedLagrangianSolver(ContactSolver):
 
 
 class Augmented:
-    """A penalty in each linear system, with the verbs of `Saddle`.
-
-    Parameters
-    ----------
-    given : float or None
-        As `augmentation` in AugmentedLagrangianSolver.
-
-    Attributes
-    ----------
-    factor : float
-        The present augmentation.
-    outer : int
-        How often the multipliers moved on.
-    """
+    """A penalty in each linear system, with the verbs of `Saddle`."""
 
     most, searches = np.inf, False
 

@@ -20,18 +20,6 @@ class Barrier:
     eliminated. The bound s is that of the step before (Tresca): what is left is symmetric.
 
     All arrays count the macro-elements that face a master and are not tied.
-
-    Parameters
-    ----------
-    press : Unilateral or Bilateral
-        The pressures.
-    normal : (n, d)
-    gap : (n,)
-        Where to start.
-    bound : (n,)
-        Of the tangential traction at such pressures, 0 without friction.
-    product : float
-        Size of products of traction and slip.
     """
 
     def __init__(self, press, normal, gap, bound, product):
@@ -155,15 +143,7 @@ class BarrierStep:
 
 
 class Tie:
-    """Tractions that hold tied surfaces together, by the method of multipliers: as `Barrier`.
-
-    Parameters
-    ----------
-    traction : (n, d)
-        To start with.
-    stiffness : (n,)
-        Stress per length, of what the macro-elements lie on.
-    """
+    """Tractions that hold tied surfaces together, by the method of multipliers: as `Barrier`."""
 
     products = np.zeros(2)
 

@@ -11,28 +11,7 @@ __all__ = ["CarriedOff", "Failure"]
 
 
 class Failure:
-    """Reasons why a System has no solution, as they are found.
-
-    Parameters
-    ----------
-    system : System
-    holding : Holding
-
-    Attributes
-    ----------
-    unbalanced : str
-        Which bodies the loads carry off, whatever contact does.
-    certain : bool
-        Is that so for this load, for certain?
-    slides : str
-        Which bodies slide with friction at its limit.
-    rubs : bool
-        Did nearly all of a body's contact slip all along?
-    exhausted : bool
-        Was every method tried, or is none of use?
-    unheld : bool
-        Would not even closed contact hold the bodies that loads move?
-    """
+    """Reasons why a System has no solution, as they are found."""
 
     def __init__(self, system, holding):
         self.system, self.holding = system, holding
@@ -45,15 +24,7 @@ class Failure:
         return bool(self.exhausted or self.unbalanced)
 
     def LookAt(self, start, error, *, lost):
-        """From the start again: raise the error if the loads have no equilibrium for certain.
-
-        Parameters
-        ----------
-        start : Place
-        error : Exception
-        lost : bool
-            Has nothing been found? Then bodies may be held by nothing.
-        """
+        """From the start again: raise the error if the loads have no equilibrium for certain."""
         system = self.system
         now = system.Place()
         system.GoTo(start)
@@ -76,19 +47,7 @@ class Failure:
         return DrivenMessage(self.system.DrivenMotion(free))
 
     def Error(self, error, floating, history):
-        """An error with all that is known: which body is carried off, first of all.
-
-        Parameters
-        ----------
-        error : ContactConvergenceError or LinearSolveError
-        floating : list[str]
-            What held no body where a linear system could not be solved.
-        history : list[Iteration]
-
-        Returns
-        -------
-        ContactConvergenceError
-        """
+        """An error with all that is known: which body is carried off, first of all."""
         if isinstance(error, LinearSolveError):
             kind = FloatingBodyError if floating else ContactConvergenceError
             error = kind(FloatingMessage(floating) if floating else str(error))
@@ -105,13 +64,7 @@ class Failure:
 
 
 def CarriedOff(system):
-    """Which bodies the loads carry off from the solution of a System, whatever contact does.
-
-    Returns
-    -------
-    str
-        Empty where there is a balance, or no body that contact alone holds.
-    """
+    """Which bodies the loads carry off, whatever contact does; "" where there is a balance."""
     bodies = system.bodies
     if not bodies.floating or system.own_law:
         return ""

@@ -20,18 +20,6 @@ class Globalization:
     a nonlinear bulk may lose. When a status returns or nothing gets better, all of the residual
     does. The search then goes down to a thousandth of the step: where all that holds a body slips,
     a Newton step moves it far, and only a small part of it makes something stick.
-
-    Parameters
-    ----------
-    halvings : int
-        How often a step without a residual is halved before it is given up.
-    patience : int
-        Number of tiny steps in a row after which it is no use to go on.
-
-    Attributes
-    ----------
-    cycles, damped : bool
-        A contact status came back; a line search is made.
     """
 
     SHORT = 3  # halvings of a line search that has found a smaller residual
@@ -45,7 +33,7 @@ class Globalization:
     def Begin(self):
         """Forget the solve before."""
         self._seen, self._merits, self._tiny = {}, [], 0
-        self.cycles = self.damped = False
+        self.cycles = self.damped = False  # a contact status came back; a line search is made
 
     @property
     def stagnates(self):
@@ -83,20 +71,9 @@ class Globalization:
         self.cycles, self.damped = self.cycles or returned, self.damped or returned or stuck
 
     def Search(self, move, moving=False):
-        """Choose the part of a step.
+        """The part of a step, by ``move(part)``: its Measurement, not finite if none is, and it.
 
-        Parameters
-        ----------
-        move : callable
-            ``move(damping)`` takes that part of the step and returns its Measurement.
-        moving : bool
-            The step carries Dirichlet values, of which the residual before does not know: the
-            longest part with a residual is taken.
-
-        Returns
-        -------
-        Measurement, float
-            The state and its part of the step, which was taken last. Not finite if no part is.
+        `moving`: the step carries Dirichlet values, of which the residual before does not know.
         """
         best, damping, taken = None, 1.0, 0.0
         for halving in range(self.halvings + 1):

@@ -19,19 +19,7 @@ TOUCHING = 1e-6
 
 
 class Holding:
-    """Closes the nearest macro-elements where a body is held by open contact.
-
-    Parameters
-    ----------
-    system : System
-    initial : {"gap", "none"}
-        See ContactSolver.
-
-    Attributes
-    ----------
-    closings : int
-        How often that was done.
-    """
+    """Closes the nearest macro-elements where a body is held by open contact."""
 
     def __init__(self, system, initial):
         self.system, self.initial, self.closings = system, initial, 0
@@ -40,12 +28,6 @@ class Holding:
         """Close what has to hold bodies; True if something was closed.
 
         At the start the status is no guide: rounding closes some of the macro-elements that touch.
-
-        Parameters
-        ----------
-        start : bool
-        guess : bool
-            May a status be guessed? Else contacts look at the solution, and that is all.
         """
         system = self.system
         system.Evaluate()

@@ -24,18 +24,6 @@ class InteriorPoint:
     be guessed, and thin bodies, whose status Newton's method finds one macro-element at a time,
     take as many steps as others. A step costs one factorisation of a matrix that is symmetric and
     positive definite where that of the bulk is.
-
-    Parameters
-    ----------
-    system : System
-        Its solution is where to start, and moves along.
-    state : Measurement
-        Of the start.
-
-    Attributes
-    ----------
-    approximates : bool
-        Does contact end inside of macro-elements? On the way their pressures are even.
     """
 
     def __init__(self, system, state):
@@ -43,6 +31,7 @@ class InteriorPoint:
         self.multipliers, self.returns = system.residual.multipliers, 0
         system.linear.shifts = 0
         self.springs = [Springs(contact, system.gf) for contact in system.contacts]
+        # Does contact end inside of macro-elements? On the way their pressures are even.
         self.approximates = any(np.any(c.form.Table()["ends"] > 0) for c in system.contacts)
         pressure = self._Settle(state)
         if not 0 < pressure < np.inf:
@@ -66,18 +55,7 @@ class InteriorPoint:
         return pressure
 
     def Step(self, state):
-        """Move on by one step.
-
-        Parameters
-        ----------
-        state : Measurement
-            Of this iterate.
-
-        Returns
-        -------
-        Measurement, float
-            Of the next iterate, and the part of the step that was taken.
-        """
+        """Move on by one step: the next Measurement, and the part that was taken."""
         mats = [spring.Assemble(self.vec) for spring in self.springs]
         before = self._Mean(spring.law.products for spring in self.springs)
         steps, _ = self._Direction(state, mats, 0.0)
@@ -172,14 +150,7 @@ class EvenPressures:
 
 
 class Springs:
-    """What takes the place of the law of one contact.
-
-    Parameters
-    ----------
-    contact : LACContact
-    gf : GridFunction
-        Where to start.
-    """
+    """What takes the place of the law of one contact."""
 
     def __init__(self, contact, gf):
         self.contact, self.form, self.gf = contact, contact.form, gf

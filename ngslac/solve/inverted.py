@@ -34,21 +34,7 @@ class InvertedError(ContactConvergenceError):
 
 
 def InvertedMessage(form, gf, materials=None):
-    """Which elements the displacement of a compiled contact form turns inside out; "" if none.
-
-    Parameters
-    ----------
-    form : ContactForm
-        Tells the displacement.
-    gf : GridFunction
-        On the product space.
-    materials : (n,) bool, optional
-        Those that are looked at; None: all.
-
-    Returns
-    -------
-    str
-    """
+    """Which elements the displacement of a compiled contact form turns inside out; "" if none."""
     space, mesh = form.component, form.fes.mesh
     u, first = GridFunction(space), form.offset * form.fes.dim
     values = u.vec.FV().NumPy()
@@ -70,20 +56,6 @@ def TurningMaterials(a, form, gf):
     """Materials of which the bulk form knows finite rotations: they turn the forces with them.
 
     Where they do, as in linear elasticity, the determinant of the deformation means nothing.
-
-    Parameters
-    ----------
-    a : BilinearForm
-        The bulk.
-    form : ContactForm
-        Tells the displacement.
-    gf : GridFunction
-        On the product space; all but the displacement is as there.
-
-    Returns
-    -------
-    (n,) bool
-        One for each material.
     """
     space, mesh = form.component, form.fes.mesh
     bent, turned = Bent(space)

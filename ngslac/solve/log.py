@@ -13,20 +13,7 @@ __all__ = ["Log"]
 
 
 class Log:
-    """Notes each iterate, and shows it to whom it concerns.
-
-    Parameters
-    ----------
-    gf : GridFunction
-    tol : float
-    printing : bool
-    callback : callable or None
-    progress : Progress
-
-    Attributes
-    ----------
-    history : list[Iteration]
-    """
+    """Notes each iterate, and shows it to whom it concerns."""
 
     def __init__(self, gf, tol, printing, callback, progress):
         self.gf, self.tol, self.printing, self.callback = gf, tol, printing, callback

@@ -24,13 +24,7 @@ class MechanismError(FloatingBodyError):
 
 
 class Look:
-    """What a state of bulk and contact says of itself.
-
-    Parameters
-    ----------
-    system : System
-        At the state, whose residual was measured last.
-    """
+    """What a state of bulk and contact says of itself."""
 
     def __init__(self, system):
         self.system = system

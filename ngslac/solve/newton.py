@@ -38,32 +38,14 @@ TURN, MOST_TURNS = 1e-6, 3
 
 
 class Newton:
-    """The way of a System to its solution, once.
-
-    Parameters
-    ----------
-    system : System
-    log : Log
-        Takes each iterate; tells the tolerance.
-    initial : {"gap", "none"}
-    path : bool
-        As in `ContactSolver.Solve`.
-
-    Attributes
-    ----------
-    onpath : bool
-        Does another method look for the status? Then none is guessed.
-    stuck : (n,) array or None
-        The solution where the residual has a minimum that is not zero, if it came to that.
-    failure : Failure
-        What has been found out about the reasons if it fails.
-    """
+    """The way of a System to its solution, once."""
 
     def __init__(self, system, log, *, initial, path):
         self.system, self.log, self.tol, self.path = system, log, log.tol, path
         self.globalization, self.holding = Globalization(), Holding(system, initial)
         self.failure = Failure(system, self.holding)
-        self.onpath, self.stuck = False, None
+        self.onpath = False  # another method looks for the status: none is guessed
+        self.stuck = None  # the solution where the residual has a minimum that is not zero
 
     @property
     def history(self):

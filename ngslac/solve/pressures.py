@@ -15,17 +15,7 @@ WIDE = 30.0
 
 
 class Unilateral:
-    """Pressures p and gaps g > 0 with p g = mu.
-
-    Parameters
-    ----------
-    gap : (n,)
-        Where to start.
-    stiffness : (n,)
-        Stress per length, of what the macro-elements lie on.
-    pressure : float
-        Size of the pressures to start with.
-    """
+    """Pressures p and gaps g > 0 with p g = mu."""
 
     def __init__(self, gap, stiffness, pressure):
         self.stiffness = stiffness
@@ -104,15 +94,6 @@ class Bilateral:
     """Pressures of any sign that bring the gaps to zero, by the method of multipliers.
 
     As `Unilateral`; `products` are none.
-
-    Parameters
-    ----------
-    pressures : (n,)
-        To start with.
-    stiffness : (n,)
-        Stress per length, of what the macro-elements lie on.
-    pressure : float
-        Size of pressures, as long as they are not known.
     """
 
     products, apart = np.empty(0), 0.0

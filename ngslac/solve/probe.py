@@ -19,15 +19,6 @@ class Probe:
 
     That is of the size of an element: strains of about 1 in all of them show a nonlinear law, a
     damage or a gap that have not begun to act at the solution, too.
-
-    Attributes
-    ----------
-    values : (n,) array
-        The solution.
-    residual : BaseVector
-        There.
-    way, change : (n,) array
-        Random, and how the residual changes along it.
     """
 
     values: np.ndarray

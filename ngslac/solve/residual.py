@@ -71,13 +71,6 @@ class Measurement:
 class Residual:
     """Measures both kinds of rows, scaled and relative to the forces at work.
 
-    Parameters
-    ----------
-    bulk : Bulk
-    contacts : list[LACContact]
-    free : (n,) bool
-        Scalar dofs whose rows count: all free ones, also those that are condensed.
-
     Attributes
     ----------
     multipliers : (n,) bool

@@ -24,14 +24,7 @@ TINY, MOST_TINY = 1e-3, 3
 
 
 class StatusSearch:
-    """A solve by an interior point method, from its start and with its table.
-
-    Parameters
-    ----------
-    newton : Newton
-    maxit : int
-        Number of linear solves up to which its table may grow.
-    """
+    """A solve by an interior point method, from its start and with its table."""
 
     def __init__(self, newton, maxit):
         self.newton, self.system, self.maxit = newton, newton.system, maxit

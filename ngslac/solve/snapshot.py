@@ -5,13 +5,7 @@ __all__ = ["Snapshot"]
 
 
 class Snapshot:
-    """The state of things as it is now, which comes back where a ``with`` block fails.
-
-    Parameters
-    ----------
-    *things :
-        With ``State()``, and ``SetState(state)`` that can be repeated.
-    """
+    """The state of things as it is now, which comes back where a ``with`` block fails."""
 
     def __init__(self, *things):
         self._states = [(thing, thing.State()) for thing in things]

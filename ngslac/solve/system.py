@@ -60,16 +60,6 @@ class Saddle:
 class System:
     """What is solved: bulk plus contacts at a solution, with what is known of it.
 
-    Parameters
-    ----------
-    bulk : Bulk
-    contacts : list[LACContact]
-    linear : LinearSolver
-    free : (n,) bool
-        All free scalar dofs, also those that are condensed.
-    bodies : optional
-        What stands for the Bodies; None: they are found in the matrix of the bulk.
-
     Attributes
     ----------
     residual : Residual
@@ -233,15 +223,7 @@ class System:
         self.linear.NewBulk()
 
     def Begin(self, motion, constrained):
-        """Start a solve.
-
-        Parameters
-        ----------
-        motion : (n,) array or None
-            How far dofs have to move.
-        constrained : (n,) bool
-            Those of which that counts.
-        """
+        """Start a solve."""
         self.bulk.Begin()
         self.motion, self._driven, self.slides = None, None, True
         self.linear.shifts, self._start = 0, self.values.copy()
@@ -381,16 +363,7 @@ class System:
         return found
 
     def Displace(self, residual, solve, mats):
-        """The correction (n,) that belongs to a residual.
-
-        Parameters
-        ----------
-        residual : BaseVector
-        solve : callable
-            Gives the solution (n,) for a right hand side (n,), without what is condensed.
-        mats : list[BaseMatrix]
-            What the contacts add to the bulk's matrix.
-        """
+        """The correction (n,) of a residual; `solve` gives it without condensed dofs."""
         bulk, correction = self.bulk, self.gf.vec.CreateVector()
 
         def Solve(forces, motion=None):

@@ -154,22 +154,7 @@ class TimeStep:
 
 
 def ContactWorks(contacts, gf, motion):
-    """What contact does in a step that ends at `gf`, before its commit.
-
-    Parameters
-    ----------
-    contacts : list[LACContact]
-    gf : GridFunction
-        On the product space.
-    motion : (n,)
-        Increment of the displacement, 0 elsewhere.
-
-    Returns
-    -------
-    tuple
-        Residuals (n,) of the forces of each contact (the opposite of the forces), the work of all,
-        and the part of it that sliding dissipates, >= 0.
-    """
+    """Residuals (n,) of the contacts before the commit, their work, and what sliding dissipates."""
     residuals, friction = [], 0.0
     for contact in contacts:
         forces = gf.vec.CreateVector()

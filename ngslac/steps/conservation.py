@@ -27,19 +27,6 @@ class Conservation:
     one, in the sense of the kinetic energy, is taken: relative to such motions all velocities
     become smaller by one factor. So bodies keep their common momenta, linear and angular, and what
     slides on something is not held up.
-
-    Parameters
-    ----------
-    mass : Mass
-    contact : LACContact
-        Any contact on the space: tells the displacement.
-
-    Attributes
-    ----------
-    count : int
-        Number of bodies.
-    account : (count,) array
-        Energy that time integration has taken from each body so far.
     """
 
     def __init__(self, mass, contact):
@@ -53,7 +40,7 @@ class Conservation:
         self._body = np.zeros(len(part), dtype=int)
         self._body[self._used] = np.unique(part[self._used], return_inverse=True)[1]
         self.count = 1 + self._body.max(initial=-1)
-        self.account = np.zeros(self.count)
+        self.account = np.zeros(self.count)  # energy taken from each body by time integration
         self._rigid, _, self._size = RigidMotions(self._space)
 
     def Products(self, a, b):
@@ -95,23 +82,6 @@ class Conservation:
         """Give free bodies the momenta that they should have, by one rigid motion of each group.
 
         Groups that supports hold, or on which forces or contacts act from outside, are left alone.
-
-        Parameters
-        ----------
-        velocity : (n,) array
-        momenta : (count, m) array
-            Of the bodies, as `Virtual`.
-        groups : (count,) array
-            Of `Groups`.
-        free : (count,) bool
-            On which nothing acts but loads and contact.
-        impulses : (count, d) array
-            Of contact, on each body.
-        displacement : (n,) array
-
-        Returns
-        -------
-        (n,) array
         """
         wrong = momenta - self.Virtual(self.mass.Times(velocity), displacement)
         fixed = ~self.mass.free[self._own] & self._used
@@ -146,29 +116,7 @@ class Conservation:
         return scipy.sparse.csgraph.connected_components(touched.T @ touched, directed=False)[1]
 
     def Settle(self, velocity, groups, rows, impact, algorithmic, displacement):
-        """The velocity without the energy that contact or time integration have brought in.
-
-        Parameters
-        ----------
-        velocity : (n,) array
-        groups : (count,) array
-            Of `Groups`.
-        rows : sparse matrix
-            What contact prevents, see `ActiveRows`.
-        impact, algorithmic : (count,) array
-            What contact and time integration have taken from each body in this step: what contact
-            brings in goes out at once, the account of the other is only kept from below zero.
-        displacement : (n,) array
-            At the end of the step.
-
-        Returns
-        -------
-        velocity : (n,) array
-        back : float
-            Energy that went out for the sake of contact.
-        owed : float
-            What of this step could not go out: old debts wait.
-        """
+        """The velocity without energy that was brought in; what went out for contact; what is owed."""
         self.account = self.account + algorithmic
         least = ROUNDING * self.Kinetic(velocity).sum()
         back = owed = 0.0

@@ -15,23 +15,7 @@ REST = 1e-9
 
 
 class StepControl:
-    """Goals on the way to a target: nearer ones where a step fails.
-
-    Parameters
-    ----------
-    begin, target : float
-    maxcuts : int
-        The smallest step is all of the way over 2**maxcuts.
-    size : float
-        Largest length of the first step, > 0.
-
-    Attributes
-    ----------
-    size : float
-        Of the next step, with its sign.
-    cuts : int
-        Steps that failed since the last one that did not.
-    """
+    """Goals on the way to a target: nearer ones where a step fails."""
 
     def __init__(self, begin, target, maxcuts, size=math.inf):
         self.at, self.target, self.full = begin, target, target - begin
@@ -72,23 +56,7 @@ def StepLine(step, name):
 
 
 class Journal:
-    """The converged steps of a tool, and the state after the last: no way leads back behind it.
-
-    Parameters
-    ----------
-    tool : LoadStepper or TimeStepper
-        With ``steps`` and ``printing``.
-    name : str
-        Of its parameter, such as "load".
-    parameter : ngsolve.Parameter
-
-    Attributes
-    ----------
-    saved : Snapshot
-        After the last step, as its callback left it.
-    progress : Progress
-        Is told of each step.
-    """
+    """The converged steps of a tool, and the state after the last: no way leads back behind it."""
 
     def __init__(self, tool, name, parameter):
         self.tool, self.name, self.parameter = tool, name, parameter
@@ -99,22 +67,7 @@ class Journal:
         return self.saved
 
     def Run(self, targets, reach, prepare=lambda: None):
-        """Reach one target after the other; after any error the state is that of the last step.
-
-        Parameters
-        ----------
-        targets : list[float]
-            Of the parameter.
-        reach : callable
-            ``reach(target)`` returns the steps that led there.
-        prepare : callable
-            What comes before; without a step it does not count, either.
-
-        Returns
-        -------
-        list
-            Of steps.
-        """
+        """Reach one target after the other; after any error the state is that of the last step."""
         before = begun = self.Begin()
         done, name = [], f"contact: {self.name} steps"
         try:
@@ -129,15 +82,7 @@ class Journal:
         return done
 
     def Add(self, step, callback, **fields):
-        """Note a step, and tell of it.
-
-        Parameters
-        ----------
-        step : Step or TimeStep
-        callback : callable or None
-        **fields : GridFunction
-            What the callback may change, to numbers.
-        """
+        """Note a step, and tell of it."""
         self.tool.steps.append(step)
         logging.getLogger("ngslac").info("%s", step)
         if self.tool.printing == "steps":

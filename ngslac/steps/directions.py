@@ -22,20 +22,11 @@ class Directions:
     and between the normals of both sides. So it gets the shortest vector in addition with which
     n.d is right for the mean relative motion d of the macro-element in the step, which is along d:
     a discrete gradient (Gonzalez 1996). The forces on both sides remain opposite and equal.
-
-    Parameters
-    ----------
-    contacts : list[LACContact]
-        Those of small sliding are left alone.
-
-    Attributes
-    ----------
-    used : list of (m, d) array
-        Vectors with which the last solution was found; no rows for small sliding.
     """
 
     def __init__(self, contacts):
         self.contacts, self._start = contacts, None
+        # With which the last solution was found; no rows for small sliding.
         self.used = [np.zeros((c.space.nmacros * c.finite, c.mesh.dim)) for c in contacts]
         self._next = self.used
 
@@ -61,13 +52,7 @@ class Directions:
         return contact.form.Table()["facing"]
 
     def Learn(self, gf, motion):
-        """Find the vectors of the `Next` solution from the motion (n,) to this one.
-
-        Returns
-        -------
-        float
-            Work that the pressures of the solution do in that motion because of what has changed.
-        """
+        """Find the vectors of the `Next` solution from the motion (n,) to this one."""
         found = [self._LearnOf(k, gf, motion) for k in range(len(self.contacts))]
         self._next = [vectors for vectors, _ in found]
         return sum(work for _, work in found)

@@ -13,14 +13,7 @@ INNER, END = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5), 1 / 12
 
 
 class BulkForces:
-    """What the bulk of a static problem pushes with.
-
-    Parameters
-    ----------
-    static : ContactSolver
-    rows : (n,) bool
-        Scalar dofs of the displacement.
-    """
+    """What the bulk of a static problem pushes with."""
 
     def __init__(self, static, rows):
         self.static, self.rows = static, rows
@@ -43,13 +36,6 @@ class BulkForces:
         Where the force changes from that of before as a linear form does whose loads stay, these
         are known. Rounding errors of large motions leave no doubt for long: the loads are asked
         for anew then, and it goes on from there.
-
-        Parameters
-        ----------
-        force : (n,) array or None
-            What the bulk form says of the solution, if it was asked.
-        product : callable or None
-            ``product(motion)`` is what a linear form adds to it; None: it is not linear.
         """
         if force is None or product is None or self._seen is None:
             return self.Now(force)
@@ -69,44 +55,16 @@ class BulkForces:
         return (force - load) * self.rows, (load - self._seen[2]) * self.rows
 
     def Changed(self, before, now, change, isrounding):
-        """Did the force without loads change in a step as a linear form that stays the same says?
-
-        Parameters
-        ----------
-        before, now : tuple
-            Of `Now`, at the begin and at the end.
-        change : (n,) array
-            What the linear form says.
-        isrounding : callable
-            ``isrounding(forces)``: are they nothing but rounding errors of a linear form?
-        """
+        """Did the force without loads change in a step by `change`, that of a linear form?"""
         before, now = sum(before), sum(now)
         deviation = self._Deviation(now, before, change)
         return Norm(deviation) <= self._Least(now, before) or isrounding(deviation)
 
     def OnTheWay(self, motion, before, now, linear, isrounding):
-        """Forces without loads at points of the straight way of a step, to be integrated along it.
+        """Weights, places and forces (without loads) along a step; and is the force linear?
 
         For an elastic bulk their work is the change of the strain energy: exact for a linear one,
         of the sixth order in the length of the step for others.
-
-        Parameters
-        ----------
-        motion : (n,) array
-            Leads to the solution.
-        before, now : tuple
-            Of `Now`, at the begin and at the end of the motion.
-        linear : bool
-            Is the force known to be linear? Else points on the way tell.
-        isrounding : callable
-            As in `Changed`.
-
-        Returns
-        -------
-        list
-            Of weights (of the sum 1), displacements (n,) and forces (n,).
-        bool
-            Is the force linear, by the law at the end of the step?
         """
         end = self.static.gf.vec.FV().NumPy()
         places, ends = [end - (1 - place) * motion for place in INNER], (sum(before), sum(now))

@@ -35,13 +35,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Scheme:
-    """Coefficients of the generalised-alpha method (Chung and Hulbert 1993, eqs. 25 and 17).
-
-    Parameters
-    ----------
-    rho_inf : float
-        Factor by which one step multiplies oscillations much faster than the step, 0 to 1.
-    """
+    """Coefficients of the generalised-alpha method (Chung and Hulbert 1993, eqs. 25 and 17)."""
 
     rho_inf: float
 
@@ -81,17 +75,7 @@ class Scheme:
 
 
 class Mass:
-    """The mass matrix of the displacement on the product space, and motions under constraints.
-
-    Parameters
-    ----------
-    contact : LACContact
-        Any contact on the space: tells the displacement.
-    density : float or CoefficientFunction
-        Mass per reference volume.
-    free : (n,) bool
-        Free scalar dofs.
-    """
+    """The mass matrix of the displacement on the product space, and motions under constraints."""
 
     def __init__(self, contact, density, free):
         form = contact.form
@@ -172,18 +156,6 @@ class Mass:
         none at all. The change is orthogonal with respect to the mass: in a frame that moves with
         the other side it can only take energy away. Tools that forces move have no mass: they take
         no impulse, and go along.
-
-        Parameters
-        ----------
-        rows : (k, n) sparse matrix
-            `ActiveRows` of all contacts.
-        velocity : (n,) array
-        rates : (k,) array
-            What `rows` times the velocity has to be.
-
-        Returns
-        -------
-        (n,) array
         """
         loose, wrong = self._WithoutMass(rows), rows @ velocity - rates
         rate = wrong - loose @ (loose.T @ wrong)
@@ -219,11 +191,6 @@ class DynamicForm:
 
     ``share * (a(u) + 2 M (u - u0) / (share dt^2))``: the force balance of the step, weighted such
     that the contact force is the one that acts all through the step.
-
-    Attributes
-    ----------
-    renewed : bool
-        Was the matrix made in the present step? Whoever begins one says False.
     """
 
     def __init__(self, a, mass, scheme):
@@ -234,7 +201,8 @@ class DynamicForm:
         # For the matrix alone, which knows nothing of the start.
         add = a.WithMass if isinstance(a, RemoteForm) else lambda *given: WithMass(a, *given)
         self._form = add(self.factor, mass.given, mass.u, mass.v)
-        self._applied, self.renewed = None, True
+        self._applied = None
+        self.renewed = True  # was the matrix made in the present step? Who begins one says False.
 
     def SetStep(self, dt):
         """Choose the length of the step, up to rounding; True if that changes the matrix."""

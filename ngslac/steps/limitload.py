@@ -30,25 +30,12 @@ class LimitLoad:
     an estimate, and the better the nearer it is. Beyond the limit, Newton's method gets stuck where
     the residual has a minimum that is not zero, which is where the tangent is singular: the least
     load that is left there tells of the limit, too.
-
-    Parameters
-    ----------
-    solver : ContactSolver
-    load : ngsolve.Parameter
-    full : float
-        The step of the load that was asked for.
-
-    Attributes
-    ----------
-    expected : float or None
-        The first estimate; None: there seems to be no limit.
-    folds : int
-        How often the second one found a limit.
     """
 
     def __init__(self, solver, load, full):
         self.solver, self.system, self.load, self.full = solver, solver.system, load, full
-        self.expected, self.folds, self._place = None, 0, ""
+        self.expected = None  # the limit, by the first estimate; None: there seems to be none
+        self.folds, self._place = 0, ""  # how often the second one found a limit, and where
 
     @property
     def suspected(self):

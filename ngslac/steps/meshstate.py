@@ -32,24 +32,12 @@ def Classes():
 
 
 def MeshState(mesh):
-    """The state of a mesh in dicts, lists, bytes and arrays.
-
-    Raises
-    ------
-    TypeError
-        The mesh has a geometry that NGSolve cannot store.
-    """
+    """The state of a mesh in dicts, lists, bytes and arrays."""
     return {"parts": Parts(mesh), "volumes": Volumes(mesh), "order": mesh.GetCurveOrder()}
 
 
 def MeshOf(state):
-    """The mesh of a `MeshState`.
-
-    Raises
-    ------
-    ValueError
-        It does not come back as it was.
-    """
+    """The mesh of a `MeshState`."""
     mesh = Whole(state["parts"])
     if not SameVolumes(mesh, state):
         mesh.Curve(state["order"])  # NGSolve's archives lose that of meshes that were refined

@@ -13,11 +13,6 @@ class Obstacles:
 
     An obstacle that is a function, and an offset, move along the normal; a tool moves as a rigid
     body does, along the slave as well.
-
-    Parameters
-    ----------
-    contacts : list[LACContact]
-        With a master in place of an obstacle, and no offset, the rates are zero.
     """
 
     def __init__(self, contacts):

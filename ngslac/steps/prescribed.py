@@ -20,22 +20,7 @@ WANTED = (
 
 
 class Prescribed:
-    """Sets Dirichlet values for the current load.
-
-    Parameters
-    ----------
-    solver : ContactSolver
-    values : callable, dict or None
-        ``values(gf)`` sets them, or a displacement for each region: {region: CoefficientFunction}.
-
-    Raises
-    ------
-    TypeError
-        Neither of them, or a value that is no function.
-    ValueError
-        A region without faces, of another mesh, or where no dof of the displacement is constrained;
-        a value that is no displacement.
-    """
+    """Sets Dirichlet values for the current load."""
 
     def __init__(self, solver, values):
         self.values, self.gf, self.dofs = values, solver.gf, {}

@@ -17,23 +17,7 @@ CHUNK = 1 << 20
 
 
 def WriteTree(path, tree, records=()):
-    """Write dicts, lists, tuples, numbers, strings, bytes and arrays, in each other, to a file.
-
-    Parameters
-    ----------
-    path : Path
-        An older file is replaced when the new one is complete.
-    tree : dict
-    records : iterable of classes
-        Dataclasses that may be in it.
-
-    Raises
-    ------
-    TypeError
-        Something else is in it.
-    OSError
-        The file cannot be written; nothing is left of it.
-    """
+    """Write dicts, lists, tuples, numbers, strings, bytes and arrays, in each other, to a file."""
     arrays = []
     encoded = Encoded(tree, arrays, tuple(records))
     text = json.dumps({"tree": encoded, "arrays": len(arrays)}).encode()
@@ -46,24 +30,7 @@ def WriteTree(path, tree, records=()):
 
 
 def ReadTree(path, records=()):
-    """What `WriteTree` wrote.
-
-    Parameters
-    ----------
-    path : Path
-    records : iterable of classes
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    OSError
-        There is no such file.
-    ValueError
-        The file is another one, or damaged.
-    """
+    """What `WriteTree` wrote."""
     if path.exists() and not path.is_file():
         raise OSError(f"{path} is no regular file")
     with open(path, "rb") as file:

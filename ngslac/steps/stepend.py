@@ -14,20 +14,7 @@ __all__ = ["StepEnd"]
 
 
 class StepEnd:
-    """What one time step leaves for the next one besides the solution.
-
-    Parameters
-    ----------
-    static : ContactSolver
-    form : DynamicForm
-    mass : Mass
-    scheme : Scheme
-    velocity : GridFunction
-
-    Attributes
-    ----------
-    obstacles : Obstacles
-    """
+    """What one time step leaves for the next one besides the solution."""
 
     def __init__(self, static, form, mass, scheme, velocity):
         self.static, self.form, self.mass, self.scheme = static, form, mass, scheme
@@ -83,28 +70,7 @@ class StepEnd:
         return vec
 
     def Accept(self, start, dt, before, now, *, system, energy):
-        """Go on from the end of a step.
-
-        Parameters
-        ----------
-        start : (n,) array
-            The solution where the step began.
-        dt : float
-        before : EnergyBalance
-            Energies there.
-        now : float
-            Time at its end.
-        system : System
-            Of the step.
-        energy : float or None
-            Strain energy, if that is known.
-
-        Returns
-        -------
-        tuple
-            EnergyBalance; the parts of the energy that the step has won, and that could not be
-            taken out of the velocities again.
-        """
+        """Go on from the end of a step: its EnergyBalance, the parts of the energy won and owed."""
         motion = (self.gf.vec.FV().NumPy() - start) * self.mass.rows
         forces, way, linear = self._Forces(start, motion, system)
         loads = 0.5 * (self._balanced[1] + forces[1])
