@@ -116,7 +116,7 @@ class Conservation:
         return scipy.sparse.csgraph.connected_components(touched.T @ touched, directed=False)[1]
 
     def Settle(self, velocity, groups, rows, impact, algorithmic, displacement):
-        """The velocity without energy that was brought in; what went out for contact; what is owed."""
+        """The velocity without energy brought in; what went out for contact; what is owed."""
         self.account = self.account + algorithmic
         least = ROUNDING * self.Kinetic(velocity).sum()
         back = owed = 0.0
