@@ -4,6 +4,7 @@
 import pickle
 import sys
 import warnings
+from enum import Flag, auto
 from pathlib import Path
 
 from netgen.meshing import NgException
@@ -13,11 +14,29 @@ __all__ = [
     "ContactWarning",
     "FloatingBodyError",
     "Portable",
+    "Reason",
     "RefuseCopy",
     "Warn",
 ]
 
 HOME = str(Path(__file__).parent)
+
+
+class Reason(Flag):
+    """What is known about why a solve failed, several things at once if need be.
+
+    `CERTAIN`: this load has no equilibrium. `UNHELD`: not even closed contact would hold a body
+    that the loads move, nor would it under smaller loads. `EXHAUSTED`: all was tried that finds the
+    contact status. `SLIDES`: friction is at its limit wherever contact holds a body that the loads
+    carry off. `SLIPS`: nearly all contact slipped for long, where bodies are held by it alone.
+    """
+
+    CERTAIN, UNHELD, EXHAUSTED, SLIDES, SLIPS = (auto() for _ in range(5))
+
+
+# Attributes of errors before 0.3, by what they are now.
+RENAMED = {name: name.upper() for name in ("certain", "unheld", "exhausted", "slides")}
+RENAMED |= {"rubs": "SLIPS"}
 
 
 class ContactConvergenceError(RuntimeError):
@@ -27,18 +46,8 @@ class ContactConvergenceError(RuntimeError):
     ----------
     history : list[Iteration]
         One entry per iteration, see `ContactSolver.history`.
-    exhausted : bool
-        Was all tried that finds the contact status? Then a smaller step of the same kind fails,
-        too, as long as it is the load that has no equilibrium.
-    slides : bool
-        Did friction end at its limit wherever contact holds a body that the loads carry off?
-    rubs : bool
-        Did nearly all contact slip for many iterations, where bodies are held by it alone?
-    certain : bool
-        Is there no equilibrium at this load for certain? Then nothing else is worth trying.
-    unheld : bool
-        Would not all of contact, if it were closed, hold a body that the loads move? Then smaller
-        loads move it, too.
+    reason : Reason
+        What is known about why: ``Reason.CERTAIN in error.reason``, for example.
 
     Examples
     --------
@@ -55,8 +64,14 @@ class ContactConvergenceError(RuntimeError):
 
     def __init__(self, message, history=()):
         super().__init__(message)
-        self.history, self.exhausted = list(history), False
-        self.slides = self.rubs = self.certain = self.unheld = False
+        self.history, self.reason = list(history), Reason(0)
+
+    def __getattr__(self, name):
+        if name not in RENAMED:
+            raise AttributeError(name)
+        reason = Reason[RENAMED[name]]
+        Warn(f"write Reason.{reason.name} in error.reason for error.{name}", DeprecationWarning)
+        return reason in self.reason
 
 
 class FloatingBodyError(ContactConvergenceError):

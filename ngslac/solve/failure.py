@@ -3,7 +3,7 @@
 
 from ngslac.bodies.messages import DrivenMessage, FloatingMessage
 from ngslac.bodies.rigidbalance import RigidBalance
-from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.linear.solver import LinearSolveError
 from ngslac.solve.look import MechanismError
 
@@ -15,13 +15,13 @@ class Failure:
 
     def __init__(self, system, holding):
         self.system, self.holding = system, holding
-        self.unbalanced = self.slides = ""
-        self.certain = self.rubs = self.exhausted = self.unheld = False
+        self.unbalanced = self.slides = ""  # which bodies loads carry off, or friction lets go
+        self.reason = Reason(0)
 
     @property
     def known(self):
         """Is another method of no use?"""
-        return bool(self.exhausted or self.unbalanced)
+        return bool(self.unbalanced) or Reason.EXHAUSTED in self.reason
 
     def LookAt(self, start, error, *, lost):
         """From the start again: raise the error if the loads have no equilibrium for certain."""
@@ -31,11 +31,13 @@ class Failure:
         system.residual.Follow()
         system.Measure()
         system.Evaluate()
-        self.exhausted = self.unheld = lost and not self.holding.MayHold()
-        self.unbalanced = self._Unheld(error) if self.exhausted else CarriedOff(system)
-        self.slides = "" if self.exhausted else self.slides
-        self.certain = bool(self.unbalanced) and system.islinear
-        if self.certain:
+        if lost and not self.holding.MayHold():
+            self.reason |= Reason.EXHAUSTED | Reason.UNHELD
+            self.unbalanced, self.slides = self._Unheld(error), ""
+        else:
+            self.unbalanced = CarriedOff(system)
+        if self.unbalanced and system.islinear:
+            self.reason |= Reason.CERTAIN
             raise error
         system.GoTo(now)
 
@@ -56,10 +58,12 @@ class Failure:
             error = FloatingBodyError(str(error))
         if self.unbalanced or self.slides:
             error = FloatingBodyError(self.unbalanced or self.slides)
-        error.history, error.certain, error.rubs = history, self.certain, self.rubs
-        goes_on = self.system.islinear or self.system.slid
-        error.slides = bool(self.slides) or (self.rubs and goes_on)
-        error.exhausted, error.unheld = self.known, self.unheld or loose
+        goes_on = Reason.SLIPS in self.reason and (self.system.islinear or self.system.slid)
+        found = {Reason.EXHAUSTED: self.known, Reason.UNHELD: loose}
+        found[Reason.SLIDES] = self.slides or goes_on
+        error.history, error.reason = history, self.reason
+        for reason in (reason for reason, holds in found.items() if holds):
+            error.reason |= reason
         return error
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ngslac.errors import ContactConvergenceError, FloatingBodyError
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
@@ -311,8 +311,9 @@ class Newton:
             raise error
         failure.slides = "" if found is not None else self.holding.WhatSlides(self.history)
         held = bool(system.bodies.floating) and system.rubs  # by contact alone, with friction
-        failure.rubs = held and len(self.history) > RUBBED and MostlySlips(self.history)
-        if failure.slides or failure.rubs:
+        if held and len(self.history) > RUBBED and MostlySlips(self.history):
+            failure.reason |= Reason.SLIPS
+        if failure.slides or Reason.SLIPS in failure.reason:
             maxit = min(maxit, len(self.history) + SEARCH)
         failure.LookAt(start, error, lost=found is None)
         system.restless = system.restless or bool(failure.unbalanced)
@@ -322,7 +323,7 @@ class Newton:
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)
-            failure.exhausted = True
+            failure.reason |= Reason.EXHAUSTED
             return self._Search(error, maxit, start)
         except FAILURES:
             if found is None or system.bodies.Lost(found[0]):

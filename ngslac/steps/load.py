@@ -17,7 +17,7 @@ from ngslac.arguments import (
 )
 from ngslac.bodies.messages import FarMessage, OverloadMessage
 from ngslac.distributable import Distributable
-from ngslac.errors import ContactConvergenceError, FloatingBodyError, RefuseCopy, Warn
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason, RefuseCopy, Warn
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.problem import MultiplierRows
@@ -280,17 +280,17 @@ class LoadStepper(metaclass=Distributable):
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:
                 control.cuts += 1
-                hopeless += error.exhausted + error.slides
-                rubs = rubs + 1 if error.rubs else 0
+                hopeless += len(error.reason & (Reason.EXHAUSTED | Reason.SLIDES))
+                rubs = rubs + 1 if Reason.SLIPS in error.reason else 0
                 self._Estimate(limit, goal, failed=True)
-                ends = error.certain or error.unheld or max(hopeless, rubs) > MOST_HOPELESS
-                ends = ends or limit.Passed()
+                ends = error.reason & (Reason.CERTAIN | Reason.UNHELD)
+                ends = ends or max(hopeless, rubs) > MOST_HOPELESS or limit.Passed()
                 if not (control.smallest or ends):
                     if self.printing is True:
                         print("  halved")
                     control.size = limit.Size(control.half)
                     continue
-                tried = goal if error.certain else None
+                tried = goal if Reason.CERTAIN in error.reason else None
                 goal, last = self._Jump(target, error, limit, maxit, tol, tried)
             self._Continue(control)
             cuts, number = control.Reached(goal), len(self.steps) + 1
@@ -324,8 +324,9 @@ class LoadStepper(metaclass=Distributable):
         `tried`: a load that is known to have no equilibrium, of which no part was tried, or None.
         """
         begin = self.load.Get()
-        useless = error.exhausted and self.solver.system.islinear
-        if not (useless or error.rubs or isinstance(error, FloatingBodyError)):
+        useless = Reason.EXHAUSTED in error.reason and self.solver.system.islinear
+        useless = useless or Reason.SLIPS in error.reason
+        if not (useless or isinstance(error, FloatingBodyError)):
             near = [] if limit.known else [begin + 0.25 * (target - begin)]
             for goal in (*near, target):
                 try:
@@ -333,7 +334,7 @@ class LoadStepper(metaclass=Distributable):
                 except ContactConvergenceError:
                     continue
         known = type(error)(self._Diagnosis(error, limit, tried), error.history)
-        known.exhausted, known.certain = error.exhausted, error.certain
+        known.reason = error.reason
         raise known from error
 
     def _Attempt(self, goal, maxit, tol, start, path):
@@ -342,7 +343,7 @@ class LoadStepper(metaclass=Distributable):
         begin = self.load.Get()
         last = vec.CreateVector()
         last.data = vec
-        before = self._Given()
+        before = self._Driven()
         self.load.Set(goal)
         if self.printing is True:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
@@ -356,9 +357,9 @@ class LoadStepper(metaclass=Distributable):
                 print(f"  {error}")
             raise
         moved = np.abs(vec.FV().NumPy() - last.FV().NumPy()).max()
-        given = zip(before, self._Given(), strict=True)
+        fields = zip(before, self._Driven(), strict=True)
         same = moved <= STILL * solver.system.residual.size and all(
-            np.allclose(*pair) for pair in given
+            np.allclose(*pair) for pair in fields
         )
         self._idle = self._idle and same
         for contact in solver.contacts:
@@ -366,7 +367,7 @@ class LoadStepper(metaclass=Distributable):
         self._last = vec.FV().NumPy() - last.FV().NumPy(), goal - begin
         return result
 
-    def _Given(self):
+    def _Driven(self):
         """What the load may change of the contacts, besides the solution."""
         tables = [contact.Table() for contact in self.solver.contacts]
         return [np.nan_to_num(table[name]) for table in tables for name in ("gap", "friction")]
@@ -432,7 +433,7 @@ class LoadStepper(metaclass=Distributable):
         if MostlySlips(error.history) or (closed and np.all(status[status > 0] == 2)):
             if self.solver.system.rubs:
                 message += "; " + OverloadMessage(self.solver.system.bodies)
-        elif closed == 0 and not error.exhausted:
+        elif closed == 0 and Reason.EXHAUSTED not in error.reason:
             message += "; all macro-elements are open"
         system = self.solver.system
         return message + (FarMessage() if system.finite and system.bodies.floating else "")

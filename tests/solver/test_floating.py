@@ -12,6 +12,7 @@ from ngslac import ContactConvergenceError, FloatingBodyError, LoadStepper
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.rigidbalance import RigidBalance
+from ngslac.errors import Reason
 
 
 def stepper(problem, **flags):
@@ -177,8 +178,10 @@ def test_a_load_beyond_friction_ends_after_few_systems(finite):
     systems = counted(tool.solver)
     with pytest.raises(FloatingBodyError, match="'upper' slides away") as error:
         tool.Integrate(steps=2, printing=False)
-    assert error.value.exhausted
-    assert error.value.certain != finite
+    assert Reason.EXHAUSTED in error.value.reason
+    assert (Reason.CERTAIN in error.value.reason) != finite
+    with pytest.warns(DeprecationWarning, match="Reason.CERTAIN"):
+        assert error.value.certain != finite
     assert sum(systems) < (150 if finite else 30)
 
 

@@ -32,6 +32,7 @@ from ngslac import (
     LACSpace,
     LoadStepper,
 )
+from ngslac.errors import Reason
 from ngslac.materials import Stress
 from ngslac.solve.barrier import Barrier
 from ngslac.solve.pressures import Bilateral, Unilateral
@@ -244,7 +245,7 @@ def test_more_than_friction_carries():
     p.load.Set(0)
     with pytest.raises(FloatingBodyError, match=r"body 'block1' .*friction") as error:
         LoadStepper(p.solver, p.load).Integrate(steps=2, printing=False)
-    assert error.value.exhausted
+    assert Reason.EXHAUSTED in error.value.reason
     assert p.load.Get() == 0
     assert not np.any(p.gf.vec.FV().NumPy())
 
