@@ -21,10 +21,10 @@ def KeepPatterns() -> None:
         known = dict(treated())
         replace = known[FLAG]
 
-        def Keep(given, flags, info):
-            replace(given, flags, info)
-            if isinstance(given, str):
-                flags.Set(KEPT, given)
+        def Keep(condition, flags, info):
+            replace(condition, flags, info)
+            if isinstance(condition, str):
+                flags.Set(KEPT, condition)
 
         return known | {FLAG: Keep}
 
@@ -50,15 +50,15 @@ def Blame(error, words):
         error.args = (f"{error}. Note: {words}",)
 
 
-def _Words(mesh, name, given):
+def _Words(mesh, name, condition):
     vb, what = next(kind for end, kind in KINDS.items() if name.endswith(end))
-    if isinstance(given, Region):
-        dead, shown = [] if given.Mask().NumSet() else [""], "<Region>"
+    if isinstance(condition, Region):
+        dead, shown = [] if condition.Mask().NumSet() else [""], "<Region>"
     else:
-        dead, shown = Unmatched(mesh, vb, given), repr(given)
+        dead, shown = Unmatched(mesh, vb, condition), repr(condition)
     if not dead:
         return ""
-    some = isinstance(given, str) and Region(mesh, vb, given).Mask().NumSet()
+    some = isinstance(condition, str) and Region(mesh, vb, condition).Mask().NumSet()
     part = f"of which {', '.join(map(repr, dead))}" if some else "which"
     return (
         f"the displacement space has {name}={shown}, {part} matches no {what} and holds nothing; "

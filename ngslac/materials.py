@@ -141,5 +141,5 @@ def _CheckPoisson(name, value):
 
 
 def _Constant(name, value, check):
-    given = isinstance(value, CoefficientFunction)
-    return Coefficient(name, value) if given else check(name, value)
+    varies = isinstance(value, CoefficientFunction)
+    return Coefficient(name, value) if varies else check(name, value)

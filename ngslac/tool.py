@@ -156,8 +156,8 @@ class Tool:
             raise ValueError("the tool is driven already: give its path first, then Driven")
         motion = None if shift is None else _Vector("shift", shift, self.dim)
         angle = CheckValues("angle", Coefficient("angle", angle))
-        given = _Axis(center, axis, self.dim, angle is not None)
-        return Tool(self._shape, [*self._motions, ToolMotion(motion, angle, *given)])
+        turning = _Axis(center, axis, self.dim, angle is not None)
+        return Tool(self._shape, [*self._motions, ToolMotion(motion, angle, *turning)])
 
     def Driven(
         self, *, travel=None, force=None, turn=None, moment=None, center=None, axis=None
@@ -207,10 +207,10 @@ class Tool:
         """
         if self._drives:
             raise ValueError("the tool is driven already: give all in one call")
-        given, travel = travel, [None] * self.dim if travel is None else travel
+        asked, travel = travel, [None] * self.dim if travel is None else travel
         travel = _Components("travel", travel, self.dim)
         if turn is None and all(way is None for way in travel):
-            nothing = "" if given is None else f"; travel = {Shown(given)} names nothing"
+            nothing = "" if asked is None else f"; travel = {Shown(asked)} names nothing"
             raise ValueError("give travel= or turn=: what of the motion is unknown" + nothing)
         loads = _Components("force", [0.0] * self.dim if force is None else force, self.dim)
         for way, load in zip(travel, loads, strict=True):
@@ -228,9 +228,9 @@ class Tool:
             if way is not None
         ]
         if turn is not None:
-            given = _Axis(center, axis, self.dim, True)
+            turning = _Axis(center, axis, self.dim, True)
             load = Coefficient("moment", moment)
-            drives.append(ToolDrive(_Unknown("turn", turn), load, -1, *given))
+            drives.append(ToolDrive(_Unknown("turn", turn), load, -1, *turning))
         return Tool(self._shape, self._motions, drives)
 
 

@@ -65,8 +65,8 @@ def Plane(point, normal) -> Tool:
     [2.0]
     """
     dim = _Dimension("point", point)
-    given = CheckPoint("point", point, dim), Direction("normal", normal, dim)
-    return Tool(ToolShape.HalfSpace(*given))
+    place = CheckPoint("point", point, dim), Direction("normal", normal, dim)
+    return Tool(ToolShape.HalfSpace(*place))
 
 
 def Sphere(center, radius) -> Tool:
@@ -93,8 +93,8 @@ def Sphere(center, radius) -> Tool:
     [1.0, -1.0]
     """
     dim = _Dimension("center", center)
-    given = CheckPoint("center", center, dim), CheckPositive("radius", radius)
-    return Tool(ToolShape.Ball(*given, np.zeros(dim)))
+    place = CheckPoint("center", center, dim), CheckPositive("radius", radius)
+    return Tool(ToolShape.Ball(*place, np.zeros(dim)))
 
 
 def Cylinder(point, axis, radius) -> Tool:
@@ -123,8 +123,8 @@ def Cylinder(point, axis, radius) -> Tool:
     >>> tools.Cylinder((0, 0, 0), (0, 0, 1), 2).Distance([(3, 0, 7)]).tolist()
     [1.0]
     """
-    given = CheckPoint("point", point, 3), CheckPositive("radius", radius)
-    return Tool(ToolShape.Ball(*given, Direction("axis", axis, 3)))
+    place = CheckPoint("point", point, 3), CheckPositive("radius", radius)
+    return Tool(ToolShape.Ball(*place, Direction("axis", axis, 3)))
 
 
 def Cone(apex, axis, half_angle) -> Tool:
@@ -229,8 +229,8 @@ def Revolved(profile, point, axis) -> Tool:
     """
     if CheckInstance("profile", profile, Tool, "a tool in 2D").dim != 2:
         raise ValueError("profile must be a tool in 2D, got one in 3D")
-    given = CheckPoint("point", point, 3), Direction("axis", axis, 3)
-    return Tool(ToolShape.Revolution(profile._AtRest(), *given))
+    place = CheckPoint("point", point, 3), Direction("axis", axis, 3)
+    return Tool(ToolShape.Revolution(profile._AtRest(), *place))
 
 
 def SignedDistance(function, *, dim=3) -> Tool:

@@ -23,9 +23,9 @@ class Neighbours:
     def __init__(self, space, mesh):
         owner, corners = np.array(space.macros), BoundaryVertices(mesh)
         slave = np.flatnonzero(owner >= 0)
-        given = corners[slave] >= 0
-        vertices, columns = np.unique(corners[slave][given], return_inverse=True)
-        rows = np.broadcast_to(owner[slave][:, None], given.shape)[given]
+        known = corners[slave] >= 0
+        vertices, columns = np.unique(corners[slave][known], return_inverse=True)
+        rows = np.broadcast_to(owner[slave][:, None], known.shape)[known]
         shape = space.nmacros, len(vertices)
         touches = scipy.sparse.csr_matrix(
             (np.ones(len(rows)), (rows, columns.ravel())), shape=shape

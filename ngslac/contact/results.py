@@ -25,10 +25,10 @@ def Describe(self) -> str:
     """In a line: both sides, the law, and whether it is paired."""
     sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
     names = [repr(BoundaryNames(side)) for side in sides]
-    given = self._state.setup
+    setup = self._state.setup
     laws = {"tied": self.tied, "bilateral": self.bilateral}
-    laws |= {"Coulomb friction": given["friction"] is not None}
-    laws |= {"Tresca friction": given["tresca"] is not None, "large sliding": self.finite}
+    laws |= {"Coulomb friction": setup["friction"] is not None}
+    laws |= {"Tresca friction": setup["tresca"] is not None, "large sliding": self.finite}
     words = [word for word, holds in laws.items() if holds]
     return (
         f"<LACContact: {self.space.nmacros} macro-elements of {names[0]} against "

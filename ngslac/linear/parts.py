@@ -56,10 +56,10 @@ class PartsInverse:
         """The solution (n,) for a right hand side (n,); 0 on other dofs than the free ones."""
         solution = np.zeros(len(values))
         for _, inverse, parts in self._groups:
-            given, found = inverse.CreateRowVector(), inverse.CreateColVector()
+            right, found = inverse.CreateRowVector(), inverse.CreateColVector()
             for dofs in parts:
-                given.FV().NumPy()[:] = values[dofs]
-                found.data = inverse * given
+                right.FV().NumPy()[:] = values[dofs]
+                found.data = inverse * right
                 solution[dofs] = found.FV().NumPy()
         return solution
 

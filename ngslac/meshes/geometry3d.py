@@ -41,8 +41,8 @@ def RotationMatrix(rotation) -> np.ndarray:
         axis, angle = rotation
         axis = [c == axis for c in "xyz"] if isinstance(axis, str) else axis
         axis = np.array(axis, dtype=float)
-        given = axis.shape == (3,) and np.isfinite(axis).all() and np.any(axis)
-        if not (given and math.isfinite(angle)):
+        valid = axis.shape == (3,) and np.isfinite(axis).all() and np.any(axis)
+        if not (valid and math.isfinite(angle)):
             raise ValueError(f"a rotation needs an axis of three numbers and an angle: {rotation}")
         e = axis / np.abs(axis).max()  # whose square neither over- nor underflows
         e, t = e / np.linalg.norm(e), math.radians(angle)

@@ -76,9 +76,9 @@ def CheckOrder(order):
 def CheckElements(number, **sizes):
     """Raise a ``ValueError`` where sizes of elements make more of them than anyone can use."""
     if not number <= MOST:
-        given = ", ".join(f"{name} = {value:g}" for name, value in sizes.items())
+        shown = ", ".join(f"{name} = {value:g}" for name, value in sizes.items())
         raise ValueError(
-            f"{given} would make about {number:.1e} elements, more than {MOST:g}: take other sizes"
+            f"{shown} would make about {number:.1e} elements, more than {MOST:g}: take other sizes"
         )
 
 

@@ -107,13 +107,13 @@ class RemoteForm:
     ensemble : Ensemble
     number : int
         Of the FormPart.
-    given : BilinearForm
+    original : BilinearForm
     """
 
-    def __init__(self, ensemble, number, given):
-        self.ensemble, self.number, self.condense = ensemble, number, given.condense
-        self.flags = given.flags
-        self.replica = ensemble.SpaceOf(given.space)
+    def __init__(self, ensemble, number, original):
+        self.ensemble, self.number, self.condense = ensemble, number, original.condense
+        self.flags = original.flags
+        self.replica = ensemble.SpaceOf(original.space)
         self.space = ensemble.Space(self.replica)
         self._matrices, self._diagonal = WeakValueDictionary(), None  # these hold the form
         ensemble.Need(number, self)
@@ -150,18 +150,18 @@ class RemoteForm:
         """Multiply the matrix by a factor."""
         self._Change("Scale", None, factor)
 
-    def _Change(self, verb, *given):
+    def _Change(self, verb, *arguments):
         self._matrices, self._diagonal = WeakValueDictionary(), None
-        self.Ask(verb, *given)
+        self.Ask(verb, *arguments)
 
     def WithMass(self, factor, density, u, _):
         """The same form with inertia, see `WithMass`."""
         ensemble = self.ensemble
         if isinstance(density, CoefficientFunction):
-            density = Reference("given", ensemble.NumberOf(density))
-        given = self.number, ProxyPath(u, "u"), density
-        own = partial(ensemble.crew.tasks["mass"], *given, factor)
-        number = ensemble.Order("mass", *given, own=own)[0]
+            density = Reference("original", ensemble.NumberOf(density))
+        order = self.number, ProxyPath(u, "u"), density
+        own = partial(ensemble.crew.tasks["mass"], *order, factor)
+        number = ensemble.Order("mass", *order, own=own)[0]
         return RemoteForm(ensemble, number, ensemble.things[number].form)
 
     @property

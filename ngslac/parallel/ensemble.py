@@ -48,7 +48,7 @@ class Ensemble:
     def Of(cls, mesh):
         """That of a distributed mesh."""
         for known in KNOWN:
-            if known.mesh.given == mesh:
+            if known.mesh.original == mesh:
                 return known
         KNOWN.append(cls(mesh))
         return KNOWN[-1]
@@ -178,11 +178,11 @@ class Ensemble:
             self._parameters.append(number)
             self.Need(number, parameter)
 
-    def Given(self, number):
+    def Original(self, number):
         """What users have of a form or a LACSpace with this number on the conductor."""
         for known in self.Spaces():
             if known.multipliers == number:
-                return known.given
+                return known.original
         return self.things[number].form
 
     # --- spaces --------------------------------------------------------------------------------
@@ -193,10 +193,10 @@ class Ensemble:
 
     def SpaceOf(self, space):
         """The SpaceReplica of a space on the distributed mesh."""
-        if space.mesh != self.mesh.given:
+        if space.mesh != self.mesh.original:
             raise ValueError("parts of the problem live on different meshes: take one mesh for all")
         for known in self.Spaces():
-            if known.given == space:
+            if known.original == space:
                 return known
         if isinstance(space, LACSpace):
             home = self.homes.get(space.number)

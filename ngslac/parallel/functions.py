@@ -60,8 +60,10 @@ class UserFunctions:
 
     def Call(self, number, *args):
         """What a function says here; of loads the values, and are they to be added up?"""
-        given = self._ensemble.pairs.Given
-        args = [given(arg) if isinstance(arg, Reference) else arg for arg in args]
+        args = [
+            self._ensemble.pairs.Original(arg) if isinstance(arg, Reference) else arg
+            for arg in args
+        ]
         self._ensemble.Agree()
         crew = self._ensemble.crew
         with crew.interrupts.Let():
@@ -77,7 +79,7 @@ class UserFunctions:
 
     def Integral(self, number):
         """Of a function over the whole mesh."""
-        return Integrate(self._ensemble.things[number], self._ensemble.mesh.given)
+        return Integrate(self._ensemble.things[number], self._ensemble.mesh.original)
 
     def AddMass(self, number, path, density, factor=None):
         """The number of a form with inertia.

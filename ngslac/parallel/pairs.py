@@ -27,7 +27,7 @@ class Pair:
 
     Attributes
     ----------
-    given, home : callable
+    original, home : callable
         Return the function on the distributed mesh and that on the conductor; None: there is no
         such, not yet or no longer.
     space : SpaceReplica or None
@@ -37,7 +37,7 @@ class Pair:
     """
 
     def __init__(self, what=None):
-        self.given = self.home = Nothing
+        self.original = self.home = Nothing
         self.space = self.sent = None
         self.what = what
 
@@ -49,12 +49,12 @@ class Pair:
     @property
     def whole(self):
         """Are there both, on the conductor?"""
-        return self.home() is not None and self.given() is not None
+        return self.home() is not None and self.original() is not None
 
     @property
     def ended(self):
         """Has one of them gone, on the conductor?"""
-        return self.home() is None or (self.given() is None and self.given is not Nothing)
+        return self.home() is None or (self.original() is None and self.original is not Nothing)
 
 
 def Nothing():
@@ -82,19 +82,19 @@ class Pairs:
         self._own = count(-1, -1)
         ensemble.crew.tasks |= {"get": self._Get, "put": self._Put}
 
-    def Of(self, given):
+    def Of(self, original):
         """The key of the pair of a user's function; all processes ask for it."""
         for key, pair in self.known.items():
-            if pair.given() is given:
+            if pair.original() is original:
                 return key
         key = self.next
         self.next, self.known[key] = key + 1, Pair()
-        self._Give(self.known[key], given, self._ensemble.SpaceOf(given.space))
+        self._Give(self.known[key], original, self._ensemble.SpaceOf(original.space))
         return key
 
-    def _Give(self, pair, given, space):
+    def _Give(self, pair, original, space):
         """Let a pair have the function of users, which workers keep until the conductor ends it."""
-        pair.given = ref(given) if self._ensemble.crew.conducts else lambda: given
+        pair.original = ref(original) if self._ensemble.crew.conducts else lambda: original
         pair.space = space
 
     def Ended(self):
@@ -133,14 +133,14 @@ class Pairs:
             if not pair.whole or (pair.sent is not None and np.array_equal(values, pair.sent)):
                 continue
             self._ensemble.crew.Order("put", key, each=pair.space.Split(values))
-            pair.given().vec.FV().NumPy()[:] = values[pair.space.own]
+            pair.original().vec.FV().NumPy()[:] = values[pair.space.own]
             pair.sent = values.copy()
 
     def _Get(self, key):
-        return self.known[key].given().vec.FV().NumPy().copy()
+        return self.known[key].original().vec.FV().NumPy().copy()
 
     def _Put(self, key, values):
-        vec = self.known[key].given().vec
+        vec = self.known[key].original().vec
         vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
         vec.FV().NumPy()[:] = values
 
@@ -169,23 +169,23 @@ class Pairs:
                 return number, space.ndof * space.dim // max(space.nmacros, 1)
         return None
 
-    def Given(self, reference):
+    def Original(self, reference):
         """The function of users; a new one where there is none."""
         pair = self.known.setdefault(reference.key, Pair(reference.what))
-        given = pair.given()
-        if given is None:
-            given, space = self._Made(*pair.what)
-            self._Give(pair, given, space)
+        original = pair.original()
+        if original is None:
+            original, space = self._Made(*pair.what)
+            self._Give(pair, original, space)
             self._fresh = True
-        return given
+        return original
 
     def _Made(self, number, components, name):
         """A function of users, and the SpaceReplica of its space."""
         ensemble = self._ensemble
         if components is None:
             replica = ensemble.things[number]
-            return GridFunction(replica.given, name=name), replica
-        space = ensemble.Given(number).WithComponents(components)
+            return GridFunction(replica.original, name=name), replica
+        space = ensemble.Original(number).WithComponents(components)
         replica = SpaceReplica.OfMultipliers(space, ensemble.mesh, ensemble.homes.get(number))
         return GridFunction(space, name=name), replica
 

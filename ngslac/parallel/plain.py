@@ -17,7 +17,7 @@ class Reference:
 
     Attributes
     ----------
-    kind : {"twin", "function", "given", "boundary"}
+    kind : {"twin", "function", "original", "boundary"}
     key :
     what : type or tuple
         What to make where it is not there yet.

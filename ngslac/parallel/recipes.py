@@ -24,31 +24,31 @@ from ngslac.parallel.plain import Reference
 __all__ = ["Recipe"]
 
 
-def Recipe(given, ensemble):
+def Recipe(thing, ensemble):
     """A function that makes of an argument what the conductor works with.
 
     All processes ask for it at once; only the conductor calls it, in the middle of a call.
     """
-    if "_ensemble" in getattr(given, "__dict__", {}):  # a Twin
-        return OfTwin(given, ensemble)
+    if "_ensemble" in getattr(thing, "__dict__", {}):  # a Twin
+        return OfTwin(thing, ensemble)
     for kinds, recipe in RECIPES:
-        if isinstance(given, kinds):
-            return recipe(given, ensemble)
-    if IsFunction(given) and not isinstance(given, type):
-        return OfFunction(given, ensemble)
-    return lambda: given
+        if isinstance(thing, kinds):
+            return recipe(thing, ensemble)
+    if IsFunction(thing) and not isinstance(thing, type):
+        return OfFunction(thing, ensemble)
+    return lambda: thing
 
 
-def OfTwin(given, ensemble):
+def OfTwin(thing, ensemble):
     """What stands for an object on the conductor: that object."""
-    if given._ensemble is not ensemble:
-        raise ValueError(f"{given} lives on another mesh: take one mesh for all")
-    return lambda: ensemble.homes[given._key]
+    if thing._ensemble is not ensemble:
+        raise ValueError(f"{thing} lives on another mesh: take one mesh for all")
+    return lambda: ensemble.homes[thing._key]
 
 
-def OfFunctions(given, ensemble):
+def OfFunctions(thing, ensemble):
     """A GridFunction: that which stands for it."""
-    key, kept = ensemble.pairs.Of(given), []
+    key, kept = ensemble.pairs.Of(thing), []
 
     def Make():
         kept.append(ensemble.pairs.Home(key))  # to the end of the call, when users see its values
@@ -57,25 +57,25 @@ def OfFunctions(given, ensemble):
     return Make
 
 
-def OfForm(given, ensemble):
+def OfForm(thing, ensemble):
     """A bulk form: orders to all parts of it."""
-    replica = ensemble.context = ensemble.SpaceOf(given.space)
-    known = (n for n, t in ensemble.things.items() if isinstance(t, FormPart) and t.form is given)
+    replica = ensemble.context = ensemble.SpaceOf(thing.space)
+    known = (n for n, t in ensemble.things.items() if isinstance(t, FormPart) and t.form is thing)
     number = next(known, None)
     if number is None:
-        number = ensemble.Add(FormPart(given, replica))
+        number = ensemble.Add(FormPart(thing, replica))
 
     def Make():
-        form = ensemble.NeededBy(number) or RemoteForm(ensemble, number, given)
+        form = ensemble.NeededBy(number) or RemoteForm(ensemble, number, thing)
         replica.TakeFree(ensemble.crew, ensemble.NumberOf(replica))  # users may have changed them
         return form
 
     return Make
 
 
-def OfProxy(given, ensemble):
+def OfProxy(thing, ensemble):
     """A trial function: that of the same component."""
-    path, replica = ProxyPath(given, "u or lam"), ensemble.SpaceOf(given.space)
+    path, replica = ProxyPath(thing, "u or lam"), ensemble.SpaceOf(thing.space)
 
     def Make():
         found = ensemble.Space(replica).TrialFunction()
@@ -86,29 +86,29 @@ def OfProxy(given, ensemble):
     return Make
 
 
-def OfParameter(given, ensemble):
+def OfParameter(thing, ensemble):
     """A parameter of the load: itself, with the same value everywhere."""
-    ensemble.AddParameter(given)
-    return lambda: given
+    ensemble.AddParameter(thing)
+    return lambda: thing
 
 
-def OfCoefficient(given, ensemble):
+def OfCoefficient(thing, ensemble):
     """A function of place and parameters: itself. One of solutions: its integral, no more."""
-    number = ensemble.Add(given)
-    if HoldsGridFunction(given):
+    number = ensemble.Add(thing)
+    if HoldsGridFunction(thing):
         return lambda: RemoteIntegrand(ensemble, number)
-    ensemble.Need(number, given)
-    return lambda: given
+    ensemble.Need(number, thing)
+    return lambda: thing
 
 
-def OfBits(given, ensemble):
+def OfBits(thing, ensemble):
     """Dofs of the product space."""
-    number, replica = ensemble.Add(given), ensemble.context
+    number, replica = ensemble.Add(thing), ensemble.context
 
     def Make():
-        if len(given) != replica.given.ndof:
+        if len(thing) != replica.original.ndof:
             raise ValueError(
-                f"a BitArray has {len(given)} bits, the space {replica.given.ndof} dofs on this "
+                f"a BitArray has {len(thing)} bits, the space {replica.original.ndof} dofs on this "
                 "process: take a copy of X.FreeDofs()"
             )
         bits = AsNumPy(replica.space.FreeDofs())
@@ -121,27 +121,27 @@ def OfBits(given, ensemble):
     return Make
 
 
-def OfMany(given, ensemble):
+def OfMany(thing, ensemble):
     """A list or a tuple."""
-    parts = [Recipe(part, ensemble) for part in given]
-    return lambda: type(given)(part() for part in parts)
+    parts = [Recipe(part, ensemble) for part in thing]
+    return lambda: type(thing)(part() for part in parts)
 
 
-def OfDict(given, ensemble):
+def OfDict(thing, ensemble):
     """Values by names or regions."""
-    parts = [(Recipe(key, ensemble), Recipe(given[key], ensemble)) for key in given]
+    parts = [(Recipe(key, ensemble), Recipe(thing[key], ensemble)) for key in thing]
     return lambda: {key(): part() for key, part in parts}
 
 
-def OfLoad(given, ensemble):
+def OfLoad(thing, ensemble):
     """Forces: a function that gives them."""
-    return OfFunction(lambda: given, ensemble)
+    return OfFunction(lambda: thing, ensemble)
 
 
-def OfFunction(given, ensemble):
+def OfFunction(thing, ensemble):
     """A function of users: all processes call it at once."""
     replica, pairs = ensemble.context, ensemble.pairs
-    number = ensemble.Add(lambda *args: Checked(given(*args), replica))
+    number = ensemble.Add(lambda *args: Checked(thing(*args), replica))
 
     def Call(*args):
         ensemble.Show()
@@ -163,7 +163,7 @@ def OfFunction(given, ensemble):
 def Checked(load, replica):
     """What a function gives, of loads those that suit the space."""
     if isinstance(load, VECTORS):
-        LoadVector(lambda: load, GridFunction(replica.given).vec)
+        LoadVector(lambda: load, GridFunction(replica.original).vec)
     return load
 
 
@@ -184,8 +184,8 @@ RECIPES = (
     (Parameter, OfParameter),
     (VECTORS, OfLoad),
     (CoefficientFunction, OfCoefficient),
-    (Region, lambda given, ensemble: lambda: ensemble.mesh.Region(given)),
-    (LACSpace, lambda given, ensemble: lambda: ensemble.homes[given.number]),
+    (Region, lambda thing, ensemble: lambda: ensemble.mesh.Region(thing)),
+    (LACSpace, lambda thing, ensemble: lambda: ensemble.homes[thing.number]),
     (BitArray, OfBits),
     (dict, OfDict),
     ((list, tuple), OfMany),

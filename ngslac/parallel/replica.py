@@ -30,31 +30,31 @@ class MeshReplica:
     """
 
     def __init__(self, mesh, crew):
-        self.given, self.crew, self.mesh = mesh, crew, None
+        self.original, self.crew, self.mesh = mesh, crew, None
         crew.tasks |= {"piece": self._Piece, "order": self._Order}
 
     def _Piece(self):
-        return (*PieceOf(self.given), self._Order())
+        return (*PieceOf(self.original), self._Order())
 
     def _Order(self):
         """That of curved elements of the own part, which has to be as it was distributed."""
-        if self.given.deformation is not None:
+        if self.original.deformation is not None:
             raise ValueError(
                 "the distributed mesh has a deformation: call mesh.UnsetDeformation(), or Curve it"
             )
-        if self.given.levels > 1:
+        if self.original.levels > 1:
             raise ValueError(
                 "the mesh was refined after its distribution, which tears it: refine it before, "
                 "see ngslac.meshes.Distributed"
             )
-        return self.given.GetCurveOrder()
+        return self.original.GetCurveOrder()
 
     def Gather(self):
         """Make the replica; the conductor only."""
         if self.mesh is not None:
             return self.mesh
         *pieces, orders = zip(*self.crew.Order("piece", own=self._Piece), strict=True)
-        mesh = WholeMesh(self.given, tuple(map(np.concatenate, pieces)))
+        mesh = WholeMesh(self.original, tuple(map(np.concatenate, pieces)))
         self._Curve(mesh, max(orders))
         _, _, volumes, surfaces, _, segments, _ = pieces
         tables = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
@@ -71,9 +71,9 @@ class MeshReplica:
         if self.mesh is not None:  # the conductor has nothing to curve, and does not know
             self._Curve(self.mesh, max(self.crew.Order("order", own=self._Order)))
 
-    def Region(self, given):
+    def Region(self, original):
         """What a region of the distributed mesh is on the replica."""
-        return Region(self.mesh, given.VB(), given.Mask())
+        return Region(self.mesh, original.VB(), original.Mask())
 
 
 def Places(tables):
@@ -88,7 +88,7 @@ class SpaceReplica:
 
     Parameters
     ----------
-    given : FESpace
+    original : FESpace
         On the distributed mesh.
     mesh : MeshReplica
     parts : list[SpaceReplica]
@@ -107,8 +107,8 @@ class SpaceReplica:
         On the conductor the same for what it has itself of the distributed space: multipliers.
     """
 
-    def __init__(self, given, mesh, parts=()):
-        self.given, self.mesh, self.parts = given, mesh, parts
+    def __init__(self, original, mesh, parts=()):
+        self.original, self.mesh, self.parts = original, mesh, parts
         self.space = self.dofs = None
         self.own, self.multipliers = np.empty(0, dtype=int), None
         self._places = None
@@ -121,7 +121,7 @@ class SpaceReplica:
         if self.parts:
             self.space = FESpace([part.space for part in self.parts])
         else:
-            self.space = CopyOf(self.given, mesh)
+            self.space = CopyOf(self.original, mesh)
         each = None if self.parts else DofsByElements(self.space, self.mesh.elements)
         starts = [self.space.Range(k).start for k in range(len(self.parts))]
         own = [p.own + self.space.dim * k for p, k in zip(self.parts, starts, strict=True)]
@@ -178,7 +178,7 @@ class SpaceReplica:
 
     def LearnDofs(self, told):
         """On a worker: its dofs, from starts of components or from those of its elements."""
-        d = self.given.dim
+        d = self.original.dim
         if self.parts:
             places = [
                 np.where(part.dofs >= 0, part.dofs + d * start, -1)
@@ -186,13 +186,13 @@ class SpaceReplica:
             ]
             self.dofs = np.concatenate(places)
             return self.dofs
-        counts, dofs = ElementDofs(self.given)
+        counts, dofs = ElementDofs(self.original)
         if not np.array_equal(counts, told[0]):
             raise ValueError(
-                f"a space of type {self.given.type} is not known on a distributed mesh: its copy "
-                "on the whole mesh has other dofs"
+                f"a space of type {self.original.type} is not known on a distributed mesh: its "
+                "copy on the whole mesh has other dofs"
             )
-        numbers = np.full(self.given.ndof, -1)
+        numbers = np.full(self.original.ndof, -1)
         used = (dofs >= 0) & (told[1] >= 0)
         numbers[dofs[used]] = told[1][used]
         self.dofs = Scalars(numbers, d)
@@ -210,15 +210,15 @@ class SpaceReplica:
 
     def Free(self):
         """On a worker: which of its dofs are free, all and without condensed ones."""
-        return AsNumPy(self.given.FreeDofs()), AsNumPy(self.given.FreeDofs(True))
+        return AsNumPy(self.original.FreeDofs()), AsNumPy(self.original.FreeDofs(True))
 
     @classmethod
-    def OfMultipliers(cls, given, mesh, space):
+    def OfMultipliers(cls, original, mesh, space):
         """A LACSpace, of which all processes have all dofs."""
-        replica = cls(given, mesh)
+        replica = cls(original, mesh)
         replica.space = space
-        replica.multipliers = given.number
-        replica.dofs = replica.own = np.arange(given.ndof * given.dim)
+        replica.multipliers = original.number
+        replica.dofs = replica.own = np.arange(original.ndof * original.dim)
         if space is not None:
             replica.dofs = [replica.dofs] * len(mesh.crew.workers)
         return replica

@@ -30,9 +30,9 @@ class Team:
 
     def __init__(self, ensemble, form, freedofs, nodes):
         free = AsNumPy(freedofs)
-        given = form.number, len(free)
-        own = partial(ensemble.crew.tasks["system"], *given, free, nodes)
-        self._crew, self._number = ensemble.crew, ensemble.Order("system", *given, own=own)[0]
+        order = form.number, len(free)
+        own = partial(ensemble.crew.tasks["system"], *order, free, nodes)
+        self._crew, self._number = ensemble.crew, ensemble.Order("system", *order, own=own)[0]
         self._system = ensemble.things[self._number]
         ensemble.Need(self._number, self)
 
@@ -42,8 +42,8 @@ class Team:
         own = args
         if name == "SetBulk":
             told, own = [args[0].form.number], (None,)
-        given = self._number, name, *told
-        return self._crew.Order("petsc", *given, own=lambda: self.Get(name)(*own))[0]
+        order = self._number, name, *told
+        return self._crew.Order("petsc", *order, own=lambda: self.Get(name)(*own))[0]
 
     def Get(self, name):
         """An attribute of the PetscSystem here."""
@@ -61,12 +61,12 @@ class TeamMember:
     def __init__(self, ensemble):
         self._ensemble = ensemble
 
-    def Make(self, form, size, *given):
-        """The number of a PetscSystem of the bulk; `given` is what the conductor tells."""
+    def Make(self, form, size, *options):
+        """The number of a PetscSystem of the bulk; `options` are what the conductor tells."""
         ensemble, crew = self._ensemble, self._ensemble.crew
         number = ensemble.NewNumber()  # also where it cannot be made
         dofs = np.empty(0, dtype=int) if crew.conducts else ensemble.things[form].dofs
-        ensemble.things[number] = PetscSystem(crew.messages.comm, size, dofs, *given)
+        ensemble.things[number] = PetscSystem(crew.messages.comm, size, dofs, *options)
         BeforeOthers()
         return number
 

@@ -36,12 +36,14 @@ class Twin:
 
     Attributes
     ----------
-    _given : dict
+    _arguments : dict
         Arguments that it was made of, by name.
     """
 
     def __init__(self, kind, ensemble, key):
-        vars(self).update(_kind=kind, _ensemble=ensemble, _key=key, _given={}, _public={}, _text="")
+        vars(self).update(
+            _kind=kind, _ensemble=ensemble, _key=key, _arguments={}, _public={}, _text=""
+        )
         ensemble.twins[key] = self
 
     @property
@@ -52,7 +54,7 @@ class Twin:
     @property
     def mesh(self):
         """The distributed mesh."""
-        return self._ensemble.mesh.given
+        return self._ensemble.mesh.original
 
     def __repr__(self):
         return self._text
@@ -70,7 +72,7 @@ class Twin:
                 return self._Call(name, args, options)
 
             return Method
-        for known in (self._public, self._given):
+        for known in (self._public, self._arguments):
             if name in known:
                 return known[name]
         raise AttributeError(
@@ -79,7 +81,7 @@ class Twin:
 
     def __dir__(self):
         methods = {name for name, _ in inspect.getmembers(self._kind, inspect.isfunction)}
-        return sorted({*methods, *self._public, *self._given, "mesh"})
+        return sorted({*methods, *self._public, *self._arguments, "mesh"})
 
     def __setattr__(self, name, value):
         value = Recipe(value, self._ensemble)
@@ -92,19 +94,19 @@ class Twin:
 
     def _Call(self, name, args, options):
         ensemble, key = self._ensemble, self._key
-        given = Given(args, options, ensemble)
+        recipes = Recipes(args, options, ensemble)
         title = f"{self._kind.__name__}.{name}"
         if any(isinstance(arg, VECTORS) for arg in (*args, *options.values())):
             raise ValueError(f"{title} is not known on a distributed mesh: it takes vectors")
 
         def Work():
-            args, options = given()
+            args, options = recipes()
             return getattr(ensemble.homes[key], name)(*args, **options)
 
         return RunEverywhere(ensemble, title, Work)
 
 
-def Given(args, options, ensemble):
+def Recipes(args, options, ensemble):
     """Makes of arguments those of the conductor, when it is called there."""
     args = [Recipe(arg, ensemble) for arg in args]
     options = {name: Recipe(arg, ensemble) for name, arg in options.items()}
@@ -114,16 +116,16 @@ def Given(args, options, ensemble):
 def MakeTwin(mesh, kind, args, options):
     """The Twin of a new object."""
     ensemble = Ensemble.Of(mesh)
-    key, given = ensemble.NewNumber(), Given(args, options, ensemble)
+    key, recipes = ensemble.NewNumber(), Recipes(args, options, ensemble)
 
     def Work():
-        args, options = given()
+        args, options = recipes()
         ensemble.homes[key] = kind(*args, **options)
         ForgetWith(twin)
 
     twin = Twin(kind, ensemble, key)
     RunEverywhere(ensemble, kind.__name__, Work)  # refuses wrong arguments
-    twin._given.update(inspect.signature(kind).bind_partial(*args, **options).arguments)
+    twin._arguments.update(inspect.signature(kind).bind_partial(*args, **options).arguments)
     return twin
 
 
@@ -135,10 +137,10 @@ def ForgetWith(twin):
 def CallEverywhere(mesh, function, args, options):
     """The result of a function on the conductor."""
     ensemble = Ensemble.Of(mesh)
-    given = Given(args, options, ensemble)
+    recipes = Recipes(args, options, ensemble)
 
     def Work():
-        args, options = given()
+        args, options = recipes()
         return function(*args, **options)
 
     return RunEverywhere(ensemble, function.__name__, Work)
@@ -209,12 +211,12 @@ def Packed(value, ensemble, view=False):
     if isinstance(value, GridFunction):
         return ensemble.pairs.ReferenceTo(value)
     if isinstance(value, RemoteForm):
-        return Reference("given", value.number)
+        return Reference("original", value.number)
     if isinstance(value, Region) and value.VB() == BND:
         return Reference("boundary", [*value.Mask()])
     for key, home in [*ensemble.homes.items()]:
         if home is value:
-            return Reference("twin" if key in ensemble.twins else "given", key, type(value))
+            return Reference("twin" if key in ensemble.twins else "original", key, type(value))
     if hasattr(type(value), "shown"):
         return View.Of(value)
     module = type(value).__module__
@@ -232,11 +234,11 @@ def Unpacked(value, ensemble, own=None):
     if not isinstance(value, Reference):
         return own if value is None else value
     if value.kind == "function":
-        return ensemble.pairs.Given(value)
+        return ensemble.pairs.Original(value)
     if value.kind == "boundary":
-        return Region(ensemble.mesh.given, BND, BitArray(value.key))
-    if value.kind == "given":
-        return ensemble.Given(value.key)
+        return Region(ensemble.mesh.original, BND, BitArray(value.key))
+    if value.kind == "original":
+        return ensemble.Original(value.key)
     twin = ensemble.twins.get(value.key)
     if twin is None:
         twin = Twin(value.what, ensemble, value.key)

@@ -78,10 +78,10 @@ class PetscIterative:
         w.array[:] = found.FV().NumPy()
         return self._system.Expand(b, w)
 
-    def _Apply(self, given, moved, product, x, z, image):
+    def _Apply(self, before, moved, product, x, z, image):
         """Fill arrays: z = M^-1 x and image = A z, with the work of three vectors."""
-        given.array[:] = x
+        before.array[:] = x
         with Checked():
-            self._preconditioner.apply(given, moved)
+            self._preconditioner.apply(before, moved)
         self._system.Mult(moved, product)
         z[:], image[:] = moved.array, product.array

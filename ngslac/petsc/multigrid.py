@@ -58,8 +58,8 @@ class PetscMultigrid:
         starts = np.concatenate([[0], np.cumsum(vertices)])
         csr = starts, np.arange(first, last), np.ones(count)
         sizes = numbering.sizes[0], (count, layout.size)
-        given = [part.astype(PETSc.IntType) for part in csr[:2]]
-        self._injection = PETSc.Mat().createAIJ(sizes, csr=(*given, csr[2]), comm=numbering.comm)
+        indices = [part.astype(PETSc.IntType) for part in csr[:2]]
+        self._injection = PETSc.Mat().createAIJ(sizes, csr=(*indices, csr[2]), comm=numbering.comm)
 
     def Preconditioner(self, mat, contact, motions, **changes):
         """PETSc.PC for a matrix.

@@ -108,8 +108,8 @@ class PressureFit:
         surface = self.surface
         label = patches.macro[surface.macro]
         found = patches.Sums(label, (surface.weight * self.At())[:, None])
-        given = patches.Sums(patches.macro, (surface.area * means)[:, None])
-        lost = np.append((found < given / 2) | (found > 2 * given), False)[patches.vertex]
+        wanted = patches.Sums(patches.macro, (surface.area * means)[:, None])
+        lost = np.append((found < wanted / 2) | (found > 2 * wanted), False)[patches.vertex]
         square, _ = self.square, self._Set(start)
         self.square = np.where(lost, self.square, square)
         self.root = np.sqrt(np.maximum(self.square, 0))

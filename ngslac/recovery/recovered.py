@@ -148,10 +148,10 @@ class Recovered:
         """Least coefficient of friction of the closed macro-elements at each vertex."""
         surface, friction = self._surface, self._table["friction"]
         bound = np.full(len(surface.vertices), np.inf)
-        given = (surface.faces >= 0) & closed[surface.owner, None]
-        owner = np.broadcast_to(surface.owner[:, None], given.shape)[given]
+        known = (surface.faces >= 0) & closed[surface.owner, None]
+        owner = np.broadcast_to(surface.owner[:, None], known.shape)[known]
         least = np.where(friction < 0, np.inf, friction)
-        np.minimum.at(bound, surface.faces[given], least[owner])
+        np.minimum.at(bound, surface.faces[known], least[owner])
         return bound
 
     # --- what may pull ---------------------------------------------------------------------------
@@ -169,11 +169,11 @@ class Recovered:
     def _Balanced(self, density, stretch, slip, slack):
         """Corrections for which forces and moments are those of the multipliers, see `Balance`."""
         resultants, normals = self._contact.form.Resultants(), self._normals
-        given = [resultants[name] / self._unit for name in ("force", "moment")]
+        wanted = [resultants[name] / self._unit for name in ("force", "moment")]
         base = -_Units(self._surface.shapes @ normals)
         if self._pulls:
             base, normals = 0 * base, 0 * normals
-        balance = Balance(self._surface, self._patches, density, stretch, base, *given)
+        balance = Balance(self._surface, self._patches, density, stretch, base, *wanted)
         extra, found, error = balance.Solve(slip, normals, slack)
         if error > 1e-12 and slack.min() < 1:
             # What all slips may leave no way to these resultants: they come first.

@@ -59,10 +59,10 @@ class SlaveSurface:
         owner, corners = np.array(contact.space.macros), BoundaryVertices(mesh)
         slave = np.flatnonzero(owner >= 0)
         self.owner, corners = owner[slave], corners[slave]
-        given = corners >= 0
-        self.vertices, numbers = np.unique(corners[given], return_inverse=True)
+        known = corners >= 0
+        self.vertices, numbers = np.unique(corners[known], return_inverse=True)
         self.faces = np.full(corners.shape, -1)
-        self.faces[given] = numbers
+        self.faces[known] = numbers
         self.points = np.empty((len(self.vertices), d))
         at = mesh.MapToAllElements(
             {kind: IntegrationRule(c, [0] * len(c)) for kind, c in CORNERS.items()},
@@ -73,15 +73,15 @@ class SlaveSurface:
         face = np.searchsorted(slave, self.table[:, 0].astype(int))
         self.macro, self.weight, self.gap = self.owner[face], *self.table[:, 6:8].T
         self.normal, self.position = self.table[:, 8 : 8 + d], self.table[:, 8 + d :]
-        values = _Shapes(given[face].sum(axis=1), self.table[:, 2:4])
-        self.shapes = self._Sparse(values, self.faces[face], given[face])
+        values = _Shapes(known[face].sum(axis=1), self.table[:, 2:4])
+        self.shapes = self._Sparse(values, self.faces[face], known[face])
         self.nmacros = contact.space.nmacros
         self.area = np.bincount(self.macro, self.weight, self.nmacros)
 
-    def _Sparse(self, values, columns, given):
+    def _Sparse(self, values, columns, known):
         rows = np.broadcast_to(np.arange(len(values))[:, None], values.shape)
         shape = len(values), len(self.vertices)
-        return scipy.sparse.csr_matrix((values[given], (rows[given], columns[given])), shape=shape)
+        return scipy.sparse.csr_matrix((values[known], (rows[known], columns[known])), shape=shape)
 
     def Jump(self, displacement):
         """Slave minus master displacement (q, d) at the points, of a function on the mesh."""
@@ -99,19 +99,19 @@ class SlaveSurface:
     @cached_property
     def touches(self):
         """Which macro-elements (rows) have which vertices (columns), as a sparse matrix."""
-        given = self.faces >= 0
-        rows = np.broadcast_to(self.owner[:, None], given.shape)[given]
+        known = self.faces >= 0
+        rows = np.broadcast_to(self.owner[:, None], known.shape)[known]
         shape = self.nmacros, len(self.vertices)
-        return scipy.sparse.csr_matrix((np.ones(len(rows)), (rows, self.faces[given])), shape=shape)
+        return scipy.sparse.csr_matrix((np.ones(len(rows)), (rows, self.faces[known])), shape=shape)
 
     @cached_property
     def neighbours(self):
         """Which vertices belong to a common face, as a sparse matrix."""
-        given = self.faces >= 0
-        rows = np.broadcast_to(np.arange(len(given))[:, None], given.shape)[given]
-        shape = len(given), len(self.vertices)
+        known = self.faces >= 0
+        rows = np.broadcast_to(np.arange(len(known))[:, None], known.shape)[known]
+        shape = len(known), len(self.vertices)
         corners = scipy.sparse.csr_matrix(
-            (np.ones(len(rows)), (rows, self.faces[given])), shape=shape
+            (np.ones(len(rows)), (rows, self.faces[known])), shape=shape
         )
         return (corners.T @ corners).tocsr()
 

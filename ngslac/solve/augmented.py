@@ -8,8 +8,8 @@ from ngslac.solve.solver import ContactSolver
 
 __all__ = ["Augmented", "AugmentedLagrangianSolver"]
 
-# Augmentation where none is given: the first one, and by how much it grows, up to what, where the
-# constraints come closer by less than a factor while the status stays.
+# Augmentation where none is asked for: the first one, and by how much it grows, up to what, where
+# the constraints come closer by less than a factor while the status stays.
 START, GROWTH, LARGEST, PROGRESS = 30.0, 10.0, 1e9, 0.25
 # Relative residual of linear systems, times the augmentation: the multipliers do no better.
 EXACT = 0.1
@@ -75,15 +75,15 @@ class AugmentedLagrangianSolver(ContactSolver):
     ):
         if augmentation is not None:
             CheckPositive("augmentation", augmentation, "a positive factor, or None")
-        given = {"rhs": rhs, "freedofs": freedofs, "inverse": inverse, "initial": initial}
-        given |= {"solver": solver, "preconditioner": preconditioner}
-        super().__init__(a, gf, contacts, **given)
+        options = {"rhs": rhs, "freedofs": freedofs, "inverse": inverse, "initial": initial}
+        options |= {"solver": solver, "preconditioner": preconditioner}
+        super().__init__(a, gf, contacts, **options)
         self.system.scheme = Augmented(augmentation)
 
     @property
     def augmentation(self) -> float | None:
-        """As given."""
-        return self.system.scheme.given
+        """As asked for; None: the solver's own choice."""
+        return self.system.scheme.wanted
 
     @property
     def factor(self) -> float:
@@ -101,15 +101,15 @@ class Augmented:
 
     most, searches = np.inf, False
 
-    def __init__(self, given):
-        self.given, self.factor, self.outer = given, given or START, 0
+    def __init__(self, wanted):
+        self.wanted, self.factor, self.outer = wanted, wanted or START, 0
 
     @property
     def advice(self):
         """What else to try where there is no convergence."""
-        if self.given is None:
+        if self.wanted is None:
             return ""
-        return f", or an augmentation larger than {self.given:g}"
+        return f", or an augmentation larger than {self.wanted:g}"
 
     @property
     def accuracy(self):
@@ -120,8 +120,8 @@ class Augmented:
         """Adapt the augmentation to what the last update reached."""
         count = len(newton.history)
         if count == 1:
-            self.factor, self.outer = self.given or START, 0
-        elif count > 2 and self.given is None and self._IsSlow(newton, *newton.history[-2:]):
+            self.factor, self.outer = self.wanted or START, 0
+        elif count > 2 and self.wanted is None and self._IsSlow(newton, *newton.history[-2:]):
             self.factor = min(GROWTH * self.factor, LARGEST)
         self.outer += 1
 

@@ -82,7 +82,7 @@ class Mass:
         space = form.fes
         self.u, self.v = Displacement(space, form)
         self._changes = isinstance(density, CoefficientFunction)  # may hold a Parameter
-        self.given = density
+        self.wanted = density
         self.density = CheckScalar("density", density, "mass per reference volume, > 0")
         self._bodies = DefinedOn(form.component)
         self._masses = self._CheckPositive(2 * form.component.globalorder)
@@ -199,8 +199,8 @@ class DynamicForm:
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
         # For the matrix alone, which knows nothing of the start.
-        add = a.WithMass if isinstance(a, RemoteForm) else lambda *given: WithMass(a, *given)
-        self._form = add(self.factor, mass.given, mass.u, mass.v)
+        add = a.WithMass if isinstance(a, RemoteForm) else lambda *terms: WithMass(a, *terms)
+        self._form = add(self.factor, mass.wanted, mass.u, mass.v)
         self._applied = None
         self.renewed = True  # was the matrix made in the present step? Who begins one says False.
 

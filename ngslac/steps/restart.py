@@ -179,8 +179,8 @@ def LoadState(file, tool, *, also=None) -> None:
 
 def _Limits(contact):
     """What the law depends on besides its kind, of each macro-element, with Parameters as now."""
-    given, form = contact._state.setup, contact.form
-    limits = {name: given[name] for name in ("maxdist", "penetration", "adjust")}
+    setup, form = contact._state.setup, contact.form
+    limits = {name: setup[name] for name in ("maxdist", "penetration", "adjust")}
     if form.paired:
         form.Reevaluate()
         table = form.Table()
@@ -224,10 +224,10 @@ def _Fingerprint(space):
 
 def _Kind(contact):
     sliding = "finite" if contact.finite else "small"
-    given = contact._state.setup
+    setup = contact._state.setup
     sides = {"master": "a master", "tool": "a tool", "obstacle": "an obstacle"}
-    words = [words for name, words in sides.items() if given[name] is not None]
-    words += [name for name in ("tied", "bilateral", "edges") if given[name]]
+    words = [words for name, words in sides.items() if setup[name] is not None]
+    words += [name for name in ("tied", "bilateral", "edges") if setup[name]]
     return f"{sliding} sliding of {contact.space.nmacros} macro-elements on {', '.join(words)}"
 
 

@@ -176,15 +176,15 @@ class StepEnd:
         inertia = 2 / form.dt**2 * self.mass.Times(end - form.start.vec.FV().NumPy())
         balance = form.share * (force + load) + inertia
         reaction = balance + sum(forces) - self.Load().FV().NumPy()
-        given = reaction * ~self.mass.free + loads
+        outer = reaction * ~self.mass.free + loads
         resistance = sum(weight * force for weight, _, force in way)
         pushes = self.obstacles.Works(self.gf)
         pushed = float(sum(map(np.sum, pushes)))
-        works = {"external": float(given @ motion) + pushed}
+        works = {"external": float(outer @ motion) + pushed}
         works["internal"] = float(resistance @ motion)
         works |= {"friction": friction, "impact": pushed - work - friction}
         algorithmic = conservation.Kinetic(self.Velocity()) - conservation.Kinetic(velocity)
-        algorithmic += conservation.Products(given - sum(forces) - resistance, motion)
+        algorithmic += conservation.Products(outer - sum(forces) - resistance, motion)
         finite = sum(f for f, c in zip(forces, self.contacts, strict=True) if c.finite)
         impact = conservation.Products(finite + np.zeros(len(motion)), motion)
         for contact, push in zip(self.contacts, pushes, strict=True):
