@@ -28,7 +28,6 @@ class Failure:
         system = self.system
         now = system.Place()
         system.GoTo(start)
-        system.residual.Follow()
         system.Measure()
         system.Evaluate()
         if lost and not self.holding.MayHold():

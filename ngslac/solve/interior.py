@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The contact status by an interior point method, where Newton's method with active set fails."""
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from ngslac.arrays import Multiply
@@ -128,25 +130,16 @@ class InteriorPoint:
         return trial, part
 
 
-class EvenPressures:
-    """Pressures of the contacts are even where contact ends; or not, inside of such a context."""
-
-    def __init__(self, contacts, even=True):
-        self.contacts, self.even = contacts, even
-
-    def __enter__(self):
-        try:
-            self._Set(self.even)
-        except BaseException:
-            self.__exit__()
-            raise
-
-    def __exit__(self, *_):
-        self._Set(not self.even)
-
-    def _Set(self, even):
-        for contact in self.contacts:
+@contextmanager
+def EvenPressures(contacts, even=True):
+    """Pressures of the contacts are even where contact ends, or not, in this context."""
+    try:
+        for contact in contacts:
             contact.form.SetEven(even)
+        yield
+    finally:
+        for contact in contacts:
+            contact.form.SetEven(not even)
 
 
 class Springs:

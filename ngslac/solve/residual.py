@@ -9,11 +9,12 @@ from netgen.meshing import NgException
 
 from ngslac.loads import CheckNoMultiplierLoad
 from ngslac.solve.bulk import LINEAR, ROUNDING
+from ngslac.solve.problem import MultiplierRows
 
 __all__ = ["Measurement", "Residual"]
 
 # What a residual keeps from one solve to the next.
-REMEMBERED = ("converged", "forces", "reference", "multipliers", "tol")
+REMEMBERED = ("converged", "forces", "reference", "tol")
 # Displacements that are less of the size of the mesh are rounding errors.
 NO_MOTION = 1e-12
 
@@ -74,10 +75,7 @@ class Residual:
     Attributes
     ----------
     multipliers : (n,) bool
-        Rows of multipliers; the others are of displacements. Known from `Begin` on, as all that
-        follows.
-    held : (k,) int
-        Rows that do not count, as something holds idle bodies there.
+        Rows of multipliers; the others are of displacements.
     parts : (2, n) array
         The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
@@ -89,6 +87,7 @@ class Residual:
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
+        self.multipliers, self.tol = MultiplierRows(contacts), None
         self.ground = self.drag = None
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
@@ -100,18 +99,16 @@ class Residual:
 
     def State(self):
         """What the next solve depends on, as a dict."""
-        return {name: value for name, value in vars(self).items() if name in REMEMBERED}
+        return {name: getattr(self, name) for name in REMEMBERED}
 
     def SetState(self, state):
         """Go on from a `State`."""
-        vars(self).update(state)
+        for name in state.keys() & set(REMEMBERED):  # of older files there are others
+            setattr(self, name, state[name])
         self.bulk.Forget()
 
     def Begin(self, scale, tol):
         """Start a solve with these factors and tolerance; returns the first Measurement."""
-        self.multipliers = np.zeros(len(scale), dtype=bool)
-        for contact in self.contacts:
-            self.multipliers[contact.form.MultiplierDofs()] = True
         self.reference, self.tol = self.converged, tol
         state = self.Measure(scale, exact=True)
         if state.finite:

@@ -96,7 +96,6 @@ class LimitLoad:
 
     def _LeadsWhatTouches(self):
         """Does the load move a tool or change gaps, rather than push? Such a load has no limit."""
-        self.system.residual.Follow()
         return self.system.MeasureExactly().constraint > IDLE
 
     # --- from a converged state ------------------------------------------------------------------
@@ -117,7 +116,6 @@ class LimitLoad:
         system = self.system
         system.motion = None
         system.Assemble()
-        system.residual.Follow()
         state = system.MeasureExactly()
         if not state.finite or state.equilibrium < IDLE:
             return None, None

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """How a time step ends: forces, velocities, and where the energy went."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy
 
@@ -11,6 +13,24 @@ from ngslac.steps.forces import BulkForces
 from ngslac.steps.obstacles import Obstacles
 
 __all__ = ["StepEnd"]
+
+
+@dataclass
+class StepBalance:
+    """Works and losses of one step, losses of each body (count,), and forces of contact (n,)."""
+
+    internal: float
+    external: float
+    friction: float
+    impact: float
+    by_contact: np.ndarray
+    by_time: np.ndarray
+    pushed: np.ndarray
+
+    def After(self, before, time, kinetic):
+        """The EnergyBalance that follows from the one before."""
+        names = ("internal", "external", "friction", "impact")
+        return before.After(time, kinetic, **{name: getattr(self, name) for name in names})
 
 
 class StepEnd:
@@ -75,21 +95,21 @@ class StepEnd:
         forces, way, linear = self._Forces(start, motion, system)
         loads = 0.5 * (self._balanced[1] + forces[1])
         velocity, momentum = self._NewVelocity(motion, forces[0], dt)
-        works, taken, pushed = self._Works(motion, forces[0], loads, way, velocity)
+        step = self._Works(motion, forces[0], loads, way, velocity)
         if energy is not None:
-            works["internal"] = energy - before.internal
+            step.internal = energy - before.internal
         if linear:  # the method is stable by itself
-            taken["algorithmic"][:] = 0
-        works["external"] += self._MoveSupports(velocity, motion / dt, dt)
+            step.by_time[:] = 0
+        step.external += self._MoveSupports(velocity, motion / dt, dt)
         for contact in self.contacts:
             contact.Commit(self.gf)
         rows = scipy.sparse.vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
-        velocity = self._Arrest(rows, velocity, dt, works, taken)
+        velocity = self._Arrest(rows, velocity, dt, step)
         groups = self._conservation.Groups(rows)
         if not linear and all(contact.finite for contact in self.contacts):
-            velocity = self._Restore(velocity, groups, motion, dt, loads, way, pushed, taken)
+            velocity = self._Restore(velocity, groups, motion, dt, loads, way, step)
         self._balanced, self._momentum = forces, momentum
-        return self._Settle(groups, rows, velocity, before, now, works, taken)
+        return self._Settle(groups, rows, velocity, before, now, step)
 
     def _Forces(self, start, motion, system):
         """Those of the bulk at the end, on the way, and whether they are linear there."""
@@ -119,39 +139,39 @@ class StepEnd:
             velocity += bend * self.mass.Solve(momentum - before)
         return velocity, momentum
 
-    def _Arrest(self, rows, velocity, dt, works, taken):
+    def _Arrest(self, rows, velocity, dt, step):
         """The admissible velocity, with what that takes from the bodies."""
         mass, contacts = self.mass, self.contacts
         rates = self.obstacles.Rates(dt)
         rates = [ActiveRates(*pair) for pair in zip(contacts, rates, strict=True)]
         admissible = mass.Arrest(rows, velocity, np.concatenate(rates))
         lost = mass.Energy(velocity - admissible)
-        works["impact"] += lost
-        works["external"] += lost - mass.Energy(velocity) + mass.Energy(admissible)
-        taken["impact"] += self._conservation.Kinetic(velocity - admissible)
+        step.impact += lost
+        step.external += lost - mass.Energy(velocity) + mass.Energy(admissible)
+        step.by_contact += self._conservation.Kinetic(velocity - admissible)
         return admissible
 
-    def _Restore(self, velocity, groups, motion, dt, loads, way, pushed, taken):
+    def _Restore(self, velocity, groups, motion, dt, loads, way, step):
         """The velocity with the momenta that loads give to free bodies."""
         conservation, end = self._conservation, self.gf.vec.FV().NumPy()
         momenta = conservation.Virtual(self.mass.Times(self.Velocity()), end - motion)
         momenta += dt * conservation.Virtual(loads, end - 0.5 * motion)
         squares = sum(conservation.Products(force, force) for *_, force in way)
         free = np.all([conservation.Balanced(f, at, squares) for _, at, f in way], axis=0)
-        impulses = dt * conservation.Virtual(pushed, end)[:, : self.contacts[0].mesh.dim]
+        impulses = dt * conservation.Virtual(step.pushed, end)[:, : self.contacts[0].mesh.dim]
         restored = conservation.Restore(velocity, momenta, groups, free, impulses, end)
-        taken["algorithmic"] += conservation.Kinetic(velocity) - conservation.Kinetic(restored)
+        step.by_time += conservation.Kinetic(velocity) - conservation.Kinetic(restored)
         return restored
 
-    def _Settle(self, groups, rows, velocity, before, now, works, taken):
+    def _Settle(self, groups, rows, velocity, before, now, step):
         """Take back what contact and time integration have brought in; see `Accept`."""
-        conservation = self._conservation
-        won = before.After(now, self.mass.Energy(velocity), **works).Won(before)
-        taken = taken | {"displacement": self.gf.vec.FV().NumPy()}
-        velocity, back, owed = conservation.Settle(velocity, groups, rows, **taken)
-        works["impact"] += back
+        won = step.After(before, now, self.mass.Energy(velocity)).Won(before)
+        velocity, back, owed = self._conservation.Settle(
+            velocity, groups, rows, step.by_contact, step.by_time, self.gf.vec.FV().NumPy()
+        )
+        step.impact += back
         self.velocity.vec.FV().NumPy()[:] = velocity
-        after = before.After(now, self.mass.Energy(velocity), **works)
+        after = step.After(before, now, self.mass.Energy(velocity))
         return after, won, owed / (after.AtHand(before) or 1.0)
 
     def _MoveSupports(self, velocity, rate, dt):
@@ -169,7 +189,7 @@ class StepEnd:
         return self.mass.Energy(velocity) - energy
 
     def _Works(self, motion, force, loads, way, velocity):
-        """Works of all forces before the commit, what they took from bodies; forces of contact."""
+        """The StepBalance of all forces, before the commit."""
         forces, work, friction = ContactWorks(self.contacts, self.gf, motion)
         conservation, form, end = self._conservation, self.form, self.gf.vec.FV().NumPy()
         load = self.static.system.bulk.load * self.mass.rows
@@ -180,9 +200,7 @@ class StepEnd:
         resistance = sum(weight * force for weight, _, force in way)
         pushes = self.obstacles.Works(self.gf)
         pushed = float(sum(map(np.sum, pushes)))
-        works = {"external": float(outer @ motion) + pushed}
-        works["internal"] = float(resistance @ motion)
-        works |= {"friction": friction, "impact": pushed - work - friction}
+        internal, external = float(resistance @ motion), float(outer @ motion) + pushed
         algorithmic = conservation.Kinetic(self.Velocity()) - conservation.Kinetic(velocity)
         algorithmic += conservation.Products(outer - sum(forces) - resistance, motion)
         finite = sum(f for f, c in zip(forces, self.contacts, strict=True) if c.finite)
@@ -190,5 +208,5 @@ class StepEnd:
         for contact, push in zip(self.contacts, pushes, strict=True):
             if contact.finite and np.any(push):
                 impact += conservation.OfMacros(contact, push)
-        taken = {"impact": impact, "algorithmic": algorithmic}
-        return works, taken, -sum(forces) * self.mass.rows
+        lost, forces = pushed - work - friction, -sum(forces) * self.mass.rows
+        return StepBalance(internal, external, friction, lost, impact, algorithmic, forces)
