@@ -40,15 +40,6 @@ class Bodies:
         Does the bulk resist some of them, as its space cannot represent rotations?
     loose : int
         How many parts float, or are held by weak springs alone.
-
-    Parameters
-    ----------
-    mat : BaseMatrix
-        Assembled bulk matrix on the product space.
-    contact : LACContact
-        Any contact on the space: tells the displacement.
-    free : (n,) bool
-        Free scalar dofs.
     """
 
     def __init__(self, mat, contact, free):
@@ -127,20 +118,7 @@ class Bodies:
         return forces(values) if parts else values
 
     def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT, slides=True):
-        """The motions that contact leaves, as a Freedom.
-
-        Parameters
-        ----------
-        contacts : list[LACContact]
-        holds : str
-            See `ActiveRows`.
-        displacement : (n,) array, optional
-            Of the solution: bodies turn where they are then, not where they were.
-        normals : str
-            See `Resistances`.
-        slides : bool
-            Do `OwnSlides` count, even where closed contact seems to resist?
-        """
+        """The motions that contact leaves, as a Freedom."""
         tools = ToolDofs(contacts)
         motions = self.motions
         if displacement is not None and self.floating:

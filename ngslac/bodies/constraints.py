@@ -54,12 +54,8 @@ def ToCSR(mat):
 def ActiveRows(contact, holds="now"):
     """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas.
 
-    Parameters
-    ----------
-    contact : LACContact
-    holds : {"now", "rubbing", "closed"}
-        What contact prevents: nothing but approach where it slips; all motion where it rubs; or as
-        if all of it were closed.
+    Of slipping contact `holds` says what it prevents: "now" approach alone, "rubbing" all motion
+    where there is friction, "closed" what all of contact would prevent if it were closed.
     """
     table, d = contact.Table(), contact.mesh.dim
     stick, slip = _AtWork(contact, table, holds)
@@ -87,25 +83,10 @@ def AllJumps(contact):
 
 
 def Resistances(contact, holds, move, normals=CONTACT):
-    """How the macro-elements at work see motions.
+    """How the macro-elements at work see motions, of which `move` gives products with sparse rows.
 
-    Parameters
-    ----------
-    contact : LACContact
-    holds : {"now", "rubbing", "closed"}
-        See `ActiveRows`.
-    move : callable
-        The product of a sparse matrix on all scalar dofs with the motions, (r, k).
-    normals : {CONTACT, SLAVE, MASTER}
-
-    Returns
-    -------
-    prevented : (r, k) array
-        The parts of the motions that contact prevents.
-    coarse : (r,) array
-        How much of a motion along the surface the mesh makes one across it.
-    seen : (s, k) array
-        All relative motion of the same macro-elements.
+    Arrays: (r, k) the parts that contact prevents; (r,) how much of a motion along the surface the
+    mesh makes one across it; (s, k) all relative motion of the same macro-elements.
     """
     table, d = contact.Table(), contact.mesh.dim
     stick, slip = _AtWork(contact, table, holds)
@@ -155,19 +136,7 @@ def _AtWork(contact, table, holds):
 
 
 def ActiveRates(contact, rates):
-    """What `ActiveRows` times the velocity is, if bodies go with the obstacle.
-
-    Parameters
-    ----------
-    contact : LACContact
-    rates : (m, d) array
-        Mean velocity of the obstacle at each macro-element.
-
-    Returns
-    -------
-    (n,) array
-        One for each row.
-    """
+    """What `ActiveRows` times the velocity is, if bodies go with the obstacle."""
     table = contact.Table()
     stick, slip = _AtWork(contact, table, "now")
     rates = rates * (table["area"] / table["fullarea"].mean())[:, None]

@@ -21,12 +21,6 @@ class FalseStiffness:
 
     On curved elements of a degree above that of the displacement a rotation has strains. A body
     that nothing holds then seems to have weak springs.
-
-    Parameters
-    ----------
-    bodies : Bodies
-    forces : callable
-        The bulk's forces for coefficients (n,).
     """
 
     def __init__(self, bodies, forces):
@@ -64,19 +58,7 @@ class FalseStiffness:
         return values, self.forces(values), StrainIntegrals(self.space, values[:, None])[:, 0]
 
     def Unresisted(self, dofs, motions, moved, scale):
-        """Combinations (m, k) of the motions of a body that nothing but false stiffness resists.
-
-        Parameters
-        ----------
-        dofs : (n,) int
-            Of the body.
-        motions : (r, m) array
-            Combinations of the rigid motions.
-        moved : (n, m) array
-            Forces against them.
-        scale : float
-            Size of forces.
-        """
+        """Combinations (m, k) of the motions of a body that nothing but false stiffness resists."""
         rigid, values = self.bodies.motions[dofs] @ motions, self.shear
         inner = np.where(self.inside[dofs, None], moved, 0.0) / scale
         kept = NullSpace(inner, self.bodies.resists)

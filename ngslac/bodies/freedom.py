@@ -74,13 +74,7 @@ class Freedom:
         return Freedom(*parts, self.turning[chosen], self.mesh[chosen], self.own[chosen])
 
     def Along(self, motion):
-        """The motion of these that is nearest to one of other weights; None: none is near.
-
-        Parameters
-        ----------
-        motion : Freedom
-            With one motion.
-        """
+        """The motion of these that is nearest to one of other weights; None: none is near."""
         factors, *_ = np.linalg.lstsq(self.weights, motion.weights[:, 0], rcond=None)
         weights = self.weights @ factors
         if np.linalg.norm(weights) < NEAR * np.linalg.norm(motion.weights):
@@ -91,22 +85,10 @@ class Freedom:
         return Freedom(*parts, motion.turning, mesh, motion.own)
 
     def Works(self, forces, least, blur=0.0, false=False):
-        """The work of forces along each motion, 0 where it is none.
+        """The work (k,) of summands (l, n) of forces, 0 where it is less than `least` (n,) makes.
 
-        Parameters
-        ----------
-        forces : (l, n) array
-            Summands, such as those of the bulk and those of contact.
-        least : (n,) array
-            Sizes of forces that are rounding.
-        blur : float
-            How far forces may be from where they are taken to act, as long as gaps have to close.
-        false : bool
-            Does stress do false work, as rotations are no functions of the space?
-
-        Returns
-        -------
-        (k,) array
+        `blur` is how far forces may be from where they seem to act; with `false` stress does false
+        work, as rotations are no functions of the space.
         """
         sizes = np.abs(self.motions)
         works = np.sum(forces, axis=0) @ self.motions
@@ -123,23 +105,6 @@ class Ground:
 
     What holds them are forces spread over the bodies: none, but for rounding and for what the
     meshes of curved surfaces make of contact across them.
-
-    Parameters
-    ----------
-    freedom : Freedom
-    measure : (n, k) array
-        Integrals of the motions times the displacements: what has to stay.
-    start : (n,) array
-        The solution from which bodies do not go away.
-    free : (n,) bool
-        The scalar dofs that move.
-    like : Ground or None
-        One whose pins serve if the motions are nearly the same.
-
-    Attributes
-    ----------
-    pins : (k,) int
-        Dofs with springs, which make the linear systems regular.
     """
 
     def __init__(self, freedom, measure, start, free, like=None):
@@ -169,16 +134,7 @@ class Ground:
         return forces - self.forces @ np.linalg.solve(self._works, self.motions.T @ forces)
 
     def Nearest(self, values, correction, solve):
-        """The correction (n,) of the solution that leaves bodies nearest to the start.
-
-        Parameters
-        ----------
-        values : (n,) array
-        correction : (n,) array
-            One without this condition.
-        solve : callable
-            The correction (n,) for forces (n,).
-        """
+        """The correction (n,) of the solution that leaves bodies nearest to the start."""
         ways = self.motions.copy()
         # Contact along curved surfaces seems to resist motions along them.
         for k in np.flatnonzero(self.own):
@@ -188,19 +144,7 @@ class Ground:
 
 
 def Unresisted(prevented, coarse, seen):
-    """Combinations of motions that contact does not resist.
-
-    Parameters
-    ----------
-    prevented, coarse, seen :
-        (r, m), (r,) and (s, m) arrays of `Resistances`.
-
-    Returns
-    -------
-    combinations : (m, k) array
-    resistance : (k,) array
-        What contact prevents of them, relative to all that it sees.
-    """
+    """Combinations (m, k) of motions that contact does not resist, and what it prevents of them."""
     prevented_there = prevented / coarse[:, None]
     both = np.concatenate([prevented_there, seen])
     if not both.size:
@@ -220,15 +164,7 @@ def Unresisted(prevented, coarse, seen):
 
 
 def Apart(weights, resistance, own, measure):
-    """Those of some motions, with their resistance (k,), that are not nearly of another set.
-
-    Parameters
-    ----------
-    weights, own : (m, k) array, (m, l) array
-    resistance : (k,) array
-    measure : callable
-        The motions such that their scalar products are those of displacements.
-    """
+    """Those of some motions, with their resistance (k,), that are not nearly of another set."""
     if not weights.shape[1]:
         return weights, resistance
     whole, triangle = np.linalg.qr(measure(weights))

@@ -12,19 +12,7 @@ __all__ = ["BodyNames"]
 
 
 class BodyNames:
-    """Names of the connected parts of a displacement space.
-
-    Parameters
-    ----------
-    space : FESpace
-        Of the displacement.
-    part : (n,) int
-        Number of the body that each scalar dof belongs to.
-    used : (n,) bool
-        Scalar dofs that the bulk knows.
-    motions : (n, m) array
-        `RigidMotions` of the space: translations first.
-    """
+    """Names of the connected parts of a displacement space."""
 
     def __init__(self, space, part, used, motions):
         self.space, self.part, self.used, self.motions = space, part, used, motions

@@ -22,15 +22,7 @@ def Forces(mat, first, count):
 
 
 def ConnectedParts(mat, first, count):
-    """A number (count,) for each of some rows of a sparse matrix: the same where they connect.
-
-    Parameters
-    ----------
-    mat : BaseMatrix
-        With a symmetric pattern. Its graph is not copied.
-    first, count : int
-        The rows, and the columns that connect them.
-    """
+    """A number (count,) for each of some rows of a sparse matrix: the same where they connect."""
     columns, starts = Graph(mat, first, count)
     # Other rows are left empty, which makes each a strongly connected part of its own.
     starts = np.pad(starts, (first, mat.height - first - count), mode="edge")

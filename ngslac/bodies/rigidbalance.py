@@ -26,16 +26,7 @@ MOVING = 0.1
 
 
 class RigidBalance:
-    """Looks for contact tractions that balance the loads on bodies moved as rigid ones.
-
-    Parameters
-    ----------
-    bodies : Bodies
-    contacts : list[LACContact]
-        With their tables for the configuration looked at.
-    displacement : (n,) array, optional
-        Of the current configuration, where bodies turn by finite angles; None: the reference.
-    """
+    """Looks for contact tractions that balance the loads on bodies moved as rigid ones."""
 
     def __init__(self, bodies, contacts, displacement=None):
         self.bodies, self.contacts = bodies, contacts
@@ -45,18 +36,7 @@ class RigidBalance:
         self.dim = bodies.space.mesh.dim
 
     def Find(self, forces):
-        """What is wrong with these loads.
-
-        Parameters
-        ----------
-        forces : (n,) array
-            Residual of the bulk and the loads, of the displacement.
-
-        Returns
-        -------
-        str
-            Which bodies they carry off, where to, and why. Empty where there is a balance.
-        """
+        """What is wrong with these loads."""
         columns = self._Columns()
         if not columns.shape[1]:
             return ""
@@ -79,15 +59,7 @@ class RigidBalance:
         return scipy.sparse.hstack(parts).tocsc()
 
     def _Winner(self, rough, within=None):
-        """The motion along which loads do more work than contact resists; None: none.
-
-        Parameters
-        ----------
-        rough : float
-            Coefficient of friction that all surfaces have at least.
-        within : (m, k) array, optional
-            Motions looked at, in place of all.
-        """
+        """The motion along which loads do more work than contact resists; None: none."""
         within = np.eye(len(self._loads)) if within is None else within
         loads = within.T @ self._loads
         size = np.abs(loads).sum()

@@ -35,21 +35,7 @@ ACCURACY = 1e-10
 
 
 def RigidMotions(space):
-    """The rigid motions of the whole mesh, rotations about its middle and divided by its size.
-
-    Parameters
-    ----------
-    space : FESpace
-        Of a displacement, real.
-
-    Returns
-    -------
-    motions : (n, m) array
-        Scalar coefficients, one column for each of the m motions.
-    names : list[str]
-    size : float
-        Of the mesh.
-    """
+    """The rigid motions of the whole mesh, rotations about its middle and divided by its size."""
     mesh, d = space.mesh, space.mesh.dim
     points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
     center, size = points.mean(axis=0), np.ptp(points, axis=0).max()

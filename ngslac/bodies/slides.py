@@ -27,21 +27,6 @@ class OwnSlides:
     """Turns of one round body that no frictionless contact resists, whatever its status.
 
     Closed contact seems to, as the meshes of both surfaces have other normals.
-
-    Attributes
-    ----------
-    inside : (n,) int
-        Its dofs.
-    combinations : (r, m)
-        Its free motions, of the rigid ones.
-    rows : slice
-        Their place among those of all floating bodies.
-    weights : (m, k)
-        Of these.
-    across : (k,)
-        Motion across the surfaces, on average over faces, relative to all of it.
-    mesh : (k,)
-        How much of forces across the surfaces their meshes make seem to be along the motions.
     """
 
     inside: np.ndarray
@@ -66,13 +51,7 @@ def SlidesOf(bodies, contacts):
 
 
 class Surfaces:
-    """All surfaces of contacts, and how rigid motions move them.
-
-    Parameters
-    ----------
-    bodies : Bodies
-    contacts : list[LACContact]
-    """
+    """All surfaces of contacts, and how rigid motions move them."""
 
     def __init__(self, bodies, contacts):
         self.bodies, self.space, mesh = bodies, bodies.space, bodies.space.mesh
