@@ -21,14 +21,7 @@ __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
 
 
 class FormPart:
-    """What a process knows of a form on a distributed mesh: all vectors are its own part.
-
-    Parameters
-    ----------
-    form : BilinearForm
-    replica : SpaceReplica
-        Of its space.
-    """
+    """What a process knows of a form on a distributed mesh: all vectors are its own part."""
 
     def __init__(self, form, replica):
         self.form, self.replica = form, replica
@@ -100,15 +93,7 @@ class FormPart:
 
 
 class RemoteForm:
-    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    number : int
-        Of the FormPart.
-    original : BilinearForm
-    """
+    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space."""
 
     def __init__(self, ensemble, number, original):
         self.ensemble, self.number, self.condense = ensemble, number, original.condense
@@ -216,14 +201,7 @@ class RemoteForm:
 
 
 class RemoteMatrix(BaseMatrix):
-    """A matrix of which each process has a part.
-
-    Parameters
-    ----------
-    form : RemoteForm
-    operator : str
-        Which of its matrices.
-    """
+    """A matrix of which each process has a part."""
 
     def __init__(self, form, operator):
         super().__init__()

@@ -29,13 +29,7 @@ class OutOfStepError(RuntimeError):
 
 
 class Messages:
-    """What goes between the conductor and one worker each; what comes too early can be put back.
-
-    Parameters
-    ----------
-    comm : mpi4py.MPI.Comm
-        Of which a copy is made: NGSolve's messages are others.
-    """
+    """What goes between the conductor and one worker each; what comes too early can be put back."""
 
     def __init__(self, comm):
         self.comm = comm.Dup()
@@ -79,10 +73,6 @@ class Messages:
 class Crew:
     """Runs calls that all processes make, and orders of the conductor in the middle of them.
 
-    Parameters
-    ----------
-    comm : mpi4py.MPI.Comm
-
     Attributes
     ----------
     conducts : bool
@@ -99,15 +89,7 @@ class Crew:
         self._present = set(self.workers)
 
     def Call(self, name, work):
-        """What `work` gives on the conductor, on all processes; workers serve meanwhile.
-
-        Parameters
-        ----------
-        name : str
-            What all processes have to call now.
-        work : callable
-            Returns what can be pickled, or raises: then all processes raise the same.
-        """
+        """What `work` gives on the conductor, on all processes; workers serve meanwhile."""
         self._depth += 1
         try:
             if self.conducts:
@@ -183,18 +165,7 @@ class Crew:
         self.messages.Send(0, answer)
 
     def Order(self, task, *args, own=None, each=None):
-        """What the workers' task returns, as a list, after that of the conductor.
-
-        Parameters
-        ----------
-        task : str
-        *args :
-            The same for all.
-        own : callable, optional
-            What the conductor does meanwhile.
-        each : list, optional
-            A last argument for each worker.
-        """
+        """What the workers' task returns, as a list, after that of the conductor."""
         with self.interrupts.Held():
             return self._Order(task, args, own, each)
 

@@ -25,10 +25,6 @@ class Ensemble:
 
     Things have numbers, which are the same on all processes, since all of them make the same calls.
 
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-
     Attributes
     ----------
     crew : Crew

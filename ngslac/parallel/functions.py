@@ -16,14 +16,7 @@ VECTORS = LinearForm, BaseVector, DynamicVectorExpression
 
 
 class RemoteIntegrand:
-    """A function on a distributed mesh that holds the solution: the conductor can integrate it.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    number : int
-        Of the function.
-    """
+    """A function on a distributed mesh that holds the solution: the conductor can integrate it."""
 
     def __init__(self, ensemble, number):
         self._ensemble, self._number = ensemble, number
@@ -43,12 +36,7 @@ class RemoteIntegrand:
 
 
 class UserFunctions:
-    """What all processes do at once with functions of users.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    """
+    """What all processes do at once with functions of users."""
 
     def __init__(self, ensemble):
         self._ensemble = ensemble
@@ -82,18 +70,7 @@ class UserFunctions:
         return Integrate(self._ensemble.things[number], self._ensemble.mesh.original)
 
     def AddMass(self, number, path, density, factor=None):
-        """The number of a form with inertia.
-
-        Parameters
-        ----------
-        number : int
-            Of the FormPart without it.
-        path : list[int]
-            Leads to the displacement among the components.
-        density : float or Reference
-        factor : Parameter, optional
-            That of the conductor.
-        """
+        """The number of a form with inertia."""
         ensemble = self._ensemble
         part = ensemble.things[number]
         u, v = part.form.space.TnT()

@@ -7,16 +7,7 @@ __all__ = ["WithMass"]
 
 
 def WithMass(a, factor, density, u, v):
-    """The form ``a + factor * density * u.v``.
-
-    Parameters
-    ----------
-    a : BilinearForm
-    factor : Parameter
-    density : float or CoefficientFunction
-    u, v :
-        Trial and test function of the displacement on its space.
-    """
+    """The form ``a + factor * density * u.v``."""
     form = BilinearForm(a.space, condense=a.condense)
     for integrator in a.integrators:
         form += integrator

@@ -20,11 +20,6 @@ class Pair:
 
     The conductor keeps neither: it ends the pair on all processes when one of them is gone.
 
-    Parameters
-    ----------
-    what : tuple or None
-        Of a function that the conductor makes: what users need to make theirs.
-
     Attributes
     ----------
     original, home : callable
@@ -63,10 +58,6 @@ def Nothing():
 
 class Pairs:
     """All functions that users and the conductor have in common.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
 
     Attributes
     ----------

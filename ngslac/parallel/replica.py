@@ -15,12 +15,6 @@ class MeshReplica:
 
     All processes make it at once, in the middle of a call of the crew.
 
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-        Distributed.
-    crew : Crew
-
     Attributes
     ----------
     mesh : ngsolve.Mesh or None
@@ -85,14 +79,6 @@ def Places(tables):
 
 class SpaceReplica:
     """A space on a distributed mesh, and the same on its replica.
-
-    Parameters
-    ----------
-    original : FESpace
-        On the distributed mesh.
-    mesh : MeshReplica
-    parts : list[SpaceReplica]
-        Of the components of a product.
 
     Attributes
     ----------

@@ -11,24 +11,7 @@ __all__ = ["MacroElements"]
 
 
 def MacroElements(V, slave, macros):
-    """What a LACSpace on a distributed mesh has to know.
-
-    Parameters
-    ----------
-    V : FESpace
-        Displacements, on a distributed mesh.
-    slave, macros :
-        As LACSpace has them.
-
-    Returns
-    -------
-    count : int
-        Of macro-elements, all over the mesh.
-    faces : (n,) int
-        Macro-element of each boundary element of this process, -1: none.
-    number : int
-        By which the replica of the space is known.
-    """
+    """What a LACSpace on a distributed mesh has to know."""
     ensemble = Ensemble.Of(V.mesh)
     replica = ensemble.SpaceOf(V)
     own = ensemble.Add([])

@@ -17,15 +17,6 @@ class Team:
 
     There may be several for a form, whose solvers take turns. All processes end theirs at once, as
     PETSc wants it: when the conductor has let go its Team.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    form : RemoteForm
-        The bulk.
-    freedofs : BitArray
-        Scalar dofs.
-    nodes : Nodes
     """
 
     def __init__(self, ensemble, form, freedofs, nodes):
@@ -51,12 +42,7 @@ class Team:
 
 
 class TeamMember:
-    """A process's part of linear systems.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    """
+    """A process's part of linear systems."""
 
     def __init__(self, ensemble):
         self._ensemble = ensemble

@@ -26,14 +26,6 @@ class Twin:
 
     Methods have to be called on all processes at once. Attributes are those after the last call.
 
-    Parameters
-    ----------
-    kind : type
-        Of the object.
-    ensemble : Ensemble
-    key :
-        By which the conductor knows it.
-
     Attributes
     ----------
     _arguments : dict

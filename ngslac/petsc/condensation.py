@@ -17,16 +17,6 @@ __all__ = ["CondensedSystem", "Contacts"]
 class Contacts:
     """The sum of scaled contact matrices on free dofs.
 
-    Parameters
-    ----------
-    mats : list[BaseMatrix]
-    multipliers : (m,) int
-        Their dofs, d in a row for each macro-element.
-    scale : (n,) array
-    shift : (n,) array or None
-        Is added to the diagonal of the scaled matrix.
-    free : (n,) bool
-
     Attributes
     ----------
     touched : (n,) bool
@@ -79,15 +69,6 @@ def OnItsDofs(mat):
 class LocalContact:
     """The contacts of a system on the dofs they touch, on rank 0, without the bulk.
 
-    Parameters
-    ----------
-    mat : csr_matrix
-        Scaled, on free dofs; empty on other ranks.
-    multipliers : (m,) int
-        Their dofs, d in a row for each macro-element.
-    dim : int
-        Of the mesh.
-
     Attributes
     ----------
     dofs : (k,) int
@@ -130,14 +111,6 @@ class CondensedSystem:
 
     The projections of a Condensation take from T all but the terms of slip, so that one distributed
     matrix serves for products with A and preconditions it.
-
-    Parameters
-    ----------
-    numbering : Numbering
-    mat : PETSc.Mat
-        M, with unit rows for multipliers.
-    contact : LocalContact or None
-        The latter where the rank is not 0.
     """
 
     def __init__(self, numbering, mat, contact):

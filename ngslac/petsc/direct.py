@@ -17,10 +17,6 @@ OUT_OF_ROOM = (-8, -9, -14, -15, -17, -20)
 class PetscDirect:
     """Solves by L D L^T or L U with pivoting, and refines.
 
-    Parameters
-    ----------
-    numbering : Numbering
-
     Attributes
     ----------
     factorisations : int
@@ -43,13 +39,7 @@ class PetscDirect:
         self.mat = mat
 
     def Solve(self, b):
-        """The solution, a new vector, and its relative residual.
-
-        Raises
-        ------
-        LinearSolveError
-            The matrix is singular, or memory does not suffice.
-        """
+        """The solution, a new vector, and its relative residual."""
         if self._symmetric is None:
             self._symmetric = IsSymmetric(self.mat, self._total)
         if self._symmetric:

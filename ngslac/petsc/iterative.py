@@ -19,14 +19,6 @@ __all__ = ["PetscIterative"]
 class PetscIterative:
     """Solves one system after the other; collective.
 
-    Parameters
-    ----------
-    numbering : Numbering
-    mat : PETSc.Mat
-        Of bulk and terms, see CondensedSystem.
-    contact : LocalContact or None
-    preconditioner : PETSc.PC
-
     Attributes
     ----------
     krylov : int
@@ -42,13 +34,7 @@ class PetscIterative:
         self._preconditioner = preconditioner
 
     def Solve(self, b, accuracy):
-        """The solution, a new vector, and its relative residual.
-
-        Raises
-        ------
-        LinearSolveError
-            On all ranks: no convergence.
-        """
+        """The solution, a new vector, and its relative residual."""
         exact, size = max(accuracy, EXACT), b.norm()
 
         def Step(left):

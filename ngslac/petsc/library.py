@@ -17,13 +17,7 @@ ARGUMENTS = ["ngslac", "-no_signal_handler"]
 
 @cache
 def LoadPETSc():
-    """The module petsc4py.PETSc.
-
-    Raises
-    ------
-    ImportError
-        It is not installed, or was built for another NumPy.
-    """
+    """The module petsc4py.PETSc."""
     try:
         petsc4py = Found()
         petsc4py.init(ARGUMENTS)
@@ -63,14 +57,7 @@ def Checked():
 
 
 class Options:
-    """Options of PETSc for the objects of one prefix.
-
-    Parameters
-    ----------
-    prefix : str
-    values : dict
-        Names, without the prefix, and values; None for an option that has none.
-    """
+    """Options of PETSc for the objects of one prefix."""
 
     count = 0
 

@@ -10,23 +10,7 @@ __all__ = ["Assembled", "Sum"]
 
 
 def Assembled(numbering, part, rows, diagonal=None):
-    """The sum over all ranks of square parts; collective.
-
-    Parameters
-    ----------
-    numbering : Numbering
-    part : csr_matrix or None
-        What this rank has.
-    rows : (m,) int or None
-        Row and column in the sum of each row and column of `part`, different ones.
-    diagonal : (stop - start,) array, optional
-        Is added to the diagonal of this rank's rows, also where it is 0.
-
-    Returns
-    -------
-    PETSc.Mat
-        Of type aij.
-    """
+    """The sum over all ranks of square parts; collective."""
     PETSc = LoadPETSc()
     if part is None:
         part, rows = scipy.sparse.csr_matrix((0, 0)), []

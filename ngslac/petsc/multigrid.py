@@ -40,12 +40,6 @@ class PetscMultigrid:
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order: the
     coarse matrix is a part of the fine one.
-
-    Parameters
-    ----------
-    numbering : Numbering
-    vertices : (size,) bool
-        Which of this rank's rows are those of vertices.
     """
 
     def __init__(self, numbering, vertices):
@@ -62,16 +56,7 @@ class PetscMultigrid:
         self._injection = PETSc.Mat().createAIJ(sizes, csr=(*indices, csr[2]), comm=numbering.comm)
 
     def Preconditioner(self, mat, contact, motions, **changes):
-        """PETSc.PC for a matrix.
-
-        Parameters
-        ----------
-        mat : PETSc.Mat
-        contact : (size,) bool
-            Which of this rank's rows contact touches, whole nodes.
-        motions : list[PETSc.Vec]
-            Rigid motions.
-        """
+        """PETSc.PC for a matrix."""
         PETSc = LoadPETSc()
         options = Options("contact", **(FINE | COARSE | changes))
         pc = PETSc.PC().create(mat.comm)

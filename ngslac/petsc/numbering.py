@@ -14,17 +14,6 @@ class Numbering:
     A node belongs to the lowest rank that has one of its dofs, or else to rank 0. Collective, as
     all methods are.
 
-    Parameters
-    ----------
-    comm : mpi4py communicator or None
-        None: this process alone.
-    n : int
-        Dofs of the system.
-    dofs : (m,) int
-        Number in the system of each dof of this rank, -1 for none.
-    nodes : Nodes or None
-        None where the rank is not 0.
-
     Attributes
     ----------
     new : (n,) int

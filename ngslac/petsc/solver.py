@@ -34,14 +34,7 @@ class Alone:
 
 
 class Taken:
-    """The matrices that a team has, those of the last LinearSystem.
-
-    Parameters
-    ----------
-    team : Alone or what has its methods
-        ``Call(name, *args)`` calls a method of the PetscSystem on all ranks, here with these
-        arguments, elsewhere with what is to be had there.
-    """
+    """The matrices that a team has, those of the last LinearSystem."""
 
     def __init__(self, team):
         self.team = team
@@ -69,15 +62,7 @@ class Taken:
 
 
 class PetscMethod:
-    """One of the ways of a PetscSystem, see Method.
-
-    Parameters
-    ----------
-    taken : Taken
-    name : {"iterative", "direct"}
-    most : int
-        Free dofs up to which this is a way for whole systems.
-    """
+    """One of the ways of a PetscSystem, see Method."""
 
     def __init__(self, taken, name, most=np.inf):
         self._taken, self._name, self._most = taken, name, most
@@ -133,22 +118,7 @@ def PetscLinearSolver(team, freedofs, nodes, wanted=None):
 
 
 def SerialPetsc(contact, freedofs, options):
-    """The LinearSolver for this process alone.
-
-    Parameters
-    ----------
-    contact : LACContact
-        The first of those on the space.
-    freedofs : BitArray
-        Scalar dofs.
-    options : Options
-        Without `inverse` and `preconditioner`: there is no choice.
-
-    Raises
-    ------
-    ImportError
-        There is no petsc4py.
-    """
+    """The LinearSolver for this process alone."""
     for name in ("inverse", "preconditioner"):
         if getattr(options, name) is not None:
             raise ValueError(f"{name}= does not go with solver='petsc': leave it out")

@@ -21,18 +21,6 @@ class PetscSystem:
 
     Dofs have the numbers of a product space of displacements and multipliers that rank 0 knows.
 
-    Parameters
-    ----------
-    comm : mpi4py communicator or None
-        None: this process alone.
-    n : int
-        Scalar dofs of the system.
-    dofs : (m,) int
-        Number in the system of each scalar dof of this rank's bulk matrix, -1 for none.
-    free : (n,) bool
-        Rank 0 tells; None elsewhere, as in all that follows.
-    nodes : Nodes
-
     Attributes
     ----------
     factorisations, krylov : int
@@ -53,13 +41,7 @@ class PetscSystem:
         return self._direct.factorisations
 
     def SetBulk(self, mat):
-        """Take this rank's part of the bulk's matrix; entries of the same dofs are added.
-
-        Parameters
-        ----------
-        mat : BaseMatrix or None
-            Sparse, of the rank's own dofs, scalar or with blocks; None where it has none.
-        """
+        """Take this rank's part of the bulk's matrix; entries of the same dofs are added."""
         part = rows = None
         if mat is not None:
             part, rows = self._FreePart(ToCSR(mat).tocoo())
@@ -82,19 +64,7 @@ class PetscSystem:
         return part, self.numbering.new[self.dofs[used]]
 
     def SetContacts(self, mats=None, multipliers=None, scale=None, shift=None):
-        """Take what contacts add to the bulk, and how the sum is scaled.
-
-        Parameters
-        ----------
-        mats : list[BaseMatrix]
-            Sparse, on all dofs.
-        multipliers : (m,) int
-            Their dofs, d in a row for each macro-element.
-        scale : (n,) array
-            Factors of rows and columns.
-        shift : (n,) array, optional
-            Is added to the diagonal of the scaled matrix.
-        """
+        """Take what contacts add to the bulk, and how the sum is scaled."""
         self.Forget()
         self._Scale(scale)
         if self.numbering.rank == 0:
@@ -113,28 +83,7 @@ class PetscSystem:
         self._bulk.diagonalScale(factor, factor)
 
     def Solve(self, b=None, accuracy=0.0, method="direct"):
-        """Solve with the matrices that were set.
-
-        Parameters
-        ----------
-        b : (n,) array
-            Scaled right hand side, 0 where nothing is free.
-        accuracy : float
-            Relative residual that is enough of an iteration.
-        method : {"direct", "iterative"}
-
-        Returns
-        -------
-        x : (n,) array
-            Scaled solution; None where the rank is not 0.
-        error : float
-            Its relative residual.
-
-        Raises
-        ------
-        LinearSolveError
-            On all ranks.
-        """
+        """Solve with the matrices that were set."""
         accuracy, method = self.numbering.Tell((accuracy, method))
         solve = self._Direct if method == "direct" else self._Iterate
         right = self.numbering.Put(b, self.numbering.Vector())

@@ -15,21 +15,6 @@ def FitMeans(surface, rough, density, means, chosen):
     """Values at the vertices of a function that is linear on the faces, by least squares.
 
     Exact for means of linear functions.
-
-    Parameters
-    ----------
-    surface : SlaveSurface
-    rough : sparse matrix
-        Second differences on its vertices.
-    density : (q,)
-        Weights of the means, at the points.
-    means : (m, k)
-    chosen : (m,) bool
-        Macro-elements that count; vertices that none of them has get zeros.
-
-    Returns
-    -------
-    (n, k)
     """
     values = np.zeros((len(surface.vertices), means.shape[1]))
     touched = np.flatnonzero(surface.touches.T @ chosen > 0)

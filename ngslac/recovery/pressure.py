@@ -28,17 +28,6 @@ OUTSIDE = -0.1  # first guess of the square where contact is open
 class PressureFit:
     """Least squares by the damped method of Gauss and Newton.
 
-    Parameters
-    ----------
-    surface : SlaveSurface
-    rough : sparse matrix
-        Second differences on its vertices.
-    patches : Patches
-    means : (m,)
-        Pressures of the macro-elements, 0 where open.
-    samples : (q,)
-        Pressures at the points.
-
     Attributes
     ----------
     root, square, blend : (n,)

@@ -14,15 +14,6 @@ class Balance:
 
     The extra is a linear function of the position in each patch; to the slip comes a rigid motion
     of each patch, tangentially and where there is slack. Of all of these the smallest is taken.
-
-    Parameters
-    ----------
-    surface : SlaveSurface
-    patches : Patches
-    density, stretch, base : (q,), (q,), (q, d)
-        At the points.
-    forces, moments : (m, d), (m, 3)
-        Of the macro-elements; the moments about the origin.
     """
 
     def __init__(self, surface, patches, density, stretch, base, forces, moments):
@@ -44,12 +35,7 @@ class Balance:
         return np.where(label[:, None] >= 0, points - self._middle[label], 0)
 
     def Solve(self, slip, normals, slack):
-        """By Newton's method; `slip`, `normals` (n, d) and `slack` (n,) are those at the vertices.
-
-        Returns
-        -------
-        extra (n,), slip (n, d), error (float) that is left, relative to the forces
-        """
+        """By Newton's method, of `slip`, `normals` (n, d) and `slack` (n,) at the vertices."""
         affine, rigid = self._Ways(normals, slack)
         start, values = slip, np.zeros((self.patches.count, affine.shape[1] + rigid.shape[1]))
         best = np.inf, None, None

@@ -15,16 +15,6 @@ def SecondDifferences(points, normals, neighbours):
 
     Zero for functions that are linear in the tangent plane. Where the neighbours do not surround a
     vertex, as at an end of the surface, the row is empty.
-
-    Parameters
-    ----------
-    points, normals : (n, d)
-        Vertices and unit normals.
-    neighbours : (n, n) sparse matrix
-
-    Returns
-    -------
-    (n, n) sparse matrix
     """
     n, graph = len(points), neighbours.tocoo()
     i, j = (ends[graph.row != graph.col] for ends in (graph.row, graph.col))
