@@ -99,7 +99,8 @@ class Residual:
 
     def State(self):
         """What the next solve depends on, as a dict."""
-        return {name: getattr(self, name) for name in REMEMBERED}
+        names = REMEMBERED if self.tol else REMEMBERED[:-1]  # none before the first solve
+        return {name: getattr(self, name) for name in names}
 
     def SetState(self, state):
         """Go on from a `State`."""
