@@ -132,5 +132,8 @@ def test_workflows_run_the_commands_that_people_run():
     assert "python tutorials/examples/hertz.py --out results" in readme
     assert CHECK in Runs("weekly")
     assert any('pytest -n 2 --dist loadfile -m ""' in run for run in Runs("weekly") if run)
+    assert "bash .ci/run" in Runs("weekly")
+    steps = Steps(ROOT / ".github" / "workflows" / "weekly.yml")
+    assert {"PYTEST_ADDOPTS": "-m ''"} in [step.get("env") for step in steps]
     assert CHECK in Runs("wheels")
     assert f'test-command = "{CHECK}"' in (ROOT / "pyproject.toml").read_text()

@@ -26,7 +26,11 @@ def ended(how):
     ("how", "said"),
     [
         ("first", "process 0 calls LACContact.Force while process 1 has ended"),
-        ("last", "process 2 calls LACContact.Force while process 0 has ended"),
+        pytest.param(
+            "last",
+            "process 2 calls LACContact.Force while process 0 has ended",
+            marks=pytest.mark.full,
+        ),
         ("error", "process 0 calls LACContact.Force while process 2 has ended"),
     ],
 )

@@ -41,7 +41,7 @@ def differ(one, two):
     return np.abs(one - two).max() / (np.abs(one).max() or 1.0)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", [pytest.param("hertz3d", marks=pytest.mark.full), "ironing"])
 def test_an_example_takes_mpiexec(name, tmp_path):
     serial, text = figures(name, tmp_path / "serial")
     found, words = figures(name, tmp_path / "ranks", "mpiexec", *OPTIONS, "-n", "3")
