@@ -96,6 +96,7 @@ def test_a_failed_step_leaves_no_trace():
 
 
 @pytest.mark.slow
+@pytest.mark.full
 def test_force_converges_with_the_mesh():
     """The same steps on three meshes; none is halved, since the flow depends on the step size."""
     rows = [Indenter(h=h).Advance(Depths(0.04, 8)[0], maxit=60) for h in (0.6, 0.3, 0.15)]

@@ -74,7 +74,7 @@ def test_only_the_inner_side_of_the_belt_is_slave():
 # --- Carter's rollers ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("start", [0.7, 1.2])
+@pytest.mark.parametrize("start", [0.7, pytest.param(1.2, marks=pytest.mark.full)])
 def test_rolling_forgets_how_it_began(start):
     """The law of creep holds while the tangential force is still on its way."""
     figures = carter.Run(shares=(0.5,), h=0.25, start=start)

@@ -32,7 +32,9 @@ def test_long_steps_of_a_stiff_body():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "rho_inf"), [(None, 1.0), (0.8, 0.5)])
+@pytest.mark.parametrize(
+    ("friction", "rho_inf"), [pytest.param(None, 1.0, marks=pytest.mark.full), (0.8, 0.5)]
+)
 def test_second_order_in_time_with_contact(friction, rho_inf):
     """Displacements at the ends of the steps, and the contact force in the middle of them."""
     fine = shaken(160, friction=friction, rho_inf=rho_inf)
@@ -48,7 +50,9 @@ def test_second_order_in_time_with_contact(friction, rho_inf):
     assert np.all(np.log2(np.divide(*errors)) > 1.8), errors
 
 
-@pytest.mark.parametrize(("rho_inf", "order"), [(1.0, 2), (1.0, 1), (0.5, 2)])
+@pytest.mark.parametrize(
+    ("rho_inf", "order"), [(1.0, 2), pytest.param(1.0, 1, marks=pytest.mark.full), (0.5, 2)]
+)
 def test_impact_of_a_bar_on_a_wall(rho_inf, order):
     """Exact: pressure density * c * v = 1 from t = 0.1 to 2.1, then back with velocity 1."""
     n, dt = 20, 0.025

@@ -28,8 +28,11 @@ print(json.dumps(VALUES, default=lambda value: value.tolist()))
 """
 
 
-def Execute(name, values, folder, replace=None):
-    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs."""
+def Execute(name, values, folder, replace=None, keep=True):
+    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs.
+
+    `keep` is False where `replace` changes what the site would show.
+    """
     path = FOLDER / f"{name}.ipynb"
     notebook = nbformat.read(path, as_version=4)
     sources = [cell.source for cell in notebook.cells]
@@ -50,11 +53,12 @@ def Execute(name, values, folder, replace=None):
     notebook.cells = notebook.cells[: len(sources)]
     for cell, source in zip(notebook.cells, sources, strict=True):
         cell.source = source
-    Keep(notebook, path, ROOT / "docs" / "_generated" / "executed")  # the site need not run it
+    if keep:  # the site need not run it
+        Keep(notebook, path, ROOT / "docs" / "_generated" / "executed")
     return json.loads(text, object_hook=Arrays), outputs
 
 
-def Tutorial(name, values, pictures, replace=None):
+def Tutorial(name, values, pictures, replace=None, keep=True):
     """A fixture: the values of a notebook, which shows so many pictures and no errors.
 
     Beside the `VALUES` it has the `text` that is printed, the `outputs`, and the `folder`.
@@ -63,7 +67,7 @@ def Tutorial(name, values, pictures, replace=None):
     @pytest.fixture(scope="module")
     def values_of(tmp_path_factory):
         folder = tmp_path_factory.mktemp(name)
-        found, outputs = Execute(name, values, folder, replace)
+        found, outputs = Execute(name, values, folder, replace, keep)
         assert not [o for o in outputs if o.output_type == "error" or o.get("name") == "stderr"]
         assert sum("image/png" in output.get("data", {}) for output in outputs) == pictures
         text = "".join(output.text for output in outputs if output.output_type == "stream")

@@ -4,12 +4,18 @@ import numpy as np
 import pytest
 from notebooks import Tutorial
 
-drop = Tutorial("11_dynamics", """
+DYNAMICS, VALUES = (
+    "11_dynamics",
+    """
 VALUES = dict(
     error=error, arrival=arrival, impulse=impulse, change=change, back=back, losses=losses,
     balance=abs(left + lost).max(), taken=table["friction"] + table["impact"], force=force,
 )
-""", pictures=2)  # fmt: skip
+""",
+)
+drop = Tutorial(DYNAMICS, VALUES, pictures=2)
+FINER = {"0.4, 0.2:": "0.4, 0.2, 0.1:"}
+finer = Tutorial(DYNAMICS, VALUES, pictures=2, replace=FINER, keep=False)
 
 
 def test_fall(drop):
@@ -29,6 +35,13 @@ def test_energy(drop):
 
 
 def test_refinement(drop):
-    coarse, middle, fine = drop.losses
+    coarse, fine = drop.losses
+    assert fine < coarse / 4
+    assert fine < 0.025
+
+
+@pytest.mark.full
+def test_refinement_once_more(finer):
+    coarse, middle, fine = finer.losses
     assert fine < middle / 2 < coarse / 4
     assert fine < 0.01

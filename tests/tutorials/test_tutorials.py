@@ -104,7 +104,7 @@ SMALL = {
     "zone, h = 0.3, 0.25": "zone, h = 0.03, 0.025",
     "stepper.Integrate(steps=10": "stepper.Integrate(steps=20",
 }
-small = Tutorial(HERTZ, HERTZ_VALUES, pictures=1, replace=SMALL)
+small = Tutorial(HERTZ, HERTZ_VALUES, pictures=1, replace=SMALL, keep=False)
 
 
 def test_hertz_steps(hertz):
@@ -133,6 +133,7 @@ def test_hertz_pressure_and_friction(hertz):
     assert np.all(q[status == 1] < hertz.F * p[status == 1])
 
 
+@pytest.mark.full
 def test_hertz_small_contact_has_the_friction_of_spence(small):
     """Exercise 2: with a hundredth of the load the bodies are half-planes."""
     x = small.ends / small.halfwidth

@@ -1,12 +1,43 @@
 """Every reference case holds, computed with small sizes and without its picture."""
 
+from pathlib import Path
+
 import pytest
 from cases import CASES
+
+# By default tests of the same problem, with the same bounds or closer ones, stand for these.
+ELSEWHERE = {
+    "rolling": "examples/test_example_scripts.py::test_numbers_and_files",
+    "flatpunch": "examples/test_example_scripts.py::test_numbers_and_files",
+    "carter": "examples/test_example_scripts.py::test_numbers_and_files",
+    "cup": "examples/test_example_scripts.py::test_numbers_and_files",
+    "pyramid": "examples/test_example_scripts.py::test_numbers_and_files",
+    "drawing": "examples/test_example_scripts.py::test_numbers_and_files",
+    "cattaneo3d": "examples/test_example_scripts.py::test_numbers_and_files",
+    "indentation": "examples/test_example_plasticity.py::test_loading_unloading_and_loading_again",
+    "flat-ring": "examples/test_example_solutions.py::test_the_flat_ring_touches_itself_as_a_plane",
+    "bouncing-ring": "examples/test_example_solutions.py::test_bouncing_with_slip_all_the_time",
+    "hertz-sides": "validation/test_sides.py::test_mirrored_bodies_do_not_rub",
+    "nafems1": "validation/test_hertz.py::test_benchmark_in_small_strain",
+    "infsup3d": "validation/test_infsup.py::test_bounded_under_refinement_3d",
+    "patch3d": "validation/test_patch.py::test_constant_shear_3d",
+    "half-ring": "validation/test_large.py::test_half_ring_buckles_and_rests_on_two_places",
+    "spence": "validation/test_cylinder.py::test_low_load_agrees_with_spence",
+    "impact": "solver/test_dynamics.py::test_impact_of_a_bar_on_a_wall",
+    "restart": "solver/test_restart.py::test_continued_in_a_new_process",
+}
 
 
 def Marked(case):
     marks = [pytest.mark.slow] if case.slow else []
+    marks += [pytest.mark.full] if case.name in ELSEWHERE else []
     return pytest.param(case, id=case.name, marks=marks)
+
+
+def test_what_stands_for_a_case_is_there():
+    assert CASES.keys() > ELSEWHERE.keys()
+    for file, _, function in (place.partition("::") for place in ELSEWHERE.values()):
+        assert f"def {function}(" in (Path(__file__).parents[1] / file).read_text()
 
 
 @pytest.mark.parametrize("case", [Marked(case) for case in CASES.values()])

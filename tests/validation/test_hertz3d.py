@@ -109,12 +109,12 @@ ACCURACY = {
         for name in ("bubble", "split", "none")
     },
 }
-SLOW = {"twelve elements"}
+MARKS = {"twelve elements": pytest.mark.slow}
+# By default bubbles and the split are tested on hexahedra and on prisms.
+MARKS |= dict.fromkeys(("tetrahedra P1 bubble", "tetrahedra P1 split"), pytest.mark.full)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in ACCURACY]
-)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in ACCURACY])
 def test_pressures_are_those_of_hertz(name):
     solve, bounds, misfit = ACCURACY[name]
     solution = solve()

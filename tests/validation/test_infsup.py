@@ -68,8 +68,12 @@ def test_bounded_under_refinement_2d(element, clamped, kind):
     CheckBounded((10, 20), kind, element, clamped)
 
 
-@pytest.mark.parametrize(("kind", "element"), [(k, e) for k, es in KINDS.items() for e in es])
-@pytest.mark.parametrize("clamped", [False, True])
+CLAMPED = [(k, e, True) for k, es in KINDS.items() for e in es]
+FREE = [(k, e, False) for k, e, _ in CLAMPED]  # by default on tetrahedra and hexahedra
+FREE = [c if c[0] in ("tet", "hex") else pytest.param(*c, marks=pytest.mark.full) for c in FREE]
+
+
+@pytest.mark.parametrize(("kind", "element", "clamped"), CLAMPED + FREE)
 def test_bounded_under_refinement_3d(kind, element, clamped):
     """And that on coarse meshes."""
     CheckBounded((4, 6) if clamped else (6, 8), kind, element, clamped)
@@ -77,7 +81,7 @@ def test_bounded_under_refinement_3d(kind, element, clamped):
 
 @pytest.mark.parametrize("element", ["P1split", "P2split"])
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("clamped", [False, True])
+@pytest.mark.parametrize("clamped", [pytest.param(False, marks=pytest.mark.full), True])
 def test_bounded_after_the_split_3d(kind, element, clamped):
     """With the macro-elements of the space: the former faces, or for order 2 pairs of triangles."""
     CheckBounded((4, 6), kind, element, clamped)
