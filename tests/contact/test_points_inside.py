@@ -89,7 +89,7 @@ def test_discs_touch_without_alarm(h, slave, master):
         assert PointsInside(p.contact) is None
 
 
-@pytest.mark.parametrize("h", [0.2, 0.12])
+@pytest.mark.parametrize("h", [0.2, pytest.param(0.12, marks=pytest.mark.full)])
 @pytest.mark.parametrize("down", [1e-3, 0.05])
 def test_balls_touch_without_alarm(h, down):
     shape = Sphere((0, 0, 1), 1) * Box((-0.7, -0.7, 0), (0.7, 0.7, 1))
