@@ -77,6 +77,7 @@ def belt(dim, motion, rho_inf, **law):
     return displacement, velocity, np.array(flight.forces), losses
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("rho_inf", [1.0, 0.8])
 @pytest.mark.parametrize("friction", [None, 0.3, 5.0])  # slips all the time, and sticks
 @pytest.mark.parametrize("dim", [2, 3])

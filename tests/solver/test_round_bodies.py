@@ -141,7 +141,7 @@ def test_three_discs_rest_in_a_box(friction, finite, neo):
     assert abs(carried(case)) == pytest.approx(1, abs=1e-2)
 
 
-@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("finite", [pytest.param(False, marks=pytest.mark.full), True])
 def test_five_discs_rest_in_a_box(finite):
     case = pile(FIVE, 3, finite=finite)
     moved = settle(case, steps=2)
