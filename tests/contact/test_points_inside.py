@@ -77,7 +77,7 @@ def test_a_rigid_corner(kind):
     assert abs(place[0]) < 1e-9
 
 
-@pytest.mark.parametrize("h", [0.4, 0.15, 0.05])
+@pytest.mark.parametrize("h", [0.4, 0.15, pytest.param(0.05, marks=pytest.mark.full)])
 @pytest.mark.parametrize(("slave", "master"), SIDES)
 def test_discs_touch_without_alarm(h, slave, master):
     """From the first touch of coarse meshes on."""

@@ -178,16 +178,18 @@ SCREENS = 2700  # pixels: three screens, for the pages about benchmarks
 LONGEST = 8000  # pixels; tutorials and theory are read from the beginning to the end
 
 
-def test_pages_fit_into_phones_and_wide_screens(site, browser):
-    """Nothing sticks out or is cut, light and dark, and pages are short on a desktop."""
+# Dark pages have the same boxes in other colours: in the full run alone.
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.full)])
+def test_pages_fit_into_phones_and_wide_screens(site, browser, scheme):
+    """Nothing sticks out or is cut, and pages are short on a desktop."""
     wide, cut, long = {}, {}, {}
-    with Opened(browser, 390) as (page, errors):
+    with Opened(browser, 390, scheme) as (page, errors):
         for path in sorted(site.rglob("*.html")):
+            page.set_viewport_size({"width": 390, "height": 900})
             page.goto(path.as_uri())
-            for width, scheme in ((390, "light"), (390, "dark"), (1600, "dark"), (1600, "light")):
-                page.emulate_media(color_scheme=scheme)
+            for width in (390, 1600):
                 page.set_viewport_size({"width": width, "height": 900})
-                key = path.name, width, scheme
+                key = path.name, width
                 wide[key], cut[key] = page.evaluate(WIDER), page.evaluate(CUT)
             height = page.evaluate("document.querySelector('article').scrollHeight")
             free = path.parent.name == "tutorials" or path.stem in ("theory", "genindex")
