@@ -109,7 +109,9 @@ class Relaxation:
         last = self.newton.history[-1]
         drag = self.system.residual.drag
         force = np.linalg.norm(drag.Forces(self.system.values, self.system.scale))
-        self._forces = [*self._forces, force] if last.slip and not last.stick else []
+        # In large sliding what sticks elsewhere may end it.
+        steady = last.slip and not (last.stick and self.system.finite)
+        self._forces = [*self._forces, force] if steady else []
         forces = np.array(self._forces[-STEADY - 1 :])
         changes = np.abs(np.diff(forces)) <= SAME_FORCE * forces[1:]
         return len(changes) == STEADY and bool(np.all(changes))

@@ -24,7 +24,7 @@ SAMPLE = {
     "atrest-2-0.001-weight", "atrest-3-0.001-traction", "atrestturned-30.0-base",
     "stackatrest-3-0.001", "spininhole-2-0", "freefit-0.4-1.6-0.0-0", "coolsloose3d-0.0",
     "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",
-    "firstpress-0.3-0.01", "discpile-1-0.1-0.3-1-0.001", "random-001",
+    "firstpress-0.3-0.01", "discpile-1-0.1-0.3-1-0.001", "random-001", "random-054", "random-125",
 }  # fmt: skip
 
 
