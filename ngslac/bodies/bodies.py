@@ -294,7 +294,7 @@ class NoBodies(Bodies):
 
     def __init__(self):
         self.floating, self.names, self.motions = [], ["unknown"], np.zeros((0, 0))
-        self.false, self._slides = False, []
+        self.false, self._slides, self.loose = False, [], 0
 
 
 def Norm(matrix):

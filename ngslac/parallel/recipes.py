@@ -146,7 +146,7 @@ def OfFunction(thing, ensemble):
     def Call(*args):
         ensemble.Show()
         args = [pairs.ReferenceTo(a) if isinstance(a, GridFunction) else a for a in args]
-        users = [pairs.Given(a) if isinstance(a, Reference) else a for a in args]
+        users = [pairs.Original(a) if isinstance(a, Reference) else a for a in args]
         own = partial(ensemble.crew.tasks["call"], number, *users)
         try:
             result, *parts = ensemble.Order("call", number, *args, own=own)
