@@ -33,7 +33,7 @@ struct SlipPairs {
   Array<Vec<D>> at, normal;
   Array<double> gap;
 
-  explicit SlipPairs(shared_ptr<const MacroPoints<D>> apoints) : points(apoints) {}
+  explicit SlipPairs(shared_ptr<const MacroPoints<D>> some_points) : points(some_points) {}
 };
 
 template <int D>
@@ -128,9 +128,9 @@ public:
 
   /// The reference surface displaced by x.
   Scene(const FaceShapes<D> & shapes, const FaceShapes<D> * amaster_shapes,
-        const Surface<D> & reference, FlatVector<> x, shared_ptr<const MacroPoints<D>> apoints)
+        const Surface<D> & reference, FlatVector<> x, shared_ptr<const MacroPoints<D>> some_points)
       : slave_shapes(shapes), master_shapes(amaster_shapes), slave(shapes.Displaced(reference, x)),
-        points(apoints) {}
+        points(some_points) {}
   virtual ~Scene() = default;
   /// Is the other one the same configuration?
   virtual bool IsLike(const Scene & other) const = 0;
