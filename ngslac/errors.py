@@ -23,7 +23,7 @@ HOME = str(Path(__file__).parent)
 
 
 class Reason(Flag):
-    """What is known about why a solve failed, several things at once if need be.
+    """The known reasons of a failed solve, several at once if need be.
 
     `CERTAIN`: this load has no equilibrium. `UNHELD`: not even closed contact would hold a body
     that the loads move, nor would it under smaller loads. `EXHAUSTED`: all was tried that finds the

@@ -106,13 +106,9 @@ Array<double> PairFinder<D>::Excesses(const Surface<D> & slave, const Surface<D>
   depths = 0.0;
   for (int f : Range(slave.Size()))
     limits[f] = options.Penetration(f);
-  auto & ma = *u.fes->GetMeshAccess();
-  auto bodies = selfcontact ? BodiesOfVertices(ma) : Array<int>();
-  auto body = [&](int element) {
-    return bodies[ma.GetElement(ElementId(BND, element)).Vertices()[0]];
-  };
+  auto bodies = selfcontact ? BodiesOfBoundary(*u.fes->GetMeshAccess()) : Array<int>();
   auto maypair = [&](int f, int m) {
-    return faces.Test(f) && (!selfcontact || body(slave.Element(f)) != body(master.Element(m)));
+    return faces.Test(f) && (!selfcontact || bodies[slave.Element(f)] != bodies[master.Element(m)]);
   };
   auto parts = DeepParts<D>(slave, master, maypair, limits);
   if (parts.Size() == 0)

@@ -3,7 +3,7 @@
 #include "pairing/overlap.hpp"
 
 namespace ngslac {
-Array<int> BodiesOfVertices(const MeshAccess & ma) {
+Array<int> BodiesOfBoundary(const MeshAccess & ma) {
   Array<int> parent(ma.GetNV());
   for (int v : Range(parent))
     parent[v] = v;
@@ -17,9 +17,10 @@ Array<int> BodiesOfVertices(const MeshAccess & ma) {
     for (int v : vertices)
       parent[root(v)] = root(vertices[0]);
   }
-  for (int v : Range(parent))
-    parent[v] = root(v);
-  return parent;
+  Array<int> bodies(ma.GetNE(BND));
+  for (size_t i : Range(bodies))
+    bodies[i] = root(ma.GetElement(ElementId(BND, i)).Vertices()[0]);
+  return bodies;
 }
 
 namespace {
@@ -39,14 +40,11 @@ template <int D>
 Array<double> BodyThicknesses(const Region & master, const Region & slave, const BitArray & faces) {
   auto ma = master.Mesh();
   Surface<D> surface(master, nullptr, 1), others(Outside(ma), nullptr, 1);
-  auto bodies = BodiesOfVertices(*ma);
-  auto body = [&](int element) {
-    return bodies[ma->GetElement(ElementId(BND, element)).Vertices()[0]];
-  };
+  auto bodies = BodiesOfBoundary(*ma);
   return ThicknessesBehind<D>(surface, others, [&](int face, int other) {
     int there = others.Element(other);
     return faces.Test(face) && !slave.Mask().Test(ma->GetElIndex(ElementId(BND, there))) &&
-           body(surface.Element(face)) == body(there);
+           bodies[surface.Element(face)] == bodies[there];
   });
 }
 

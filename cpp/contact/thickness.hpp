@@ -3,8 +3,8 @@
 #include "surface/surface.hpp"
 
 namespace ngslac {
-/// For each vertex, one vertex that stands for the body that it belongs to.
-Array<int> BodiesOfVertices(const MeshAccess & ma);
+/// For each boundary element, one vertex that stands for the body that it belongs to.
+Array<int> BodiesOfBoundary(const MeshAccess & ma);
 
 /// How thick the body behind some faces of a master is in the reference configuration, up to the
 /// other side; infinite where there is none that is no slave, and for other faces.

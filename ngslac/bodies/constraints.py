@@ -136,7 +136,7 @@ def _AtWork(contact, table, holds):
 
 
 def ActiveRates(contact, rates):
-    """What `ActiveRows` times the velocity is, if bodies go with the obstacle."""
+    """The product of `ActiveRows` and the velocity, if bodies go with the obstacle."""
     table = contact.Table()
     stick, slip = _AtWork(contact, table, "now")
     rates = rates * (table["area"] / table["fullarea"].mean())[:, None]

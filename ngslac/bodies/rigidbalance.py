@@ -36,7 +36,7 @@ class RigidBalance:
         self.dim = bodies.space.mesh.dim
 
     def Find(self, forces):
-        """What is wrong with these loads."""
+        """Why these loads have no balance, in words; "" if they have one."""
         columns = self._Columns()
         if not columns.shape[1]:
             return ""

@@ -91,7 +91,7 @@ def _Penetration(contact, table):
     depth = -float(gaps.least[deepest])
     if not depth > 0:
         return None
-    return Excess(depth, depth / _Sizes(contact, table)[deepest], gaps.places[deepest])
+    return Excess(depth, depth / contact._Sizes()[deepest], gaps.places[deepest])
 
 
 def _Tension(table, largest):
@@ -150,7 +150,7 @@ def PointsInside(contact, gf=None):
     away = ~beside & (table["area"] > 0)
     if not away.any():
         return None
-    gaps, size = PointGaps(contact, entries), _Sizes(contact, table)
+    gaps, size = PointGaps(contact, entries), contact._Sizes()
     steep = (gaps.slope > STEEP) & ~neighbours.Near(beside)
     limit = np.where(steep, CORNER, SMOOTH) * size
     depth = np.where(away & (gaps.least < -limit), -gaps.least, 0)
@@ -182,7 +182,3 @@ class PointGaps:
         way = np.linalg.norm(table[:, 2 + d :] - self.places, axis=1)
         rise = np.where(paired, table[:, 1] - table[:, 0], 0)
         self.slope = np.divide(rise, way, out=np.zeros(len(way)), where=way > 0)
-
-
-def _Sizes(contact, table):
-    return table["fullarea"] ** (1 / (contact.mesh.dim - 1))

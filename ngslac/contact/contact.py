@@ -339,6 +339,10 @@ class LACContact(metaclass=Distributable):
         self._solution = _Entries(gf)
         self._Fill()
 
+    def _Sizes(self):
+        """How large macro-elements are (m,): lengths."""
+        return self.Table()["fullarea"] ** (1 / (self.mesh.dim - 1))
+
     def _Slid(self):
         """How far macro-elements (m, d) moved along the master since they were paired.
 

@@ -64,7 +64,7 @@ class ContactReport:
         self.min_gap, self.max_gap = (
             (float(gaps.min()), float(gaps.max())) if len(gaps) else (np.nan, np.nan)
         )
-        size = full ** (1 / (contact.mesh.dim - 1))
+        size = contact._Sizes()
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
         known = contact.form.Table()
         self.prescribed = np.flatnonzero(known["prescribed"] > 0.5)

@@ -21,7 +21,7 @@ __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
 
 
 class FormPart:
-    """What a process knows of a form on a distributed mesh: all vectors are its own part."""
+    """A process's part of a form on a distributed mesh: all vectors are its own part, too."""
 
     def __init__(self, form, replica):
         self.form, self.replica = form, replica

@@ -29,7 +29,7 @@ class OutOfStepError(RuntimeError):
 
 
 class Messages:
-    """What goes between the conductor and one worker each; what comes too early can be put back."""
+    """Messages between the conductor and one worker each; one that is early can be put back."""
 
     def __init__(self, comm):
         self.comm = comm.Dup()
@@ -89,7 +89,7 @@ class Crew:
         self._present = set(self.workers)
 
     def Call(self, name, work):
-        """What `work` gives on the conductor, on all processes; workers serve meanwhile."""
+        """The result of `work` on the conductor, on all processes; workers serve meanwhile."""
         self._depth += 1
         try:
             if self.conducts:

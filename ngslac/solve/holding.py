@@ -103,8 +103,7 @@ def Loose(system):
 def SmallestGap(contact):
     """Relative to the mean size of the macro-elements."""
     table = contact.Table()
-    size = (table["fullarea"] ** (1 / (contact.mesh.dim - 1))).mean()
-    return abs(table["gap"][table["area"] > 0]).min(initial=np.inf) / size
+    return abs(table["gap"][table["area"] > 0]).min(initial=np.inf) / contact._Sizes().mean()
 
 
 def NearestMacros(contact, distance):
@@ -114,7 +113,7 @@ def NearestMacros(contact, distance):
     """
     table = contact.Table()
     paired = table["area"] > 0
-    size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+    size = contact._Sizes()
     nearest = table["gap"][paired].min(initial=np.inf)
     limit = nearest + distance * size if distance else TOUCHING * size
     return AsBits(paired & (table["gap"] <= limit))

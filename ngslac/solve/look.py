@@ -110,7 +110,7 @@ class Look:
         """Does a closed macro-element touch what it was paired with, and has slid away from?"""
         table = contact.Table()
         far = np.linalg.norm(contact._Slid(), axis=1) * (table["status"] > 0)
-        size = table["fullarea"] ** (1 / (contact.mesh.dim - 1))
+        size = contact._Sizes()
         worst = int(np.argmax(far / size)) if len(far) else 0
         if not len(far) or far[worst] <= STRAYED * size[worst]:
             return ""

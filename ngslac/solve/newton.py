@@ -66,8 +66,7 @@ class Newton:
                 state = system.Measure()
             self.Record(state)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
-            strays = system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))
-            if not strays:
+            if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
                 return last
             found = system.Place()
             raise ContactConvergenceError("bodies move until their forces are rounding errors")
@@ -288,8 +287,7 @@ class Newton:
         if self.system.finite and self.system.Flight() > STRAYED:
             return True
         contacts = [c for c in self.system.contacts if not c.finite]
-        tables = [(c.Table(), c.mesh.dim - 1) for c in contacts]
-        slips = [np.linalg.norm(t["slip"], axis=1) / t["fullarea"] ** (1 / d) for t, d in tables]
+        slips = [np.linalg.norm(c.Table()["slip"], axis=1) / c._Sizes() for c in contacts]
         return max((np.max(slip) for slip in slips), default=0.0) > STRAYED
 
     def _IsPushedFrom(self, start):

@@ -75,7 +75,8 @@ class Relaxation:
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
         newton.onpath, size, failures, wait, self._forces = True, FIRST, 0, 0, []
-        start, smallest = system.values.copy(), self._Smallest()
+        start = system.values.copy()
+        smallest = min(np.min(contact._Sizes()) for contact in system.contacts)
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
@@ -98,11 +99,6 @@ class Relaxation:
         finally:
             system.SetDrag(None)
         raise newton.NotConverged(system.Measure())
-
-    def _Smallest(self):
-        """Size of the smallest macro-element."""
-        tables = [(contact.Table(), contact.mesh.dim - 1) for contact in self.system.contacts]
-        return min(np.min(table["fullarea"]) ** (1 / d) for table, d in tables)
 
     def _SlidesOn(self):
         """Do bodies slide steadily, against a force that does not fall?"""

@@ -109,6 +109,11 @@ class System:
         return any(contact.finite for contact in self.contacts)
 
     @property
+    def _meshed(self):
+        """Contacts that follow large sliding on a mesh."""
+        return [c for c in self.contacts if c.finite and c.tool is None and not c.tied]
+
+    @property
     def rubs(self):
         """Does a contact hold surfaces in tangential direction?"""
         return any(contact.holds_tangentially for contact in self.contacts)
@@ -179,8 +184,7 @@ class System:
         moved = np.abs(self.values - self._start)
         free, displacements = self.residual.free, ~self.residual.multipliers
         driven = np.max(moved[displacements & ~free], initial=0)
-        tables = [(c.Table()["fullarea"], c.mesh.dim - 1) for c in self.contacts]
-        size = max(np.max(area) ** (1 / d) for area, d in tables)
+        size = max(np.max(contact._Sizes()) for contact in self.contacts)
         return (np.max(moved[displacements & free]) - driven) / size
 
     def Passed(self):
@@ -188,21 +192,19 @@ class System:
 
         By more than the slave is large, straight on, where all that moves so far is open.
         """
-        meshed = [c for c in self.contacts if c.finite and c.tool is None and not c.tied]
-        sizes = [np.ptp(c.Table()["x"], axis=0).max() for c in meshed]
-        if not meshed or self.Way(self._start) <= min(sizes):
+        tables = [(contact, contact.Table()) for contact in self._meshed]
+        ends = [(c, np.ptp(t["x"], axis=0).max(), t["status"] == 0) for c, t in tables]
+        if not ends or self.Way(self._start) <= min(size for _, size, _ in ends):
             return None
-        now, open_now = self.Place(), [contact.Table()["status"] == 0 for contact in meshed]
-        motion = self.values - self._start
+        now, motion = self.Place(), self.values - self._start
         self.values[:] = self._start
         self.residual.Follow()
         self.Evaluate()
-        found = map(WayThrough, meshed, sizes, open_now, [motion] * len(meshed))
-        farthest = max(found, key=lambda way: way[0])
+        way, place = max((WayThrough(*end, motion) for end in ends), key=lambda found: found[0])
         self.GoTo(now)
         self.Measure()
         self.Evaluate()
-        return farthest if farthest[0] > 0 else None
+        return (way, place) if way > 0 else None
 
     def CheckSpace(self):
         """What was made for a space goes on with this one: it was not refined since."""
@@ -276,8 +278,7 @@ class System:
 
     def Sight(self, correction):
         """The part of a correction (n,) that takes no face farther than contact looks for it."""
-        meshed = (c for c in self.contacts if c.finite and c.tool is None and not c.tied)
-        return min((SightOf(contact, -correction) for contact in meshed), default=1.0)
+        return min((SightOf(contact, -correction) for contact in self._meshed), default=1.0)
 
     def Trial(self, state, part):
         """The Measurement after a part of a step from another Measurement."""

@@ -38,7 +38,7 @@ public:
 protected:
   using Base::law, Base::reference, Base::setup, Base::Size, Base::space, Base::surfaces, Base::u;
 
-  /// What does not change, of the slave's reference configuration that there is already.
+  /// Makes what never changes; the slave's reference configuration exists already.
   virtual void Begin(FlatVector<> x, Meeting meeting) = 0;
   /// Pairs at x; nothing if that is as it was.
   virtual optional<Paired<D>> PairAt(FlatVector<> x) = 0;

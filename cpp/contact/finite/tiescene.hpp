@@ -5,7 +5,7 @@
 namespace ngslac {
 /// Two surfaces that are tied, whose slip may have a part along the normal.
 ///
-/// What vanishes is the mean of  x + g n - y : arms g n from the slave to the partners turn with
+/// The mean of  x + g n - y  has to vanish: arms g n from the slave to the partners turn with
 /// the slave's normals n. Rigid motions of both bodies only turn it, and the tractions do the work
 /// of its change: the matrix is symmetric, and where it vanishes moments balance as forces do.
 template <int D>
