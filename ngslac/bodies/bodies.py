@@ -153,12 +153,14 @@ class Bodies:
         whose = np.concatenate([*(b for *_, b in slides), np.full(len(vague), -1)])
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
         turning, d = np.zeros(weights.shape[1]), contacts[0].mesh.dim
-        for inside, combinations, rows in self.Floating():
+        body = np.full(contacts[0].nscalars, -1)
+        for number, (inside, combinations, rows) in enumerate(self.Floating()):
             own = combinations @ weights[rows]
             all_dofs[self.first + inside] = motions[inside] @ own
+            body[self.first + inside[np.any(self.motions[inside], axis=1)]] = number
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
         all_dofs[tools] = weights[len(weights) - len(tools) :]
-        return Freedom(weights, resistance, all_dofs, turning, mesh, whose)
+        return Freedom(weights, resistance, all_dofs, turning, mesh, whose, body)
 
     def Floating(self):
         """Of each floating body: dofs, combinations of motions, their rows among all weights."""

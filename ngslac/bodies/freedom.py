@@ -48,6 +48,8 @@ class Freedom:
     own : (k,) int
         Which body moves along all of its surfaces that may touch others, so that no contact holds
         it; none: -1.
+    body : (n,) int
+        The body that coefficients of the solution move; none: -1.
     """
 
     weights: np.ndarray
@@ -56,6 +58,7 @@ class Freedom:
     turning: np.ndarray
     mesh: np.ndarray
     own: np.ndarray
+    body: np.ndarray
 
     def __bool__(self):
         return self.weights.shape[1] > 0
@@ -71,7 +74,8 @@ class Freedom:
     def Some(self, chosen):
         """Those of the motions that a mask (k,) or numbers select."""
         parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
-        return Freedom(*parts, self.turning[chosen], self.mesh[chosen], self.own[chosen])
+        every = self.turning[chosen], self.mesh[chosen], self.own[chosen]
+        return Freedom(*parts, *every, self.body)
 
     def Along(self, motion):
         """The motion of these that is nearest to one of other weights; None: none is near."""
@@ -82,7 +86,7 @@ class Freedom:
         mesh = np.array([max(self.resistance.max(initial=0.0), motion.mesh[0])])
         moved = self.motions @ factors
         parts = weights[:, None], motion.resistance, moved[:, None]
-        return Freedom(*parts, motion.turning, mesh, motion.own)
+        return Freedom(*parts, motion.turning, mesh, motion.own, self.body)
 
     def Works(self, forces, least, blur=0.0, false=False):
         """The work (k,) of summands (l, n) of forces, 0 where it is less than `least` (n,) makes.
@@ -97,7 +101,18 @@ class Freedom:
         none += blur * self.turning * max(np.abs(force).sum() for force in forces)
         idle = FALSE if false else IDLE
         allowed = np.maximum(np.maximum(idle, MESH * self.mesh) * gross, none)
+        if np.any(vague := (self.own < 0) & (self.resistance <= EXACT) & (self.mesh > EXACT)):
+            across = MESH * self.mesh * self.Across(np.abs(forces))
+            allowed = np.where(vague, np.maximum(allowed, across), allowed)
         return np.where(np.abs(works) > allowed, works, 0.0)
+
+    def Across(self, sizes):
+        """The work (k,) of forces of these sizes (l, n) if all of them were along the motions."""
+        inside = self.body >= 0
+        body = self.body[inside]
+        ways = np.zeros((body.max(initial=-1) + 1, self.motions.shape[1]))
+        np.maximum.at(ways, body, np.abs(self.motions[inside]))
+        return np.max([np.bincount(body, size[inside]) @ ways for size in sizes], axis=0)
 
 
 class Ground:
@@ -109,7 +124,9 @@ class Ground:
 
     def __init__(self, freedom, measure, start, free, like=None):
         self.motions, self.measure, self.start = freedom.motions, measure, start
-        self.own = freedom.own >= 0
+        self.turns = bool(np.any(freedom.own >= 0))
+        # Does contact along curved surfaces seem to resist?
+        self.resisted = self.turns or bool(np.any(freedom.mesh > EXACT))
         if np.linalg.cond(measure.T @ self.motions) > 1 / UNSEEN:  # turned by a right angle
             self.measure = self.motions
         self.forces = self.measure * free[:, None]
@@ -126,21 +143,30 @@ class Ground:
     def Shift(self):
         """What the scaled diagonal of the matrix gets."""
         shift = np.zeros(len(self.start))
-        shift[self.pins] = WEAK if np.any(self.own) else SPRING
+        shift[self.pins] = WEAK if self.resisted else SPRING
         return shift
 
     def Balanced(self, forces):
         """Forces (n,) and what holds the bodies: together they do no work along the motions."""
         return forces - self.forces @ np.linalg.solve(self._works, self.motions.T @ forces)
 
-    def Nearest(self, values, correction, solve):
-        """The correction (n,) of the solution that leaves bodies nearest to the start."""
-        ways = self.motions.copy()
-        # Contact along curved surfaces seems to resist motions along them.
-        for k in np.flatnonzero(self.own):
-            ways[:, k] = solve(self.forces[:, k])
-        away = self.measure.T @ (values - correction - self.start)
-        return correction + ways @ np.linalg.solve(self.measure.T @ ways, away)
+    def Nearest(self, values, correction, scale, solve):
+        """The correction (n,) of the solution that leaves bodies nearest to the start.
+
+        `solve` gives those of forces (n,), of the system with `Shift`, which the springs are taken
+        out of where contact seems to resist. `scale` (n,) are the factors of its rows.
+        """
+        wanted = self.measure.T @ (values - self.start)
+        if not self.resisted:
+            factors = np.linalg.solve(self._works.T, self.measure.T @ correction - wanted)
+            return correction - self.motions @ factors
+        springs = np.zeros((len(self.pins), len(values)))
+        springs[range(len(self.pins)), self.pins] = (self.Shift() / scale**2)[self.pins]
+        ways = np.stack([solve(forces) for forces in (*self.forces.T, *-springs)], axis=1)
+        ends = ways[self.pins] + np.eye(len(self.pins), ways.shape[1], self.forces.shape[1])
+        rows = np.concatenate([self.measure.T @ ways, ends])
+        right = [self.measure.T @ correction - wanted, correction[self.pins]]
+        return correction - ways @ np.linalg.solve(rows, np.concatenate(right))
 
 
 def Unresisted(prevented, coarse, seen):

@@ -45,7 +45,7 @@ class Failure:
         free = self.system.Freedom("closed")
         if isinstance(error, FloatingBodyError) or not self.system.IsDriven(free, "closed"):
             return ""
-        return DrivenMessage(self.system.DrivenMotion(free))
+        return DrivenMessage(self.system.DrivenMotion(free, "closed"))
 
     def Error(self, error, floating, history):
         """An error with all that is known: which body is carried off, first of all."""

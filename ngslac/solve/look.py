@@ -55,7 +55,7 @@ class Look:
         system = self.system
         free = system.Freedom("rubbing", slides=True) if system.MayFloat() else None
         if free and system.IsDriven(free, "rubbing"):
-            raise MechanismError(DrivenMessage(system.DrivenMotion(free)))
+            raise MechanismError(DrivenMessage(system.DrivenMotion(free, "rubbing")))
         self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")
 
     def _LookAtWays(self):

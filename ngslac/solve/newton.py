@@ -33,6 +33,8 @@ FINE, EARLY = 1e-3, 6
 # Newton steps in which round bodies may turn, and how far that may move anything, relative to the
 # mesh.
 LET_TURN, TURNED = 8, 1e-2
+# Forces that hold round bodies, relative to those of contact, which are more than an error of mesh.
+BORNE = 1e-2
 # What turns round sticks a little behind that point; how many of those that turn are looked at.
 TURN, MOST_TURNS = 1e-6, 3
 
@@ -61,6 +63,7 @@ class Newton:
         if not state.finite:
             raise ContactConvergenceError(f"{state.reason} at the start")
         start, found = system.Place(), None
+        self.falls = self._Falls()
         try:
             if self._CloseWhatFloats(start=True):
                 state = system.Measure()
@@ -75,6 +78,15 @@ class Newton:
             raise
         except FAILURES as error:
             return self._Otherwise(error, maxit, start, found)
+
+    def _Falls(self):
+        """Do loose bodies have a way to fall before large sliding sees what holds them?"""
+        system = self.system
+        if not (system.finite and system.bodies.loose):
+            return False
+        system.Evaluate()
+        touches = any(np.any(contact.Table()["status"]) for contact in system.contacts)
+        return not touches or system.IsDriven(system.Freedom().Others())
 
     # --- the loop ------------------------------------------------------------------------------
 
@@ -119,14 +131,19 @@ class Newton:
         """The last line where round bodies have turned until contact balances them, or None.
 
         Contact does so as far as it meets several macro-elements of each, by what their meshes make
-        of it. Where that takes more than a little, they stay where they are.
+        of it. Where that takes more than a little, they stay where they are, unless it is their
+        mesh that bears them there.
         """
         system = self.system
-        if not (system.slides and system.ground and np.any(system.ground.own)):
+        if not (system.slides and system.ground and system.ground.turns):
             return None
+        borne = system.residual.borne > BORNE
+        closed = self.history[-1].stick + self.history[-1].slip
+        if closed < system.gf.space.mesh.dim and not borne:
+            return None  # that balances no body
         before, number, system.slides = system.Place(), len(self.history), False
         last = self.Polish(self._Balanced(), LET_TURN)
-        if last and system.Way(before[0]) <= TURNED * system.residual.size:
+        if last and (borne or system.Way(before[0]) <= TURNED * system.residual.size):
             return last
         system.slides = True
         del self.history[number:]
@@ -317,6 +334,7 @@ class Newton:
         system.restless = system.restless or bool(failure.unbalanced)
         try:
             loose = found is not None or isinstance(error, FloatingBodyError)
+            loose = loose or self.falls
             suits = not system.own_law and (loose or self.path or system.islinear)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
@@ -333,16 +351,23 @@ class Newton:
     def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
+        if self.falls and not system.restless:
+            return self._Relax(error, start)
         try:
             return StatusSearch(self, maxit).Run(error)
-        except FAILURES:
+        except FAILURES as failed:
             if system.restless or not system.bodies.loose:
                 raise
             system.GoTo(start)
-            try:
-                most = min(RELAX * system.bodies.loose, MOST_RELAX)
-                return Relaxation(self, len(self.history) + most).Run()
-            except FAILURES:
-                system.restless = True
-                system.GoTo(start)
-            raise
+            return self._Relax(failed, start)
+
+    def _Relax(self, error, start):
+        """The last line where loose bodies have come to rest."""
+        system = self.system
+        try:
+            most = min(RELAX * system.bodies.loose, MOST_RELAX)
+            return Relaxation(self, len(self.history) + most).Run()
+        except FAILURES:
+            system.restless = True
+            system.GoTo(start)
+        raise error

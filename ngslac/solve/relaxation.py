@@ -12,6 +12,8 @@ __all__ = ["Relaxation"]
 # Diagonal that holds bodies where they were, relative to that of the scaled bulk: the first one,
 # the last one, and by what factor it falls after a stage that ends, and grows after one that fails.
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
+# The least of these factors, of bodies that fall.
+SOFTEST = 1e-3
 # Newton steps of a stage, the residual at its end, and how many stages in a row may fail.
 STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 4
 # Stages after one that failed until the drag falls again.
@@ -19,6 +21,11 @@ WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
+# The same where Newton's method needs a few steps only, and how many these are; how much less
+# bodies have to move where its end was not found before.
+EASILY_FAR, EASY, LESS = 0.5, 2, 0.3
+# Forces without balance, relative to those at work, under which bodies still fall.
+FALLS = 0.1
 # A way, relative to the mesh, on which bodies do not come to rest.
 LOST = 1.0
 # Bodies that slide with a force against them that changes by less than this part from one stage to
@@ -77,6 +84,7 @@ class Relaxation:
         newton.onpath, size, failures, wait, self._forces = True, FIRST, 0, 0, []
         start = system.values.copy()
         smallest = min(np.min(contact._Sizes()) for contact in system.contacts)
+        rest = REST * smallest
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
@@ -88,10 +96,12 @@ class Relaxation:
                         system.slid = True
                         break
                     moved = system.Way(before[0])
-                    if moved < REST * smallest and (last := self._Polish()):
-                        return last
-                    if moved < FAR * smallest and not wait:
-                        size *= SOFTER
+                    if moved < rest:
+                        if last := self._Polish():
+                            return last
+                        rest = LESS * moved
+                    if moved < self._Far() * smallest and not wait:
+                        size *= self._Softer(moved / (FAR * smallest))
                     wait = max(wait - 1, 0)
                 else:
                     system.GoTo(before)
@@ -121,7 +131,7 @@ class Relaxation:
         try:
             system.residual.Follow()
             state = system.Measure()
-            for _ in range(STEPS):
+            for self._steps in range(1, STEPS + 1):
                 system.Assemble()
                 state, damping = newton._Step(state)
                 newton.Record(state, damping)
@@ -132,8 +142,22 @@ class Relaxation:
             pass
         return False
 
+    def _Far(self):
+        """How far bodies may move before the drag stays, relative to the macro-elements."""
+        return EASILY_FAR if self._steps <= EASY else FAR
+
+    def _Softer(self, part):
+        """By what factor the drag falls after bodies have moved by a part of how far they may.
+
+        The way of those that fall is as long as the drag is small.
+        """
+        self.system.SetDrag(None)
+        falls = self.system.Measure().equilibrium > FALLS
+        return np.clip(part, SOFTEST, SOFTER) if falls else SOFTER
+
     def _Polish(self):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         self.system.SetDrag(None)
         self.system.Assemble()
-        return self.newton.Polish(self.system.Measure(), POLISH)
+        state = self.system.Measure()
+        return self.newton.Polish(state, POLISH) if state.equilibrium < FALLS else None

@@ -80,6 +80,8 @@ class Residual:
         The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
         It, times the factors of the rows.
+    borne : float
+        What holds idle bodies, relative to the forces of contact.
     forces, first, reference, rounding, places : float
         What counts as zero: of the loads and reactions, now and where the solve began, of earlier
         solves, and rounding errors, in the rows of multipliers those of positions.
@@ -88,7 +90,7 @@ class Residual:
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.multipliers, self.tol = MultiplierRows(contacts), None
-        self.ground = self.drag = None
+        self.ground, self.drag, self.borne = None, None, 0.0
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
 
@@ -185,10 +187,12 @@ class Residual:
         }
         bulk = bulk - load
         unbalanced = (bulk + pushed) * self.free
-        if self.ground:
-            unbalanced = self.ground.Balanced(unbalanced)
         if self.drag:
             unbalanced = unbalanced + self.drag.Forces(vec.FV().NumPy(), scale)
+        self.borne = 0.0
+        if self.ground:
+            before, unbalanced = unbalanced, self.ground.Balanced(unbalanced)
+            self.borne = np.abs(before - unbalanced).sum() / (np.abs(pushed).sum() or np.inf)
         scaled = scale * unbalanced
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}

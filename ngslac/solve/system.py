@@ -27,6 +27,8 @@ IDLE_SHIFT = 1e-6
 TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 # Forces that push nothing, relative to those at work.
 IDLE = 1e-9
+# Stiffness of motions that bodies rock by, relative to that of a pendulum as large as the mesh.
+ROCKS = 1e-5
 # Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
 FALSE_TURN = 1e-3
 # Newton steps after which the method goes on only while the residual falls.
@@ -322,17 +324,17 @@ class System:
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
-        if not drag:
-            self.HoldIdle("rubbing")
+        self.HoldIdle("rubbing", (self.bulk.mat, *mats))
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
             system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
+            held = self.ground.Shift() if self.ground else 0.0
             if drag or self.idle:
-                shift = drag.Shift() if drag else IDLE_SHIFT * displacements
+                shift = drag.Shift() + held if drag else IDLE_SHIFT * displacements
                 return self.linear.Solve(replace(system, shift=shift))
             if self.ground:
-                held = replace(system, shift=self.ground.Shift())
+                held = replace(system, shift=held)
                 found = self.linear.SolveShifted(held, displacements)
                 self.loose = bool(self.linear.shifts)
                 return found
@@ -383,7 +385,7 @@ class System:
         if not self.ground:
             return Solve(forces, self.motion)
         found = Solve(self.ground.Balanced(forces), self.motion)
-        return self.ground.Nearest(self.values, found, Solve)
+        return self.ground.Nearest(self.values, found, self.scale, Solve)
 
     # --- bodies --------------------------------------------------------------------------------
 
@@ -406,19 +408,27 @@ class System:
         return self.bodies.Names(self.Freedom(holds).weights)
 
     def IsDriven(self, freedom, holds="now"):
-        """Do the forces measured last do work on the motions that contact leaves?
+        """Do the forces measured last do work on the motions that contact leaves?"""
+        return bool(freedom) and bool(np.any(self._Drives(freedom, holds)))
+
+    def _Drives(self, freedom, holds):
+        """Their work (k,) on free motions.
 
         On curved surfaces with other normals on both sides, as in a hole with play, bodies slide
         along either: nothing is driven that does not move along one of them.
         """
-        driven = np.flatnonzero(self._Works(freedom)) if freedom else []
-        if not len(driven) or np.any(freedom.resistance[driven] <= EXACT):
-            return len(driven) > 0
-        sides = [self.Freedom(holds, normals) for normals in (SLAVE, MASTER)]
-        return any(self._IsDrivenAlong(freedom.Some([k]), sides) for k in driven)
+        works = self._Works(freedom)
+        seem = np.flatnonzero((works != 0) & (freedom.mesh > EXACT))
+        if len(seem):
+            sides = [self.Freedom(holds, normals) for normals in (SLAVE, MASTER)]
+            works[[k for k in seem if not self._IsDrivenAlong(freedom.Some([k]), sides)]] = 0
+        return works
 
     def _IsDrivenAlong(self, motion, sides):
         """Is a motion driven as all sides that know it see it?"""
+        if motion.own[0] < 0 and motion.resistance[0] <= EXACT:  # where too little touches to tell
+            near = [side.Others() for side in sides]
+            return all(np.any(self._Works(others)) for others in near if others)
         near = [side.Along(motion) for side in sides if side]
         return all(np.any(self._Works(own)) for own in near if own is not None)
 
@@ -426,9 +436,9 @@ class System:
         """Does the residual measured last do work on them, with all multipliers as they are?"""
         return bool(freedom) and bool(np.any(self._WorksOf(freedom, self.residual.parts[1])))
 
-    def DrivenMotion(self, freedom):
+    def DrivenMotion(self, freedom, holds="now"):
         """Description of the free motion along which the forces measured last do work."""
-        works = self._Works(freedom)
+        works = self._Drives(freedom, holds)
         return self.bodies.Names((freedom.weights @ works / np.linalg.norm(works))[:, None])
 
     def _Works(self, freedom):
@@ -473,8 +483,11 @@ class System:
         closed = [t["gap"][t["status"] > 0] for t in tables]
         return max((np.ptp(gaps) for gaps in closed if len(gaps)), default=0.0)
 
-    def HoldIdle(self, holds):
-        """Hold bodies that nothing pushes and nothing else holds, not even friction."""
+    def HoldIdle(self, holds, mats=()):
+        """Hold bodies that nothing pushes and nothing else holds, not even friction.
+
+        With the matrices of the next linear system: nor their weight, as of a ball in a bowl.
+        """
         freedom = self.Freedom(holds) if self.MayFloat() else None
         if not freedom:
             self.SetGround(None)
@@ -483,6 +496,7 @@ class System:
             self._driven = np.unique(freedom.own[(freedom.own >= 0) & (self._Works(freedom) != 0)])
         # Along curved surfaces nothing but their meshes resists: bodies wait there for the end.
         stay = not self.IsDriven(freedom.Others().Outright(), holds)
+        stay = stay & ~self._Rocks(freedom, mats)
         held = np.where(freedom.own < 0, stay, ~np.isin(freedom.own, self._driven))
         if not np.any(held):
             self.SetGround(None)
@@ -491,13 +505,22 @@ class System:
         measure, free = self.bodies.Measure(self.contacts, held), self.residual.free
         self.SetGround(Ground(held, measure, self._start, free, self.ground))
 
+    def _Rocks(self, freedom, mats):
+        """Which motions (k,) change the direction in which forces push them."""
+        if not mats:
+            return np.zeros(len(freedom.own), dtype=bool)
+        motions = np.where(self.bulk.inner[:, None], 0.0, freedom.motions)
+        stiffness = [abs(way @ Multiply(mats, way)) for way in motions.T]
+        forces = freedom.Across(np.abs(self.residual.parts)) * np.max(np.abs(motions), axis=0)
+        rocks = np.array(stiffness) * self.residual.size > ROCKS * forces
+        return rocks & (forces > 0) & (freedom.mesh <= EXACT)
+
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""
         self.ground = self.residual.ground = ground
 
     def SetDrag(self, drag):
-        """Let a Drag hold bodies in place of what holds idle ones, or None."""
-        self.SetGround(None)
+        """Let a Drag hold bodies, too, or None."""
         self.residual.drag = drag
 
     def MayFloat(self):

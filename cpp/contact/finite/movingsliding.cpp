@@ -183,14 +183,16 @@ PlaceRows<D> MovingSliding<D>::RowsOf(size_t m, const Vec<D> & traction, Rim rim
   return tied;
 }
 
-/// Tied surfaces: in the present configuration, and with the arms: rigid motions of both bodies do
-/// not change it.
+/// In the present configuration, as forces act: of tied surfaces with the arms, so that rigid
+/// motions of both bodies do not change it.
 template <int D>
 MacroJump<D> & MovingSliding<D>::JumpWithRows() const {
-  if (!setup.tied)
-    return Base::JumpWithRows();
+  if (!start || !now || now->points != points)
+    return Base::JumpWithRows(); // nothing was evaluated yet
+  if (counted == now && surfaces.jump->HasRows())
+    return *surfaces.jump;
   Array<Array<JumpEntry<D>>> rows(Size());
-  LocalHeap heap(BlockHeap<D>(surfaces.slave->Degree()), "ngslac-tie", true);
+  LocalHeap heap(BlockHeap<D>(surfaces.slave->Degree()), "ngslac-jump", true);
   ParallelForRange(Size(), [&](IntRange range) {
     LocalHeap lh = heap.Split();
     for (auto m : range) {
@@ -209,6 +211,7 @@ MacroJump<D> & MovingSliding<D>::JumpWithRows() const {
     }
   });
   surfaces.jump->TakeRows(rows);
+  counted = now;
   return *surfaces.jump;
 }
 

@@ -82,5 +82,6 @@ private:
   Array<Vec<D>> met;                     // see LookBack
   Array<double> last_gap;                // at the last Commit
   Couplings couplings;                   // of the last ZeroMatrix
+  mutable shared_ptr<Scene<D>> counted;  // that the rows of the jump are of
 };
 } // namespace ngslac
