@@ -25,7 +25,7 @@ UNSEEN = 1e-8
 # Condition of springs that hold motions well.
 REGULAR = 1e3
 # Springs that hold idle motions, relative to the scaled diagonal of the bulk; and where contact
-# seems to resist: the next correction undoes what they change.
+# seems to resist.
 SPRING, WEAK = 1.0, 1e-5
 
 

@@ -29,8 +29,9 @@ FALLS = 0.1
 # A way, relative to the mesh, on which bodies do not come to rest.
 LOST = 1.0
 # Bodies that slide with a force against them that changes by less than this part from one stage to
-# the next, in so many of them, go on for ever.
-SAME_FORCE, STEADY = 5e-3, 5
+# the next, in so many of them, go on for ever, if they move so far meanwhile, relative to the
+# smallest macro-element.
+SAME_FORCE, STEADY, SLID = 5e-3, 5, 1.0
 
 
 @dataclass
@@ -81,7 +82,7 @@ class Relaxation:
         """The last line of the table, or an error if bodies do not come to rest."""
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
-        newton.onpath, size, failures, wait, self._forces = True, FIRST, 0, 0, []
+        newton.onpath, size, failures, wait, self._stages = True, FIRST, 0, 0, []
         start = system.values.copy()
         smallest = min(np.min(contact._Sizes()) for contact in system.contacts)
         rest = REST * smallest
@@ -92,16 +93,19 @@ class Relaxation:
                     break
                 if self._Settles(size):
                     failures = 0
-                    if self._SlidesOn():
+                    moved = system.Way(before[0])
+                    if self._SlidesOn(moved / smallest):
                         system.slid = True
                         break
-                    moved = system.Way(before[0])
-                    if moved < rest:
+                    falls = self._Falls()
+                    if moved < rest and not falls:
                         if last := self._Polish():
                             return last
                         rest = LESS * moved
                     if moved < self._Far() * smallest and not wait:
-                        size *= self._Softer(moved / (FAR * smallest))
+                        # The way of what falls is as long as the drag is small.
+                        part = moved / (FAR * smallest)
+                        size *= np.clip(part, SOFTEST, SOFTER) if falls else SOFTER
                     wait = max(wait - 1, 0)
                 else:
                     system.GoTo(before)
@@ -110,17 +114,20 @@ class Relaxation:
             system.SetDrag(None)
         raise newton.NotConverged(system.Measure())
 
-    def _SlidesOn(self):
-        """Do bodies slide steadily, against a force that does not fall?"""
+    def _SlidesOn(self, moved):
+        """Do bodies slide steadily and far, against a force that does not fall?
+
+        `moved` is their way of the last stage, relative to the smallest macro-element.
+        """
         last = self.newton.history[-1]
         drag = self.system.residual.drag
         force = np.linalg.norm(drag.Forces(self.system.values, self.system.scale))
         # In large sliding what sticks elsewhere may end it.
         steady = last.slip and not (last.stick and self.system.finite)
-        self._forces = [*self._forces, force] if steady else []
-        forces = np.array(self._forces[-STEADY - 1 :])
-        changes = np.abs(np.diff(forces)) <= SAME_FORCE * forces[1:]
-        return len(changes) == STEADY and bool(np.all(changes))
+        self._stages = [*self._stages, (force, moved)] if steady else []
+        forces, ways = np.array(self._stages[-STEADY - 1 :]).reshape(-1, 2).T
+        same = np.abs(np.diff(forces)) <= SAME_FORCE * forces[1:]
+        return len(same) == STEADY and bool(np.all(same)) and np.sum(ways[1:]) > SLID
 
     def _Settles(self, size):
         """Does Newton's method come to the end of a stage?"""
@@ -146,18 +153,13 @@ class Relaxation:
         """How far bodies may move before the drag stays, relative to the macro-elements."""
         return EASILY_FAR if self._steps <= EASY else FAR
 
-    def _Softer(self, part):
-        """By what factor the drag falls after bodies have moved by a part of how far they may.
-
-        The way of those that fall is as long as the drag is small.
-        """
+    def _Falls(self):
+        """Do bodies move on without drag, as nothing balances their loads?"""
         self.system.SetDrag(None)
-        falls = self.system.Measure().equilibrium > FALLS
-        return np.clip(part, SOFTEST, SOFTER) if falls else SOFTER
+        return self.system.Measure().equilibrium > FALLS
 
     def _Polish(self):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         self.system.SetDrag(None)
         self.system.Assemble()
-        state = self.system.Measure()
-        return self.newton.Polish(state, POLISH) if state.equilibrium < FALLS else None
+        return self.newton.Polish(self.system.Measure(), POLISH)
