@@ -13,26 +13,18 @@ from .mindlin import (
     MindlinPointReversal,
     MindlinReversal,
 )
-from .signorini import ElasticSignorini, ScalarSignorini
-from .signorini_disc import ElasticSignoriniDisc
-from .slab import GRECO_SLAB, FrictionSlab
 from .spence import SpenceLine, StickZone
 from .twist import TwistPoint, TwistReversal
 
 __all__ = [
-    "GRECO_SLAB",
     "CattaneoMindlin",
     "CattaneoMindlinPoint",
     "ContactModulus",
     "DundursBeta",
-    "ElasticSignorini",
-    "ElasticSignoriniDisc",
-    "FrictionSlab",
     "HertzLine",
     "HertzPoint",
     "MindlinPointReversal",
     "MindlinReversal",
-    "ScalarSignorini",
     "SpenceLine",
     "StickZone",
     "TwistPoint",

@@ -8,7 +8,6 @@ import numpy as np
 
 __all__ = [
     "choice",
-    "coordinates",
     "finite",
     "instance",
     "interval",
@@ -87,16 +86,6 @@ def points(name, values):
     _require(numbers is not False, name, values, remedy, TypeError)
     _require(np.isfinite(numbers).all(), name, values, remedy)
     return numbers
-
-
-def coordinates(given, usual, **values):
-    """Positions as float arrays, or as they are for functions other than the usual ones.
-
-    Such functions, as those of NGSolve, take what numpy does not know.
-    """
-    if given is usual:
-        return tuple(points(name, value) for name, value in values.items())
-    return tuple(values.values())
 
 
 def interval(x0, x1):

@@ -14,7 +14,6 @@ PAIR = {"force": 1.0, "radius1": 10.0} | ELASTIC
 LINE, POINT = reference.HertzLine(**PAIR), reference.HertzPoint(**PAIR)
 PARTIAL = {"shear": 0.1, "friction": 0.3}
 TWIST = {"hertz": POINT, "moment": 0.01, "friction": 0.3}
-SLAB = {name: getattr(reference.GRECO_SLAB, name) for name in vars(reference.GRECO_SLAB)}
 
 MADE = {
     "ContactModulus": ELASTIC,
@@ -35,31 +34,24 @@ MADE = {
     "TwistReversal": {"start": reference.TwistPoint(**TWIST), "moment": 0.005},
     "SpenceLine": {"hertz": LINE, "friction": 0.2},
     "StickZone": {"beta": 0.1, "friction": 0.2},
-    "ScalarSignorini": {"tip": 0.3},
-    "ElasticSignorini": ELASTIC,
-    "ElasticSignoriniDisc": ELASTIC,
-    "FrictionSlab": SLAB,
 }
 # Valid arguments of methods, and the kind of each by its name.
 VALID = {"angle": 0.001, "approach": 0.1, "body": 1, "depth": 0.1, "friction": 0.3, "hertz": POINT}
-VALID |= {"moment": 0.005, "reference": "converged", "shear": 0.05, "shift": 0.001, "x0": 0.0}
-VALID |= {"displacement": SLAB["converged"], "vertices": [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]]}
+VALID |= {"moment": 0.005, "shear": 0.05, "shift": 0.001, "x0": 0.0}
+VALID |= {"vertices": [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]]}
 VALID |= dict.fromkeys(["x1", *"rtxyz"], 0.1)
 KIND = Pairs("""
-    abscissae:values beta:number body:body converged:values displacement:values friction:nonnegative
-    hertz:state nu:ratio nu1:ratio nu2:ratio published:values reference:word start:state
-    vertices:values angle:number moment:number shear:number shift:number side_pressure:number
-    tip:number open_end:number slip_end:number top_pressure:number x:arrays y:arrays z:arrays
+    beta:number body:body friction:nonnegative hertz:state nu:ratio nu1:ratio nu2:ratio start:state
+    vertices:values angle:number moment:number shear:number shift:number x:arrays y:arrays
     r:arrays t:arrays x0:arrays x1:arrays depth:arrays
 """)
 ALSO = {name: {"inf"} for name in ("radius1", "radius2", "young1", "young2")}
 ALSO |= {"body": {"True"}, "end": {"0"}}
-FUNCTIONS = ("sqrt", "functions")  # of NumPy or NGSolve
 
 
 def OfCallable(name, call, valid):
     """The target of one function, class or bound method."""
-    names = [name for name in inspect.signature(call).parameters if name not in FUNCTIONS]
+    names = list(inspect.signature(call).parameters)
     given = {p: v for p, v in valid.items() if p in names}
     words = " ".join(f"{p}:{KIND.get(p, 'positive')}" for p in names)
     run = lambda w, **k: call(**k)  # noqa: E731

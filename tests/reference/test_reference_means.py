@@ -4,15 +4,14 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
+from exact_disc import ElasticSignoriniDisc
+from exact_signorini import ElasticSignorini, ScalarSignorini
 
 from ngslac.reference import (
     CattaneoMindlin,
     CattaneoMindlinPoint,
-    ElasticSignorini,
-    ElasticSignoriniDisc,
     HertzLine,
     HertzPoint,
-    ScalarSignorini,
     SpenceLine,
     TwistPoint,
 )

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
-from ngslac.reference import ElasticSignorini, ElasticSignoriniDisc, ScalarSignorini
+from exact_disc import ElasticSignoriniDisc
+from exact_signorini import ElasticSignorini, ScalarSignorini
 
 MATERIALS = {1: (3.0, 0.3), 2: (0.8, 0.1)}
 ELASTIC = dict(young1=3.0, nu1=0.3, young2=0.8, nu2=0.1, strength=2.0)

@@ -12,6 +12,7 @@ from math import log2, sqrt
 import ngsolve
 import numpy as np
 from elasticity import NAMES, Displacements, Material, Pair
+from exact_signorini import ElasticSignorini
 from ngsolve import BND, CF, InnerProduct, Integrate, dx, x, y
 from report_bounds import Rate
 from report_case import Case, Outcome, Row
@@ -19,7 +20,6 @@ from report_pictures import BLUE, GREEN, GREY, INK, ORANGE, Figure
 from scipy.special import roots_legendre
 
 from ngslac.meshes import TwoBlocks
-from ngslac.reference import ElasticSignorini
 
 WIDTH = 2.0
 EXACT = ElasticSignorini(young1=3.0, nu1=0.3, young2=1.0, nu2=0.2, tip=4 / 3, strength=1.0)

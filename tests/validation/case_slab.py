@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from elasticity import Displacements, Material, Pair, Sorted
+from exact_slab import GRECO_SLAB
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, Mesh, Parameter
 from ngsolve.meshes import MakeStructured2DMesh
@@ -19,7 +20,6 @@ from report_pictures import BLUE, GREY, INK, Figure, Profile
 from scipy.optimize import brentq
 
 from ngslac.meshes.boxes import AddBody, StructuredBox
-from ngslac.reference import GRECO_SLAB
 
 __all__ = ["CASES", "SLICE", "Solve"]
 

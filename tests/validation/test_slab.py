@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from case_slab import SLICE, Solve
-
-from ngslac.reference import GRECO_SLAB
+from exact_slab import GRECO_SLAB
 
 PLANE = ["P1", "P1split", "P1bubble", "P2"]  # P1 has macro-elements of two faces
 SLICES = ["hex P2", "tet P2", "prism P2", "hex P1bubble", "prism_side P1split"]

@@ -1,13 +1,10 @@
-# SPDX-License-Identifier: LGPL-2.1-or-later
 """The friction benchmark of a compressed slab on a rigid plane."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import choice, finite, nonnegative, points, poisson, positive
-
-__all__ = ["GRECO_SLAB", "FrictionSlab"]
+from ngslac.reference._checks import choice, finite, nonnegative, points, poisson, positive
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,14 +1,21 @@
-# SPDX-License-Identifier: LGPL-2.1-or-later
 """Exact solutions of plane contact problems between two bodies without friction (Signorini)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ._checks import choice, coordinates, finite, interval, points, poisson, positive
-from .dundurs import ContactModulus
+from ngslac.reference import ContactModulus
+from ngslac.reference._checks import choice, finite, interval, points, poisson, positive
 
-__all__ = ["ElasticPair", "ElasticSignorini", "ScalarSignorini", "sign_of"]
+
+def coordinates(given, usual, **values):
+    """Positions as float arrays, or as they are for functions other than the usual ones.
+
+    Such functions, as those of NGSolve, take what numpy does not know.
+    """
+    if given is usual:
+        return tuple(points(name, value) for name, value in values.items())
+    return tuple(values.values())
 
 
 def sign_of(body):

@@ -1,17 +1,14 @@
-# SPDX-License-Identifier: LGPL-2.1-or-later
 """An exact solution of the frictionless contact problem in 3D, with a circular contact."""
 
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from exact_signorini import ElasticPair, coordinates, sign_of
 
-from ._checks import coordinates, points, positive
-from ._means import semi_ellipse, semi_ellipsoid_gap
-from ._polygons import semi_ellipsoid_mean
-from .signorini import ElasticPair, sign_of
-
-__all__ = ["ElasticSignoriniDisc"]
+from ngslac.reference._checks import points, positive
+from ngslac.reference._means import semi_ellipse, semi_ellipsoid_gap
+from ngslac.reference._polygons import semi_ellipsoid_mean
 
 
 def _times(first, second):
