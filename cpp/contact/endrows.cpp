@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "endrows.hpp"
+#include "linear/blocksum.hpp"
 
 namespace ngslac {
 namespace {
@@ -11,8 +12,7 @@ Array<int> DofsOf(FlatArray<int> segments, const Pairing<D> & pairing, const Fac
     dofs += slave.Dofs(pairing.segments[s].slave);
     dofs += master.Dofs(pairing.segments[s].master);
   }
-  QuickSort(dofs);
-  dofs.SetSize(std::unique(dofs.begin(), dofs.end()) - dofs.begin());
+  SortUnique(dofs);
   return dofs;
 }
 } // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "form.hpp"
-#include "linear/eliminate.hpp"
 #include "linear/formdiagonal.hpp"
 
 namespace ngslac {
@@ -246,10 +245,46 @@ shared_ptr<SparseMatrix<double>> Form<D>::Matrix(const BaseVector & bx, FlatArra
         answer.by_jump(k, l) = -stiffness[(m * D + k) * D + l];
   });
   Linearize(answers, tractions, Rim::moves);
-  Array<double> penalties(states.Size());
-  for (size_t m : Range(penalties))
-    penalties[m] = law->c[m] / kinematics->Jump().RowArea(m);
-  return EliminateMultipliers(*mat, law->dofs, D, penalties);
+  return WithoutMultipliers();
+}
+
+/// The matrix of the displacements alone: tractions are what the rows say, the product of which
+/// with the columns is added. Rows of the multipliers stay empty.
+template <int D>
+shared_ptr<SparseMatrix<double>> Form<D>::WithoutMultipliers() const {
+  const SparseMatrix<double> & from = *mat; // reads 0 where there is no entry
+  BitArray ismultiplier(nscalars);
+  ismultiplier.Clear();
+  for (int lam : law->dofs)
+    ismultiplier.SetBit(lam);
+  Array<GraphBlock> blocks(states.Size());
+  for (size_t m : Range(blocks)) {
+    auto & dofs = blocks[m].rows;
+    for (int dof : from.GetRowIndices(law->dofs[D * m]))
+      if (!ismultiplier.Test(dof))
+        dofs.Append(dof);
+    blocks[m].columns = dofs;
+  }
+  auto result = ZeroMatrix(nscalars, blocks);
+  ParallelFor(nscalars, [&](size_t i) {
+    auto columns = from.GetRowIndices(i);
+    for (size_t j : Range(ismultiplier.Test(i) ? 0 : columns.Size()))
+      if (!ismultiplier.Test(columns[j]))
+        (*result)(i, columns[j]) = from.GetRowValues(i)(j);
+  });
+  size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
+  AddBlocksInOrder(blocks.Size(), *result, heap, [&](size_t m, LocalHeap &, BlockSum & sum) {
+    FlatArray<int> dofs = blocks[m].rows;
+    ngbla::Matrix<> forces(dofs.Size(), D), rows(D, dofs.Size());
+    for (int k : Range(D))
+      for (int j : Range(dofs)) {
+        int lam = law->dofs[D * m + k];
+        forces(j, k) = from(dofs[j], lam);
+        rows(k, j) = law->c[m] / kinematics->Jump().RowArea(m) * from(lam, dofs[j]);
+      }
+    sum.Add(dofs, dofs, ngbla::Matrix<>(forces * rows));
+  });
+  return result;
 }
 
 namespace {

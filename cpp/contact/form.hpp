@@ -69,6 +69,7 @@ private:
   void AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y);
   void AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y);
   void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim);
+  shared_ptr<SparseMatrix<double>> WithoutMultipliers() const;
   void SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
                 SparseMatrix<double> & mat) const;
   /// Integral over a macro-element of how an unknown of the tool moves it.

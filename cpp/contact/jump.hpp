@@ -83,11 +83,4 @@ private:
   Array<size_t> first;
   Array<JumpEntry<D>> entries;
 };
-
-/// A zero matrix with the entries that contact needs: the multipliers of a macro-element couple
-/// with each other and with the displacements of both sides. `coupled`: of each macro-element the
-/// displacements that couple with each other, too.
-template <int D>
-shared_ptr<SparseMatrix<double>> ContactGraph(const MacroJump<D> & jump, FlatArray<int> lamdof,
-                                              size_t ndof, FlatArray<FlatArray<int>> coupled);
 } // namespace ngslac

@@ -69,7 +69,7 @@ public:
     this->AdjustStart();
     At(x);
     Accept();
-    mat = ContactGraph(jump, law->dofs, x.Size(), ends.Dofs(jump.Size()));
+    mat = ngslac::ZeroMatrix(x.Size(), Graph());
   }
 
   void Follow(FlatVector<>) override {}
@@ -269,6 +269,32 @@ private:
       if (compliance > 0)
         law->end_c[m] = 3 * sqr(jump.area[m]) / (jump.fullarea[m] * compliance);
     }
+  }
+
+  /// The multipliers of a macro-element couple with each other and with the displacements of both
+  /// sides; where contact ends inside of it these couple with each other, too.
+  Array<GraphBlock> Graph() const {
+    auto coupled = ends.Dofs(this->Size());
+    Array<GraphBlock> blocks((1 + D) * this->Size());
+    ParallelFor(this->Size(), [&](size_t m) {
+      auto own = law->dofs.Range(D * m, D * (m + 1));
+      auto & lines = blocks[(1 + D) * m];
+      lines.rows = lines.columns = own;
+      lines.columns += coupled[m];
+      if (coupled[m].Size()) {
+        blocks[(1 + D) * m + 1] = {Array<int>(coupled[m]), Array<int>(lines.columns)};
+        return;
+      }
+      for (auto & e : surfaces.jump->Row(m)) {
+        lines.columns.Append(e.dof);
+        for (int k : Range(D))
+          if (e.integral(k) != 0)
+            blocks[(1 + D) * m + 1 + k].rows.Append(e.dof);
+      }
+      for (int k : Range(D))
+        blocks[(1 + D) * m + 1 + k].columns.Append(own[k]);
+    });
+    return blocks;
   }
 
   const EndPoints * EndsOf(size_t m) const { return law->has_ends ? ends.PointsOf(m) : nullptr; }

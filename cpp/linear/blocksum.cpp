@@ -2,6 +2,21 @@
 #include "blocksum.hpp"
 
 namespace ngslac {
+shared_ptr<SparseMatrix<double>> ZeroMatrix(size_t n, FlatArray<GraphBlock> blocks) {
+  auto table = [&](Array<int> GraphBlock::* lists) {
+    Array<int> sizes(blocks.Size());
+    for (size_t i : Range(blocks))
+      sizes[i] = (blocks[i].*lists).Size();
+    Table<int> result(sizes);
+    ParallelFor(blocks.Size(), [&](size_t i) { result[i] = blocks[i].*lists; });
+    return result;
+  };
+  auto rows = table(&GraphBlock::rows), columns = table(&GraphBlock::columns);
+  auto mat = make_shared<SparseMatrix<double>>(MatrixGraph(n, n, rows, columns, false));
+  mat->SetZero();
+  return mat;
+}
+
 namespace {
 void AddToRow(SparseMatrix<double> & mat, int row, FlatArray<int> columns, FlatVector<> values) {
   auto all = mat.GetRowIndices(row);

@@ -5,6 +5,19 @@
 namespace ngslac {
 using namespace ngla;
 
+inline void SortUnique(Array<int> & numbers) {
+  QuickSort(numbers);
+  numbers.SetSize(std::unique(numbers.begin(), numbers.end()) - numbers.begin());
+}
+
+/// Rows and columns that a matrix couples.
+struct GraphBlock {
+  Array<int> rows, columns; // without duplicates
+};
+
+/// A zero matrix of size n with the entries of these blocks.
+shared_ptr<SparseMatrix<double>> ZeroMatrix(size_t n, FlatArray<GraphBlock> blocks);
+
 /// Blocks to be added to a matrix later, in rows to which others add, too.
 class BlockSum {
   struct Block {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "condense.hpp"
+#include "blocksum.hpp"
 
 namespace ngslac {
 namespace {
@@ -117,8 +118,7 @@ void Condensation::Supports(FlatArray<int> multipliers) {
       for (int j : mat->GetRowIndices(lam))
         if (!ismultiplier[j])
           block.dofs.Append(j);
-    QuickSort(block.dofs);
-    block.dofs.SetSize(std::unique(block.dofs.begin(), block.dofs.end()) - block.dofs.begin());
+    SortUnique(block.dofs);
   });
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "schur.hpp"
 #include "addscaled.hpp"
+#include "blocksum.hpp"
 #include <triangular.hpp>
 
 namespace ngslac {
@@ -101,8 +102,7 @@ void SchurComplement::FindParts(const SparseColumns & columns) {
     auto & own = found[nr];
     if (!own.Size())
       continue;
-    std::sort(own.begin(), own.end());
-    own.SetSize(std::unique(own.begin(), own.end()) - own.begin());
+    SortUnique(own);
     entries += own.Size() * factors.Block(nr).Size();
     CheckSize(entries);
     int last = -1;
