@@ -30,6 +30,8 @@ SMALLEST, LARGEST = 1e-50, 1e50
 def Polygon(points, *, closed=True) -> Tool:
     """A tool in 2D with straight edges.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     points : (n, 2) array-like
@@ -37,15 +39,6 @@ def Polygon(points, *, closed=True) -> Tool:
     closed : bool
         An edge leads from the last point to the first. False: an open chain, with the tool on its
         left.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -113,6 +106,8 @@ def FromSTL(file, *, closed=True) -> Tool:
 def FromMesh(mesh, boundary=".*", *, divisions=None, closed=True) -> Tool:
     """A tool with the boundary of a mesh, divided into plane facets.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     mesh : ngsolve.Mesh
@@ -123,15 +118,6 @@ def FromMesh(mesh, boundary=".*", *, divisions=None, closed=True) -> Tool:
         Parts of each side of a face. Default: 1, and 4 where the mesh is curved.
     closed : bool
         False: the surface may be open. What touches it has to stay away from its rim.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -147,6 +133,8 @@ def FromMesh(mesh, boundary=".*", *, divisions=None, closed=True) -> Tool:
 def FromShape(shape, *, maxh=None, closed=True) -> Tool:
     """A tool from CAD, such as a STEP file: its surface is divided into plane facets.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     shape : netgen.occ.TopoDS_Shape
@@ -156,15 +144,6 @@ def FromShape(shape, *, maxh=None, closed=True) -> Tool:
         distance is maxh**2 / (8 R) where the radius of curvature is R.
     closed : bool
         False: the surface may be open. What touches it has to stay away from its rim.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------

@@ -72,19 +72,12 @@ def Plane(point, normal) -> Tool:
 def Sphere(center, radius) -> Tool:
     """A ball, in 2D a disc; a plane roll.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     center : (d,) array-like
     radius : float
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -100,6 +93,8 @@ def Sphere(center, radius) -> Tool:
 def Cylinder(point, axis, radius) -> Tool:
     """An infinite cylinder in 3D.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     point : (3,) array-like
@@ -107,15 +102,6 @@ def Cylinder(point, axis, radius) -> Tool:
     axis : (3,) array-like
         Direction.
     radius : float
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -130,6 +116,8 @@ def Cylinder(point, axis, radius) -> Tool:
 def Cone(apex, axis, half_angle) -> Tool:
     """An infinite cone in 3D.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     apex : (3,) array-like
@@ -137,15 +125,6 @@ def Cone(apex, axis, half_angle) -> Tool:
         From the apex into the cone.
     half_angle : float
         Between axis and flank, in radians, less than a right angle.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -167,6 +146,8 @@ def Cone(apex, axis, half_angle) -> Tool:
 def Torus(center, axis, radius, tube) -> Tool:
     """A ring with a round section in 3D.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     center : (3,) array-like
@@ -176,15 +157,6 @@ def Torus(center, axis, radius, tube) -> Tool:
         Of the circle in the middle of the tube.
     tube : float
         Radius of the tube.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
@@ -199,6 +171,8 @@ def Torus(center, axis, radius, tube) -> Tool:
 def Revolved(profile, point, axis) -> Tool:
     """A tool in 2D turned about an axis: its x is the distance from the axis, its y that along.
 
+    Result and errors are as in `Plane`.
+
     Parameters
     ----------
     profile : Tool
@@ -208,15 +182,6 @@ def Revolved(profile, point, axis) -> Tool:
         Of the axis, where y is 0.
     axis : (3,) array-like
         Direction of y.
-
-    Returns
-    -------
-    Tool
-
-    Raises
-    ------
-    ValueError, TypeError
-        Another number of coordinates, a direction of zeros, a length that is not positive.
 
     Examples
     --------
