@@ -13,13 +13,14 @@ from ngslac.arguments import (
     CheckOnSpace,
     CheckVector,
 )
-from ngslac.contact import fields, results, switch
+from ngslac.contact import results
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.dirichlet import WarnOfUnheld
 from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures, scene
+from ngslac.output.fields import SCALARS, VECTORS
 
 __all__ = ["LACContact"]
 
@@ -165,11 +166,10 @@ class LACContact(metaclass=Distributable):
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
-        terms = {"friction": friction, "tresca": tresca, "offset": offset}
-        terms |= {"tied": tied, "bilateral": bilateral, "law": law}
-        search = {"maxdist": maxdist, "penetration": penetration}
-        search |= {"adjust": adjust, "finite": finite, "edges": edges}
-        self.tool, setup = CheckedSetup(u, lam, master, obstacle, **terms, **search)
+        functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca, "offset": offset}
+        flags = {"tied": tied, "bilateral": bilateral, "finite": finite, "edges": edges}
+        lengths = {"adjust": adjust, "maxdist": maxdist, "penetration": penetration}
+        self.tool, setup = CheckedSetup(u, lam, master, functions, flags, lengths, law)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None
@@ -409,16 +409,74 @@ class LACContact(metaclass=Distributable):
 
         self._Change(kept, change)
 
+    def Deactivate(self) -> None:
+        """Switch the contact off: from the next solve on there are no forces between the surfaces.
+
+        All macro-elements are open, and without a partner. Between steps, not within one.
+
+        Examples
+        --------
+        >>> contact.Deactivate()
+        >>> contact.active
+        False
+        >>> contact.Activate()
+        """
+        self.form.SetActive(False)
+        self._Fill()
+
+    def Activate(self, gf=None) -> None:
+        """Switch the contact on: it pairs anew, and slip and ties count from there, as of `Update`.
+
+        Parameters
+        ----------
+        gf : GridFunction, optional
+            The solution now, on the product space; None: the reference.
+        """
+        self._Pair(gf, active=True)
+
+    # --- fields, which follow the form ---------------------------------------------------------
+
+    def _MakeFields(self):
+        """New ones, of one number or one vector per macro-element."""
+        for count, names in ((1, SCALARS), (self.mesh.dim, VECTORS)):
+            space = self.space.WithComponents(count)
+            for name in names:
+                setattr(self, name, GridFunction(space, name=name))
+
+    def _Fill(self):
+        """What the form knows; 0 where it is not paired."""
+        self._recovered = None
+        table = self.Table() if self.form.paired else {}
+        for name in SCALARS + VECTORS:
+            values = table[name].ravel() if table else 0.0
+            getattr(self, name).vec.FV().NumPy()[:] = values
+
+    def _Change(self, kept, change):
+        """Call `change`; what fails in the context `kept`, or is interrupted, changes nothing."""
+        fits = len(self.pressure.vec) == self.space.nmacros
+        if self._state.refined or not fits:  # no way back
+            change()
+            self._MakeFields()
+            self._Fill()
+            return
+        before = self._solution, self._accepted
+        try:
+            with kept:
+                try:
+                    change()
+                    self._Fill()
+                except BaseException:
+                    self._solution, self._accepted = before
+                    raise
+        except BaseException:
+            self._Fill()
+            raise
+
     # --- results -------------------------------------------------------------------------------
 
     def _GetWebguiData(self):
         return self.Segments()._GetWebguiData()
 
-    _MakeFields = fields.Make
-    _Fill = fields.Fill
-    _Change = fields.Change
-    Activate = switch.Activate
-    Deactivate = switch.Deactivate
     __repr__ = results.Describe
     Table = results.Table
     Force = results.Force

@@ -20,31 +20,16 @@ from ngslac.tools import SignedDistance, Tool
 __all__ = ["CheckedSetup"]
 
 
-def CheckedSetup(
-    u,
-    lam,
-    master,
-    obstacle,
-    *,
-    friction,
-    tresca,
-    offset,
-    tied,
-    bilateral,
-    finite,
-    edges,
-    adjust,
-    maxdist,
-    penetration,
-    law,
-):
+def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
+    names = "obstacle", "friction", "tresca", "offset"
+    obstacle, friction, tresca, offset = map(functions.get, names)
+    tied, bilateral, finite, edges = map(flags.get, ("tied", "bilateral", "finite", "edges"))
     for name, proxy in {"u": u, "lam": lam}.items():
         if not isinstance(proxy, ProxyFunction):
             raise Wrong(TypeError, name, proxy, "a trial function of a product space")
     if (master is None) == (obstacle is None):
         raise ValueError("give either master= or obstacle=, not both and not none")
-    flags = {"tied": tied, "bilateral": bilateral, "finite": finite, "edges": edges}
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
@@ -62,22 +47,20 @@ def CheckedSetup(
             "edges need small sliding on a master: drop edges, or what is given of finite, tied, "
             "bilateral and obstacle"
         )
-    if tied and adjust is not None:
+    if tied and lengths["adjust"] is not None:
         raise ValueError(
             "tied surfaces keep their distance: drop adjust; maxdist says how far a tie reaches"
         )
-    lengths = {"adjust": adjust, "maxdist": maxdist, "penetration": penetration}
     for name, value in lengths.items():
         if value is not None:
             CheckPositive(name, value, "a positive length")
     mesh = u.space.mesh
-    functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca, "offset": offset}
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
     region = None if master is None else RegionWithFaces(mesh, "master", master)
     tool = _ToolOf(obstacle, mesh.dim, flags)
     least = {"friction": 0, "tresca": 0}
-    functions["obstacle"] = None if tool else obstacle
+    functions = functions | {"obstacle": None if tool else obstacle}
     functions = {
         name: Coefficient(name, value, least.get(name, -math.inf))
         for name, value in functions.items()
