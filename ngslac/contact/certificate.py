@@ -161,22 +161,13 @@ def PointsInside(contact, gf=None):
 
 
 class PointGaps:
-    """The gaps at the points of each macro-element.
-
-    Attributes
-    ----------
-    least, greatest : (m,) array
-        Infinite without a partner.
-    places : (m, d) array
-        On the slave, where they are least.
-    slope : (m,) array
-        From there to where they are greatest.
-    """
+    """The gaps at the points of each macro-element."""
 
     def __init__(self, contact, entries):
         d = contact.mesh.dim
         table = contact.form.GapRanges(entries).reshape(-1, 2 + 2 * d)
         paired = np.isfinite(table[:, 0])
+        # Infinite without a partner; where it is least; the slope from there to the greatest.
         self.least, self.greatest = np.where(paired, table[:, :2].T, np.inf)
         self.places = table[:, 2 : 2 + d]
         way = np.linalg.norm(table[:, 2 + d :] - self.places, axis=1)

@@ -12,13 +12,7 @@ __all__ = ["Neighbours"]
 
 
 class Neighbours:
-    """The macro-elements of a LACSpace, with the vertices of the mesh where they meet.
-
-    Parameters
-    ----------
-    space : LACSpace
-    mesh : ngsolve.Mesh
-    """
+    """The macro-elements of a LACSpace, with the vertices of the mesh where they meet."""
 
     def __init__(self, space, mesh):
         owner, corners = np.array(space.macros), BoundaryVertices(mesh)

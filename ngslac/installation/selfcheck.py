@@ -45,21 +45,11 @@ FREE = "left_.*|right_.*|front_.*|back_.*"
 
 @dataclass(frozen=True)
 class Case:
-    """One problem.
-
-    Attributes
-    ----------
-    dim : int
-        2 or 3.
-    shear : float
-        Part of the shear stress at which the blocks slide.
-    slip : float
-        How far the upper block has slid, with ``shear=1``.
-    """
+    """One problem."""
 
     dim: int
-    shear: float
-    slip: float
+    shear: float  # part of the shear stress at which the blocks slide
+    slip: float  # how far the upper block has slid, with shear=1
 
     @property
     def name(self):

@@ -157,27 +157,11 @@ class InterfaceSystem:
 
 
 class Blocks:
-    """(K + S) u + G lam = f, E u + F lam = g, scaled.
-
-    Attributes
-    ----------
-    multipliers : (m,) int
-        Their dofs, d in a row for each macro-element.
-    forces : (n, m) csc_matrix
-        G, with the rows of the whole system.
-    rows : (m, n) csr_matrix
-        E, with its columns.
-    own : (m, m) csr_matrix
-        F; 1 on the diagonal of what is not free.
-    stiffness : (n, n) csr_matrix
-        What contacts add to K, as in large sliding.
-    touched : (k,) int
-        The dofs of this.
-    """
+    """(K + S) u + G lam = f, E u + F lam = g, scaled."""
 
     def __init__(self, system, free):
         n = len(free)
-        self.multipliers = np.asarray(system.multipliers)
+        self.multipliers = np.asarray(system.multipliers)  # (m,): their dofs
         m = len(self.multipliers)
         number = np.full(n, -1)
         number[self.multipliers] = np.arange(m)
@@ -185,10 +169,12 @@ class Blocks:
         k, j = number[row], number[column]
         on, by, both = (k < 0) & (j >= 0), (k >= 0) & (j < 0), (k >= 0) & (j >= 0)
         apart = (k < 0) & (j < 0)
+        # S (n, n), which contacts add to K, as in large sliding; G (n, m), E (m, n); F (m, m) that
+        # has 1 on the diagonal of what is not free.
         self.stiffness = scipy.sparse.csr_matrix(
             (value[apart], (row[apart], column[apart])), shape=(n, n)
         )
-        self.touched = np.union1d(row[apart], column[apart])
+        self.touched = np.union1d(row[apart], column[apart])  # dofs of S
         held = np.flatnonzero(~free[self.multipliers])
         self.forces = scipy.sparse.csc_matrix((value[on], (row[on], j[on])), shape=(n, m))
         self.rows = scipy.sparse.csr_matrix((value[by], (k[by], column[by])), shape=(m, n))

@@ -12,34 +12,16 @@ __all__ = ["LinearSystem", "Link", "Method", "Options"]
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """(mat + contacts) x = rhs on the free dofs, which is solved with scaled rows and columns.
+    """(mat + contacts) x = rhs on the free dofs, which is solved with scaled rows and columns."""
 
-    Attributes
-    ----------
-    mat : BaseMatrix
-        Of the bulk.
-    contacts : list[BaseMatrix]
-        What contacts add to it.
-    multipliers : (m,) int
-        Their dofs, d in a row for each macro-element.
-    scale : (n,) array
-    rhs : (n,) array
-    shift : (n,) array, optional
-        Is added to the diagonal of the scaled matrix, in which the bulk's is 1.
-    accuracy : float
-        Relative residual that is enough of an iteration.
-    alone : bool
-        Are the displacements solved for alone? Then the multipliers stay zero.
-    """
-
-    mat: BaseMatrix
-    contacts: list
-    multipliers: np.ndarray
-    scale: np.ndarray
-    rhs: np.ndarray
-    shift: np.ndarray | None = None
-    accuracy: float = 0.0
-    alone: bool = False
+    mat: BaseMatrix  # of the bulk
+    contacts: list  # of the matrices that contacts add to it
+    multipliers: np.ndarray  # (m,) int: their dofs, d in a row for each macro-element
+    scale: np.ndarray  # (n,)
+    rhs: np.ndarray  # (n,)
+    shift: np.ndarray | None = None  # (n,): added to the diagonal of the scaled matrix
+    accuracy: float = 0.0  # relative residual that is enough of an iteration
+    alone: bool = False  # are the displacements solved for alone? Then the multipliers stay zero
 
     def Entries(self):
         """A list of lists of arrays, which with `mat` make the scaled matrix."""

@@ -19,20 +19,11 @@ class VertexNodes:
     Vertices that share a dof, as in periodic spaces, leave it to the first of them, and count where
     they have others. Rigid motions take its position. A rotation is no motion of a periodic body:
     such a column jumps at the seam, and makes the coarse levels there less good, no less right.
-
-    Attributes
-    ----------
-    dofs : (n, d) int
-        Scalar dofs of each vertex, -1 for none.
-    free : (n, d) bool
-        Of these.
-    motions : (n, d, m) array
-        The rigid motions, rotations about the middle and divided by the size of the mesh.
     """
 
-    dofs: np.ndarray
-    free: np.ndarray
-    motions: np.ndarray
+    dofs: np.ndarray  # (n, d) int: scalar ones of each vertex, -1 for none
+    free: np.ndarray  # (n, d) bool: of these
+    motions: np.ndarray  # (n, d, m): rotations about the middle, divided by the size of the mesh
 
     @classmethod
     def Of(cls, space, freedofs, first=0):

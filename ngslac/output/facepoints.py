@@ -10,20 +10,7 @@ CENTER = {ET.SEGM: (0.5, 0), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
 
 
 class FacePoints:
-    """Centres of the slave faces of a contact, and in 2D their ends, perhaps deformed.
-
-    Attributes
-    ----------
-    macro : (n,) int
-        Macro-element of each face.
-    centers : (n, d)
-    normals : (n, d)
-        Mean normals of the macro-elements.
-    ends : (2, n, d)
-        In 2D only.
-    diameter : float
-        Of the box around the centres and ends.
-    """
+    """Centres of the slave faces of a contact, and in 2D their ends, perhaps deformed."""
 
     def __init__(self, contact, deformation=None):
         self.contact, self.region = contact, contact.space.slave
@@ -31,7 +18,7 @@ class FacePoints:
         if deformation is not None:
             self._position += deformation
         macros = np.array(contact.space.macros)
-        self.macro = macros[macros >= 0]
+        self.macro = macros[macros >= 0]  # of each face
         self.normals = contact.Table()["normal"][self.macro]
         self.centers = self.Positions()
         box = [self.centers]

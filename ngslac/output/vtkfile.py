@@ -19,27 +19,7 @@ def VTUPath(filename):
 
 
 def WriteVTK(filename, mesh, functions, *, vb=VOL, drawelems=None, **options):
-    """Write a VTU file by NGSolve's VTKOutput, which does not tell when it cannot.
-
-    Parameters
-    ----------
-    filename : str or Path
-    mesh : ngsolve.Mesh
-    functions : dict of str to CoefficientFunction
-    vb, drawelems :
-        Which elements: of the volume or boundary, and a BitArray or None for all.
-    **options :
-        Handed to `ngsolve.VTKOutput`.
-
-    Returns
-    -------
-    pathlib.Path
-
-    Raises
-    ------
-    OSError
-        There is no such folder, or the file could not be written as a whole: nothing is left.
-    """
+    """Write a VTU file by NGSolve's VTKOutput, which is whole or raises; return its path."""
     path = VTUPath(filename)
     with Replacing(path) as part:
         name = str(part.with_suffix(""))

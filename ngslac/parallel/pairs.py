@@ -19,21 +19,13 @@ class Pair:
     """A GridFunction on a distributed mesh and the one on the conductor that stands for it.
 
     The conductor keeps neither: it ends the pair on all processes when one of them is gone.
-
-    Attributes
-    ----------
-    original, home : callable
-        Return the function on the distributed mesh and that on the conductor; None: there is no
-        such, not yet or no longer.
-    space : SpaceReplica or None
-        Of both.
-    sent : (n,) array or None
-        Values that both had last.
     """
 
     def __init__(self, what=None):
+        # They return the function on the distributed mesh and that on the conductor; None: there is
+        # no such, not yet or no longer.
         self.original = self.home = Nothing
-        self.space = self.sent = None
+        self.space = self.sent = None  # SpaceReplica of both; values that both had last
         self.what = what
 
     @property

@@ -13,19 +13,11 @@ ATOMS = (type(None), bool, int, float, complex, str, bytes, np.ndarray, np.gener
 
 @dataclass(frozen=True)
 class Reference:
-    """Something that all processes have, by the key that all know it by.
+    """Something that all processes have, by the key that all know it by."""
 
-    Attributes
-    ----------
-    kind : {"twin", "function", "original", "boundary"}
-    key :
-    what : type or tuple
-        What to make where it is not there yet.
-    """
-
-    kind: str
+    kind: str  # "twin", "function", "original" or "boundary"
     key: object
-    what: object = None
+    what: object = None  # to make where it is not there yet
 
 
 def IsPlain(value):

@@ -15,13 +15,7 @@ OUT_OF_ROOM = (-8, -9, -14, -15, -17, -20)
 
 
 class PetscDirect:
-    """Solves by L D L^T or L U with pivoting, and refines.
-
-    Attributes
-    ----------
-    factorisations : int
-    mat : PETSc.Mat or None
-    """
+    """Solves by L D L^T or L U with pivoting, and refines."""
 
     small = 1e-9  # residual that symmetric factors have to reach, or else LU takes over
 

@@ -17,13 +17,7 @@ __all__ = ["PetscIterative"]
 
 
 class PetscIterative:
-    """Solves one system after the other; collective.
-
-    Attributes
-    ----------
-    krylov : int
-        Iterations so far.
-    """
+    """Solves one system after the other; collective."""
 
     best = 1e-12  # relative residual that GMRES can reach
     most, patience = 150, 60

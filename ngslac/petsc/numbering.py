@@ -13,15 +13,6 @@ class Numbering:
 
     A node belongs to the lowest rank that has one of its dofs, or else to rank 0. Collective, as
     all methods are.
-
-    Attributes
-    ----------
-    new : (n,) int
-        Row of each dof.
-    size, width : int
-        All rows, those of dofs and what fills up the blocks; rows of a block.
-    start, stop : int
-        This rank's rows.
     """
 
     def __init__(self, comm, n, dofs, nodes):
@@ -37,8 +28,10 @@ class Numbering:
         if self.rank == 0:
             owner[owner == ranks] = 0
             rows, self._place = Rows(owner, nodes.blocks, ranks)
+        # Row of each dof; blocks of each rank; rows of a block.
         self.new, counts, self.width = self.Tell(rows)
         starts = np.concatenate([[0], np.cumsum(counts)]) * self.width
+        # All rows, those of dofs and what fills up the blocks; this rank's.
         self.size, self.start, self.stop = int(starts[-1]), *map(int, starts[self.rank :][:2])
         self._Scatter(PETSc)
 

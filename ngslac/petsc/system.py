@@ -20,11 +20,6 @@ class PetscSystem:
     """Bulk matrices of all ranks and the contacts of rank 0 as one system; collective throughout.
 
     Dofs have the numbers of a product space of displacements and multipliers that rank 0 knows.
-
-    Attributes
-    ----------
-    factorisations, krylov : int
-        So far, of matrices of full size; iterations.
     """
 
     def __init__(self, comm, n, dofs, free=None, nodes=None):

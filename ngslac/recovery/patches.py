@@ -8,23 +8,15 @@ __all__ = ["Patches"]
 
 
 class Patches:
-    """Macro-elements that transmit forces, by the parts that share no vertex.
-
-    Attributes
-    ----------
-    count : int
-    macro, vertex : (m,), (n,) int
-        Patch of each macro-element, open ones included where they touch one; -1 for none.
-    touched : (n,) bool
-        Vertices of macro-elements that transmit forces.
-    """
+    """Macro-elements that transmit forces, by the parts that share no vertex."""
 
     def __init__(self, surface, closed):
         self._neighbours, touches = surface.neighbours, surface.touches
-        self.touched = touches.T @ closed > 0
+        self.touched = touches.T @ closed > 0  # vertices of those that transmit forces
         mine = touches[closed]
         _, labels = connected_components(mine @ mine.T, directed=False)
         self.count = int(labels.max()) + 1 if len(labels) else 0
+        # The patch of each macro-element, open ones included where they touch one; -1 for none.
         self.macro = np.full(len(closed), -1)
         self.macro[closed] = labels
         self.vertex = self._Largest(touches.T, self.macro)
