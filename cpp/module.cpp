@@ -15,7 +15,6 @@ void ExportSchur(py::module & m);
 void ExportTool(py::module & m);
 void ExportRigidTool(py::module & m);
 void ExportContact(py::module & m);
-void ExportSystem(py::module & m);
 } // namespace ngslac
 
 PYBIND11_MODULE(_ngslac, m) {
@@ -32,5 +31,4 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportTool(m);
   ExportRigidTool(m);
   ExportContact(m);
-  ExportSystem(m);
 }

@@ -396,10 +396,7 @@ void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
 template <int D>
 void Form<D>::SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor) {
   for (size_t m : Range(jump.Size())) {
-    double compliance = 0;
-    for (auto & e : jump.Row(m))
-      if (diagonal(e.dof) > 0)
-        compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
+    double compliance = jump.Compliance(m, diagonal);
     law->c[m] = compliance > 0 ? factor * jump.area[m] / compliance : 0;
   }
 }

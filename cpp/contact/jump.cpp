@@ -286,6 +286,15 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
 }
 
 template <int D>
+double MacroJump<D>::Compliance(size_t macro, FlatVector<> diagonal) const {
+  double sum = 0;
+  for (auto & e : Row(macro))
+    if (diagonal(e.dof) > 0)
+      sum += L2Norm2(e.integral) / (D * diagonal(e.dof));
+  return sum;
+}
+
+template <int D>
 Vec<D> MacroJump<D>::Mean(size_t macro, FlatVector<> x) const {
   Vec<D> sum = 0.0;
   for (auto & entry : Row(macro))

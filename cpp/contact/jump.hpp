@@ -62,6 +62,8 @@ public:
   double RowArea(size_t macro) const { return area[macro] > 0 ? area[macro] : fullarea[macro]; }
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
+  /// How the rows give way where each dof has a spring of its own, a mean over the components.
+  double Compliance(size_t macro, FlatVector<> diagonal) const;
   /// The rows times a factor; of the columns those of a component that begins at `offset`.
   shared_ptr<SparseMatrix<double>> AsMatrix(size_t offset, size_t width, double factor) const;
 

@@ -2,9 +2,56 @@
 #include "pairfinder.hpp"
 #include "pairing/overlap.hpp"
 #include "selfcontact.hpp"
-#include "thickness.hpp"
 
 namespace ngslac {
+namespace {
+/// For each boundary element, one vertex that stands for the body that it belongs to.
+Array<int> BodiesOfBoundary(const MeshAccess & ma) {
+  Array<int> parent(ma.GetNV());
+  for (int v : Range(parent))
+    parent[v] = v;
+  auto root = [&](int v) {
+    while (parent[v] != v)
+      v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (size_t i : Range(ma.GetNE(VOL))) {
+    auto vertices = ma.GetElement(ElementId(VOL, i)).Vertices();
+    for (int v : vertices)
+      parent[root(v)] = root(vertices[0]);
+  }
+  Array<int> bodies(ma.GetNE(BND));
+  for (size_t i : Range(bodies))
+    bodies[i] = root(ma.GetElement(ElementId(BND, i)).Vertices()[0]);
+  return bodies;
+}
+
+/// Boundaries all of whose faces have a body on one side only.
+Region Outside(shared_ptr<MeshAccess> ma) {
+  BitArray mask(ma->GetNRegions(BND));
+  mask.Set();
+  Faces faces(ma, mask);
+  for (size_t f : Range(faces.Size()))
+    if (faces.Behind(f).Size() != 1)
+      mask.Clear(ma->GetElIndex(faces.Id(f)));
+  return Region(ma, BND, mask);
+}
+
+/// How thick the body behind some faces of a master is in the reference configuration, up to the
+/// other side; infinite where there is none that is no slave, and for other faces.
+template <int D>
+Array<double> BodyThicknesses(const Region & master, const Region & slave, const BitArray & faces) {
+  auto ma = master.Mesh();
+  Surface<D> surface(master, nullptr, 1), others(Outside(ma), nullptr, 1);
+  auto bodies = BodiesOfBoundary(*ma);
+  return ThicknessesBehind<D>(surface, others, [&](int face, int other) {
+    int there = others.Element(other);
+    return faces.Test(face) && !slave.Mask().Test(ma->GetElIndex(ElementId(BND, there))) &&
+           bodies[surface.Element(face)] == bodies[there];
+  });
+}
+} // namespace
+
 template <int D>
 PairFinder<D>::PairFinder(const ContactSetup & asetup, shared_ptr<LACSpace> aspace,
                           const ProxyInfo & au)

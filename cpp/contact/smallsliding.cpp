@@ -261,14 +261,9 @@ private:
   /// and it does not grow as the part shrinks that is paired.
   void SetEndStiffness(FlatVector<> diagonal) {
     auto & jump = *surfaces.jump;
-    for (size_t m : Range(jump.Size())) {
-      double compliance = 0;
-      for (auto & e : jump.Row(m))
-        if (diagonal(e.dof) > 0)
-          compliance += L2Norm2(e.integral) / (D * diagonal(e.dof));
-      if (compliance > 0)
+    for (size_t m : Range(jump.Size()))
+      if (double compliance = jump.Compliance(m, diagonal); compliance > 0)
         law->end_c[m] = 3 * sqr(jump.area[m]) / (jump.fullarea[m] * compliance);
-    }
   }
 
   /// The multipliers of a macro-element couple with each other and with the displacements of both

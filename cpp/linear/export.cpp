@@ -3,7 +3,6 @@
 #include "formdiagonal.hpp"
 #include "gmres.hpp"
 #include "inner.hpp"
-#include "nodeblocks.hpp"
 #include "numpy.hpp"
 #include "schur.hpp"
 #include "twolevel.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "nodeblocks.hpp"
-#include "indexmap.hpp"
+#include "condense.hpp"
 
 namespace ngslac {
 namespace {

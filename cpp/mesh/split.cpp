@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "split.hpp"
 #include "faces.hpp"
-#include "splitters.hpp"
 
 namespace ngslac {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <comp.hpp>
+#include <meshing.hpp>
 
 namespace ngslac {
 using namespace ngcomp;
@@ -13,4 +14,14 @@ using namespace ngcomp;
 // in 3D: "pyramids" or "hexes".
 shared_ptr<MeshAccess> SplitSlaveFaces(shared_ptr<MeshAccess> mesh, const Region & slave,
                                        const string & hexes = "pyramids");
+
+// Splitting of slave faces, which are boundary elements of these numbers, in place;
+// the caller updates the topology of the mesh.
+
+// Two-dimensional meshes.
+void SplitEdges(netgen::Mesh & mesh, FlatArray<int> slave);
+
+// Three-dimensional meshes. `hexes`: a quadrilateral between hexahedra alone is divided into
+// quadrilaterals, and these hexahedra into hexahedra.
+void SplitFaces(netgen::Mesh & mesh, FlatArray<int> slave, bool hexes);
 } // namespace ngslac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "splitters.hpp"
+#include "split.hpp"
 
 #include <algorithm>
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "facepoint.hpp"
-#include "splitters.hpp"
+#include "split.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,10 +1,28 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "fingerprint.hpp"
 #include "numpy.hpp"
 
 #include <python_comp.hpp>
 
 namespace ngslac {
+/// A number that differs, all but surely, for spaces that number the dofs of their elements, volume
+/// and boundary, in different ways: the hash of Fowler, Noll and Vo, over numbers in place of
+/// bytes.
+static size_t DofFingerprint(const FESpace & space) {
+  size_t hash = 14695981039346656037u;
+  auto add = [&](size_t number) { hash = (hash ^ number) * 1099511628211u; };
+  add(space.GetNDof());
+  add(space.GetDimension());
+  Array<DofId> dofs;
+  for (auto vb : {VOL, BND})
+    for (auto element : space.GetMeshAccess()->Elements(vb)) {
+      space.GetDofNrs(element, dofs);
+      add(dofs.Size());
+      for (auto dof : dofs)
+        add(size_t(dof));
+    }
+  return hash;
+}
+
 static bool HoldsProxy(CoefficientFunction & function) {
   bool holds = false;
   function.TraverseTree(

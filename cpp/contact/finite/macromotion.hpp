@@ -36,6 +36,17 @@ struct SlipPairs {
   explicit SlipPairs(shared_ptr<const MacroPoints<D>> some_points) : points(some_points) {}
 };
 
+/// The mean of value(segment, point) over the points of a macro-element.
+template <int D, typename F>
+Vec<D> MeanOf(const MacroPoints<D> & points, size_t m, F value) {
+  Vec<D> sum = 0.0;
+  for (int s : points.segments[m])
+    for (size_t i : points.pairing->Points(s))
+      if (double weight = points.pairing->points[i].weight; weight != 0)
+        sum += weight * value(points.pairing->segments[s], i);
+  return 1 / points.area[m] * sum;
+}
+
 template <int D>
 struct MacroGap;
 

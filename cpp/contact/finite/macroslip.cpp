@@ -67,12 +67,10 @@ private:
 
 template <int D>
 Vec<D> MeshScene<D>::SlipOf(const SlipPairs<D> & pairs, size_t m) const {
-  auto & points = *pairs.points;
-  Vec<D> sum = 0.0;
-  for (int s : points.segments[m])
-    for (auto & p : points.pairing->points.Range(points.pairing->Points(s)))
-      sum += p.weight * OldPair<D>(*this, points.pairing->segments[s], p).Slip();
-  return (1 / points.area[m]) * sum;
+  auto & points = pairs.points->pairing->points;
+  return ngslac::MeanOf(*pairs.points, m, [&](const Segment & segment, size_t i) {
+    return OldPair<D>(*this, segment, points[i]).Slip();
+  });
 }
 
 template <int D>

@@ -365,17 +365,11 @@ struct OldPartner {
 
 template <int D>
 Vec<D> ToolScene<D>::SlipOf(const SlipPairs<D> & pairs, size_t m) const {
-  auto & points = *pairs.points;
-  Vec<D> sum = 0.0;
-  for (int s : points.segments[m])
-    for (size_t i : points.pairing->Points(s)) {
-      auto & p = points.pairing->points[i];
-      if (p.weight == 0)
-        continue;
-      OldPartner<D> old(*this, pairs, i, points.pairing->segments[s].slave, p.slave);
-      sum += p.weight * (old.Across() * old.apart);
-    }
-  return 1 / points.area[m] * sum;
+  auto & points = pairs.points->pairing->points;
+  return ngslac::MeanOf(*pairs.points, m, [&](const Segment & segment, size_t i) {
+    OldPartner<D> old(*this, pairs, i, segment.slave, points[i].slave);
+    return Vec<D>(old.Across() * old.apart);
+  });
 }
 
 template <int D>
