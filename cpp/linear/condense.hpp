@@ -100,8 +100,6 @@ public:
   Array<double> Diagonal() const;
   /// Of each macro-element; without columns where it adds nothing.
   FlatArray<LocalTerm> Terms() const { return terms; }
-  /// The macro-elements of each dof.
-  const Table<int> & Touching() const { return touching; }
   const SparseMatrix<double> & Whole() const { return *mat; }
   /// Are forces and constraints of each macro-element the same combinations?
   bool HasSymmetricContact() const;
@@ -162,16 +160,4 @@ private:
   shared_ptr<SparseMatrix<double>> gram, gramleft;      // E2 E2^T, G2^T G2
   shared_ptr<BaseMatrix> inverse, inverseleft;          // of these
 };
-
-/// Rows of square blocks, of `width` rows and columns each, in the order of their columns.
-struct BlockRows {
-  int width;
-  Array<int> starts, columns;
-  Array<double> values; // row by row of each block
-};
-
-/// The part of a system that belongs to some nodes, of `width` dofs each.
-///
-/// `nodes` lists the dofs node by node; -1, or what is not free, is a row of the identity.
-BlockRows NodeBlocks(const Condensation & system, FlatArray<int> nodes, int width);
 } // namespace ngslac

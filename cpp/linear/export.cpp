@@ -140,24 +140,7 @@ void ExportLinear(py::module & m) {
                            });
           },
           py::arg("rhs"), py::arg("u"), py::arg("image"),
-          "Displacements and multipliers, with the bulk's forces of the first.")
-      .def(
-          "NodeBlocks",
-          [](const Condensation & self, const Numbers<int> & nodes) {
-            if (nodes.ndim() != 2 || nodes.shape(1) < 1)
-              throw Exception("NodeBlocks: nodes must be a table with a row of dofs for each");
-            auto list = FromNumPy(nodes);
-            BlockRows rows;
-            {
-              py::gil_scoped_release release;
-              rows = NodeBlocks(self, list, nodes.shape(1));
-            }
-            return py::make_tuple(ToNumPy(rows.starts), ToNumPy(rows.columns),
-                                  ToNumPy(rows.values));
-          },
-          py::arg("nodes"),
-          "The part of some nodes (m, k) of dofs, as starts, columns and entries of its blocks.\n"
-          "-1 stands for no dof; what is not free is a row of the identity.");
+          "Displacements and multipliers, with the bulk's forces of the first.");
   py::class_<StarSweeps, shared_ptr<StarSweeps>>(
       m, "StarSweeps",
       "Sweeps on some scalar dofs, by overlapping `stars` of dofs with `dim` entries each, all of\n"

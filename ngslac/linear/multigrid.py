@@ -5,7 +5,7 @@ import numpy as np
 import scipy
 
 from ngslac._ngslac import StarSweeps, TwoLevel
-from ngslac.arrays import AsBits
+from ngslac.arrays import AsBits, AsNumPy
 from ngslac.linear.mixed import Mixed, PressureRows
 
 __all__ = ["Multigrid"]
@@ -101,8 +101,19 @@ def Stars(space):
 
 
 def Blocks(system, nodes):
-    """The part of nodes (n, d) of dofs of a Condensation, as bsr_matrix."""
-    starts, columns, values = system.NodeBlocks(nodes)
-    width = nodes.shape[1]
-    blocks = values.reshape(-1, width, width)
-    return scipy.sparse.bsr_matrix((blocks, columns, starts), shape=(nodes.size, nodes.size))
+    """The part of nodes (n, d) of dofs of a Condensation, as bsr_matrix.
+
+    What is not free, or no dof, is a row of the identity.
+    """
+    dofs, free = nodes.ravel(), AsNumPy(system.freedofs)
+    used = (dofs >= 0) & free[dofs]
+    chosen = np.zeros(len(free), dtype=bool)
+    chosen[dofs[used]] = True
+    part = system.Part(AsBits(chosen))  # whose memory the views below are
+    values, columns, starts = map(np.asarray, part.CSR())
+    places, others = np.flatnonzero(used)[np.argsort(dofs[used])], np.flatnonzero(~used)
+    rows = np.repeat(places, np.diff(starts.astype(int)))
+    where = np.append(rows, others), np.append(places[columns], others)
+    values = np.append(values, np.ones(len(others)))
+    mat = scipy.sparse.csr_matrix((values, where), shape=(nodes.size, nodes.size))
+    return mat.tobsr(2 * (nodes.shape[1],)).sorted_indices()

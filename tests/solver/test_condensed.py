@@ -307,9 +307,6 @@ REFUSED = [
     ("StarSweeps(whole, BitArray(3), stars, 1)", "3 bits for .* rows", NgException),
     ("StarSweeps(whole, free, stars, 2)", "no dof .* of a star", NgException),
     ("sweeps.Update(other)", "another size", NgException),
-    ("whole.NodeBlocks([0, 1])", "a table with a row of dofs for each", NgException),
-    ("whole.NodeBlocks([[0, 1], [1, 2]])", "dof 1 .* in two nodes", NgException),
-    ("whole.NodeBlocks([[0, whole.height]])", "is not there", NgException),
     ("MergeMatrices(mat, [None], np.ones(mat.height))", "must be sparse", NgException),
     (
         "press3d().solver(preconditioner=identity).Solve()",

@@ -1,7 +1,5 @@
 """What macro-elements add to the bulk: against dense formulas, and taken over by sweeps."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from ngsolve import GetNumThreads, IdentityMatrix, SetNumThreads, TaskManager
@@ -11,6 +9,7 @@ from test_linear import made
 
 from ngslac._ngslac import Condensation, MergeMatrices, StarSweeps, TwoLevel
 from ngslac.arrays import AsNumPy
+from ngslac.linear.multigrid import Blocks
 
 PENALTY = 3
 SMALL = ["2D stick", "2D tied", "2D frictionless", "2D mixed", "3D stick", "3D slip", "3D mixed"]
@@ -69,15 +68,13 @@ def test_blocks_of_nodes_are_a_part_of_the_rows(case):
     given, _ = system(made(case))
     condensed, width = Condensation(*given), given[2]
     nodes = np.flatnonzero(AsNumPy(condensed.freedofs))[: 40 * width].reshape(-1, width)[::-1]
-    starts, columns, values = condensed.NodeBlocks(nodes)
-    found, entries = np.zeros((nodes.size,) * 2), values.reshape(-1, width, width)
-    for i, (begin, end) in enumerate(pairwise(starts)):
-        assert np.all(np.diff(columns[begin:end]) > 0)
-        for j, block in zip(columns[begin:end], entries[begin:end], strict=True):
-            found[width * i : width * (i + 1), width * j : width * (j + 1)] = block
+    nodes[1, 0] = -1
+    found = Blocks(condensed, nodes)
     expected = dense(condensed.Part())[np.ix_(nodes.ravel(), nodes.ravel())]
-    assert np.any(expected != 0)
-    assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+    expected[width], expected[:, width], expected[width, width] = 0, 0, 1
+    assert found.blocksize == (width, width)
+    assert found.has_sorted_indices
+    assert found.toarray() == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 # --- sweeps --------------------------------------------------------------------------------------
