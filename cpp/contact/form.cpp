@@ -287,41 +287,20 @@ shared_ptr<SparseMatrix<double>> Form<D>::WithoutMultipliers() const {
   return result;
 }
 
-namespace {
-/// Sets entries of a row; its columns and these are sorted.
-void SetInRow(SparseMatrix<double> & mat, int row, FlatArray<int> dofs, FlatVector<> values) {
-  auto columns = mat.GetRowIndices(row);
-  auto entries = mat.GetRowValues(row);
-  size_t at = 0;
-  for (int j : Range(dofs)) {
-    while (at < columns.Size() && columns[at] < dofs[j])
-      at++;
-    if (at == columns.Size() || columns[at] != dofs[j])
-      throw Exception("ngslac: a contact force has no place in the matrix");
-    entries(at) = values(j);
-  }
-}
-} // namespace
-
-/// Rows and columns of the multipliers of one macro-element.
+/// Adds the rows and columns of the multipliers of one macro-element.
 template <int D>
-void Form<D>::SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
-                       SparseMatrix<double> & mat) const {
+void Form<D>::AddLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
+                       BlockSum & sum) const {
+  auto own = law->dofs.Range(D * m, D * (m + 1));
   ngbla::Mat<D, D> factor = law->RowFactor(m, kinematics->Place(m));
-  ngbla::Mat<D, D> block = factor * (answer.by_multiplier - Id<D>());
   ngbla::Mat<D, D> by_jump = factor * answer.by_jump, by_normal = factor * answer.by_normal;
   ngbla::Matrix<> entries = by_jump * rows.jump;
   if (rows.normal.Height())
     entries += by_normal * rows.normal;
-  for (int k : Range(D)) {
-    int own = law->dofs[D * m + k];
-    for (int l : Range(D))
-      mat(own, law->dofs[D * m + l]) = block(k, l);
-    SetInRow(mat, own, rows.dofs, entries.Row(k));
-    for (int j : Range(rows.force.Width()))
-      if (rows.force(k, j) != 0)
-        mat(rows.dofs[j], own) = -rows.force(k, j);
-  }
+  sum.Add(own, own, ngbla::Matrix<>(factor * (answer.by_multiplier - Id<D>())));
+  sum.Add(own, rows.dofs, std::move(entries));
+  if (rows.force.Width())
+    sum.Add(rows.dofs, own, ngbla::Matrix<>(-1 * Trans(rows.force)));
 }
 
 /// The matrix for these answers of the law, with the forces of these tractions.
@@ -332,7 +311,7 @@ void Form<D>::Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> traction
   auto fresh = kinematics->ZeroMatrix(tractions, nscalars);
   size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
   AddBlocksInOrder(states.Size(), *fresh, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-    SetLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), *fresh);
+    AddLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), sum);
   });
   mat = fresh;
 }

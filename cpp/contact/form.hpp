@@ -70,8 +70,8 @@ private:
   void AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y);
   void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim);
   shared_ptr<SparseMatrix<double>> WithoutMultipliers() const;
-  void SetLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
-                SparseMatrix<double> & mat) const;
+  void AddLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
+                BlockSum & sum) const;
   /// Integral over a macro-element of how an unknown of the tool moves it.
   Vec<D> ToolIntegral(size_t m, int unknown) const;
   /// Numbers of boundary elements and of vertices.

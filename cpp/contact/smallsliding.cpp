@@ -130,7 +130,9 @@ public:
   shared_ptr<SparseMatrix<double>> ZeroMatrix(FlatArray<Vec<D>>, size_t) override {
     keeps_forces = has_forces && ends.Empty();
     has_forces = true;
-    if (!keeps_forces)
+    if (keeps_forces)
+      ParallelFor(law->dofs.Size(), [&](size_t i) { mat->GetRowValues(law->dofs[i]) = 0.0; });
+    else
       mat->SetZero();
     return mat;
   }
