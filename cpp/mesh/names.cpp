@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "names.hpp"
 
-#include <algorithm>
+#include <python_comp.hpp>
 #include <set>
 
 namespace ngslac {
+namespace py = pybind11;
+
 namespace {
 constexpr const char * special = "^$\\.*+?()[]{}|";
 
@@ -53,47 +55,18 @@ Array<string> Pieces(const string & pattern) {
   return parts;
 }
 
-/// How many letters are wrong, missing, too many, or swapped with their neighbours.
-size_t Mistakes(const string & a, const string & b) {
-  Matrix<size_t> least(a.size() + 1, b.size() + 1);
-  for (size_t i : Range(a.size() + 1))
-    for (size_t j : Range(b.size() + 1)) {
-      if (i == 0 || j == 0) {
-        least(i, j) = i + j;
-        continue;
-      }
-      size_t changed = least(i - 1, j - 1) + (a[i - 1] != b[j - 1]);
-      least(i, j) = std::min({changed, least(i - 1, j) + 1, least(i, j - 1) + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        least(i, j) = std::min(least(i, j), least(i - 2, j - 2) + 1);
-    }
-  return least(a.size(), b.size());
-}
-
-string LowerCase(string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return tolower(c); });
-  return text;
-}
-
-/// From 0, the same, to 1; a part of a name is near it.
-double Difference(const string & part, const string & name) {
-  auto a = LowerCase(part), b = LowerCase(name);
-  if (a.empty() || b.empty())
-    return 1;
-  double different = double(Mistakes(a, b)) / std::max(a.size(), b.size());
-  bool within = a.find(b) != string::npos || b.find(a) != string::npos;
-  return within ? different / 2 : different;
-}
-
 /// The name that is most like an alternative of the pattern; empty if none is.
 string Closest(const std::set<string> & names, const string & pattern) {
+  auto matcher = py::module_::import("difflib").attr("SequenceMatcher");
+  auto lower = [](const string & text) { return py::str(text).attr("lower")(); };
   string closest;
-  double least = 0.6;
+  double most = 0.5;
   for (auto & part : Pieces(pattern))
     for (auto & name : names)
-      if (double different = Difference(part, name); different < least)
-        least = different, closest = name;
+      if (double alike =
+              matcher(py::none(), lower(part), lower(name)).attr("ratio")().cast<double>();
+          alike > most)
+        most = alike, closest = name;
   return closest;
 }
 
