@@ -106,41 +106,34 @@ class ContactReport:
         ]
         if not self.active:
             return lines[0] + "\nswitched off     no forces until Activate(gf)"
+        remarks = {
+            "without partner": (self.unpaired, ""),
+            "overhanging": (self.partial, ""),
+            "prescribed": (self.prescribed, ""),
+            "of many faces": (self.large, ""),
+            "bent": (self.bent, ""),
+            "not a number": (self.undefined, ""),
+            "penetrating": (self.penetrating, f", by up to {-self.min_gap:.4g}"),
+            "deep overlap": (
+                self.overlapping,
+                f", up to {self.deepest:.4g} behind the master, where it is not seen: give "
+                f"penetration = {1.1 * self.deepest:.4g}, or move the bodies apart",
+            ),
+            "not resolved": (
+                self.narrow,
+                ", where contact is one of them wide: refine the slave there",
+            ),
+            "half outside": (
+                self.outside,
+                ", closed, by more than half beyond the end of the master: refine the slave there, "
+                "or take edges=True",
+            ),
+        }
         lines += [
-            f"{what:16} {len(macros)} macro-elements: {self._Some(macros)}"
-            for what, macros in {
-                "without partner": self.unpaired,
-                "overhanging": self.partial,
-                "prescribed": self.prescribed,
-                "of many faces": self.large,
-                "bent": self.bent,
-                "not a number": self.undefined,
-            }.items()
+            f"{what:16} {len(macros)} macro-elements{words}: {self._Some(macros)}"
+            for what, (macros, words) in remarks.items()
             if len(macros)
         ]
-        if len(self.penetrating):
-            lines.append(
-                f"penetrating      {len(self.penetrating)} macro-elements, by up to "
-                f"{-self.min_gap:.4g}: {self._Some(self.penetrating)}"
-            )
-        if len(self.overlapping):
-            lines.append(
-                f"deep overlap     {len(self.overlapping)} macro-elements, up to "
-                f"{self.deepest:.4g} behind the master, where it is not seen: give penetration = "
-                f"{1.1 * self.deepest:.4g}, or move the bodies apart: "
-                f"{self._Some(self.overlapping)}"
-            )
-        if len(self.narrow):
-            lines.append(
-                f"not resolved     {len(self.narrow)} macro-elements, where contact is one of them "
-                f"wide: refine the slave there: {self._Some(self.narrow)}"
-            )
-        if len(self.outside):
-            lines.append(
-                f"half outside     {len(self.outside)} closed macro-elements, by more than half "
-                f"beyond the end of the master: refine the slave there, or take edges=True: "
-                f"{self._Some(self.outside)}"
-            )
         if len(self.shared):
             points = ", ".join(map(ShownPoint, self._corners))
             lines.append(f"shared vertices  {len(self.shared)}, of slave and master: {points}")
