@@ -225,12 +225,8 @@ def Weights(rows, forces, d):
 def BlockDiagonal(blocks):
     """A sparse matrix of blocks (k, d, d)."""
     k, d, _ = blocks.shape
-    where = np.arange(k * d).reshape(k, d)
-    rows = np.broadcast_to(where[:, :, None], blocks.shape)
-    columns = np.broadcast_to(where[:, None], blocks.shape)
-    return scipy.sparse.csr_matrix(
-        (blocks.ravel(), (rows.ravel(), columns.ravel())), (k * d, k * d)
-    )
+    shape = k * d, k * d
+    return scipy.sparse.bsr_matrix((blocks, np.arange(k), np.arange(k + 1)), shape).tocsr()
 
 
 def DiagonalBlocks(mat, d):
