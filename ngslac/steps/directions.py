@@ -26,8 +26,8 @@ class Directions:
 
     def __init__(self, contacts):
         self.contacts, self._start = contacts, None
-        # With which the last solution was found; no rows for small sliding.
-        self.used = [np.zeros((c.space.nmacros * c.finite, c.mesh.dim)) for c in contacts]
+        # With which the last solution was found; no rows where they do not count.
+        self.used = [np.zeros((c.space.nmacros * Turns(c), c.mesh.dim)) for c in contacts]
         self._next = self.used
 
     def State(self):
@@ -45,7 +45,7 @@ class Directions:
     @staticmethod
     def _Facing(contact, gf):
         """Mean normals (m, d) of the master, 0 where it is not seen."""
-        if not contact.finite:
+        if not Turns(contact):
             return None
         contact.Follow(gf)
         contact.Evaluate(gf)
@@ -63,7 +63,7 @@ class Directions:
 
     def _LearnOf(self, k, gf, motion):
         contact, begin = self.contacts[k], self._start[k]
-        if not contact.finite:
+        if not Turns(contact):
             return self.used[k], 0.0
         end, table, form = self._Facing(contact, gf), contact.Table(), contact.form
         if not np.any(table["status"]):
@@ -79,6 +79,11 @@ class Directions:
         vectors = np.clip(off, -LONGEST, LONGEST)[:, None] * along
         change = np.sum((vectors - self.used[k]) * moved, axis=1) * works
         return vectors, float(np.abs(table["pressure"]) @ np.abs(change))
+
+
+def Turns(contact):
+    """Do pressures get directions? Those of tools and tied surfaces keep theirs."""
+    return contact.finite and contact.master is not None and not contact.tied
 
 
 def Unit(vectors):

@@ -19,6 +19,7 @@ from press import numpy as values
 
 from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper, tools
 from ngslac.materials import NeoHooke
+from ngslac.solve.solver import Equilibrium
 
 UP = {2: (0, 1), 3: (0, 0, 1)}
 SPEED = {2: (0.5, 0.3), 3: (0.4, -0.3, 0.3)}  # of a belt that comes nearer
@@ -111,3 +112,17 @@ def test_forces_move_a_tool_that_has_no_mass(dim):
     assert balance.external == pytest.approx(loads @ np.diff(ways), rel=0.02)
     assert balance.kinetic > 0
     assert balance.impact + balance.friction >= 0
+
+
+def test_a_step_is_solved_once(monkeypatch):
+    """The pressures of tools keep their directions: none are learnt for another solution."""
+    count, solve = [], Equilibrium.Solve
+    monkeypatch.setattr(Equilibrium, "Solve", lambda *a, **k: count.append(1) or solve(*a, **k))
+
+    def Pressing(time):
+        return tools.Sphere((0.5, -1), 1).Moved(shift=(0.5 * time, 0.5 * time))
+
+    flight = Flight(2, Pressing, held="top", gravity=0, friction=0.3)
+    flight.Run(6 * DT)
+    assert abs(flight.forces[-1][1]) > 1
+    assert len(count) == len(flight.stepper.steps)
