@@ -5,14 +5,12 @@
 namespace ngslac {
 namespace {
 template <int D>
-unique_ptr<Kinematics<D>> MakeKinematics(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                         const ProxyInfo & u, shared_ptr<MacroLaw<D>> law,
-                                         shared_ptr<ToolPath<D>> tool) {
-  if (setup.finite && setup.obstacle)
+unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
+  if (parts.setup.finite && parts.setup.obstacle)
     throw Exception("LACContact: finite=True needs a master surface, or a tool in space");
-  if (tool)
-    return MakeToolSliding<D>(setup, space, u, law, tool);
-  return (setup.finite ? MakeFiniteSliding<D> : MakeSmallSliding<D>)(setup, space, u, law);
+  if (parts.path)
+    return MakeToolSliding<D>(parts);
+  return parts.setup.finite ? MakeFiniteSliding<D>(parts) : MakeSmallSliding<D>(parts);
 }
 } // namespace
 
@@ -20,7 +18,7 @@ template <int D>
 Form<D>::Form(const ContactSetup & asetup)
     : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
       tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
-      kinematics(MakeKinematics<D>(setup, space, u, law, tool)) {
+      kinematics(MakeKinematics<D>({setup, space, u, law, tool})) {
   law->has_ends = setup.active;
 }
 

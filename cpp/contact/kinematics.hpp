@@ -48,15 +48,25 @@ Array<GapRange<D>> GapRangesOf(const LACSpace & space, const Paired<D> & surface
   return ranges;
 }
 
+/// What kinematics are made of.
+template <int D>
+struct KinematicsParts {
+  const ContactSetup & setup;
+  shared_ptr<LACSpace> space;
+  const ProxyInfo & u;
+  shared_ptr<MacroLaw<D>> law;
+  shared_ptr<ToolPath<D>> path; // null: there is no tool
+};
+
 /// How macro-elements move with the dofs, whatever the law is.
 ///
 /// Small sliding: as at the last Start. Finite sliding: in the configuration looked at last.
 template <int D>
 class Kinematics {
 public:
-  Kinematics(const ContactSetup & asetup, shared_ptr<LACSpace> aspace, const ProxyInfo & au,
-             shared_ptr<MacroLaw<D>> alaw)
-      : setup(asetup), space(aspace), u(au), finder(asetup, aspace, au), law(alaw) {}
+  explicit Kinematics(const KinematicsParts<D> & parts)
+      : setup(parts.setup), space(parts.space), u(parts.u), finder(setup, space, u),
+        law(parts.law) {}
   virtual ~Kinematics() = default;
 
   /// Pairs at x, the values of gf (null: in the reference configuration, x is zero); slip counts
@@ -140,13 +150,9 @@ protected:
 };
 
 template <int D>
-unique_ptr<Kinematics<D>> MakeSmallSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                           const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+unique_ptr<Kinematics<D>> MakeSmallSliding(const KinematicsParts<D> & parts);
 template <int D>
-unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law,
-                                          shared_ptr<ToolPath<D>> path);
+unique_ptr<Kinematics<D>> MakeToolSliding(const KinematicsParts<D> & parts);
 template <int D>
-unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                            const ProxyInfo & u, shared_ptr<MacroLaw<D>> law);
+unique_ptr<Kinematics<D>> MakeFiniteSliding(const KinematicsParts<D> & parts);
 } // namespace ngslac

@@ -68,6 +68,11 @@ void LookForSignals() {
 
 void ExportLinear(py::module & m) {
   using Values = Numbers<double>;
+  auto in_place = [](void (Condensation::*change)(FlatVector<>) const) {
+    return [change](const Condensation & self, Values z) {
+      return Changed(self, z, [&](FlatVector<> x) { (self.*change)(x); });
+    };
+  };
   py::class_<Condensation, shared_ptr<Condensation>, BaseMatrix>(
       m, "Condensation",
       "Newton system without multipliers, by lifts of least energy, whatever the stiffnesses.\n"
@@ -98,18 +103,10 @@ void ExportLinear(py::module & m) {
       .def_property_readonly("has_symmetric_contact", &Condensation::HasSymmetricContact,
                              "as without slip")
       .def_property_readonly("freedofs", &Condensation::Free, "the free displacements")
-      .def(
-          "Project",
-          [](const Condensation & self, Values z) {
-            return Changed(self, z, [&](FlatVector<> x) { self.Project(x); });
-          },
-          py::arg("z"), "P z: the part of displacements that keeps the constraints.")
-      .def(
-          "Test",
-          [](const Condensation & self, Values f) {
-            return Changed(self, f, [&](FlatVector<> x) { self.Test(x); });
-          },
-          py::arg("f"), "The part of forces that tests what keeps the constraints.")
+      .def("Project", in_place(&Condensation::Project), py::arg("z"),
+           "P z: the part of displacements that keeps the constraints.")
+      .def("Test", in_place(&Condensation::Test), py::arg("f"),
+           "The part of forces that tests what keeps the constraints.")
       .def(
           "Displacements",
           [](const Condensation & self, Values rhs, Values w) {

@@ -289,14 +289,10 @@ private:
 } // namespace
 
 template <int D>
-unique_ptr<Kinematics<D>> MakeFiniteSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                            const ProxyInfo & u, shared_ptr<MacroLaw<D>> law) {
-  return make_unique<FiniteSliding<D>>(setup, space, u, law);
+unique_ptr<Kinematics<D>> MakeFiniteSliding(const KinematicsParts<D> & parts) {
+  return make_unique<FiniteSliding<D>>(parts);
 }
 
-#define INSTANTIATE(D)                                                                             \
-  template unique_ptr<Kinematics<D>> MakeFiniteSliding(                                            \
-      const ContactSetup &, shared_ptr<LACSpace>, const ProxyInfo &, shared_ptr<MacroLaw<D>>);
-INSTANTIATE(2)
-INSTANTIATE(3)
+template unique_ptr<Kinematics<2>> MakeFiniteSliding(const KinematicsParts<2> &);
+template unique_ptr<Kinematics<3>> MakeFiniteSliding(const KinematicsParts<3> &);
 } // namespace ngslac

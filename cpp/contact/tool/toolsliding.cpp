@@ -16,9 +16,7 @@ class ToolSliding : public MovingSliding<D> {
   shared_ptr<Pairing<D>> all; // points, with all their weights
 
 public:
-  ToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space, const ProxyInfo & u,
-              shared_ptr<MacroLaw<D>> law, shared_ptr<ToolPath<D>> apath)
-      : Base(setup, space, u, law), path(apath) {}
+  explicit ToolSliding(const KinematicsParts<D> & parts) : Base(parts), path(parts.path) {}
 
   void LearnStiffness(FlatVector<>) override {} // a tool is the stiffer one
 
@@ -50,18 +48,12 @@ private:
 } // namespace
 
 template <int D>
-unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup & setup, shared_ptr<LACSpace> space,
-                                          const ProxyInfo & u, shared_ptr<MacroLaw<D>> law,
-                                          shared_ptr<ToolPath<D>> path) {
-  if (!setup.finite || setup.tied)
+unique_ptr<Kinematics<D>> MakeToolSliding(const KinematicsParts<D> & parts) {
+  if (!parts.setup.finite || parts.setup.tied)
     throw Exception("LACContact: a tool in space needs finite=True, and no tied surfaces");
-  return make_unique<ToolSliding<D>>(setup, space, u, law, path);
+  return make_unique<ToolSliding<D>>(parts);
 }
 
-#define INSTANTIATE(D)                                                                             \
-  template unique_ptr<Kinematics<D>> MakeToolSliding(const ContactSetup &, shared_ptr<LACSpace>,   \
-                                                     const ProxyInfo &, shared_ptr<MacroLaw<D>>,   \
-                                                     shared_ptr<ToolPath<D>>);
-INSTANTIATE(2)
-INSTANTIATE(3)
+template unique_ptr<Kinematics<2>> MakeToolSliding(const KinematicsParts<2> &);
+template unique_ptr<Kinematics<3>> MakeToolSliding(const KinematicsParts<3> &);
 } // namespace ngslac
