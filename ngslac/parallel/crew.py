@@ -71,19 +71,11 @@ class Messages:
 
 
 class Crew:
-    """Runs calls that all processes make, and orders of the conductor in the middle of them.
-
-    Attributes
-    ----------
-    conducts : bool
-        Is this the process without elements?
-    tasks : dict
-        Functions by name that workers carry out: ``tasks[name](*args)``.
-    interrupts : Interrupts
-    """
+    """Runs calls that all processes make, and orders of the conductor in the middle of them."""
 
     def __init__(self, comm):
         self.messages = Messages(comm)
+        # The conductor is the process without elements; workers carry out tasks by their names.
         self.conducts, self.workers = comm.rank == 0, range(1, comm.size)
         self.tasks, self._depth, self.interrupts = {}, 0, Interrupts()
         self._present = set(self.workers)

@@ -24,20 +24,6 @@ class Ensemble:
     """All that the processes of one distributed mesh know of each other's objects.
 
     Things have numbers, which are the same on all processes, since all of them make the same calls.
-
-    Attributes
-    ----------
-    crew : Crew
-    mesh : MeshReplica
-    things : dict
-        By number, on all processes, as long as the conductor needs them.
-    homes : dict
-        On the conductor what stands there for a thing, by its number.
-    twins : dict
-        What users hold, by the keys of `homes`.
-    pairs : Pairs
-    context : SpaceReplica or None
-        Of the product space that was spoken of last.
     """
 
     @classmethod
@@ -53,7 +39,10 @@ class Ensemble:
         self.crew = Crew(mesh.comm.mpi4py)
         Join(self.crew)
         self.mesh = MeshReplica(mesh, self.crew)
+        # By number, on all processes, as long as the conductor needs them; on the conductor what
+        # stands there for them; what users hold, by the same keys.
         self.things, self.homes, self.twins = {}, {}, WeakValueDictionary()
+        # The context is the SpaceReplica of the product space that was spoken of last.
         self._next, self._parameters, self.context = 0, [], None
         self.results = count()
         self._needs = WeakValueDictionary()

@@ -49,18 +49,10 @@ def Nothing():
 
 
 class Pairs:
-    """All functions that users and the conductor have in common.
-
-    Attributes
-    ----------
-    known : dict[int, Pair]
-        By keys that are the same on all processes, those below 0 of functions that the conductor
-        makes.
-    next : int
-        The next key of what users make.
-    """
+    """All functions that users and the conductor have in common."""
 
     def __init__(self, ensemble):
+        # Keys are the same on all processes, those below 0 of functions that the conductor makes.
         self._ensemble, self.known, self.next, self._fresh = ensemble, {}, 0, False
         self._own = count(-1, -1)
         ensemble.crew.tasks |= {"get": self._Get, "put": self._Put}

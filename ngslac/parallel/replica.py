@@ -14,17 +14,10 @@ class MeshReplica:
     """A distributed mesh on the conductor, in the numbers that it has in one process.
 
     All processes make it at once, in the middle of a call of the crew.
-
-    Attributes
-    ----------
-    mesh : ngsolve.Mesh or None
-        On the conductor, once it is `Gather`-ed.
-    elements, faces : list of (n,) int
-        There: numbers of the volume and boundary elements of each worker.
     """
 
     def __init__(self, mesh, crew):
-        self.original, self.crew, self.mesh = mesh, crew, None
+        self.original, self.crew, self.mesh = mesh, crew, None  # until it is gathered
         crew.tasks |= {"piece": self._Piece, "order": self._Order}
 
     def _Piece(self):
@@ -52,6 +45,7 @@ class MeshReplica:
         self._Curve(mesh, max(orders))
         _, _, volumes, surfaces, _, segments, _ = pieces
         tables = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
+        # Numbers of the volume and boundary elements of each worker.
         self.elements, self.faces = (Places(table[1:]) for table in tables)
         self.mesh = mesh
         return mesh
@@ -78,25 +72,14 @@ def Places(tables):
 
 
 class SpaceReplica:
-    """A space on a distributed mesh, and the same on its replica.
-
-    Attributes
-    ----------
-    space : FESpace or None
-        On the conductor, once it is `Make`-d.
-    dofs : (n,) int, or list of them
-        On a worker the number of each of its scalar dofs in the replica, -1: none. On the
-        conductor those of all workers.
-    multipliers : int or None
-        Number of its replica where it is a LACSpace.
-    own : (n,) int
-        On the conductor the same for what it has itself of the distributed space: multipliers.
-    """
+    """A space on a distributed mesh, and the same on its replica."""
 
     def __init__(self, original, mesh, parts=()):
         self.original, self.mesh, self.parts = original, mesh, parts
+        # On a worker the number of each of its scalar dofs in the replica, -1: none; on the
+        # conductor those of all workers, and of what it has itself: multipliers.
         self.space = self.dofs = None
-        self.own, self.multipliers = np.empty(0, dtype=int), None
+        self.own, self.multipliers = np.empty(0, dtype=int), None  # number, if a LACSpace
         self._places = None
 
     def Make(self, crew, number):

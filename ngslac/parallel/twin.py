@@ -25,11 +25,6 @@ class Twin:
     """Stands for an object on the conductor: the same attributes and methods, on all processes.
 
     Methods have to be called on all processes at once. Attributes are those after the last call.
-
-    Attributes
-    ----------
-    _arguments : dict
-        Arguments that it was made of, by name.
     """
 
     def __init__(self, kind, ensemble, key):
