@@ -1,14 +1,17 @@
-"""Runs the notebooks of the tutorials in a kernel, and gets values out of it."""
+"""Runs the notebooks of the tutorials in a kernel that they share, and gets values out of it."""
 
+import atexit
 import json
 import os
 import sys
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
 import nbformat
 import numpy as np
 import pytest
+from jupyter_client import KernelManager
 from nbclient import NotebookClient
 
 import ngslac
@@ -26,10 +29,34 @@ import json
 
 print(json.dumps(VALUES, default=lambda value: value.tolist()))
 """
+# As in a kernel of its own: no names, cells counted from 1, no open figures, an empty folder.
+FRESH = """
+import os
+import sys
+
+os.chdir({folder!r})
+if "matplotlib.pyplot" in sys.modules:
+    sys.modules["matplotlib.pyplot"].close("all")
+get_ipython().reset()
+"""
+
+
+@cache
+def Kernel():
+    """The kernel of this process, which imports once what all notebooks need."""
+    kernel = KernelManager(kernel_name="python3")
+    with pytest.MonkeyPatch.context() as patch:
+        # The kernel takes the package from where the tests have it, and shows its pictures.
+        paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
+        patch.delenv("MPLBACKEND", raising=False)
+        kernel.start_kernel()
+    atexit.register(kernel.shutdown_kernel, now=True)
+    return kernel
 
 
 def Execute(name, values, folder, replace=None, keep=True):
-    """Run a notebook in a kernel of its own; the `VALUES` of extra cells, and all outputs.
+    """Run a notebook in a fresh session; the `VALUES` of extra cells, and all outputs.
 
     `keep` is False where `replace` changes what the site would show.
     """
@@ -40,14 +67,11 @@ def Execute(name, values, folder, replace=None, keep=True):
         (cell,) = (cell for cell in notebook.cells if old in cell.source)
         cell.source = cell.source.replace(old, new)
     notebook.cells += map(nbformat.v4.new_code_cell, (values, PRINT))
-    with pytest.MonkeyPatch.context() as patch:
-        # The kernel takes the package from where the tests have it, and shows its pictures.
-        paths = [str(Path(ngslac.__file__).parents[1]), os.environ.get("PYTHONPATH")]
-        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
-        patch.delenv("MPLBACKEND", raising=False)
-        resources = {"metadata": {"path": str(folder)}}
-        client = NotebookClient(notebook, kernel_name="python3", timeout=500, resources=resources)
-        client.execute()
+    fresh = nbformat.v4.new_notebook(
+        cells=[nbformat.v4.new_code_cell(FRESH.format(folder=str(folder)))]
+    )
+    for book in (fresh, notebook):
+        NotebookClient(book, km=Kernel(), timeout=500).execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     text = "".join(cell.text for cell in notebook.cells[-1].outputs if "text" in cell)
     notebook.cells = notebook.cells[: len(sources)]
