@@ -14,9 +14,18 @@ KEYS |= {"method", "converged", "per", "elastic"}
 # Of those that differ by a number only, one.
 SAME = ("frictionless", "ten steps", "284k", "by 10", "points", "nu .49", "peer", "64k", ".03")
 DIFFERENT = [name for name in CLASSES if not any(same in name for same in SAME)]
+# By default one of those that differ in elements, orders or numbers of bodies.
+ALIKE = ("order ", "hexahedra", "prisms", "sheets", "L2", "elements", "ring", "2D", "soft")
 
 
-@pytest.mark.parametrize("name", ["hertz 2D ten steps", *DIFFERENT])
+def Marks(name):
+    long = any(part in name for part in ALIKE) and not name.startswith(("hertz", "condensed"))
+    return pytest.mark.full if long else ()
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=Marks(n)) for n in ("hertz 2D ten steps", *DIFFERENT)]
+)
 def test_class(name):
     row = classes.Measure(name, quick=True)
     assert row["converged"], row["reason"]

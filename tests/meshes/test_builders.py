@@ -1,6 +1,7 @@
 """The mesh builders: names, sizes, normals, meshes that do not match, invariance."""
 
 import math
+from functools import cache
 
 import ngsolve as ngs
 import numpy as np
@@ -56,12 +57,17 @@ MOVED = [
 ]
 
 
+@cache
+def unmoved(make, **options):
+    return make(**options)
+
+
 @pytest.mark.pairwise
 @pytest.mark.parametrize(("make", "options"), MOVED)
 @pytest.mark.parametrize("which", [0, 1, 2])
 def test_frame_and_units(make, options, which):
     """Coordinates follow, the topology does not change."""
-    mesh = make(**options)
+    mesh = unmoved(make, **options)
     frame = FRAMES[mesh.dim][which if make is not meshes.CylinderOnBlock else 0]
     moved = make(**options, **frame)
     assert connectivity(moved) == connectivity(mesh)

@@ -35,7 +35,7 @@ CONSERVATIVE = {  # motion, end
 }
 
 
-LONG = ("short steps", "very dissipative", "turning")  # in the full run alone
+LONG = ("short steps", "very dissipative", "turning", "3D")  # in the full run; in 3D: the bowl
 
 
 @pytest.mark.parametrize(

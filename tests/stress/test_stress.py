@@ -20,7 +20,7 @@ SAMPLE = {
     "hotbar-8-0.05-2", "hotbar-2-0.15-2-True", "random-061", "random-067", "random-099",
     "leafonsupports-0.0-1", "plate-0.0",
     "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side", "nomiddle-0.3-0-1.4", "notippingfar-1",
-    "nocapstan-0.2-0", "flatring-flat-0.2-24",
+    "nocapstan-0.2-0",
     "atrest-2-0.001-weight", "atrest-3-0.001-traction", "atrestturned-30.0-base",
     "stackatrest-3-0.001", "spininhole-2-0", "freefit-0.4-1.6-0.0-0", "coolsloose3d-0.0",
     "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",

@@ -110,8 +110,9 @@ ACCURACY = {
     },
 }
 MARKS = {"twelve elements": pytest.mark.slow}
-# By default bubbles and the split are tested on hexahedra and on prisms.
-MARKS |= dict.fromkeys(("tetrahedra P1 bubble", "tetrahedra P1 split"), pytest.mark.full)
+# By default P1, bubbles and the split are tested on hexahedra and on prisms.
+LONG = [f"tetrahedra P1{name}" for name in ("", " bubble", " split")]
+MARKS |= dict.fromkeys(LONG, pytest.mark.full)
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in ACCURACY])

@@ -51,6 +51,7 @@ def bumps(kinds, n, motion, radius=4.0):
     return sheet_mesh(*sheets, motion=motion)
 
 
+@pytest.mark.pairwise
 @pytest.mark.parametrize("sides", SIDES)
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("kind", ["edge", "quad"])
