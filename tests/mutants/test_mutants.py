@@ -27,7 +27,8 @@ ngslac/law.py | test_red | tests that fail anyway
 """
 
 
-def test_kills_survivors_and_errors_are_told_apart(tmp_path):
+def test_kills_survivors_and_errors_are_told_apart(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # they would only take time
     files = {
         "ngslac/__init__.py": "",
         "ngslac/law.py": "SPARE = 1\n\n\ndef Opposite(x):\n    return -x\n",

@@ -17,6 +17,7 @@ ELSEWHERE = {
     "indentation": "examples/test_example_plasticity.py::test_loading_unloading_and_loading_again",
     "flat-ring": "examples/test_example_solutions.py::test_the_flat_ring_touches_itself_as_a_plane",
     "bouncing-ring": "examples/test_example_solutions.py::test_bouncing_with_slip_all_the_time",
+    "hertz-sides": "validation/test_sides.py::test_equal_bodies_hardly_rub",
     "nafems1": "validation/test_hertz.py::test_benchmark_in_small_strain",
     "infsup3d": "validation/test_infsup.py::test_bounded_under_refinement_3d",
     "patch3d": "validation/test_patch.py::test_constant_shear_3d",
