@@ -73,7 +73,7 @@ def test_three_balls_in_a_bowl(friction, end):
     assert (table["friction"][-1] > 0) == bool(friction)
 
 
-@pytest.mark.parametrize("rho_inf", [1.0, 0.5])
+@pytest.mark.parametrize("rho_inf", [pytest.param(1.0, marks=pytest.mark.full), 0.5])
 def test_free_bodies_keep_their_momenta(rho_inf):
     flight = flights.two_discs(spin=4, dt=0.02, rho_inf=rho_inf)
     before = flight.momentum()

@@ -127,13 +127,12 @@ def carried(case):
 
 
 # Large sliding finds its way in stages, up to a minute long; a linear bulk always runs.
-LONG = [pytest.param(f, True, True, marks=pytest.mark.full) for f in (None, 0.3)]
+LONG = [(None, True, True), (0.3, True, True), (0.3, False, True)]
+LONG = [pytest.param(*case, marks=pytest.mark.full) for case in LONG]
 CASES = [(None, False, False), (None, False, True), (None, True, False)]
 
 
-@pytest.mark.parametrize(
-    ("friction", "finite", "neo"), [*CASES, (0.3, False, False), (0.3, False, True), *LONG]
-)
+@pytest.mark.parametrize(("friction", "finite", "neo"), [*CASES, (0.3, False, False), *LONG])
 def test_three_discs_rest_in_a_box(friction, finite, neo):
     case = pile(THREE, 2, friction=friction, finite=finite, neo=neo)
     moved = settle(case)

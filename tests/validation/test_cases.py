@@ -19,6 +19,7 @@ ELSEWHERE = {
     "bouncing-ring": "examples/test_example_solutions.py::test_bouncing_with_slip_all_the_time",
     "hertz-sides": "validation/test_sides.py::test_equal_bodies_hardly_rub",
     "nafems1": "validation/test_hertz.py::test_benchmark_in_small_strain",
+    "spheres": "validation/test_hertz3d.py::test_two_half_spheres_are_stiffer_than_half_spaces",
     "infsup3d": "validation/test_infsup.py::test_bounded_under_refinement_3d",
     "patch3d": "validation/test_patch.py::test_constant_shear_3d",
     "half-ring": "validation/test_large.py::test_half_ring_buckles_and_rests_on_two_places",
