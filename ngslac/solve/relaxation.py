@@ -31,7 +31,7 @@ LOST = 1.0
 # Bodies that slide with a force against them that changes by less than this part from one stage to
 # the next, in so many of them, go on for ever, if they move so far meanwhile, relative to the
 # smallest macro-element.
-SAME_FORCE, STEADY, SLID = 5e-3, 5, 1.0
+SAME_FORCE, STEADY, SLID = 5e-3, 5, 0.25
 
 
 @dataclass

@@ -427,8 +427,9 @@ class System:
     def _IsDrivenAlong(self, motion, sides):
         """Is a motion driven as all sides that know it see it?"""
         if motion.own[0] < 0 and motion.resistance[0] <= EXACT:  # where too little touches to tell
-            near = [side.Others() for side in sides]
-            return all(np.any(self._Works(others)) for others in near if others)
+            near = [others for side in sides if (others := side.Others())]
+            known = [others for others in near if others.Along(motion) is not None]
+            return all(np.any(self._Works(others)) for others in known)
         near = [side.Along(motion) for side in sides if side]
         return all(np.any(self._Works(own)) for own in near if own is not None)
 

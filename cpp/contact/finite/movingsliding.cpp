@@ -184,11 +184,11 @@ PlaceRows<D> MovingSliding<D>::RowsOf(size_t m, const Vec<D> & traction, Rim rim
 }
 
 /// In the present configuration, as forces act: of tied surfaces with the arms, so that rigid
-/// motions of both bodies do not change it.
+/// motions of both bodies do not change it. Tools count as they were paired, as their own rows do.
 template <int D>
 MacroJump<D> & MovingSliding<D>::JumpWithRows() const {
-  if (!start || !now || now->points != points)
-    return Base::JumpWithRows(); // nothing was evaluated yet
+  if (!start || !now || now->points != points || !surfaces.master)
+    return Base::JumpWithRows(); // nothing was evaluated yet, or a tool
   if (counted == now && surfaces.jump->HasRows())
     return *surfaces.jump;
   Array<Array<JumpEntry<D>>> rows(Size());
