@@ -297,6 +297,22 @@ def test_no_step_throws_what_weak_springs_hold_through_the_floor(case):
     assert abs(p.contact.Force(on="wall")[1]) == pytest.approx(p.weight, rel=0.01)
 
 
+@pytest.mark.parametrize("bulk", ["hooke", "neo-hooke"])
+@pytest.mark.parametrize(("gap", "weight"), [(0.001, 0.01), (0.01, 1.0), (0.01, 10.0)])
+def test_a_disc_that_nothing_but_a_floor_holds_lands_at_once(bulk, gap, weight):
+    """Where no spring and no friction holds it, it neither turns nor slides."""
+    p = Resting(centers=((0, 1 + gap),), spring=0, weight=weight, friction=None, bulk=bulk)
+    p.load.Set(1)
+    with pytest.warns(ContactWarning, match="body 'disc' is free"):
+        last = p.solver.Solve(printing=False)
+    assert last.number <= 8
+    assert p.contact.Force(on="wall")[1] == pytest.approx(-p.weight, rel=1e-3)
+    moved = p.gf.components[0]
+    center = moved(p.gf.space.mesh(0, 1 + gap))
+    assert abs(center[0]) < 1e-3  # of a disc of radius 1
+    assert -0.1 < center[1] + gap < 0.01
+
+
 @pytest.mark.parametrize("depth", [0.6, 20])
 def test_a_disc_within_or_below_the_floor_that_it_shares_a_contact_with(depth):
     p = Resting()
