@@ -139,8 +139,9 @@ class Bodies:
         own = np.concatenate([np.zeros((all_seen.shape[1], 0)), *(w for w, *_ in slides)], axis=1)
         weights, resistance = Unresisted(prevented, coarse, all_seen)
         if own.shape[1]:
+            measure = self._Measure(motions)
             apart = [
-                Apart(weights[:, some], resistance[some], own, self._Size)
+                Apart(weights[:, some], resistance[some], own, measure)
                 for some in (resistance <= EXACT, resistance > EXACT)
             ]
             weights, resistance = (np.concatenate(p, axis=-1) for p in zip(*apart, strict=True))
@@ -172,17 +173,23 @@ class Bodies:
 
     @cached_property
     def _triangles(self):
-        """Of the free motions of each body: products of their columns are those of the motions."""
-        return [
-            np.linalg.qr(self.motions[inside] @ own, mode="r") for inside, own, _ in self.Floating()
-        ]
+        return self._Triangles(self.motions)
 
-    def _Size(self, weights):
-        """Free motions such that scalar products of columns are those of displacements."""
-        sized = weights.copy()
-        for triangle, (*_, rows) in zip(self._triangles, self.Floating(), strict=True):
-            sized[rows] = triangle @ weights[rows]
-        return sized
+    def _Triangles(self, motions):
+        """Of the free motions of each body: products of their columns are those of the motions."""
+        return [np.linalg.qr(motions[inside] @ own, mode="r") for inside, own, _ in self.Floating()]
+
+    def _Measure(self, motions):
+        """A function of weights whose columns have products that are those of displacements."""
+        triangles = self._triangles if motions is self.motions else self._Triangles(motions)
+
+        def Sized(weights):
+            sized = weights.copy()
+            for triangle, (*_, rows) in zip(triangles, self.Floating(), strict=True):
+                sized[rows] = triangle @ weights[rows]
+            return sized
+
+        return Sized
 
     def _Slides(self, contacts, displacement, prevented, seen):
         """Motions along all own surfaces of bodies which do not meet corners of others.

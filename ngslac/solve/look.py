@@ -10,10 +10,12 @@ from ngslac.contact.certificate import PointsInside
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.solve.inverted import InvertedError
 
-__all__ = ["Look", "MechanismError"]
+__all__ = ["BORNE", "Look", "MechanismError"]
 
 # Slip since the pairing, over the size of a macro-element, that small sliding is not made for.
 STRAYED = 0.5
+# Forces that hold idle bodies, relative to those of contact, which are more than an error of mesh.
+BORNE = 1e-2
 # Gradient of a displacement, on average over a body, that small strains are not made for; range of
 # displacements over the size of the mesh below which it is not looked at.
 LARGE, SMALL = 0.2, 0.01
@@ -57,6 +59,12 @@ class Look:
         if free and system.IsDriven(free, "rubbing"):
             raise MechanismError(DrivenMessage(system.DrivenMotion(free, "rubbing")))
         self._Say("idle", IdleMessage(system.bodies.Names(free.weights)) if free else "")
+        if free and system.residual.borne > BORNE:
+            self._Say(
+                "borne",
+                f"up to {system.residual.borne:.1%} of the contact forces push bodies aside that "
+                "nothing drives, as facets of their meshes lean: refine the slave where it touches",
+            )
 
     def _LookAtWays(self):
         """Bodies that have gone through another one, and are far behind it."""

@@ -9,7 +9,7 @@ from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
 from ngslac.solve.iteration import MostlySlips, Unchanged
-from ngslac.solve.look import Look
+from ngslac.solve.look import BORNE, Look
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
 
@@ -33,8 +33,6 @@ FINE, EARLY = 1e-3, 6
 # Newton steps in which round bodies may turn, and how far that may move anything, relative to the
 # mesh.
 LET_TURN, TURNED = 8, 1e-2
-# Forces that hold round bodies, relative to those of contact, which are more than an error of mesh.
-BORNE = 1e-2
 # What turns round sticks a little behind that point; how many of those that turn are looked at.
 TURN, MOST_TURNS = 1e-6, 3
 

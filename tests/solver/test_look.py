@@ -1,5 +1,6 @@
 """The look at a converged state finds each class of wrong states, however it came to be."""
 
+import re
 import warnings
 
 import numpy as np
@@ -311,6 +312,20 @@ def test_a_disc_that_nothing_but_a_floor_holds_lands_at_once(bulk, gap, weight):
     center = moved(p.gf.space.mesh(0, 1 + gap))
     assert abs(center[0]) < 1e-3  # of a disc of radius 1
     assert -0.1 < center[1] + gap < 0.01
+
+
+@pytest.mark.parametrize("bulk", ["hooke", "neo-hooke"])
+def test_forces_that_only_facets_make_are_named(bulk):
+    """From farther away the disc lands on a facet that leans by some percent."""
+    p = Resting(centers=((0, 1.1),), spring=0, friction=None, bulk=bulk)
+    p.load.Set(1)
+    said = warned(lambda: p.solver.Solve(printing=False))
+    force = p.contact.Force(on="wall")
+    assert force[1] == pytest.approx(-p.weight, rel=2e-3)
+    share = abs(force[0] / force[1])
+    assert 0.01 < share < 0.05
+    (text,) = [text for text in said if "refine the slave" in text]
+    assert share <= float(re.search(r"up to (\S+)%", text)[1]) / 100 <= 3 * share
 
 
 @pytest.mark.parametrize("depth", [0.6, 20])
