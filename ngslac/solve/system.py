@@ -231,6 +231,7 @@ class System:
         self.bulk.Begin()
         self.motion, self._driven, self.slides = None, None, True
         self.linear.shifts, self._start = 0, self.values.copy()
+        self.SetGround(None)
         self.SetDrag(None)
         self.Lean()
         if motion is not None and np.any(motion[constrained]):

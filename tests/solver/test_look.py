@@ -328,6 +328,17 @@ def test_forces_that_only_facets_make_are_named(bulk):
     assert share <= float(re.search(r"up to (\S+)%", text)[1]) / 100 <= 3 * share
 
 
+def test_what_held_a_body_in_one_solve_holds_none_at_the_start_of_the_next():
+    p = Resting(centers=((0, 1.01),), spring=0, friction=None)
+    p.load.Set(1)
+    assert warned(lambda: p.solver.Solve(printing=False))
+    system = p.solver.system
+    assert system.ground
+    system.Begin(None, None)
+    assert system.ground is None
+    assert system.residual.ground is None
+
+
 @pytest.mark.parametrize("depth", [0.6, 20])
 def test_a_disc_within_or_below_the_floor_that_it_shares_a_contact_with(depth):
     p = Resting()
