@@ -48,7 +48,7 @@ Array<GapRange<D>> GapRangesOf(const LACSpace & space, const Paired<D> & surface
   return ranges;
 }
 
-/// What kinematics are made of.
+/// The parts that each kinematics needs.
 template <int D>
 struct KinematicsParts {
   const ContactSetup & setup;

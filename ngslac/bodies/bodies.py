@@ -155,10 +155,10 @@ class Bodies:
         all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
         turning, d = np.zeros(weights.shape[1]), contacts[0].mesh.dim
         body = np.full(contacts[0].nscalars, -1)
-        for number, (inside, combinations, rows) in enumerate(self.Floating()):
+        body[self.first : self.first + self.count] = self._bodies
+        for inside, combinations, rows in self.Floating():
             own = combinations @ weights[rows]
             all_dofs[self.first + inside] = motions[inside] @ own
-            body[self.first + inside[np.any(self.motions[inside], axis=1)]] = number
             turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
         all_dofs[tools] = weights[len(weights) - len(tools) :]
         return Freedom(weights, resistance, all_dofs, turning, mesh, whose, body)
@@ -170,6 +170,14 @@ class Bodies:
             rows = slice(at, at + combinations.shape[1])
             yield np.flatnonzero(self.part == part), combinations, rows
             at = rows.stop
+
+    @cached_property
+    def _bodies(self):
+        """Which floating body each dof (count,) moves with; none: -1."""
+        body = np.full(self.count, -1)
+        for number, (inside, *_) in enumerate(self.Floating()):
+            body[inside[np.any(self.motions[inside], axis=1)]] = number
+        return body
 
     @cached_property
     def _triangles(self):
@@ -303,7 +311,7 @@ class NoBodies(Bodies):
 
     def __init__(self):
         self.floating, self.names, self.motions = [], ["unknown"], np.zeros((0, 0))
-        self.false, self._slides, self.loose = False, [], 0
+        self.false, self._slides, self.loose, self.first, self.count = False, [], 0, 0, 0
 
 
 def Norm(matrix):

@@ -444,7 +444,7 @@ class LACContact(metaclass=Distributable):
                 setattr(self, name, GridFunction(space, name=name))
 
     def _Fill(self):
-        """What the form knows; 0 where it is not paired."""
+        """Take the numbers of the form; 0 where it is not paired."""
         self._recovered = None
         table = self.Table() if self.form.paired else {}
         for name in SCALARS + VECTORS:

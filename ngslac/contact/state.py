@@ -21,7 +21,7 @@ class FormState:
     """The compiled form of a contact, with where it was paired and how it was scaled."""
 
     def __init__(self, setup, stiffness):
-        # What a ContactForm is made of, the factor of its scale, and the form.
+        # The arguments of a ContactForm, the factor of its scale, and the form.
         self.setup, self.stiffness, self.form = setup, stiffness, ContactForm(**setup)
         self.scaled, self.paired = False, None
 

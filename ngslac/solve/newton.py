@@ -331,8 +331,8 @@ class Newton:
         failure.LookAt(start, error, lost=found is None)
         system.restless = system.restless or bool(failure.unbalanced)
         try:
-            loose = found is not None or isinstance(error, FloatingBodyError)
-            loose = loose or self.falls
+            floats = isinstance(error, FloatingBodyError)
+            loose = found is not None or floats or self.falls
             suits = not system.own_law and (loose or self.path or system.islinear)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error

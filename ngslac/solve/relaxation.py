@@ -91,7 +91,7 @@ class Relaxation:
                 before = system.Place()
                 if system.Way(start) > LOST * system.residual.size:
                     break
-                if self._Settles(size):
+                if steps := self._Settles(size):
                     failures = 0
                     moved = system.Way(before[0])
                     if self._SlidesOn(moved / smallest):
@@ -102,7 +102,8 @@ class Relaxation:
                         if last := self._Polish():
                             return last
                         rest = LESS * moved
-                    if moved < self._Far() * smallest and not wait:
+                    far = EASILY_FAR if steps <= EASY else FAR
+                    if moved < far * smallest and not wait:
                         # The way of what falls is as long as the drag is small.
                         part = moved / (FAR * smallest)
                         size *= np.clip(part, SOFTEST, SOFTER) if falls else SOFTER
@@ -130,7 +131,7 @@ class Relaxation:
         return len(same) == STEADY and bool(np.all(same)) and np.sum(ways[1:]) > SLID
 
     def _Settles(self, size):
-        """Does Newton's method come to the end of a stage?"""
+        """In how many steps Newton's method comes to the end of a stage; 0 if it does not."""
         newton, system = self.newton, self.system
         rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
         system.SetDrag(Drag(size, system.values.copy(), rows))
@@ -138,20 +139,16 @@ class Relaxation:
         try:
             system.residual.Follow()
             state = system.Measure()
-            for self._steps in range(1, STEPS + 1):
+            for step in range(1, STEPS + 1):
                 system.Assemble()
                 state, damping = newton._Step(state)
                 newton.Record(state, damping)
                 if max(state.equilibrium, state.constraint) < ENDS:
-                    return system.motion is None
+                    return step if system.motion is None else 0
                 newton.globalization.Watch(state, newton.history[-1].changed)
         except FAILURES:
             pass
-        return False
-
-    def _Far(self):
-        """How far bodies may move before the drag stays, relative to the macro-elements."""
-        return EASILY_FAR if self._steps <= EASY else FAR
+        return 0
 
     def _Falls(self):
         """Do bodies move on without drag, as nothing balances their loads?"""

@@ -80,8 +80,6 @@ class Residual:
         The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
         It, times the factors of the rows.
-    borne : float
-        What holds idle bodies, relative to the forces of contact.
     forces, first, reference, rounding, places : float
         What counts as zero: of the loads and reactions, now and where the solve began, of earlier
         solves, and rounding errors, in the rows of multipliers those of positions.
@@ -90,7 +88,7 @@ class Residual:
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.multipliers, self.tol = MultiplierRows(contacts), None
-        self.ground, self.drag, self.borne = None, None, 0.0
+        self.ground = self.drag = None
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
 
@@ -98,6 +96,15 @@ class Residual:
     def drowned(self):
         """Are the forces so small, or the motions so large, that rounding sets the tolerance?"""
         return 0 < max(self.forces, self.converged) < self.rounding / self.tol
+
+    @property
+    def borne(self):
+        """Forces that hold idle bodies, relative to those of contact, in what was measured last."""
+        if not self.ground:
+            return 0.0
+        unbalanced = np.sum(self.parts, axis=0) * self.free
+        held = unbalanced - self.ground.Balanced(unbalanced)
+        return np.abs(held).sum() / (np.abs(self.parts[1]).sum() or np.inf)
 
     def State(self):
         """What the next solve depends on, as a dict."""
@@ -189,10 +196,8 @@ class Residual:
         unbalanced = (bulk + pushed) * self.free
         if self.drag:
             unbalanced = unbalanced + self.drag.Forces(vec.FV().NumPy(), scale)
-        self.borne = 0.0
         if self.ground:
-            before, unbalanced = unbalanced, self.ground.Balanced(unbalanced)
-            self.borne = np.abs(before - unbalanced).sum() / (np.abs(pushed).sum() or np.inf)
+            unbalanced = self.ground.Balanced(unbalanced)
         scaled = scale * unbalanced
         if not np.all(np.isfinite(scaled)):
             parts = {"rhs": load, "a, the bulk form,": bulk, "contact": pushed}

@@ -498,8 +498,9 @@ class System:
             self._driven = np.unique(freedom.own[(freedom.own >= 0) & (self._Works(freedom) != 0)])
         # Along curved surfaces nothing but their meshes resists: bodies wait there for the end.
         stay = not self.IsDriven(freedom.Others().Outright(), holds)
-        stay = stay & ~self._Rocks(freedom, mats)
         held = np.where(freedom.own < 0, stay, ~np.isin(freedom.own, self._driven))
+        exact = np.flatnonzero(held & (freedom.own < 0) & (freedom.mesh <= EXACT)) if mats else []
+        held[[k for k in exact if self._Rocks(freedom.Some([k]), mats)]] = False
         if not np.any(held):
             self.SetGround(None)
             return
@@ -507,15 +508,12 @@ class System:
         measure, free = self.bodies.Measure(self.contacts, held), self.residual.free
         self.SetGround(Ground(held, measure, self._start, free, self.ground))
 
-    def _Rocks(self, freedom, mats):
-        """Which motions (k,) change the direction in which forces push them."""
-        if not mats:
-            return np.zeros(len(freedom.own), dtype=bool)
-        motions = np.where(self.bulk.inner[:, None], 0.0, freedom.motions)
-        stiffness = [abs(way @ Multiply(mats, way)) for way in motions.T]
-        forces = freedom.Across(np.abs(self.residual.parts)) * np.max(np.abs(motions), axis=0)
-        rocks = np.array(stiffness) * self.residual.size > ROCKS * forces
-        return rocks & (forces > 0) & (freedom.mesh <= EXACT)
+    def _Rocks(self, motion, mats):
+        """Does a motion change the direction in which forces push the body?"""
+        way = np.where(self.bulk.inner, 0.0, motion.motions[:, 0])
+        forces = motion.Across(np.abs(self.residual.parts))[0] * np.max(np.abs(way))
+        stiffness = abs(way @ Multiply(mats, way))
+        return forces > 0 and stiffness * self.residual.size > ROCKS * forces
 
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""

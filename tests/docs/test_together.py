@@ -84,7 +84,7 @@ def run(row, column, dim):
     assert np.any(problem.contact.Table()["status"])
 
 
-# What laws do is another thing in 3D; how they are used, only with small sliding by default.
+# Laws differ in 3D and are tested there; their uses are so with small sliding alone by default.
 LONG = [(row, column) for row, column in table() if row in USES and column != "small sliding"]
 CELLS = [(*cell, 2) for cell in table()]
 CELLS += [pytest.param(*c, 3, marks=pytest.mark.full if c in LONG else ()) for c in table()]
