@@ -56,17 +56,18 @@ class Globalization:
         """Has an iterate of this solve had that contact status?"""
         return state.status.tobytes() in self._seen
 
-    def Watch(self, state, changed, patient=False):
+    def Watch(self, state, changed, *, patient=False, moving=False):
         """Look at a new iterate: does the status return, or nothing get better?
 
         Where only contact is nonlinear the residual tells nothing about how near the status is: of
         thin bodies it is large up to the last macro-element. `patient`: it need not fall.
+        `moving`: Dirichlet values still have to be carried, of which the residual does not know.
         """
         number = len(self._merits)
         first = self._seen.setdefault(state.status.tobytes(), number)
         returned = changed > 0 and number - first > 1
         returned = returned and state.merit > 0.1 * min(self._merits)
-        self._merits.append(state.merit)
+        self._merits.append(np.inf if moving else state.merit)
         stuck = not patient and number > 5 and min(self._merits[-4:]) > 0.5 * min(self._merits[:-4])
         self.cycles, self.damped = self.cycles or returned, self.damped or returned or stuck
 

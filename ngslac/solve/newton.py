@@ -104,7 +104,7 @@ class Newton:
                 break
             # A body that contact holds may slip far, and only the residual tells.
             patient = self.system.islinear and not self.system.bodies.floating
-            self.globalization.Watch(state, self.history[-1].changed, patient)
+            self.Watch(state, patient=patient)
             if len(self.history) > 1:
                 self.system.Assemble()
             state, damping = self._Step(state)
@@ -114,6 +114,11 @@ class Newton:
         if self.globalization.stagnates and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
+
+    def Watch(self, state, *, patient=False):
+        """Let the globalisation look at the iterate noted last, see there."""
+        moving = self.system.motion is not None
+        self.globalization.Watch(state, self.history[-1].changed, patient=patient, moving=moving)
 
     def Polish(self, state, steps):
         """The end of the method from a Measurement; None, and back, if it does not come to one."""

@@ -145,7 +145,7 @@ class Relaxation:
                 newton.Record(state, damping)
                 if max(state.equilibrium, state.constraint) < ENDS:
                     return step if system.motion is None else 0
-                newton.globalization.Watch(state, newton.history[-1].changed)
+                newton.Watch(state)
         except FAILURES:
             pass
         return 0

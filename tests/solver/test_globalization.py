@@ -111,3 +111,13 @@ def test_surfaces_that_pass_through_each_other_lose_their_partners(share, lost):
 def test_a_state_without_residual_is_not_finite():
     assert not state(np.nan).finite
     assert not state(INF).finite
+
+
+def test_the_start_of_a_prescribed_motion_is_no_small_residual():
+    """Before Dirichlet values have moved nothing is out of balance: that says nothing of later."""
+    merits = [0.0, *np.geomspace(1, 1e-2, 12)]
+    tool = Globalization()
+    for number, merit in enumerate(merits):
+        tool.Watch(state(merit), changed=0, moving=number == 0)
+    assert tool.falls and not tool.damped
+    assert not watched(*((merit,) for merit in merits)).falls
