@@ -29,6 +29,8 @@ TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 IDLE = 1e-9
 # Stiffness of motions that bodies rock by, relative to that of a pendulum as large as the mesh.
 ROCKS = 1e-5
+# What rounding makes of it, relative to the stiffness of a body against motions of single dofs.
+NOISE = 1e-12
 # Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
 FALSE_TURN = 1e-3
 # Newton steps after which the method goes on only while the residual falls.
@@ -325,7 +327,7 @@ class System:
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
-        self.HoldIdle("rubbing", (self.bulk.mat, *mats))
+        self.HoldIdle("rubbing", mats if self.bulk.islinear else [self.bulk.mat, *mats])
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
@@ -435,8 +437,15 @@ class System:
         return all(np.any(self._Works(own)) for own in near if own is not None)
 
     def IsPushed(self, freedom):
-        """Does the residual measured last do work on them, with all multipliers as they are?"""
-        return bool(freedom) and bool(np.any(self._WorksOf(freedom, self.residual.parts[1])))
+        """Does the residual measured last do work on them, with all multipliers as they are?
+
+        Those of a linear system balance the bulk's false work, too.
+        """
+        if not freedom:
+            return False
+        bulk, contact = self.residual.parts
+        pushed = self._WorksOf(freedom, contact) != 0
+        return bool(np.any(pushed & (self._WorksOf(freedom, contact, bulk) != 0)))
 
     def DrivenMotion(self, freedom, holds="now"):
         """Description of the free motion along which the forces measured last do work."""
@@ -447,13 +456,14 @@ class System:
         """The work of loads and friction along free motions, 0 where it is none."""
         return self._WorksOf(freedom, self._Rubbing())
 
-    def _WorksOf(self, freedom, contact):
-        """The same of other forces of the contacts."""
+    def _WorksOf(self, freedom, contact, bulk=None):
+        """The same of other forces of the contacts, and of the bulk: without its false ones."""
         residual = self.residual
         # Loads may be in balance: then the springs that hold bodies leave a part of them.
         forces = max(residual.reference, residual.first)
         least = max(IDLE * forces, 10 * residual.rounding) / self.scale
-        bulk = residual.parts[0] - self._FalseForces()
+        if bulk is None:
+            bulk = residual.parts[0] - self._FalseForces()
         if self.bodies.false and not self.bulk.islinear:  # its stress does work along turns, too
             turns = np.maximum(freedom.mesh, FALSE_TURN)
             freedom = replace(freedom, mesh=np.where(freedom.own >= 0, turns, freedom.mesh))
@@ -488,7 +498,8 @@ class System:
     def HoldIdle(self, holds, mats=()):
         """Hold bodies that nothing pushes and nothing else holds, not even friction.
 
-        With the matrices of the next linear system: nor their weight, as of a ball in a bowl.
+        With the matrices of the next linear system: nor their weight, as of a ball in a bowl. That
+        of a linear bulk is left out, as it knows no rotations.
         """
         freedom = self.Freedom(holds) if self.MayFloat() else None
         if not freedom:
@@ -513,7 +524,8 @@ class System:
         way = np.where(self.bulk.inner, 0.0, motion.motions[:, 0])
         forces = motion.Across(np.abs(self.residual.parts))[0] * np.max(np.abs(way))
         stiffness = abs(way @ Multiply(mats, way))
-        return forces > 0 and stiffness * self.residual.size > ROCKS * forces
+        rounding = NOISE * np.sum((way / self.scale) ** 2)
+        return stiffness > rounding and stiffness * self.residual.size > ROCKS * forces > 0
 
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""

@@ -119,5 +119,6 @@ def test_the_start_of_a_prescribed_motion_is_no_small_residual():
     tool = Globalization()
     for number, merit in enumerate(merits):
         tool.Watch(state(merit), changed=0, moving=number == 0)
-    assert tool.falls and not tool.damped
+    assert tool.falls
+    assert not tool.damped
     assert not watched(*((merit,) for merit in merits)).falls

@@ -58,6 +58,11 @@ def test_a_random_problem_is_the_same_each_time():
     assert np.array_equal(*points)
 
 
+def test_what_comes_loose_all_around_is_held_where_it_is():
+    """Curved elements make false stiffness of a turn, by which nothing rocks."""
+    assert RunProblem("coolsloose-0.3-0.15")["iterations"] <= 8
+
+
 # --- the checks find wrong answers -------------------------------------------------------------
 
 
