@@ -29,8 +29,6 @@ TOOL_SHIFTS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 IDLE = 1e-9
 # Stiffness of motions that bodies rock by, relative to that of a pendulum as large as the mesh.
 ROCKS = 1e-5
-# What rounding makes of it, relative to the stiffness of a body against motions of single dofs.
-NOISE = 1e-12
 # Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
 FALSE_TURN = 1e-3
 # Newton steps after which the method goes on only while the residual falls.
@@ -327,7 +325,8 @@ class System:
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
-        self.HoldIdle("rubbing", mats if self.bulk.islinear else [self.bulk.mat, *mats])
+        false = self.bulk.islinear and self.bodies.false
+        self.HoldIdle("rubbing", mats if false else [self.bulk.mat, *mats])
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
@@ -498,8 +497,8 @@ class System:
     def HoldIdle(self, holds, mats=()):
         """Hold bodies that nothing pushes and nothing else holds, not even friction.
 
-        With the matrices of the next linear system: nor their weight, as of a ball in a bowl. That
-        of a linear bulk is left out, as it knows no rotations.
+        With the matrices of the next linear system: nor their weight, as of a ball in a bowl, or
+        weak springs. That of a linear bulk with false stiffness is left out: it tells neither.
         """
         freedom = self.Freedom(holds) if self.MayFloat() else None
         if not freedom:
@@ -524,8 +523,7 @@ class System:
         way = np.where(self.bulk.inner, 0.0, motion.motions[:, 0])
         forces = motion.Across(np.abs(self.residual.parts))[0] * np.max(np.abs(way))
         stiffness = abs(way @ Multiply(mats, way))
-        rounding = NOISE * np.sum((way / self.scale) ** 2)
-        return stiffness > rounding and stiffness * self.residual.size > ROCKS * forces > 0
+        return stiffness * self.residual.size > ROCKS * forces > 0
 
     def SetGround(self, ground):
         """Take what holds idle bodies, or None."""
