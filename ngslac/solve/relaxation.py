@@ -12,7 +12,7 @@ __all__ = ["Relaxation"]
 # Diagonal that holds bodies where they were, relative to that of the scaled bulk: the first one,
 # the last one, and by what factor it falls after a stage that ends, and grows after one that fails.
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
-# The least of these factors, of bodies that fall.
+# The least of these factors, where bodies hardly move.
 SOFTEST = 1e-3
 # Newton steps of a stage, the residual at its end, and how many stages in a row may fail.
 STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 4
@@ -21,11 +21,11 @@ WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
-# The same where Newton's method needs a few steps only, and how many these are; how much less
-# bodies have to move where its end was not found before.
-EASILY_FAR, EASY, LESS = 0.5, 2, 0.3
-# Forces without balance, relative to those at work, under which bodies still fall.
-FALLS = 0.1
+# The same where Newton's method needs a few steps only, and how many these are.
+EASILY_FAR, EASY = 0.5, 2
+# Forces without balance, relative to those at work, from which Newton's method may end it, and how
+# much smaller they have to be where it did not before.
+BALANCED, LESS = 0.1, 0.3
 # A way, relative to the mesh, on which bodies do not come to rest.
 LOST = 1.0
 # Bodies that slide with a force against them that changes by less than this part from one stage to
@@ -85,7 +85,7 @@ class Relaxation:
         newton.onpath, size, failures, wait, self._stages = True, FIRST, 0, 0, []
         start = system.values.copy()
         smallest = min(np.min(contact._Sizes()) for contact in system.contacts)
-        rest = REST * smallest
+        balanced = BALANCED
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
@@ -97,16 +97,15 @@ class Relaxation:
                     if self._SlidesOn(moved / smallest):
                         system.slid = True
                         break
-                    falls = self._Falls()
-                    if moved < rest and not falls:
+                    pushed = self._Unbalance()
+                    if moved < REST * smallest and pushed < balanced:
                         if last := self._Polish():
                             return last
-                        rest = LESS * moved
+                        balanced = LESS * pushed
                     far = EASILY_FAR if steps <= EASY else FAR
                     if moved < far * smallest and not wait:
-                        # The way of what falls is as long as the drag is small.
-                        part = moved / (FAR * smallest)
-                        size *= np.clip(part, SOFTEST, SOFTER) if falls else SOFTER
+                        # The way is as long as the drag is small, and no longer.
+                        size *= np.clip(moved / (FAR * smallest), SOFTEST, SOFTER)
                     wait = max(wait - 1, 0)
                 else:
                     system.GoTo(before)
@@ -150,10 +149,10 @@ class Relaxation:
             pass
         return 0
 
-    def _Falls(self):
-        """Do bodies move on without drag, as nothing balances their loads?"""
+    def _Unbalance(self):
+        """The forces that move bodies on without drag, relative to those at work."""
         self.system.SetDrag(None)
-        return self.system.Measure().equilibrium > FALLS
+        return self.system.Measure().equilibrium
 
     def _Polish(self):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
