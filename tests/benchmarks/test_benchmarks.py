@@ -47,6 +47,7 @@ def test_layers_pair_completely_and_do_not_match(dim, n, curved):
     assert all(0 <= seconds <= row.update for seconds in row.parts.values())
 
 
+@pytest.mark.full
 def test_pairing_from_the_command_line(tmp_path, capsys):
     file = tmp_path / "rows.json"
     pairing.main(["--largest", "1000", "--threads", "1", "--repeat", "1", "--json", str(file)])
@@ -55,6 +56,7 @@ def test_pairing_from_the_command_line(tmp_path, capsys):
     assert len(capsys.readouterr().out.split("bytes/seg")) == 3
 
 
+@pytest.mark.full
 def test_phases(tmp_path, monkeypatch, capsys):
     """A step measured once, then the command line with it."""
     step = phases.Measure(2.0, 0.2, repeat=1, solver="direct")
@@ -133,6 +135,7 @@ def test_refined_hertz_mesh_is_round():
     assert Integrate(CF(1) * ds("slave"), mesh) == pytest.approx(15, rel=1e-8)
 
 
+@pytest.mark.full
 def test_elastic_reference_is_the_best_solve(monkeypatch):
     monkeypatch.setenv("NGS_NUM_THREADS", "1")
     problem = Problem("patch", SMALLEST["patch"])
@@ -153,6 +156,7 @@ def test_elastic_reference_is_the_best_solve(monkeypatch):
     assert max(row.variants[name]["error"] for name in names[:2]) < 1e-9
 
 
+@pytest.mark.full
 def test_elastic_solvers_agree():
     """Those of first order, too; and smoothed aggregation of more than one level."""
     pytest.importorskip("pyamg")

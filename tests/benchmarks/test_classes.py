@@ -1,4 +1,7 @@
-"""Each class of problems runs on its smallest size, and says what it did; no time is looked at."""
+"""Each class of problems runs on its smallest size, and says what it did; no time is looked at.
+
+Each week: by default the problems are only made.
+"""
 
 import json
 
@@ -14,18 +17,10 @@ KEYS |= {"method", "converged", "per", "elastic"}
 # Of those that differ by a number only, one.
 SAME = ("frictionless", "ten steps", "284k", "by 10", "points", "nu .49", "peer", "64k", ".03")
 DIFFERENT = [name for name in CLASSES if not any(same in name for same in SAME)]
-# By default one of those that differ in elements, orders or numbers of bodies.
-ALIKE = ("order ", "hexahedra", "prisms", "sheets", "L2", "elements", "ring", "2D", "soft")
 
 
-def Marks(name):
-    long = any(part in name for part in ALIKE) and not name.startswith(("hertz", "condensed"))
-    return pytest.mark.full if long else ()
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=Marks(n)) for n in ("hertz 2D ten steps", *DIFFERENT)]
-)
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["hertz 2D ten steps", *DIFFERENT])
 def test_class(name):
     row = classes.Measure(name, quick=True)
     assert row["converged"], row["reason"]
@@ -60,6 +55,7 @@ def test_checkerboard(aligned):
     assert Integrate(young, mesh) == pytest.approx(1.0001e7 * 2, rel=0.05)
 
 
+@pytest.mark.full
 def test_time_limit_and_errors(tmp_path, monkeypatch):
     late = classes.Run("two blocks", tmp_path, quick=True, limit=1e-3)
     assert (late["converged"], late["reason"]) == (False, "stopped after 0.001 s")
@@ -74,6 +70,7 @@ def test_time_limit_and_errors(tmp_path, monkeypatch):
     assert "fails: ZeroDivision" in classes.Table([row])
 
 
+@pytest.mark.full
 def test_command_line(tmp_path, capsys):
     file = tmp_path / "rows.json"
     classes.main(["--quick", "--only", "nu*99", "*Lagrangian", "--here", "--json", str(file)])

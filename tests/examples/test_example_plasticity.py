@@ -25,6 +25,7 @@ def test_onset_of_yield():
     assert indentation.Onset() == approx(OnsetPressure(0.3), rel=0.015)
 
 
+@pytest.mark.full
 def test_loading_unloading_and_loading_again():
     """Johnson 1985, sections 6.2 and 6.4, but for a little yield where the edge was."""
     results = Cycle(Indenter())
@@ -68,6 +69,7 @@ def PunchStiffness(problem, halfwidth):
     return 2 * ngs.InnerProduct((a.mat * gf.vec).Evaluate(), gf.vec)
 
 
+@pytest.mark.full
 def test_rigid_plastic_limit():
     """A block so soft that elasticity plays no role: Prandtl's pressure, from above."""
     soft = Indenter(h=0.4, yield_stress=8.0, hardening=1.6)

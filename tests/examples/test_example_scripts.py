@@ -123,10 +123,10 @@ RUNS = [
         "cone_ratio outer_cone_ratio": lambda *ratios: ratios == approx((1, 1), abs=0.06),
         "pyramid_ratio": lambda ratio: 1.1 < ratio < 1.25,
     }, "over Sneddon's", "pyramid.png pyramid_top.vtu"),
-    pytest.param("cup", "--h 0.2 --depth 0.01 --steps 2", {
+    ("cup", "--h 0.2 --depth 0.01 --steps 2", {
         "holder_force": approx(3, rel=1e-6), "balance": approx(0, abs=1e-6),
         "volume": approx(1, abs=1e-3), "draw_in punch_force": lambda *values: min(values) > 0,
-    }, "draw-in", "cup.png cup_blank.png cup_die.vtu", marks=pytest.mark.slow),
+    }, "draw-in", "cup.png cup_blank.png cup_die.vtu"),
     ("drawing", "--depth 0.03 --steps 6", {
         "holder_force": approx(10, rel=1e-6), "balance": approx(0, abs=1e-6),
         "draw_in punch_force": lambda *values: min(values) > 0,
@@ -134,10 +134,12 @@ RUNS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "figures", "printed", "files"),
-    RUNS,
-)
+# The others run each week; by default they are imported, print their help and refuse bad arguments.
+CHEAP = "hertz", "patch3d", "belt", "twistblocks", "hertz_large"
+RUNS = [run if run[0] in CHEAP else pytest.param(*run, marks=pytest.mark.full) for run in RUNS]
+
+
+@pytest.mark.parametrize(("name", "options", "figures", "printed", "files"), RUNS)
 def test_numbers_and_files(name, options, figures, printed, files, tmp_path, capsys):
     pytest.importorskip("matplotlib")
     file, out = tmp_path / "new" / "figures.json", tmp_path / "out"

@@ -32,6 +32,7 @@ def Nodes(mesh, region):
 COARSE = {"h": 0.25, "dt": 0.04, "end": 1.6, "gravity": 0.0}
 
 
+@pytest.mark.full
 def test_bouncing_with_slip_all_the_time():
     figures = bouncing.Run(**COARSE, friction=0.2, velocity=(2.0, -1.0))
     assert 0.5 < figures["restitution"] < 1.0
@@ -74,7 +75,8 @@ def test_only_the_inner_side_of_the_belt_is_slave():
 # --- Carter's rollers ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("start", [0.7, pytest.param(1.2, marks=pytest.mark.full)])
+@pytest.mark.full
+@pytest.mark.parametrize("start", [0.7, 1.2])
 def test_rolling_forgets_how_it_began(start):
     """The law of creep holds while the tangential force is still on its way."""
     figures = carter.Run(shares=(0.5,), h=0.25, start=start)
@@ -92,6 +94,7 @@ def Pressed(h, quarter):
     return {name: np.array(values) for name, values in found.items()}
 
 
+@pytest.mark.full
 def test_the_flat_ring_touches_itself_as_a_plane():
     itself, plane = Pressed(0.12, False), Pressed(0.12, True)
     assert itself["converged_steps"] == 38
@@ -162,6 +165,7 @@ def test_forces_of_ironing_are_the_published_ones(model):
     assert min(published) <= aside / down <= max(published)
 
 
+@pytest.mark.full
 def test_ironing_without_friction():
     figures = ironing.Run(**IRON, friction=0.0)
     assert figures["converged_steps"] == figures["steps"] == 36

@@ -27,6 +27,7 @@ ngslac/law.py | test_red | tests that fail anyway
 """
 
 
+@pytest.mark.full
 def test_kills_survivors_and_errors_are_told_apart(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # they would only take time
     files = {

@@ -64,6 +64,7 @@ def test_findings_are_told_apart():
     assert Findings("....\n4 passed in 0.50s\n") == []
 
 
+@pytest.mark.full
 def test_a_test_that_aborts_is_no_success(tmp_path):
     """Nor one that fails, or that runs too long: none of them is left out of the table."""
     ends = {"abort": "import os; os.abort()", "fail": "assert False", "loop": "while True: pass"}

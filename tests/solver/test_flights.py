@@ -110,6 +110,7 @@ def test_mirror_images_leave_in_mirror_directions(swap):
     assert right + left == pytest.approx(0, abs=0.5)
 
 
+@pytest.mark.full
 def test_second_order_of_bodies_that_turn():
     """Soft ones, that swing slowly, in free flight."""
     ends = []

@@ -227,7 +227,8 @@ def test_faces_without_partner_are_gray():
             assert len(patches["no partner"]) == 2 * faces
 
 
-def test_scenes_in_a_browser(problem, tmp_path):
+@pytest.mark.parametrize("dim", [pytest.param(2, marks=pytest.mark.full), 3])
+def test_scenes_in_a_browser(dim, tmp_path):
     """Bodies, words and colours are on the screen, without errors."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     sync_api = pytest.importorskip("playwright.sync_api")
@@ -235,7 +236,7 @@ def test_scenes_in_a_browser(problem, tmp_path):
     if chromium is None:
         pytest.skip("live scenes are looked at in Chromium, which is not installed")
     script = (Path(widgets.__file__).parent / "js" / "webgui.js").read_text()
-    data = json.dumps(problem.contact.Draw("status", show=False).GetData())
+    data = json.dumps(pressed(dim).contact.Draw("status", show=False).GetData())
     (tmp_path / "scene.html").write_text(
         f"<body><div id=box style='width: 600px; height: 400px'></div><script>{script}</script>"
         f"<script>scene = new webgui.Scene(); scene.init(box, {data})</script>"

@@ -19,11 +19,11 @@ SAMPLE = {
     "movingfloor-0.4-5-0.05", "halfheld-2-1", "random-004", "random-005", "random-007",
     "hotbar-8-0.05-2", "hotbar-2-0.15-2-True", "random-061", "random-099",
     "leafonsupports-0.0-1", "plate-0.0",
-    "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side", "nomiddle-0.3-0-1.4",
+    "nofriction-0.0", "nopull-0.0-0-0.0", "nomeeting-side",
     "atrest-2-0.001-weight", "atrest-3-0.001-traction", "atrestturned-30.0-base",
     "stackatrest-3-0.001", "spininhole-2-0", "freefit-0.4-1.6-0.0-0", "coolsloose3d-0.0",
     "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",
-    "firstpress-0.3-0.01", "discpile-1-0.1-0.3-1-0.001", "random-001", "random-125",
+    "firstpress-0.3-0.01", "random-125",
 }  # fmt: skip
 
 

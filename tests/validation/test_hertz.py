@@ -115,6 +115,7 @@ def test_large_displacements(friction):
     assert Quadratic([max(entry.equilibrium, entry.constraint) for entry in history])
 
 
+@pytest.mark.full
 def test_large_displacements_depend_on_sliding_and_law():
     """Surfaces paired in the reference give another displacement; so does the logarithmic strain,
     which stiffens in compression where Green's softens."""

@@ -69,8 +69,8 @@ def test_bounded_under_refinement_2d(element, clamped, kind):
 
 
 CLAMPED = [(k, e, True) for k, es in KINDS.items() for e in es]
-FREE = [(k, e, False) for k, e, _ in CLAMPED]  # by default on tetrahedra and hexahedra
-FREE = [c if c[0] in ("tet", "hex") else pytest.param(*c, marks=pytest.mark.full) for c in FREE]
+FREE = [(k, e, False) for k, e, _ in CLAMPED]  # by default on tetrahedra
+FREE = [c if c[0] == "tet" else pytest.param(*c, marks=pytest.mark.full) for c in FREE]
 
 
 @pytest.mark.parametrize(("kind", "element", "clamped"), CLAMPED + FREE)
@@ -93,6 +93,7 @@ def test_order_three_is_bounded(kind):
     CheckBounded((4, 6), kind, "P3", True, reference=4)
 
 
+@pytest.mark.full
 @pytest.mark.slow
 @pytest.mark.parametrize(("element", "published"), [("P1", 0.680), ("P1bubble", 0.473)])
 def test_order_one_on_hexahedra_on_finer_meshes(element, published):
@@ -150,7 +151,9 @@ def test_one_constant_per_triangle_of_order_two_is_unstable():
     assert constants == pytest.approx(UNSTABLE, rel=0.003)
 
 
-@pytest.mark.parametrize("kind", ["hex", "prism_side", "pyramid"])
+@pytest.mark.parametrize(
+    "kind", ["hex", *(pytest.param(k, marks=pytest.mark.full) for k in ("prism_side", "pyramid"))]
+)
 def test_one_constant_per_quadrilateral_of_order_one_is_unstable(kind):
     constants = [MakeBody(n, kind).PerFace(1)[0] for n in (6, 8)]
     assert Order((6, 8), constants) < -1.5

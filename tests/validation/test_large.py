@@ -50,6 +50,7 @@ def test_friction_holds_the_pin_and_its_sides_can_be_exchanged():
 # ---------------------------------------------------------------- the half ring
 
 
+@pytest.mark.full
 def test_half_ring_on_the_published_mesh():
     """What rows in small sizes leave out; published values without friction differ from each other
     by 2 % (0.4) and 15 % (0.6)."""

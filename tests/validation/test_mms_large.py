@@ -34,7 +34,11 @@ def Solved(element, n):
     return problem, problem.Solve()
 
 
-@pytest.mark.parametrize("element", LEAST, ids=lambda element: element.name)
+DEFAULT = Element("tet", 1, "split"), Element("hex", 2)
+WEEKLY = [pytest.param(e, marks=pytest.mark.full) for e in LEAST if e not in DEFAULT]
+
+
+@pytest.mark.parametrize("element", [*DEFAULT, *WEEKLY], ids=lambda element: element.name)
 def test_rates_and_newton_from_the_interpolated_solution(element):
     levels = LEVELS[element.order]
     errors = [Solved(element, n)[0].errors for n in levels]

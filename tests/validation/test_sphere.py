@@ -124,6 +124,7 @@ def test_twist(twisted):
     assert np.ptp(normal) <= 1e-3 * normal[0]
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_quarter_and_full_model():
     """Equally coarse, but not the same meshes."""
