@@ -136,6 +136,7 @@ def test_newtons_method_is_quadratic():
     assert len(sizes) < 9
 
 
+@pytest.mark.full
 def test_two_bars_that_meet_stay_together():
     """What hits without separation sticks; energy is lost in the impact, never won."""
     motion = two_bars(gap=0.0, bilateral=True)

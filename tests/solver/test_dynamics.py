@@ -115,7 +115,9 @@ LOSING = {  # motion, end, rounding
 }
 
 
-@pytest.mark.parametrize("name", LOSING)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.full if n == "oblique" else ()) for n in LOSING]
+)
 def test_nothing_but_friction_and_impact_takes_energy(name):
     make, end, rounding = LOSING[name]
     motion = make()

@@ -35,7 +35,8 @@ CONSERVATIVE = {  # motion, end
 }
 
 
-LONG = ("short steps", "very dissipative", "turning", "3D")  # in the full run; in 3D: the bowl
+# Each week; in 3D, by default, the bowl.
+LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "3D")
 
 
 @pytest.mark.parametrize(
@@ -83,7 +84,9 @@ def test_free_bodies_keep_their_momenta(rho_inf):
     assert drift.max() < 1e-10
 
 
-@pytest.mark.parametrize("turn", [0.0, 10.0, 20.0])
+@pytest.mark.parametrize(
+    "turn", [10.0, *(pytest.param(turn, marks=pytest.mark.full) for turn in (0.0, 20.0))]
+)
 def test_a_disc_bounces_vertically(turn):
     """Although faces of its mesh lie obliquely where it touches."""
     flight = flights.on_slab(turn=turn, h=0.6, rigid=True, dt=0.02).run(0.5)
@@ -95,6 +98,7 @@ def test_a_disc_bounces_vertically(turn):
 OFF = np.degrees(2 * np.arcsin(0.14))
 
 
+@pytest.mark.full
 def test_a_ball_leaves_a_bowl_by_the_law_of_reflection():
     """A stiff ball on a bowl whose normal is off by asin(0.14) leaves by twice that angle."""
     fall = flights.in_bowl(-0.14, dt=0.005).run(0.15)
@@ -129,6 +133,7 @@ def turned(degrees):
     return flight.run(0.3), R
 
 
+@pytest.mark.full
 def test_where_the_bodies_are_and_how_they_are_turned_does_not_matter():
     """Up to the share of the bodies in the direction, from the diagonal of a matrix."""
     straight, _ = turned(0)
