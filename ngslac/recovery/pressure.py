@@ -19,6 +19,7 @@ __all__ = ["PressureFit"]
 # Weight of the differences, for vertices as far from each other as macro-elements. Ten times of it
 # flattens Hertz' pressure, a tenth lets the scatter of the multipliers pass.
 SMOOTHNESS = 1.0
+ROUNDING = 1e-12  # of the pressure: less is not a pull
 STEEPEST = 1e-2  # part of the largest pressure, below which its root has no steeper slope
 ITERATIONS = 30
 DAMPING = 1e-12, 1e-10, 1e4  # least, first, and largest, relative to the largest curvature
@@ -118,6 +119,15 @@ class PressureFit:
         shapes, blend = self.surface.shapes, self._blend
         square = (1 - blend) * (shapes @ self.root) ** 2 + blend * (shapes @ self.square)
         return np.sqrt(np.maximum(square, 0))
+
+    def Pulls(self, extra):
+        """Whether the pressure times ``1 + extra``, with `extra` at the vertices, pulls anywhere.
+
+        Where it has no end the pressure is linear, and ``peak * extra`` is added to it.
+        """
+        factors = 1 + extra[self.surface.neighbours @ self.blend > 0]
+        values = self.root / self.peak + extra
+        return min(factors.min(initial=0), values[~self._squared].min(initial=0)) < -ROUNDING
 
     def _Residual(self):
         rough = self._by_root @ self.root + self._by_square @ self.square

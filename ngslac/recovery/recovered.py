@@ -2,7 +2,7 @@
 """Continuous pressure and traction, as functions on the slave side."""
 
 import numpy as np
-from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, sqrt
+from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, exp, sqrt
 
 from ngslac.recovery.directions import FitMeans
 from ngslac.recovery.patches import Patches
@@ -91,17 +91,27 @@ class Recovered:
         samples = np.maximum(means[surface.macro] - self._PressureOfGaps(displacement), 0)
         fit = PressureFit(surface, self._rough, self._patches, means, samples)
         slip, slack = self._Friction(closed, fit.At())
-        # A linear pressure stays linear, unless it would pull somewhere: that on patches with ends.
-        for ended in (surface.shapes @ fit.blend > 0, np.full(len(samples), True)):
-            stretch = np.where(ended, fit.At(), surface.shapes @ fit.peak)
-            extra, found = self._Balanced(fit.At(), stretch, slip, slack)
-            if (fit.At() + stretch * (surface.shapes @ extra)).min() >= 0:
-                break
-        root, square, blend, extra = map(self._Field, (fit.root, fit.square, fit.blend, extra))
+        density = fit.At()
+        root, square, blend, peak = map(self._Field, (fit.root, fit.square, fit.blend, fit.peak))
         square = (1 - blend) * root * root + blend * square
         pressure = sqrt(IfPos(square, square, 0))
-        stretch = pressure if ended.all() else IfPos(blend, pressure, self._Field(fit.peak))
-        self.pressure = self._unit * (pressure + stretch * extra)
+        stretch = np.where(surface.shapes @ fit.blend > 0, density, surface.shapes @ fit.peak)
+
+        def Stretched(extra):
+            return density + stretch * extra, stretch
+
+        def Tilted(extra):
+            pressure = density * np.exp(extra)
+            return pressure, pressure
+
+        # A linear pressure stays linear, unless it would pull somewhere.
+        extra, found = self._Balanced(density, Stretched, slip, slack)
+        if fit.Pulls(extra):
+            extra, found = self._Balanced(density, Tilted, slip, slack)
+            pressure = pressure * exp(self._Field(extra))
+        else:
+            pressure = pressure + IfPos(blend, pressure, peak) * self._Field(extra)
+        self.pressure = self._unit * IfPos(pressure, pressure, 0)
         slip = self._Field(found)
         across = 1 + InnerProduct(slip, self.normal)
         self.traction = self.pressure * (slip - across * self.normal)
@@ -160,20 +170,22 @@ class Recovered:
         surface = self._surface
         ones = np.ones(len(surface.weight))
         vectors = FitMeans(surface, self._rough, ones, self._table["traction"], closed)
-        _, vectors = self._Balanced(ones, 0 * ones, vectors, np.ones(len(vectors)))
+        _, vectors = self._Balanced(
+            ones, lambda extra: (ones, 0 * ones), vectors, np.ones(len(vectors))
+        )
         self.traction = self._unit * self._Field(vectors)
         self.pressure = -InnerProduct(self.traction, self.normal)
 
     # --- both ------------------------------------------------------------------------------------
 
-    def _Balanced(self, density, stretch, slip, slack):
+    def _Balanced(self, density, scaled, slip, slack):
         """Corrections for which forces and moments are those of the multipliers, see `Balance`."""
         resultants, normals = self._contact.form.Resultants(), self._normals
         wanted = [resultants[name] / self._unit for name in ("force", "moment")]
         base = -_Units(self._surface.shapes @ normals)
         if self._pulls:
             base, normals = 0 * base, 0 * normals
-        balance = Balance(self._surface, self._patches, density, stretch, base, *wanted)
+        balance = Balance(self._surface, self._patches, density, scaled, base, *wanted)
         extra, found, error = balance.Solve(slip, normals, slack)
         if error > 1e-12 and slack.min() < 1:
             # What all slips may leave no way to these resultants: they come first.

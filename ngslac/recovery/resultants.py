@@ -5,20 +5,23 @@ import numpy as np
 
 __all__ = ["Balance"]
 
-ITERATIONS = 8
+ITERATIONS = 20
+LARGEST = 1.0  # step of the extra, which may stand in an exponential
 ROUNDING = 1e-14
 
 
 class Balance:
-    """Traction ``(density + extra stretch) (base + slip)`` with given resultants in each patch.
+    """Traction ``scaled(extra) (base + slip)`` with given resultants in each patch.
 
-    The extra is a linear function of the position in each patch; to the slip comes a rigid motion
-    of each patch, tangentially and where there is slack. Of all of these the smallest is taken.
+    The extra is a linear function of the position in each patch; `scaled` makes the pressures at
+    the points from its values there, and their derivatives; without extra they are `density`. To
+    the slip comes a rigid motion of each patch, tangentially and where there is slack. Of all of
+    these the smallest is taken.
     """
 
-    def __init__(self, surface, patches, density, stretch, base, forces, moments):
+    def __init__(self, surface, patches, density, scaled, base, forces, moments):
         self.surface, self.patches = surface, patches
-        self.density, self.stretch, self.base = density, stretch, base
+        self.scaled, self.base = scaled, base
         self._label = patches.macro[surface.macro]
         tiny, weight = np.finfo(float).tiny, (surface.weight * density)[:, None]
         total = patches.Sums(self._label, weight).clip(tiny)
@@ -44,13 +47,15 @@ class Balance:
             extra = np.einsum("na,na->n", affine, mine[:, : affine.shape[1]])
             slip = start + np.einsum("nak,na->nk", rigid, mine[:, affine.shape[1] :])
             rest, error = self._Rest(extra, slip)
-            if error > 0.5 * best[0]:
+            if error >= best[0]:
                 break
             best = error, extra, slip
             if error < ROUNDING:
                 break
             inverse = np.linalg.pinv(self._Jacobian(extra, slip, affine, rigid))
-            values = values + np.einsum("kba,kb->ka", inverse, rest)
+            step = np.einsum("kba,kb->ka", inverse, rest)
+            wide = np.abs(step[:, : affine.shape[1]]).sum(axis=1).max(initial=LARGEST)
+            values = values + step * LARGEST / wide
         return best[1], best[2], best[0]
 
     def _Ways(self, normals, slack):
@@ -69,7 +74,7 @@ class Balance:
     def _Rest(self, extra, slip):
         """What is missing of forces and moments, and its size relative to the forces."""
         shapes = self.surface.shapes
-        scale = self.density + self.stretch * (shapes @ extra)
+        scale, _ = self.scaled(shapes @ extra)
         tractions = scale[:, None] * (self.base + self._Along(shapes @ slip))
         rest = self._wanted - self._Resultants(tractions)
         size = np.linalg.norm(tractions, axis=1, keepdims=True) * self.surface.weight[:, None]
@@ -79,11 +84,11 @@ class Balance:
     def _Jacobian(self, extra, slip, affine, rigid):
         shapes = self.surface.shapes
         direction = self.base + self._Along(shapes @ slip)
-        stretched = (self.stretch[:, None] * (shapes @ affine))[..., None] * direction[:, None]
+        scale, slope = self.scaled(shapes @ extra)
+        stretched = (slope[:, None] * (shapes @ affine))[..., None] * direction[:, None]
         moved = np.stack(
             [self._Along(shapes @ motion) for motion in rigid.transpose(1, 0, 2)], axis=1
         )
-        scale = self.density + self.stretch * (shapes @ extra)
         moved = scale[:, None, None] * moved
         return self._Resultants(np.concatenate([stretched, moved], axis=1))
 

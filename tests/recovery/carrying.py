@@ -1,10 +1,10 @@
 """Contacts that carry given multipliers, and what a recovered traction sums up to."""
 
 import numpy as np
-from ngsolve import GridFunction
+from ngsolve import GridFunction, IntegrationRule
 from press import press
 
-from ngslac.recovery.surface import SlaveSurface
+from ngslac.recovery.surface import CORNERS, SlaveSurface
 
 WHOLE = {"overhang": 0.2, "aligned": True}
 
@@ -55,4 +55,8 @@ def keeps_resultants(contact, tol=1e-12):
 
 
 def never_pulls(contact):
-    assert at_points(contact, contact.Recovered().pressure)[2].min() >= 0
+    """Neither at the points where contact acts nor at the corners of the faces."""
+    pressure = contact.Recovered().pressure
+    assert at_points(contact, pressure)[2].min() >= 0
+    corners = {kind: IntegrationRule(places, [0] * len(places)) for kind, places in CORNERS.items()}
+    assert pressure(contact.mesh.MapToAllElements(corners, contact.space.slave)).min() >= 0

@@ -116,6 +116,23 @@ def test_surfaces_that_do_not_separate_may_pull(flags, law):
     check_linear(carrying(pressing(exact), **given), exact)
 
 
+@pytest.mark.parametrize(
+    ("seed", "flags"),
+    [
+        (172, {"dim": 2, "order": 2, "h": 0.3}),
+        (5, {"dim": 3, "order": 1, "n": (4, 3)}),
+        (13, {"dim": 3, "order": 2, "n": (3, 2)}),
+        (121, {"dim": 3, "order": 2, "n": (3, 2)}),
+    ],
+)
+def test_uneven_pressures_do_not_pull_inside_of_coarse_faces(seed, flags):
+    """A linear pressure with their moment would, at corners of faces."""
+    uneven = np.random.default_rng(seed).uniform
+    contact = carrying(pressing(lambda x: uneven(0, 1, len(x)) ** 4), **flags)
+    never_pulls(contact)
+    keeps_resultants(contact)
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_obstacle(dim):
     """A bump presses into the middle of a block: the ends of it are open."""
