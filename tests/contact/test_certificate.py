@@ -49,7 +49,8 @@ def test_before_a_solution_there_is_no_certificate():
     assert not len(report.narrow)
 
 
-@pytest.mark.parametrize("finite", [False, pytest.param(True, marks=pytest.mark.full)])
+@pytest.mark.full
+@pytest.mark.parametrize("finite", [False, True])
 def test_penetration_at_points_falls_with_the_mesh(finite):
     found = []
     for h in (0.1, 0.05, 0.025):

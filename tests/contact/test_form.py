@@ -153,7 +153,10 @@ def in_threads(n, f):
         return f()
 
 
-@pytest.mark.parametrize("flags", [{}, {"finite": True}, {"obstacle": CF(0.1)}])
+WEEKLY = [pytest.param(flags, marks=pytest.mark.full) for flags in ({}, {"obstacle": CF(0.1)})]
+
+
+@pytest.mark.parametrize("flags", [{"finite": True}, *WEEKLY])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_order_in_which_threads_arrive_leaves_no_trace(dim, flags):
     """To the last bit; where one master face has several macro-elements threads meet there."""

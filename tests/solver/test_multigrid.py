@@ -57,6 +57,7 @@ def iterations(**given):
     return solver.linear.krylov / (len(solver.history) - 1)
 
 
+@pytest.mark.full
 def test_iterations_do_not_grow_with_the_mesh():
     """Eight times the dofs each time, and one level more."""
     sizes = {(5, 4): (4, 4), (10, 9): (8, 8), (20, 17): (14, 14)}

@@ -241,9 +241,9 @@ def test_freedofs(dim):
 @pytest.mark.parametrize(
     ("make", "flags"),
     [
-        (mixed_press, {"h": 0.5}),
         (mixed_press, {"h": 0.5, "finite": True, "nonlinear": True}),
-        (mixed_press, {"dim": 3, "n": (2, 1)}),
+        pytest.param(mixed_press, {"h": 0.5}, marks=pytest.mark.full),
+        pytest.param(mixed_press, {"dim": 3, "n": (2, 1)}, marks=pytest.mark.full),
         (block_on_obstacle, {"gap": 0.001 * x * x, "friction": 0.2}),
     ],
 )
