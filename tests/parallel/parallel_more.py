@@ -207,7 +207,7 @@ def dynamics3d(world):
 @case
 def by_iterations(world):
     """The iterative solver by name."""
-    made = problem(cube_on_block(world.comm, 0.2), friction=0.3)
+    made = problem(cube_on_block(world.comm, 0.4), friction=0.3)
     found = press(made, (0.02, 0.0, -0.06 + 0.08 * x), solver=made.solver(solver="iterative"))
     del found["iterations"]
     return found
