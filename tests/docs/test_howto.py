@@ -67,6 +67,7 @@ def test_stack(run):
     assert names["push"].Get() == pytest.approx(0.4)  # friction times weight: the exact limit
 
 
+@pytest.mark.full
 def test_snap_fit(run):
     names = run("snap_fit")
     assert names["largest"] == pytest.approx(0.077, rel=0.1)

@@ -36,7 +36,7 @@ CONSERVATIVE = {  # motion, end
 
 
 # Each week; in 3D, by default, the bowl.
-LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "3D")
+LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "stiff", "3D")
 
 
 @pytest.mark.parametrize(
