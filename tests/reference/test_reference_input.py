@@ -2,6 +2,7 @@
 
 import doctest
 from dataclasses import replace
+from importlib import import_module
 from math import inf, nan
 
 import exact_disc
@@ -13,6 +14,7 @@ from exact_disc import ElasticSignoriniDisc
 from exact_signorini import ElasticSignorini, ScalarSignorini
 from exact_slab import GRECO_SLAB
 
+from ngslac import reference
 from ngslac.reference import (
     CattaneoMindlin,
     CattaneoMindlinPoint,
@@ -143,3 +145,13 @@ def test_examples_of_modules(module):
     result = doctest.testmod(module)
     assert result.failed == 0
     assert result.attempted > 0
+
+
+@pytest.mark.parametrize("name", reference.MOVED)
+def test_names_that_moved_say_where_they_are(name):
+    """Also where they are imported by name; the file has them."""
+    file = reference.MOVED[name]
+    with pytest.raises(ImportError, match=rf"after version 0\.1\.0: copy .*/{file}"):
+        exec(f"from ngslac.reference import {name}", {})
+    assert hasattr(import_module(file.removesuffix(".py")), name)
+    assert not hasattr(reference, f"{name}s")
