@@ -152,20 +152,14 @@ void ExportLinear(py::module & m) {
            py::arg("system"), "Takes over a system with the same bulk.");
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
-      "Preconditioner: a sweep forward, a correction, a sweep backward. The correction is by the\n"
-      "operator `coarse`, on a space whose functions are the columns of a sparse matrix: the rows\n"
-      "(starts, columns, values) belong to the free `dofs`, and others are empty.")
+      "Preconditioner: a sweep forward, a correction of some free dofs, a sweep backward. The\n"
+      "operator `coarse` makes the correction from the residual on these dofs.")
       .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
-                       shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs,
-                       const Numbers<int> & starts, const Numbers<int> & columns,
-                       const Numbers<float> & values) {
-             SparseRows rows{FromNumPy(starts), FromNumPy(columns), FromNumPy(values)};
-             auto list = FromNumPy(dofs);
-             py::gil_scoped_release release;
-             return make_shared<TwoLevel>(system, sweeps, coarse, rows, list);
+                       shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs) {
+             return make_shared<TwoLevel>(system, sweeps, coarse, FromNumPy(dofs));
            }),
            py::arg("system"), py::arg("sweeps").none(false), py::arg("coarse").none(false),
-           py::arg("dofs"), py::arg("starts"), py::arg("columns"), py::arg("values"));
+           py::arg("dofs"));
   py::class_<PreconditionedProduct, shared_ptr<PreconditionedProduct>>(
       m, "PreconditionedProduct", "Products with a matrix A after a preconditioner M.")
       .def(py::init([](shared_ptr<BaseMatrix> mat, shared_ptr<BaseMatrix> inverse) {

@@ -2,88 +2,38 @@
 #include "twolevel.hpp"
 
 namespace ngslac {
-SparseRows SparseRows::Transposed(size_t width) const {
-  SparseRows result;
-  result.starts.SetSize(width + 1);
-  result.starts = 0;
-  for (int column : columns)
-    result.starts[column + 1]++;
-  for (size_t column : Range(width))
-    result.starts[column + 1] += result.starts[column];
-  result.columns.SetSize(columns.Size());
-  result.values.SetSize(columns.Size());
-  Array<int> next(result.starts.Range(0, width));
-  for (size_t row : Range(Size()))
-    for (size_t j : Row(row)) {
-      int k = next[columns[j]]++;
-      result.columns[k] = row;
-      result.values[k] = values[j];
-    }
-  return result;
-}
-
-Prolongation::Prolongation(const SparseRows & given, FlatArray<int> dofs, FlatArray<int> slot,
-                           size_t width) {
-  if (given.starts.Size() != dofs.Size() + 1 || given.starts[0] != 0 ||
-      given.columns.Size() != given.values.Size() ||
-      size_t(given.starts.Last()) != given.columns.Size())
-    throw Exception("TwoLevel: the prolongation does not fit its dofs");
-  for (size_t i : Range(dofs))
-    if (given.starts[i] > given.starts[i + 1])
-      throw Exception("TwoLevel: the prolongation does not fit its dofs");
-  for (int column : given.columns)
-    if (column < 0 || size_t(column) >= width)
-      throw Exception("TwoLevel: the coarse system does not fit the prolongation");
-  Array<std::pair<int, int>> order; // slot, row
-  for (int i : Range(dofs)) {
+TwoLevel::TwoLevel(const Condensation & system, shared_ptr<StarSweeps> asweeps,
+                   shared_ptr<BaseMatrix> acoarse, FlatArray<int> dofs)
+    : SquareOperator(system), sweeps(asweeps), coarse(acoarse) {
+  if (size_t(coarse->VHeight()) != dofs.Size())
+    throw Exception("TwoLevel: " + ToString(dofs.Size()) + " dofs for a coarse operator of size " +
+                    ToString(coarse->VHeight()));
+  auto & slot = sweeps->Order().slot;
+  for (int i : Range(dofs))
     if (dofs[i] < 0 || size_t(dofs[i]) >= slot.Size() || slot[dofs[i]] < 0)
       throw Exception("TwoLevel: dof " + ToString(dofs[i]) + " of the coarse system is not free");
-    if (given.starts[i] < given.starts[i + 1])
-      order.Append({slot[dofs[i]], i});
-  }
-  QuickSort(order);
-  rows.starts.Append(0);
-  for (auto [s, row] : order) {
-    slots.Append(s);
-    for (size_t j : given.Row(row)) {
-      rows.columns.Append(given.columns[j]);
-      rows.values.Append(given.values[j]);
-    }
-    rows.starts.Append(rows.columns.Size());
-  }
-  transposed = rows.Transposed(width);
+    else
+      places.Append({slot[dofs[i]], i});
+  QuickSort(places);
 }
-
-void Prolongation::Restrict(FlatArray<float> left, FlatVector<> coarse) const {
-  ParallelFor(coarse.Size(), [&](size_t i) {
-    double sum = 0;
-    for (size_t j : transposed.Row(i))
-      sum += transposed.values[j] * left[transposed.columns[j]];
-    coarse(i) = sum;
-  });
-}
-
-TwoLevel::TwoLevel(const Condensation & system, shared_ptr<StarSweeps> asweeps,
-                   shared_ptr<BaseMatrix> acoarse, const SparseRows & rows, FlatArray<int> dofs)
-    : SquareOperator(system), sweeps(asweeps), coarse(acoarse),
-      prolongation(rows, dofs, asweeps->Order().slot, acoarse->VHeight()) {}
 
 void TwoLevel::Correct(FlatArray<Node> b, FlatArray<Node> z) const {
-  auto slots = prolongation.Slots();
-  Array<float> left(slots.Size());
-  ParallelFor(slots.Size(), [&](size_t i) {
-    size_t node = slots[i] / width;
-    if (i && size_t(slots[i - 1]) / width == node)
-      return; // the first slot of a node does it for all
-    Node product = sweeps->Rows().Times(node, z);
-    for (size_t j = i; j < slots.Size() && size_t(slots[j]) / width == node; j++)
-      left[j] = b[node][slots[j] % width] - product[slots[j] % width];
+  auto left = coarse->CreateColVector(), correction = coarse->CreateRowVector();
+  auto node = [&](size_t i) { return size_t(places[i].first) / width; };
+  ParallelFor(places.Size(), [&](size_t i) {
+    if (i && node(i - 1) == node(i))
+      return; // the first dof of a node does it for all
+    Node product = sweeps->Rows().Times(node(i), z);
+    for (size_t j = i; j < places.Size() && node(j) == node(i); j++) {
+      auto [slot, dof] = places[j];
+      left.FV<double>()(dof) = b[slot / width][slot % width] - product[slot % width];
+    }
   });
-  auto rhs = coarse->CreateColVector(), solution = coarse->CreateRowVector();
-  prolongation.Restrict(left, rhs.FV<double>());
-  coarse->Mult(rhs, solution);
-  prolongation.Add(solution.FV<double>(),
-                   [&](int slot, float value) { z[slot / width][slot % width] += value; });
+  coarse->Mult(left, correction);
+  ParallelFor(places.Size(), [&](size_t i) {
+    auto [slot, dof] = places[i];
+    z[slot / width][slot % width] += float(correction.FV<double>()(dof));
+  });
   sweeps->SetMacroValues(z);
 }
 

@@ -4,42 +4,6 @@
 #include "starsweeps.hpp"
 
 namespace ngslac {
-/// Rows of a sparse matrix, in single precision.
-struct SparseRows {
-  Array<int> starts, columns; // of row i: columns[starts[i]], ..., before starts[i + 1]
-  Array<float> values;
-
-  size_t Size() const { return starts.Size() - 1; }
-  IntRange Row(size_t row) const { return IntRange(starts[row], starts[row + 1]); }
-  SparseRows Transposed(size_t width) const;
-};
-
-/// From a coarse space to some slots of a NodeOrder, and back.
-class Prolongation {
-public:
-  /// Row i of `rows` belongs to dofs[i]; `slot` is that of each dof.
-  Prolongation(const SparseRows & rows, FlatArray<int> dofs, FlatArray<int> slot, size_t width);
-
-  /// Where the coarse functions do not vanish, in ascending order.
-  FlatArray<int> Slots() const { return slots; }
-  /// coarse = P^T left,  with `left` on the slots
-  void Restrict(FlatArray<float> left, FlatVector<> coarse) const;
-  /// add(slot, value) with the values  P coarse
-  template <typename F>
-  void Add(FlatVector<> coarse, F add) const {
-    ParallelFor(slots.Size(), [&](size_t i) {
-      double sum = 0;
-      for (size_t j : rows.Row(i))
-        sum += rows.values[j] * coarse(rows.columns[j]);
-      add(slots[i], float(sum));
-    });
-  }
-
-private:
-  Array<int> slots;
-  SparseRows rows, transposed;
-};
-
 /// Preconditioner: a sweep forward, a correction on a coarse space, and a sweep backward.
 ///
 /// Symmetric where the system and the correction are.
@@ -47,9 +11,9 @@ class TwoLevel : public SquareOperator {
 public:
   using Node = BlockedRows::Node;
 
-  /// The coarse operator takes what the residual is on a coarse space, and returns the correction.
+  /// The coarse operator takes the residual on some dofs, and returns their correction.
   TwoLevel(const Condensation & system, shared_ptr<StarSweeps> sweeps,
-           shared_ptr<BaseMatrix> coarse, const SparseRows & prolongation, FlatArray<int> dofs);
+           shared_ptr<BaseMatrix> coarse, FlatArray<int> dofs);
 
   /// y = M^-1 x
   void Mult(const BaseVector & x, BaseVector & y) const override;
@@ -62,7 +26,7 @@ private:
 
   shared_ptr<StarSweeps> sweeps;
   shared_ptr<BaseMatrix> coarse;
-  Prolongation prolongation;
+  Array<std::pair<int, int>> places; // slot of each dof, in ascending order, and its number
 };
 
 /// With this preconditioner, to single precision.

@@ -138,11 +138,14 @@ def Probe(size):
 
 
 class VCycle(BaseMatrix):
-    """Gauss-Seidel sweeps by nodes on each level, a factorisation on the coarsest one."""
+    """Gauss-Seidel sweeps by nodes on each level, a factorisation on the coarsest one.
 
-    def __init__(self, prolongations, matrices):
+    `onto` is a sparse matrix from the finest level to what residuals and corrections are given on.
+    """
+
+    def __init__(self, prolongations, matrices, onto):
         super().__init__()
-        self.size = matrices[0].shape[0]
+        self.size, self._onto, self._from = onto.shape[0], onto, onto.T.tocsr()
         self._transfers = [(prolongation, prolongation.T.tocsr()) for prolongation in prolongations]
         self.Take(matrices)
 
@@ -174,10 +177,11 @@ class VCycle(BaseMatrix):
     CreateRowVector = CreateColVector
 
     def Mult(self, x, y):
-        rhs, solution = x.FV().NumPy(), y.FV().NumPy()
-        solution[:] = self._Cycle(0, rhs)
+        rhs = self._from @ x.FV().NumPy()
+        solution = self._Cycle(0, rhs)
         for _ in range(CYCLES - 1 if self._levels else 0):
             solution += self._Cycle(0, rhs - self._levels[0][0] @ solution)
+        y.FV().NumPy()[:] = self._onto @ solution
 
     def _Cycle(self, level, rhs):
         if level == len(self._levels):

@@ -72,12 +72,10 @@ class Multigrid:
         prolongations, skipped = self._hierarchy.prolongations, self._skipped
         same = scipy.sparse.eye_array(mat.shape[0], format="csr")
         first = prolongations[0].tocsr() if skipped else same
-        matrices = self._hierarchy.Matrices(mat)[skipped:]
-        self._cycle = VCycle(prolongations[skipped:], matrices)
-        free = self.nodes.free.ravel()
-        rows, dofs = first[free], self.nodes.dofs.ravel()[free]
-        transfer = dofs, rows.indptr, rows.indices, rows.data
-        self._inverse = TwoLevel(system, self._sweeps, self._cycle, *transfer)
+        matrices, free = self._hierarchy.Matrices(mat)[skipped:], self.nodes.free.ravel()
+        self._cycle = VCycle(prolongations[skipped:], matrices, first[free])
+        dofs = self.nodes.dofs.ravel()[free]
+        self._inverse = TwoLevel(system, self._sweeps, self._cycle, dofs)
 
     def Watch(self, iterations):
         """Tell how many `iterations` each digit took: where they grow the setup is made anew."""

@@ -291,17 +291,13 @@ REFUSED = [
     (f"{WHOLE}.Part(BitArray(0))", r"bits for .* rows", NgException),
     (f"{WHOLE}.Part(BitArray(len(free) + 1))", r"bits for .* rows", NgException),
     *(
-        (f"TwoLevel(whole, sweeps, {coarse}, {rows})", message, error)
-        for coarse, rows, message, error in (
-            ("part", "[inner], [0], [], []", "does not fit its dofs", NgException),
-            ("part", "[inner], [0, 2], [0], [1.0]", "does not fit its dofs", NgException),
-            ("part", "[inner, inner], [0, 2, 1], [0], [1.0]", "does not fit its dofs", NgException),
-            ("part", "[inner], [1, 1], [0], [1.0]", "does not fit its dofs", NgException),
-            ("part", "[inner], [0, 1], [-1], [1.0]", "does not fit the prol", NgException),
-            ("part", "[inner], [0, 1], [part.height], [1.0]", "does not fit the prol", NgException),
-            ("part", "[-1], [0, 1], [0], [1.0]", "dof -1 .* is not free", NgException),
-            ("part", "[multipliers[0]], [0, 1], [0], [1.0]", "is not free", NgException),
-            ("None", "[inner], [0, 1], [0], [1.0]", "None", TypeError),
+        (f"TwoLevel(whole, sweeps, {coarse}, {dofs})", message, error)
+        for coarse, dofs, message, error in (
+            ("part", "[inner]", "1 dofs for a coarse operator", NgException),
+            ("IdentityMatrix(1)", "[-1]", "dof -1 .* is not free", NgException),
+            ("IdentityMatrix(1)", "[multipliers[0]]", "is not free", NgException),
+            ("IdentityMatrix(1)", "[2**31 - 1]", "is not free", NgException),
+            ("None", "[inner]", "None", TypeError),
         )
     ),
     ("StarSweeps(whole, BitArray(3), stars, 1)", "3 bits for .* rows", NgException),

@@ -106,7 +106,7 @@ def sweeps(condensed, fes):
 def applied(condensed, star_sweeps):
     """To a random vector, forward and backward, with nothing in between."""
     (x,) = random_vectors(condensed, 1)
-    inverse = TwoLevel(condensed, star_sweeps, IdentityMatrix(1), [], [0], [], [])
+    inverse = TwoLevel(condensed, star_sweeps, IdentityMatrix(0), [])
     return numpy((inverse * x).Evaluate()).copy()
 
 

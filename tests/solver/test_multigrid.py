@@ -5,7 +5,7 @@ import pytest
 from ngsolve import BitArray, ds
 from press import linear, numpy, press3d, same, solved
 from pyamg.relaxation.relaxation import block_gauss_seidel
-from scipy.sparse import bsr_matrix
+from scipy.sparse import bsr_matrix, eye_array
 
 from ngslac import BubbleVectorH1
 from ngslac.linear.chain import FACTORED, LARGE
@@ -164,7 +164,9 @@ def test_a_sweep_from_zero_leaves_the_upper_triangle(block):
 
 def test_cycle_is_symmetric_and_converges(block):
     mat, _, hierarchy = block
-    cycle = VCycle(hierarchy.prolongations, hierarchy.Matrices(mat))
+    cycle = VCycle(
+        hierarchy.prolongations, hierarchy.Matrices(mat), eye_array(mat.shape[0], format="csr")
+    )
     x, y, image = (cycle.CreateRowVector() for _ in range(3))
     for seed, vec in enumerate((x, y)):
         vec.FV().NumPy()[:] = np.random.default_rng(seed).standard_normal(mat.shape[0])
