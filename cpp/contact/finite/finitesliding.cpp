@@ -28,27 +28,6 @@ void CountReferenceAreas(const Surface<D> & reference, const Surface<D> & curren
     r.point.weight = MeasureAt(reference, pairing.segments[r.segment].slave, r.point);
 }
 
-/// Two surfaces that are tied, whose slip may have a part along the normal.
-///
-/// The mean of  x + g n - y  has to vanish: arms g n from the slave to the partners turn with
-/// the slave's normals n. Rigid motions of both bodies only turn it, and the tractions do the work
-/// of its change: the matrix is symmetric, and where it vanishes moments balance as forces do.
-template <int D>
-class TieScene : public MeshScene<D> {
-public:
-  using MeshScene<D>::MeshScene;
-  MacroGap<D> MeanOf(size_t m) override;
-  void AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
-                 LocalHeap & lh) const override;
-  void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim, MacroRows<D> & rows,
-                      BlockSum & stiffness, LocalHeap & lh) const override;
-  Vec<D> SlipOf(const SlipPairs<D> & pairs, size_t m) const override;
-  void AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
-               LocalHeap & lh) const override;
-  /// Of a traction at the ends of the arms.
-  pair<Vec<D>, Vec<3>> Resultant(size_t m, const MacroTraction<D> & traction) const override;
-};
-
 /// Calls f with the segments of a macro-element, and with the points of each and their old pairs.
 template <int D, typename F>
 void ForPairs(const MeshScene<D> & now, const MacroPoints<D> & points, size_t m, F f) {
@@ -101,87 +80,93 @@ void AddTurns(const Vec<D> & n, FlatMatrixFixWidth<D> g, double factor, const Ve
     }
 }
 
+/// Two surfaces that are tied, whose slip may have a part along the normal.
+///
+/// The mean of  x + g n - y  has to vanish: arms g n from the slave to the partners turn with
+/// the slave's normals n. Rigid motions of both bodies only turn it, and the tractions do the work
+/// of its change: the matrix is symmetric, and where it vanishes moments balance as forces do.
 template <int D>
-MacroGap<D> TieScene<D>::MeanOf(size_t m) {
-  double gap = 0;
-  Vec<D> normal = 0.0;
-  ForPairs(*this, *this->points, m, [&](const PairPoint<D> & p, const OldPair<D> & old) {
-    normal += p.weight * old.slave_normal;
-    gap += p.weight * (old.gap - InnerProduct(old.slave_normal, old.apart));
-  });
-  double mean = 1 / this->points->area[m];
-  return {mean * gap, mean * normal, Vec<D>(0.0), 0.0};
-}
-
-template <int D>
-Vec<D> TieScene<D>::SlipOf(const SlipPairs<D> & pairs, size_t m) const {
-  auto & points = pairs.points->pairing->points;
-  return ngslac::MeanOf(*pairs.points, m, [&](const Segment & segment, size_t i) {
-    return OldPair<D>(*this, segment, points[i]).apart;
-  });
-}
-
-template <int D>
-void TieScene<D>::AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
-                          LocalHeap & lh) const {
-  auto & points = *pairs.points;
-  for (int s : points.segments[m]) {
-    HeapReset hr(lh);
-    FacePair<D> faces(*this, points.pairing->segments[s], rows, lh);
-    faces.AddTo(rows.slip, Motion(*this, *points.pairing, s, faces, lh), 1 / points.area[m], lh);
+class TieScene : public MeshScene<D> {
+public:
+  using MeshScene<D>::MeshScene;
+  MacroGap<D> MeanOf(size_t m) override {
+    double gap = 0;
+    Vec<D> normal = 0.0;
+    ForPairs(*this, *this->points, m, [&](const PairPoint<D> & p, const OldPair<D> & old) {
+      normal += p.weight * old.slave_normal;
+      gap += p.weight * (old.gap - InnerProduct(old.slave_normal, old.apart));
+    });
+    double mean = 1 / this->points->area[m];
+    return {mean * gap, mean * normal, Vec<D>(0.0), 0.0};
   }
-}
 
-template <int D>
-void TieScene<D>::AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
-                            LocalHeap & lh) const {
-  auto & points = *this->points;
-  Vec<D> same = traction.At(this->mean[m].normal);
-  for (int s : points.segments[m]) {
-    HeapReset hr(lh);
-    FacePair<D> faces(this->slave_shapes, this->master_shapes, points.pairing->segments[s], lh);
-    auto of_dofs = faces.OfDofs(Motion(*this, *points.pairing, s, faces, lh), lh);
-    for (int j : Range(faces.at))
-      y.Add(faces.Dof(j), -InnerProduct(same, Vec<D>(of_dofs.Col(j))));
-  }
-}
-
-template <int D>
-void TieScene<D>::AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim,
-                                 MacroRows<D> & rows, BlockSum &, LocalHeap & lh) const {
-  if (traction.IsZero())
-    return;
-  auto & points = *this->points;
-  Vec<D> same = traction.At(this->mean[m].normal);
-  for (int s : points.segments[m]) {
-    HeapReset hr(lh);
-    auto & segment = points.pairing->segments[s];
-    FacePair<D> faces(*this, segment, rows, lh);
-    FlatMatrix<> block(faces.Size(), faces.Size(), lh);
-    block = 0.0;
-    for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
+  void AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
+                 LocalHeap & lh) const override {
+    auto & points = *this->points;
+    Vec<D> same = traction.At(this->mean[m].normal);
+    for (int s : points.segments[m]) {
       HeapReset hr(lh);
-      OldPair<D> old(*this, segment, p);
-      auto shapes = this->slave_shapes.Calc(segment.slave, p.slave, lh);
-      if (p.gap != 0)
-        AddTurns(old.slave_normal, Gradients<D>(old.dx, shapes, lh), p.weight * p.gap, same, block);
+      FacePair<D> faces(this->slave_shapes, this->master_shapes, points.pairing->segments[s], lh);
+      auto of_dofs = faces.OfDofs(Motion(*this, *points.pairing, s, faces, lh), lh);
+      for (int j : Range(faces.at))
+        y.Add(faces.Dof(j), -InnerProduct(same, Vec<D>(of_dofs.Col(j))));
     }
-    auto by_dofs = faces.BlockOfDofs(block, lh);
-    auto slaves = Range(faces.SlaveDofs());
-    for (int j : slaves)
-      for (int i : slaves)
-        rows.stiffness(faces.at[i], rows.TurningPosition(faces.Dof(j))) += by_dofs(i, j);
   }
-}
 
-template <int D>
-pair<Vec<D>, Vec<3>> TieScene<D>::Resultant(size_t m, const MacroTraction<D> & traction) const {
-  Vec<D> arm = 0.0, same = traction.At(this->mean[m].normal);
-  ForPairs(*this, *this->points, m, [&](const PairPoint<D> & p, const OldPair<D> & old) {
-    arm += p.weight * (this->slave.Origin() + old.x + old.gap * old.slave_normal);
-  });
-  return {this->points->area[m] * same, Moment(arm, same)};
-}
+  void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim, MacroRows<D> & rows,
+                      BlockSum &, LocalHeap & lh) const override {
+    if (traction.IsZero())
+      return;
+    auto & points = *this->points;
+    Vec<D> same = traction.At(this->mean[m].normal);
+    for (int s : points.segments[m]) {
+      HeapReset hr(lh);
+      auto & segment = points.pairing->segments[s];
+      FacePair<D> faces(*this, segment, rows, lh);
+      FlatMatrix<> block(faces.Size(), faces.Size(), lh);
+      block = 0.0;
+      for (auto & p : points.pairing->points.Range(points.pairing->Points(s))) {
+        HeapReset hr(lh);
+        OldPair<D> old(*this, segment, p);
+        auto shapes = this->slave_shapes.Calc(segment.slave, p.slave, lh);
+        if (p.gap != 0)
+          AddTurns(old.slave_normal, Gradients<D>(old.dx, shapes, lh), p.weight * p.gap, same,
+                   block);
+      }
+      auto by_dofs = faces.BlockOfDofs(block, lh);
+      auto slaves = Range(faces.SlaveDofs());
+      for (int j : slaves)
+        for (int i : slaves)
+          rows.stiffness(faces.at[i], rows.TurningPosition(faces.Dof(j))) += by_dofs(i, j);
+    }
+  }
+
+  Vec<D> SlipOf(const SlipPairs<D> & pairs, size_t m) const override {
+    auto & points = pairs.points->pairing->points;
+    return ngslac::MeanOf(*pairs.points, m, [&](const Segment & segment, size_t i) {
+      return OldPair<D>(*this, segment, points[i]).apart;
+    });
+  }
+
+  void AddSlip(const SlipPairs<D> & pairs, size_t m, MacroRows<D> & rows,
+               LocalHeap & lh) const override {
+    auto & points = *pairs.points;
+    for (int s : points.segments[m]) {
+      HeapReset hr(lh);
+      FacePair<D> faces(*this, points.pairing->segments[s], rows, lh);
+      faces.AddTo(rows.slip, Motion(*this, *points.pairing, s, faces, lh), 1 / points.area[m], lh);
+    }
+  }
+
+  /// Of a traction at the ends of the arms.
+  pair<Vec<D>, Vec<3>> Resultant(size_t m, const MacroTraction<D> & traction) const override {
+    Vec<D> arm = 0.0, same = traction.At(this->mean[m].normal);
+    ForPairs(*this, *this->points, m, [&](const PairPoint<D> & p, const OldPair<D> & old) {
+      arm += p.weight * (this->slave.Origin() + old.x + old.gap * old.slave_normal);
+    });
+    return {this->points->area[m] * same, Moment(arm, same)};
+  }
+};
 
 /// Two surfaces.
 template <int D>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "collectedshapes.hpp"
+#include "linear/addscaled.hpp"
 #include "ray.hpp"
 
 namespace ngslac {
@@ -46,21 +47,165 @@ class PointSums {
 
 public:
   /// `loaded`: are there forces?
-  PointSums(CollectedShapes<D> aslave, CollectedShapes<D> amaster, bool aloaded, LocalHeap & lh);
+  PointSums(CollectedShapes<D> aslave, CollectedShapes<D> amaster, bool aloaded, LocalHeap & lh)
+      : slave(aslave), master(amaster), of_slave(all, slave.Size(), lh),
+        of_master(all, master.Size(), lh), loaded(aloaded), n1(slave.Size()), n(n1 + master.Size()),
+        points(most_points, lh), by_value(most_points, all - gap, lh),
+        by_derivative(R * most_points, squeeze, lh), of_master_normal(R * most_points, D * D, lh),
+        turns(0, 0, lh), shifts(0, 0, lh), gradients(D, n1, lh), shift_of(D, n, lh),
+        pressed(0, 0, lh), moved(0, 0, lh) {
+    of_slave = 0.0, of_master = 0.0;
+    if (!loaded)
+      return;
+    turns.AssignMemory(most_points, D * D * n1, lh);
+    shifts.AssignMemory(R * most_points, D * D * n, lh);
+    pressed.AssignMemory(n, D * D * n1, lh);
+    moved.AssignMemory(n - n1, D * D * n, lh);
+    pressed = 0.0, moved = 0.0;
+  }
 
-  void Add(Vec<R> on_slave, const FacingPoint<D> & point);
+  void Add(Vec<R> on_slave, const FacingPoint<D> & point) {
+    points[slave.NPoints()] = point;
+    slave.Add(on_slave);
+    master.Add(point.ray.eta);
+    if (slave.IsFull())
+      Multiply();
+  }
+
   /// Adds rows of the derivatives: D of the slave normal, D of the force, gap, squeeze and D of the
   /// master normal; columns by function and component.
-  void AddTo(FlatMatrix<> columns);
+  void AddTo(FlatMatrix<> columns) {
+    Multiply();
+    for (int i : Range(n)) {
+      auto & sums = i < n1 ? of_slave : of_master;
+      int own = i < n1 ? i : i - n1;
+      for (int k : Range(D)) {
+        auto column = columns.Col(D * i + k);
+        column(D + k) += sums(force, own);
+        column(2 * D) += sums(gap + k, own);
+        column(2 * D + 1) += sums(squeeze + k, own);
+        for (int l : Range(D)) {
+          column(l) += sums(normal + D * l + k, own);
+          column(2 * D + 2 + l) += sums(tilt + D * l + k, own);
+        }
+      }
+    }
+  }
+
   /// Adds the derivative of the forces at this pressure.
-  void AddTo(double pressure, FlatMatrix<> block);
+  void AddTo(double pressure, FlatMatrix<> block) {
+    Multiply();
+    for (int k : Range(D))
+      for (int l : Range(D)) {
+        int turn = (k * D + l) * n1, move = (l * D + k) * n;
+        for (int j : Range(n))
+          for (int i : Range(n1))
+            block(D * j + l, D * i + k) += pressure * pressed(j, turn + i);
+        for (int j : Range(n - n1))
+          for (int i : Range(n))
+            block(D * (n1 + j) + l, D * i + k) += moved(j, move + i);
+      }
+  }
 
 private:
-  void SetPoint(int i);
-  void SetFactors(int i, const Mat<D, R> & dual, const Mat<D, R> & turning);
-  void SetTurns(int i, const Mat<D, R> & dual);
-  void SetShifts(int i, const Mat<D, R> & turning);
+  void SetPoint(int i) {
+    auto & ray = points[i].ray;
+    Mat<D, R> dual = DualBasis<D>(ray.dx);
+    Mat<D, R> turning; // of (eta, gap), along the normal, by derivatives of the slave's functions
+    for (int a : Range(D)) {
+      Vec<D> by_turn = ray.gap * ray.response.Row(a);
+      if (a == R)
+        by_turn += ray.miss;
+      turning.Row(a) = Trans(dual) * by_turn;
+    }
+    SetFactors(i, dual, turning);
+    if (!loaded)
+      return;
+    SetTurns(i, dual);
+    SetShifts(i, turning);
+  }
+
+  void SetFactors(int i, const Mat<D, R> & dual, const Mat<D, R> & turning) {
+    auto & [ray, w, pushed, master_normal, bend] = points[i];
+    auto & r = ray.response;
+    Mat<D, R> master_dual = DualBasis<D>(ray.dy);
+    Mat<D, R> by_eta = master_dual * bend; // along the master its normal turns with the curvature
+    Mat<D, D> moves = by_eta * r.Rows(0, R);
+    Mat<D, R> turns_too = by_eta * turning.Rows(0, R);
+    auto value = by_value.Row(i);
+    for (int k : Range(D)) {
+      value(k) = w * r(R, k);
+      value(squeeze - gap + k) = w * ray.normal(k);
+      for (int l : Range(D))
+        value(tilt - gap + D * l + k) = -w * moves(l, k);
+    }
+    value(force - gap) = w;
+    for (int c : Range(R)) {
+      auto derivative = by_derivative.Row(R * i + c), of_normal = of_master_normal.Row(R * i + c);
+      for (int k : Range(D)) {
+        double along = -w * ray.normal(k), along_master = -w * master_normal(k);
+        derivative(gap + k) = along * turning(R, c);
+        for (int l : Range(D)) {
+          derivative(normal + D * l + k) = along * dual(l, c);
+          derivative(tilt + D * l + k) = -along * turns_too(l, c);
+          of_normal(D * l + k) = along_master * master_dual(l, c);
+        }
+      }
+    }
+  }
+
+  void SetTurns(int i, const Mat<D, R> & dual) {
+    for (int l : Range(D)) {
+      Set(dual(l, 0), slave.Derivative(i, 0), &gradients(l, 0), n1);
+      for (int c = 1; c < R; c++)
+        AddScaled(dual(l, c), slave.Derivative(i, c), &gradients(l, 0), n1);
+    }
+    for (int k : Range(D))
+      Set(-points[i].weight * points[i].ray.normal(k), gradients.Data(), &turns(i, k * D * n1),
+          D * n1);
+  }
+
+  void SetShifts(int i, const Mat<D, R> & turning) {
+    auto & ray = points[i].ray;
+    for (int a : Range(R)) {
+      for (int k : Range(D)) {
+        double * shift = &shift_of(k, 0);
+        Set(ray.response(a, k), slave.Value(i), shift, n1);
+        for (int c : Range(R))
+          AddScaled(-ray.normal(k) * turning(a, c), slave.Derivative(i, c), shift, n1);
+        Set(-ray.response(a, k), master.Value(i), shift + n1, n - n1);
+      }
+      for (int k : Range(D))
+        Set(points[i].force(k), shift_of.Data(), &shifts(R * i + a, k * D * n), D * n);
+    }
+  }
+
   /// Takes in the collected points.
-  void Multiply();
+  void Multiply() {
+    int npoints = slave.NPoints();
+    if (npoints == 0)
+      return;
+    slave.Evaluate();
+    master.Evaluate();
+    for (int i : Range(npoints))
+      SetPoint(i);
+    auto rows = Range(npoints), directions = Range(R * npoints);
+    of_slave.Rows(gap, all) += Trans(by_value.Rows(rows)) * slave.Values();
+    of_slave.Rows(0, squeeze) += Trans(by_derivative.Rows(directions)) * slave.Derivatives();
+    of_master.Rows(gap, all) -= Trans(by_value.Rows(rows)) * master.Values();
+    of_master.Rows(tilt, squeeze) +=
+        Trans(of_master_normal.Rows(directions)) * master.Derivatives();
+    if (loaded) {
+      pressed.Rows(0, n1) += Trans(slave.Values()) * turns.Rows(rows);
+      pressed.Rows(n1, n) -= Trans(master.Values()) * turns.Rows(rows);
+      moved += Trans(master.Derivatives()) * shifts.Rows(directions);
+    }
+    slave.Clear();
+    master.Clear();
+  }
+  static void Set(double factor, const double * __restrict x, double * __restrict y, int n) {
+    for (int i = 0; i < n; i++)
+      y[i] = factor * x[i];
+  }
 };
 } // namespace ngslac
