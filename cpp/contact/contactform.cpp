@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "form.hpp"
+#include "contactform.hpp"
 
 namespace ngslac {
 ContactForm::ContactForm(const ContactSetup & asetup)
@@ -30,12 +30,5 @@ void ContactForm::CheckPaired() const {
   if (!IsCurrent())
     throw Exception("LACContact: the pairing is that of another mesh or space; after a refinement "
                     "call Update() of the space and of the contact, and make a new solver");
-}
-
-shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
-  int dim = ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension();
-  if (dim == 2)
-    return make_shared<Form<2>>(setup);
-  return make_shared<Form<3>>(setup);
 }
 } // namespace ngslac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "form.hpp"
+#include "kinematics.hpp"
 #include "linear/formdiagonal.hpp"
 
 namespace ngslac {
@@ -12,80 +12,7 @@ unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
     return MakeToolSliding<D>(parts);
   return parts.setup.finite ? MakeFiniteSliding<D>(parts) : MakeSmallSliding<D>(parts);
 }
-} // namespace
 
-template <int D>
-Form<D>::Form(const ContactSetup & asetup)
-    : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
-      tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
-      kinematics(MakeKinematics<D>({setup, space, u, law, tool})) {
-  law->has_ends = setup.active;
-}
-
-template <int D>
-void Form<D>::Update(shared_ptr<GridFunction> gf, const NamedNumbers * history) {
-  static Timer timer("ngslac::ContactForm::Update");
-  RegionTimer reg(timer);
-  CheckUpdated(gf);
-  Form fresh(setup);                                        // a failure leaves everything as it was
-  fresh.Start(gf, history ? Meeting::later : Meeting::now); // of a history they have met
-  if (history)
-    fresh.SetHistory(*history);
-  *this = std::move(fresh);
-}
-
-template <int D>
-void Form<D>::Start(shared_ptr<GridFunction> gf, Meeting meeting) {
-  nscalars = NScalars();
-  meshsize = MeshSize();
-  Vector<> x(nscalars);
-  x = 0.0;
-  if (gf)
-    x = gf->GetVector().FV<double>();
-  kinematics->Start(gf, x, meeting);
-  mat = make_shared<SparseMatrix<double>>(0, 0);
-  normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
-  for (size_t m : Range(states)) {
-    auto place = Place(m);
-    normal[m] = place.normal;
-    states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
-  }
-  Accept();
-}
-
-template <int D>
-void Form<D>::Follow(const BaseVector & bx) {
-  if (!setup.finite || !setup.active)
-    return;
-  CheckSize(bx.FV<double>().Size());
-  law->Reevaluate(); // the limits of the search
-  kinematics->Follow(bx.FV<double>());
-  normal = kinematics->Jump().normal; // before any Evaluate
-}
-
-template <int D>
-MacroPlace<D> Form<D>::Place(size_t m) const {
-  auto place = kinematics->Place(m);
-  if (!setup.active) {
-    place.gap = place.area = 0;
-    place.slip = place.jump = 0.0;
-    place.ends = nullptr;
-  }
-  return place;
-}
-
-template <int D>
-void Form<D>::SetActive(bool active) {
-  setup.active = law->has_ends = active;
-  for (auto * table : {&states, &accepted.states})
-    for (auto & state : *table)
-      if (!active)
-        state = {0, 0, Vec<3>(0.0), Vec<3>(0.0), Status::open};
-}
-
-// --- residual and matrices -----------------------------------------------------------------------
-
-namespace {
 /// Of one macro-element. Gap and slip are parts of the jump: the derivatives by it, and by a normal
 /// that turns while it stays, are those of gap and slip.
 template <int D>
@@ -108,383 +35,649 @@ Answer<D> AnswerFrom(NamedNumbers & given, size_t m, const MacroPlace<D> & place
   answer.status = StatusFrom(given["status"][m]);
   return answer;
 }
+
+/// A contact form: a law, and the kinematics that tells where macro-elements are.
+template <int D>
+class Form final : public ContactForm {
+public:
+  explicit Form(const ContactSetup & asetup)
+      : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
+        tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
+        kinematics(MakeKinematics<D>({setup, space, u, law, tool})) {
+    law->has_ends = setup.active;
+  }
+
+  void Update(shared_ptr<GridFunction> gf, const NamedNumbers * history) override {
+    static Timer timer("ngslac::ContactForm::Update");
+    RegionTimer reg(timer);
+    CheckUpdated(gf);
+    Form fresh(setup); // a failure leaves everything as it was
+    fresh.Start(gf, history ? Meeting::later : Meeting::now); // of a history they have met
+    if (history)
+      fresh.SetHistory(*history);
+    *this = std::move(fresh);
+  }
+
+  void Follow(const BaseVector & bx) override {
+    if (!setup.finite || !setup.active)
+      return;
+    CheckSize(bx.FV<double>().Size());
+    law->Reevaluate(); // the limits of the search
+    kinematics->Follow(bx.FV<double>());
+    normal = kinematics->Jump().normal; // before any Evaluate
+  }
+
+  void SetStiffness(FlatVector<> diagonal, double factor) override {
+    CheckSize(diagonal.Size());
+    SetScales(kinematics->JumpWithRows(), diagonal, factor);
+    auto & c = law->c;
+    if (std::none_of(c.begin(), c.end(), [](double value) { return value > 0; })) {
+      // nothing has a partner yet: the slave alone tells the size
+      auto & slave = *kinematics->Surfaces().slave;
+      auto all = PairWithObstacle<D>(slave, 2 * u.Order(slave));
+      MacroJump<D> whole(*space, slave, all);
+      whole.SetRows(u, slave, nullptr, all);
+      SetScales(whole, diagonal, factor);
+    }
+    FillScales(factor);
+    law->end_c = law->c; // until more is learnt
+  }
+
+  void LearnStiffness(FlatVector<> diagonal) override {
+    CheckSize(diagonal.Size());
+    kinematics->LearnStiffness(diagonal);
+  }
+  void LearnStiffness(const BilinearForm & bulk) override {
+    CheckSize(u.fes->GetDimension() * bulk.GetFESpace()->GetNDof());
+    auto & surfaces = kinematics->Surfaces();
+    if (!surfaces.master) // what is rigid is stiffer
+      return;
+    BitArray wanted(bulk.GetFESpace()->GetNDof());
+    wanted.Clear();
+    Array<DofId> dofs;
+    for (auto & surface : {surfaces.slave, surfaces.master})
+      for (size_t face : Range(surface->Size())) {
+        u.fes->GetDofNrs(ElementId(BND, surface->Element(face)), dofs);
+        for (DofId dof : dofs)
+          if (IsRegularDof(dof))
+            wanted.SetBit(dof);
+      }
+    kinematics->LearnStiffness(FormDiagonal(bulk, wanted));
+  }
+
+  void SetConstant(double value) override { law->c = law->end_c = value; }
+  void AddApply(const BaseVector & bx, BaseVector & by) override {
+    static Timer timer("ngslac::ContactForm::Apply");
+    RegionTimer reg(timer);
+    Prepare(bx);
+    CheckSize(by.FV<double>().Size());
+    auto x = bx.FV<double>();
+    AddResidual(x, Answers(x, false), by.FV<double>());
+  }
+
+  void AssembleLinearization(const BaseVector & bx) override {
+    Prepare(bx);
+    auto x = bx.FV<double>();
+    Linearize(Answers(x, false), law->Multipliers(x), Rim::stays);
+  }
+  void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+    Prepare(bx);
+    CheckSize(residual.FV<double>().Size());
+    auto x = bx.FV<double>();
+    auto answers = Answers(x, true);
+    Linearize(answers, law->Multipliers(x), Rim::moves);
+    AddResidual(x, answers, residual.FV<double>());
+  }
+
+  void BeginSolve() override { law->BeginSolve(); }
+  void Evaluate(const BaseVector & bx) override {
+    CheckSize(bx.FV<double>().Size());
+    law->Reevaluate();
+    auto x = bx.FV<double>();
+    kinematics->At(x);
+    auto answers = Answers(x, false);
+    ParallelFor(states.Size(), [&](size_t m) {
+      auto place = Place(m);
+      auto & state = states[m];
+      state.status = answers[m].status;
+      // What is left of the multiplier of an open one is rounding, or part of an iteration.
+      bool acts = setup.active && state.status != Status::open;
+      Vec<D> traction = acts ? law->Multiplier(m, x) : Vec<D>(0.0);
+      state.pressure = 0.0 - InnerProduct(traction, place.normal); // no -0
+      state.gap = place.gap;
+      state.traction = 0.0, state.slip = 0.0;
+      for (int k : Range(D))
+        state.traction(k) = traction(k), state.slip(k) = place.slip(k);
+      normal[m] = place.normal;
+    });
+  }
+
+  void Lean(FlatArray<double> vectors) override {
+    CheckPaired();
+    if (vectors.Size() && vectors.Size() != D * states.Size())
+      throw Exception("LACContact: " + ToString(vectors.Size()) + " numbers of vectors for " +
+                      ToString(states.Size()) + " macro-elements");
+    if (!kinematics->Surfaces().master || setup.tied)
+      return; // pressures of tools and tied surfaces keep their directions
+    law->lean.SetSize(vectors.Size() / D);
+    LoadVectors<D>(vectors, law->lean);
+  }
+
+  void SetEven(bool even) override { law->has_ends = setup.active && !even; }
+  void Commit(const BaseVector & bx) override {
+    Follow(bx);
+    Evaluate(bx);
+    if (setup.active)
+      kinematics->Commit(bx.FV<double>(), accepted.states, states);
+    Accept();
+  }
+
+  void Restore() override {
+    CheckPaired();
+    kinematics->Restore();
+    normal = accepted.normal;
+    states = accepted.states;
+  }
+
+  NamedNumbers History() const override {
+    CheckPaired();
+    NamedNumbers history;
+    kinematics->Save(history);
+    SaveVectors<D>(history["reference"], kinematics->Reference());
+    history["c"] = law->c;
+    if (setup.adjust > 0)
+      history["adjusted"] = law->adjusted;
+    SaveVectors<D>(history["normal"], normal);
+    SaveVectors<D>(history["accepted_normal"], accepted.normal);
+    for (auto & s : states)
+      AppendState(history["states"], s);
+    for (auto & s : accepted.states)
+      AppendState(history["accepted"], s);
+    return history;
+  }
+
+  void SetHistory(const NamedNumbers & history) override {
+    for (auto & [name, values] : History())
+      if (!history.count(name) || history.at(name).Size() != values.Size())
+        throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
+                        ToString(values.Size()) + " numbers");
+    auto saved = StatesFrom(history.at("states")), committed = StatesFrom(history.at("accepted"));
+    law->c = history.at("c");
+    if (setup.adjust > 0)
+      law->adjusted = history.at("adjusted");
+    kinematics->Load(history);
+    LoadVectors<D>(history.at("reference"), kinematics->Reference());
+    LoadVectors<D>(history.at("normal"), normal);
+    LoadVectors<D>(history.at("accepted_normal"), accepted.normal);
+    states = std::move(saved);
+    accepted.states = std::move(committed);
+  }
+
+  void AddForces(const BaseVector & bx, FlatArray<double> tractions, BaseVector & by) override {
+    Prepare(bx);
+    CheckSize(by.FV<double>().Size());
+    EvenPressures even(*law);
+    AddForces(Tractions(tractions), by.FV<double>());
+  }
+
+  shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & bx, FlatArray<double> given,
+                                          FlatArray<double> stiffness) override {
+    Prepare(bx);
+    if (stiffness.Size() != D * D * states.Size())
+      throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
+                      ToString(states.Size()) + " macro-elements");
+    EvenPressures even(*law);
+    auto tractions = Tractions(given);
+    Array<Answer<D>> answers(states.Size());
+    ParallelFor(states.Size(), [&](size_t m) {
+      auto & answer = answers[m];
+      answer.traction = tractions[m];
+      answer.by_normal = InnerProduct(tractions[m], Place(m).normal) * Id<D>();
+      for (int k : Range(D))
+        for (int l : Range(D))
+          answer.by_jump(k, l) = -stiffness[(m * D + k) * D + l];
+    });
+    Linearize(answers, tractions, Rim::moves);
+    return WithoutMultipliers();
+  }
+
+  void Close(const BitArray & macros, BaseVector & bx) override {
+    CheckSize(bx.FV<double>().Size());
+    if (macros.Size() != states.Size())
+      throw Exception("LACContact: " + ToString(macros.Size()) + " bits for " +
+                      ToString(states.Size()) + " macro-elements");
+    auto x = bx.FV<double>();
+    kinematics->At(x);
+    for (size_t m : Range(states)) {
+      auto place = Place(m);
+      if (!macros.Test(m) || place.area == 0)
+        continue;
+      // just enough for a positive trial pressure
+      double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
+      double c = max(law->c[m], law->end_c[m]);
+      double pressure = c * (fabs(place.gap) + 1e-6 * size);
+      Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
+      pressure /= 1 - InnerProduct(given, place.normal);
+      for (int k : Range(D))
+        x(law->dofs[D * m + k]) = -pressure * place.normal(k);
+    }
+  }
+
+  void AddScale(FlatVector<> scale) override {
+    CheckSize(scale.Size());
+    for (size_t m : Range(states))
+      for (int k : Range(D))
+        scale(law->dofs[D * m + k]) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
+    for (int i : Range(ToolDofs())) { // as if all of the slave were in contact, and elastic
+      double stiffness = 0;
+      for (size_t m : Range(states))
+        stiffness += law->c[m] / kinematics->Jump().RowArea(m) * L2Norm2(ToolIntegral(m, i));
+      scale(ToolDofs()[i]) = stiffness > 0 ? 1 / sqrt(stiffness) : 1;
+    }
+  }
+
+  shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) override {
+    CheckPaired();
+    auto & surfaces = kinematics->Surfaces();
+    MacroJump<D> one(*space, *surfaces.slave, *surfaces.pairing);
+    if (side != Side::both) // of both sides there is one already
+      one.SetRows(u, *surfaces.slave, surfaces.master.get(), *surfaces.pairing, side);
+    auto & op = side == Side::both ? kinematics->JumpWithRows() : one;
+    int block = u.fes->GetDimension();
+    return op.AsMatrix(u.offset * block, u.component->GetNDof() * block,
+                       side == Side::master ? -1 : 1); // D and M are both positive
+  }
+
+  NamedNumbers Table() const override {
+    CheckPaired();
+    auto & jump = kinematics->Jump();
+    NamedNumbers table;
+    for (auto & [name, values] :
+         std::map<string, const Array<double> *>{{"area", &jump.area},
+                                                 {"fullarea", &jump.fullarea},
+                                                 {"flatness", &jump.flatness},
+                                                 {"c", &law->c},
+                                                 {"friction", &law->friction},
+                                                 {"tresca", &law->threshold},
+                                                 {"offset", &law->offset}})
+      table[name] = *values;
+    if (!setup.active)
+      table["area"] = 0.0;
+    SaveVectors<D>(table["normal"], normal);
+    SaveVectors<D>(table["slave_normal"], jump.normal);
+    SaveVectors<D>(table["center"], jump.center);
+    SaveVectors<D>(table["reference"], kinematics->Reference());
+    for (size_t m : Range(states)) {
+      auto & state = states[m];
+      auto place = kinematics->Place(m);
+      AppendVector<D>(table["facing"], place.facing);
+      table["ends"].Append(place.end);
+      table["prescribed"].Append(D - Trace(space->ReachOf(m)));
+      table["pressure"].Append(state.pressure);
+      table["gap"].Append(state.gap);
+      table["status"].Append(double(state.status));
+      for (int k : Range(D)) {
+        table["traction"].Append(state.traction(k));
+        table["slip"].Append(state.slip(k));
+      }
+    }
+    return table;
+  }
+
+  NamedNumbers Resultants() const override {
+    CheckPaired();
+    NamedNumbers table;
+    for (size_t m : Range(states)) {
+      Vec<D> traction;
+      for (int k : Range(D))
+        traction(k) = states[m].traction(k);
+      auto [force, moment] = kinematics->ResultantOf(m, traction);
+      AppendVector<D>(table["force"], force);
+      AppendVector<3>(table["moment"], moment);
+    }
+    return table;
+  }
+
+  void Reevaluate() override { law->Reevaluate(); }
+  SegmentTable Segments() const override {
+    CheckPaired();
+    auto & surfaces = kinematics->Surfaces();
+    return MakeSegmentTable(*surfaces.pairing, *surfaces.slave, surfaces.master.get());
+  }
+
+  Array<double> Points() const override {
+    CheckPaired();
+    auto & surfaces = kinematics->Surfaces();
+    return MakePointTable(*surfaces.pairing, *surfaces.slave, surfaces.master.get());
+  }
+  size_t NSegments() const override {
+    CheckPaired();
+    return kinematics->Surfaces().pairing->Size();
+  }
+  Array<double> Depths() const override {
+    CheckPaired();
+    auto & surfaces = kinematics->Surfaces();
+    return kinematics->Finder().Depths(*surfaces.slave, *surfaces.master);
+  }
+  Array<double> Overlaps() const override {
+    CheckPaired();
+    auto & slave = *kinematics->Surfaces().slave;
+    auto & jump = kinematics->Jump();
+    BitArray faces(slave.Size()); // whose macro-elements are not paired, or in part only
+    faces.Clear();
+    for (size_t f : Range(slave.Size()))
+      if (int m = space->MacroOfFace()[slave.Element(f)];
+          setup.active && jump.area[m] < (1 - 1e-6) * jump.fullarea[m])
+        faces.SetBit(f);
+    auto * master = kinematics->Surfaces().master.get();
+    return kinematics->Finder().Overlaps(slave, master, law->Margin(), faces);
+  }
+
+  Array<double> GapRanges(FlatVector<> x) override {
+    CheckSize(x.Size());
+    law->Reevaluate();
+    kinematics->At(x);
+    Array<double> table;
+    auto ranges = kinematics->GapRanges(x);
+    for (size_t m : Range(ranges)) {
+      bool paired = setup.active && kinematics->Jump().area[m] > 0;
+      auto range = paired ? ranges[m] : GapRange<D>();
+      table += Array<double>{range.least, range.greatest};
+      for (auto & place : {range.near, range.far})
+        for (int k : Range(D))
+          table.Append(place(k));
+    }
+    return table;
+  }
+
+  FlatArray<int> MultiplierDofs() const override { return law->dofs; }
+  void SetActive(bool active) override {
+    setup.active = law->has_ends = active;
+    for (auto * table : {&states, &accepted.states})
+      for (auto & state : *table)
+        if (!active)
+          state = {0, 0, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+  }
+
+  FlatArray<int> ToolDofs() const override { return tool ? tool->Dofs() : FlatArray<int>(); }
+  Array<double> ToolRows() const override {
+    CheckPaired();
+    Array<double> rows;
+    for (size_t m : Range(states))
+      for (int k : Range(D))
+        for (int i : Range(ToolDofs()))
+          rows.Append(-ToolIntegral(m, i)(k));
+    return rows;
+  }
+
+  bool IsCurrent() const override {
+    return IsPaired() && meshsize == MeshSize() && nscalars == NScalars() &&
+           space->NMacros() == states.Size();
+  }
+
+private:
+  void Start(shared_ptr<GridFunction> gf, Meeting meeting) {
+    nscalars = NScalars();
+    meshsize = MeshSize();
+    Vector<> x(nscalars);
+    x = 0.0;
+    if (gf)
+      x = gf->GetVector().FV<double>();
+    kinematics->Start(gf, x, meeting);
+    mat = make_shared<SparseMatrix<double>>(0, 0);
+    normal.SetSize(kinematics->Size()), states.SetSize(kinematics->Size());
+    for (size_t m : Range(states)) {
+      auto place = Place(m);
+      normal[m] = place.normal;
+      states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    }
+    Accept();
+  }
+
+  /// Switched off, there is no partner.
+  MacroPlace<D> Place(size_t m) const {
+    auto place = kinematics->Place(m);
+    if (!setup.active) {
+      place.gap = place.area = 0;
+      place.slip = place.jump = 0.0;
+      place.ends = nullptr;
+    }
+    return place;
+  }
+
+  /// Everything as it is now is that of a committed step.
+  void Accept() {
+    accepted.normal = normal;
+    accepted.states = states;
+  }
+  /// Throws unless these are the entries of a vector on the space that was paired.
+  void CheckSize(size_t entries) const {
+    CheckPaired();
+    if (entries != nscalars)
+      throw Exception("LACContact: got " + ToString(entries) +
+                      " entries, but the pairing was made "
+                      "for a product space with " +
+                      ToString(nscalars) +
+                      "; after a refinement call Update() and make a new solver");
+  }
+
+  /// Throws where a pairing could not be made: of mesh, space and gf.
+  void CheckUpdated(const shared_ptr<GridFunction> & gf) const {
+    if (gf && gf->GetFESpace() != u.fes)
+      throw Exception(
+          "LACContact.Update: gf lives on another space than u and lam; give the one on "
+          "the product space");
+    if (space->MacroOfFace().Size() != u.fes->GetMeshAccess()->GetNE(BND))
+      throw Exception(
+          "LACContact.Update: the mesh was refined, but not its spaces; call Update() of "
+          "the product space first");
+    if (gf && gf->GetVector().FV<double>().Size() != NScalars())
+      throw Exception("LACContact.Update: gf has " + ToString(gf->GetVector().FV<double>().Size()) +
+                      " entries, its space " + ToString(NScalars()) + "; call gf.Update() first");
+  }
+
+  /// The scale c of macro-elements with a partner, 0 for the others.
+  void SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor) {
+    for (size_t m : Range(jump.Size())) {
+      double compliance = jump.Compliance(m, diagonal);
+      law->c[m] = compliance > 0 ? factor * jump.area[m] / compliance : 0;
+    }
+  }
+
+  /// A macro-element without a partner still needs a regular row of the right size.
+  void FillScales(double otherwise) {
+    double sum = 0;
+    int known = 0;
+    for (double value : law->c)
+      sum += value, known += value > 0;
+    for (double & value : law->c)
+      if (value == 0)
+        value = known ? sum / known : otherwise;
+  }
+
+  /// Looks at x, with scales for the law.
+  void Prepare(const BaseVector & x) {
+    CheckSize(x.FV<double>().Size());
+    law->Reevaluate();
+    for (double value : law->c)
+      if (!(value > 0))
+        throw Exception(
+            "LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
+            "ContactSolver or FormSum do it");
+    kinematics->At(x.FV<double>());
+  }
+
+  /// The answers of the law at x, in a step with its memory of the last one.
+  Array<Answer<D>> Answers(FlatVector<> x, bool step) {
+    if (setup.law)
+      return GivenAnswers(x);
+    Array<Answer<D>> answers(states.Size());
+    ParallelFor(answers.Size(), [&](size_t m) {
+      auto place = Place(m);
+      answers[m] = step ? law->AtStep(m, place, x) : law->At(m, place, x);
+    });
+    return answers;
+  }
+
+  /// Those of a law in place of the compiled one.
+  Array<Answer<D>> GivenAnswers(FlatVector<> x) const {
+    NamedNumbers places;
+    auto tractions = law->Multipliers(x);
+    for (size_t m : Range(states)) {
+      auto place = Place(m);
+      places["area"].Append(place.area);
+      places["gap"].Append(place.gap);
+      AppendVector<D>(places["normal"], place.normal);
+      AppendVector<D>(places["slip"], place.slip);
+      AppendVector<D>(places["multiplier"], tractions[m]);
+    }
+    auto given = setup.law(places);
+    for (auto name : {"by_normal", "by_multiplier"})
+      if (auto & zero = given[name]; !zero.Size()) {
+        zero.SetSize(D * D * states.Size());
+        zero = 0.0;
+      }
+    const size_t n = states.Size();
+    for (auto & [name, size] : std::map<string, size_t>{{"traction", D * n},
+                                                        {"by_gap", D * n},
+                                                        {"by_slip", D * D * n},
+                                                        {"by_normal", D * D * n},
+                                                        {"by_multiplier", D * D * n},
+                                                        {"status", n}})
+      if (given[name].Size() != size)
+        throw Exception("LACContact: a law has given " + ToString(given[name].Size()) +
+                        " numbers as '" + name + "' in place of " + ToString(size));
+    Array<Answer<D>> answers(n);
+    for (size_t m : Range(n))
+      if (auto place = Place(m); place.area > 0)
+        answers[m] = AnswerFrom<D>(given, m, place);
+    return answers;
+  }
+
+  Array<Vec<D>> Tractions(FlatArray<double> flat) const {
+    if (flat.Size() != D * states.Size())
+      throw Exception("LACContact: " + ToString(flat.Size()) + " numbers of tractions for " +
+                      ToString(states.Size()) + " macro-elements");
+    Array<Vec<D>> tractions(states.Size());
+    LoadVectors<D>(flat, tractions);
+    return tractions;
+  }
+
+  /// The multipliers are the tractions, and their rows say what these should be.
+  void AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y) {
+    auto tractions = law->Multipliers(x);
+    ParallelFor(states.Size(), [&](size_t m) {
+      Vec<D> left = law->RowFactor(m, Place(m)) * Vec<D>(answers[m].traction - tractions[m]);
+      for (int k : Range(D))
+        y(law->dofs[D * m + k]) += left(k);
+    });
+    AddForces(tractions, y);
+  }
+
+  void AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y) {
+    ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
+      kinematics->AddForces(m, tractions[m], forces, lh);
+    });
+    if (tool)
+      tool->AddLoads(y);
+  }
+
+  /// The matrix for these answers of the law, with the forces of these tractions.
+  void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim) {
+    static Timer timer("ngslac::ContactForm::Linearize");
+    RegionTimer reg(timer);
+    auto fresh = kinematics->ZeroMatrix(tractions, nscalars);
+    size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
+    AddBlocksInOrder(states.Size(), *fresh, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
+      AddLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), sum);
+    });
+    mat = fresh;
+  }
+
+  /// The matrix of the displacements alone: tractions are what the rows say, the product of which
+  /// with the columns is added. Rows of the multipliers stay empty.
+  shared_ptr<SparseMatrix<double>> WithoutMultipliers() const {
+    const SparseMatrix<double> & from = *mat; // reads 0 where there is no entry
+    BitArray ismultiplier(nscalars);
+    ismultiplier.Clear();
+    for (int lam : law->dofs)
+      ismultiplier.SetBit(lam);
+    Array<GraphBlock> blocks(states.Size());
+    for (size_t m : Range(blocks)) {
+      auto & dofs = blocks[m].rows;
+      for (int dof : from.GetRowIndices(law->dofs[D * m]))
+        if (!ismultiplier.Test(dof))
+          dofs.Append(dof);
+      blocks[m].columns = dofs;
+    }
+    auto result = ZeroMatrix(nscalars, blocks);
+    ParallelFor(nscalars, [&](size_t i) {
+      auto columns = from.GetRowIndices(i);
+      for (size_t j : Range(ismultiplier.Test(i) ? 0 : columns.Size()))
+        if (!ismultiplier.Test(columns[j]))
+          (*result)(i, columns[j]) = from.GetRowValues(i)(j);
+    });
+    size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
+    AddBlocksInOrder(blocks.Size(), *result, heap, [&](size_t m, LocalHeap &, BlockSum & sum) {
+      FlatArray<int> dofs = blocks[m].rows;
+      ngbla::Matrix<> forces(dofs.Size(), D), rows(D, dofs.Size());
+      for (int k : Range(D))
+        for (int j : Range(dofs)) {
+          int lam = law->dofs[D * m + k];
+          forces(j, k) = from(dofs[j], lam);
+          rows(k, j) = law->c[m] / kinematics->Jump().RowArea(m) * from(lam, dofs[j]);
+        }
+      sum.Add(dofs, dofs, ngbla::Matrix<>(forces * rows));
+    });
+    return result;
+  }
+
+  /// Adds the rows and columns of the multipliers of one macro-element.
+  void AddLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
+                BlockSum & sum) const {
+    auto own = law->dofs.Range(D * m, D * (m + 1));
+    ngbla::Mat<D, D> factor = law->RowFactor(m, kinematics->Place(m));
+    ngbla::Mat<D, D> by_jump = factor * answer.by_jump, by_normal = factor * answer.by_normal;
+    ngbla::Matrix<> entries = by_jump * rows.jump;
+    if (rows.normal.Height())
+      entries += by_normal * rows.normal;
+    sum.Add(own, own, ngbla::Matrix<>(factor * (answer.by_multiplier - Id<D>())));
+    sum.Add(own, rows.dofs, std::move(entries));
+    if (rows.force.Width())
+      sum.Add(rows.dofs, own, ngbla::Matrix<>(-1 * Trans(rows.force)));
+  }
+
+  /// Integral over a macro-element of how an unknown of the tool moves it.
+  Vec<D> ToolIntegral(size_t m, int unknown) const {
+    auto & own = kinematics->Surfaces().unknowns[unknown];
+    auto & jump = kinematics->Jump();
+    return jump.area[m] > 0 ? Vec<D>(jump.area[m] * own.linear + own.spin * jump.moment[m]) : 0.0;
+  }
+  /// Numbers of boundary elements and of vertices.
+  std::array<size_t, 2> MeshSize() const {
+    auto & ma = *u.fes->GetMeshAccess();
+    return {ma.GetNE(BND), ma.GetNV()};
+  }
+  /// Entries of a vector on the product space.
+  size_t NScalars() const { return u.fes->GetNDof() * u.fes->GetDimension(); }
+
+  shared_ptr<MacroLaw<D>> law;
+  shared_ptr<ToolPath<D>> tool; // null: there is none
+  unique_ptr<Kinematics<D>> kinematics;
+  Array<Vec<D>> normal;           // of the macro-elements at the last evaluation
+  size_t nscalars = 0;            // entries of a vector on the product space that was paired
+  std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
+  struct {
+    Array<Vec<D>> normal;
+    Array<MacroState> states;
+  } accepted; // at the last committed step
+};
 } // namespace
 
-/// The answers of the law at x, in a step with its memory of the last one.
-template <int D>
-Array<Answer<D>> Form<D>::Answers(FlatVector<> x, bool step) {
-  if (setup.law)
-    return GivenAnswers(x);
-  Array<Answer<D>> answers(states.Size());
-  ParallelFor(answers.Size(), [&](size_t m) {
-    auto place = Place(m);
-    answers[m] = step ? law->AtStep(m, place, x) : law->At(m, place, x);
-  });
-  return answers;
+shared_ptr<ContactForm> ContactForm::Create(const ContactSetup & setup) {
+  int dim = ProxyInfo(*setup.u, "u").fes->GetMeshAccess()->GetDimension();
+  if (dim == 2)
+    return make_shared<Form<2>>(setup);
+  return make_shared<Form<3>>(setup);
 }
-
-template <int D>
-Array<Answer<D>> Form<D>::GivenAnswers(FlatVector<> x) const {
-  NamedNumbers places;
-  auto tractions = law->Multipliers(x);
-  for (size_t m : Range(states)) {
-    auto place = Place(m);
-    places["area"].Append(place.area);
-    places["gap"].Append(place.gap);
-    AppendVector<D>(places["normal"], place.normal);
-    AppendVector<D>(places["slip"], place.slip);
-    AppendVector<D>(places["multiplier"], tractions[m]);
-  }
-  auto given = setup.law(places);
-  for (auto name : {"by_normal", "by_multiplier"})
-    if (auto & zero = given[name]; !zero.Size()) {
-      zero.SetSize(D * D * states.Size());
-      zero = 0.0;
-    }
-  const size_t n = states.Size();
-  for (auto & [name, size] : std::map<string, size_t>{{"traction", D * n},
-                                                      {"by_gap", D * n},
-                                                      {"by_slip", D * D * n},
-                                                      {"by_normal", D * D * n},
-                                                      {"by_multiplier", D * D * n},
-                                                      {"status", n}})
-    if (given[name].Size() != size)
-      throw Exception("LACContact: a law has given " + ToString(given[name].Size()) +
-                      " numbers as '" + name + "' in place of " + ToString(size));
-  Array<Answer<D>> answers(n);
-  for (size_t m : Range(n))
-    if (auto place = Place(m); place.area > 0)
-      answers[m] = AnswerFrom<D>(given, m, place);
-  return answers;
-}
-
-/// The multipliers are the tractions, and their rows say what these should be.
-template <int D>
-void Form<D>::AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y) {
-  auto tractions = law->Multipliers(x);
-  ParallelFor(states.Size(), [&](size_t m) {
-    Vec<D> left = law->RowFactor(m, Place(m)) * Vec<D>(answers[m].traction - tractions[m]);
-    for (int k : Range(D))
-      y(law->dofs[D * m + k]) += left(k);
-  });
-  AddForces(tractions, y);
-}
-
-template <int D>
-void Form<D>::AddForces(FlatArray<Vec<D>> tractions, FlatVector<> y) {
-  ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
-    kinematics->AddForces(m, tractions[m], forces, lh);
-  });
-  if (tool)
-    tool->AddLoads(y);
-}
-
-template <int D>
-void Form<D>::AddApply(const BaseVector & bx, BaseVector & by) {
-  static Timer timer("ngslac::ContactForm::Apply");
-  RegionTimer reg(timer);
-  Prepare(bx);
-  CheckSize(by.FV<double>().Size());
-  auto x = bx.FV<double>();
-  AddResidual(x, Answers(x, false), by.FV<double>());
-}
-
-template <int D>
-void Form<D>::AssembleLinearization(const BaseVector & bx) {
-  Prepare(bx);
-  auto x = bx.FV<double>();
-  Linearize(Answers(x, false), law->Multipliers(x), Rim::stays);
-}
-
-template <int D>
-void Form<D>::AssembleStep(const BaseVector & bx, BaseVector & residual) {
-  Prepare(bx);
-  CheckSize(residual.FV<double>().Size());
-  auto x = bx.FV<double>();
-  auto answers = Answers(x, true);
-  Linearize(answers, law->Multipliers(x), Rim::moves);
-  AddResidual(x, answers, residual.FV<double>());
-}
-
-template <int D>
-Array<Vec<D>> Form<D>::Tractions(FlatArray<double> flat) const {
-  if (flat.Size() != D * states.Size())
-    throw Exception("LACContact: " + ToString(flat.Size()) + " numbers of tractions for " +
-                    ToString(states.Size()) + " macro-elements");
-  Array<Vec<D>> tractions(states.Size());
-  LoadVectors<D>(flat, tractions);
-  return tractions;
-}
-
-template <int D>
-void Form<D>::AddForces(const BaseVector & bx, FlatArray<double> tractions, BaseVector & by) {
-  Prepare(bx);
-  CheckSize(by.FV<double>().Size());
-  EvenPressures even(*law);
-  AddForces(Tractions(tractions), by.FV<double>());
-}
-
-template <int D>
-shared_ptr<SparseMatrix<double>> Form<D>::Matrix(const BaseVector & bx, FlatArray<double> given,
-                                                 FlatArray<double> stiffness) {
-  Prepare(bx);
-  if (stiffness.Size() != D * D * states.Size())
-    throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
-                    ToString(states.Size()) + " macro-elements");
-  EvenPressures even(*law);
-  auto tractions = Tractions(given);
-  Array<Answer<D>> answers(states.Size());
-  ParallelFor(states.Size(), [&](size_t m) {
-    auto & answer = answers[m];
-    answer.traction = tractions[m];
-    answer.by_normal = InnerProduct(tractions[m], Place(m).normal) * Id<D>();
-    for (int k : Range(D))
-      for (int l : Range(D))
-        answer.by_jump(k, l) = -stiffness[(m * D + k) * D + l];
-  });
-  Linearize(answers, tractions, Rim::moves);
-  return WithoutMultipliers();
-}
-
-/// The matrix of the displacements alone: tractions are what the rows say, the product of which
-/// with the columns is added. Rows of the multipliers stay empty.
-template <int D>
-shared_ptr<SparseMatrix<double>> Form<D>::WithoutMultipliers() const {
-  const SparseMatrix<double> & from = *mat; // reads 0 where there is no entry
-  BitArray ismultiplier(nscalars);
-  ismultiplier.Clear();
-  for (int lam : law->dofs)
-    ismultiplier.SetBit(lam);
-  Array<GraphBlock> blocks(states.Size());
-  for (size_t m : Range(blocks)) {
-    auto & dofs = blocks[m].rows;
-    for (int dof : from.GetRowIndices(law->dofs[D * m]))
-      if (!ismultiplier.Test(dof))
-        dofs.Append(dof);
-    blocks[m].columns = dofs;
-  }
-  auto result = ZeroMatrix(nscalars, blocks);
-  ParallelFor(nscalars, [&](size_t i) {
-    auto columns = from.GetRowIndices(i);
-    for (size_t j : Range(ismultiplier.Test(i) ? 0 : columns.Size()))
-      if (!ismultiplier.Test(columns[j]))
-        (*result)(i, columns[j]) = from.GetRowValues(i)(j);
-  });
-  size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
-  AddBlocksInOrder(blocks.Size(), *result, heap, [&](size_t m, LocalHeap &, BlockSum & sum) {
-    FlatArray<int> dofs = blocks[m].rows;
-    ngbla::Matrix<> forces(dofs.Size(), D), rows(D, dofs.Size());
-    for (int k : Range(D))
-      for (int j : Range(dofs)) {
-        int lam = law->dofs[D * m + k];
-        forces(j, k) = from(dofs[j], lam);
-        rows(k, j) = law->c[m] / kinematics->Jump().RowArea(m) * from(lam, dofs[j]);
-      }
-    sum.Add(dofs, dofs, ngbla::Matrix<>(forces * rows));
-  });
-  return result;
-}
-
-/// Adds the rows and columns of the multipliers of one macro-element.
-template <int D>
-void Form<D>::AddLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
-                       BlockSum & sum) const {
-  auto own = law->dofs.Range(D * m, D * (m + 1));
-  ngbla::Mat<D, D> factor = law->RowFactor(m, kinematics->Place(m));
-  ngbla::Mat<D, D> by_jump = factor * answer.by_jump, by_normal = factor * answer.by_normal;
-  ngbla::Matrix<> entries = by_jump * rows.jump;
-  if (rows.normal.Height())
-    entries += by_normal * rows.normal;
-  sum.Add(own, own, ngbla::Matrix<>(factor * (answer.by_multiplier - Id<D>())));
-  sum.Add(own, rows.dofs, std::move(entries));
-  if (rows.force.Width())
-    sum.Add(rows.dofs, own, ngbla::Matrix<>(-1 * Trans(rows.force)));
-}
-
-/// The matrix for these answers of the law, with the forces of these tractions.
-template <int D>
-void Form<D>::Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim) {
-  static Timer timer("ngslac::ContactForm::Linearize");
-  RegionTimer reg(timer);
-  auto fresh = kinematics->ZeroMatrix(tractions, nscalars);
-  size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
-  AddBlocksInOrder(states.Size(), *fresh, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-    AddLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), sum);
-  });
-  mat = fresh;
-}
-
-template <int D>
-void Form<D>::Close(const BitArray & macros, BaseVector & bx) {
-  CheckSize(bx.FV<double>().Size());
-  if (macros.Size() != states.Size())
-    throw Exception("LACContact: " + ToString(macros.Size()) + " bits for " +
-                    ToString(states.Size()) + " macro-elements");
-  auto x = bx.FV<double>();
-  kinematics->At(x);
-  for (size_t m : Range(states)) {
-    auto place = Place(m);
-    if (!macros.Test(m) || place.area == 0)
-      continue;
-    // just enough for a positive trial pressure
-    double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
-    double c = max(law->c[m], law->end_c[m]);
-    double pressure = c * (fabs(place.gap) + 1e-6 * size);
-    Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
-    pressure /= 1 - InnerProduct(given, place.normal);
-    for (int k : Range(D))
-      x(law->dofs[D * m + k]) = -pressure * place.normal(k);
-  }
-}
-
-// --- lean ----------------------------------------------------------------------------------------
-
-template <int D>
-void Form<D>::Lean(FlatArray<double> vectors) {
-  CheckPaired();
-  if (vectors.Size() && vectors.Size() != D * states.Size())
-    throw Exception("LACContact: " + ToString(vectors.Size()) + " numbers of vectors for " +
-                    ToString(states.Size()) + " macro-elements");
-  if (!kinematics->Surfaces().master || setup.tied)
-    return; // pressures of tools and tied surfaces keep their directions
-  law->lean.SetSize(vectors.Size() / D);
-  LoadVectors<D>(vectors, law->lean);
-}
-
-// --- scales --------------------------------------------------------------------------------------
-
-template <int D>
-void Form<D>::SetStiffness(FlatVector<> diagonal, double factor) {
-  CheckSize(diagonal.Size());
-  SetScales(kinematics->JumpWithRows(), diagonal, factor);
-  auto & c = law->c;
-  if (std::none_of(c.begin(), c.end(), [](double value) { return value > 0; })) {
-    // nothing has a partner yet: the slave alone tells the size
-    auto & slave = *kinematics->Surfaces().slave;
-    auto all = PairWithObstacle<D>(slave, 2 * u.Order(slave));
-    MacroJump<D> whole(*space, slave, all);
-    whole.SetRows(u, slave, nullptr, all);
-    SetScales(whole, diagonal, factor);
-  }
-  FillScales(factor);
-  law->end_c = law->c; // until more is learnt
-}
-
-template <int D>
-void Form<D>::SetScales(const MacroJump<D> & jump, FlatVector<> diagonal, double factor) {
-  for (size_t m : Range(jump.Size())) {
-    double compliance = jump.Compliance(m, diagonal);
-    law->c[m] = compliance > 0 ? factor * jump.area[m] / compliance : 0;
-  }
-}
-
-/// A macro-element without a partner still needs a regular row of the right size.
-template <int D>
-void Form<D>::FillScales(double otherwise) {
-  double sum = 0;
-  int known = 0;
-  for (double value : law->c)
-    sum += value, known += value > 0;
-  for (double & value : law->c)
-    if (value == 0)
-      value = known ? sum / known : otherwise;
-}
-
-template <int D>
-void Form<D>::LearnStiffness(FlatVector<> diagonal) {
-  CheckSize(diagonal.Size());
-  kinematics->LearnStiffness(diagonal);
-}
-
-template <int D>
-void Form<D>::LearnStiffness(const BilinearForm & bulk) {
-  CheckSize(u.fes->GetDimension() * bulk.GetFESpace()->GetNDof());
-  auto & surfaces = kinematics->Surfaces();
-  if (!surfaces.master) // what is rigid is stiffer
-    return;
-  BitArray wanted(bulk.GetFESpace()->GetNDof());
-  wanted.Clear();
-  Array<DofId> dofs;
-  for (auto & surface : {surfaces.slave, surfaces.master})
-    for (size_t face : Range(surface->Size())) {
-      u.fes->GetDofNrs(ElementId(BND, surface->Element(face)), dofs);
-      for (DofId dof : dofs)
-        if (IsRegularDof(dof))
-          wanted.SetBit(dof);
-    }
-  kinematics->LearnStiffness(FormDiagonal(bulk, wanted));
-}
-
-template <int D>
-void Form<D>::AddScale(FlatVector<> scale) {
-  CheckSize(scale.Size());
-  for (size_t m : Range(states))
-    for (int k : Range(D))
-      scale(law->dofs[D * m + k]) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
-  for (int i : Range(ToolDofs())) { // as if all of the slave were in contact, and elastic
-    double stiffness = 0;
-    for (size_t m : Range(states))
-      stiffness += law->c[m] / kinematics->Jump().RowArea(m) * L2Norm2(ToolIntegral(m, i));
-    scale(ToolDofs()[i]) = stiffness > 0 ? 1 / sqrt(stiffness) : 1;
-  }
-}
-
-template <int D>
-Vec<D> Form<D>::ToolIntegral(size_t m, int unknown) const {
-  auto & own = kinematics->Surfaces().unknowns[unknown];
-  auto & jump = kinematics->Jump();
-  return jump.area[m] > 0 ? Vec<D>(jump.area[m] * own.linear + own.spin * jump.moment[m]) : 0.0;
-}
-
-// --- checks --------------------------------------------------------------------------------------
-
-template <int D>
-std::array<size_t, 2> Form<D>::MeshSize() const {
-  auto & ma = *u.fes->GetMeshAccess();
-  return {ma.GetNE(BND), ma.GetNV()};
-}
-
-template <int D>
-bool Form<D>::IsCurrent() const {
-  return IsPaired() && meshsize == MeshSize() && nscalars == NScalars() &&
-         space->NMacros() == states.Size();
-}
-
-template <int D>
-void Form<D>::CheckSize(size_t entries) const {
-  CheckPaired();
-  if (entries != nscalars)
-    throw Exception("LACContact: got " + ToString(entries) +
-                    " entries, but the pairing was made "
-                    "for a product space with " +
-                    ToString(nscalars) +
-                    "; after a refinement call Update() and make a new solver");
-}
-
-template <int D>
-void Form<D>::CheckUpdated(const shared_ptr<GridFunction> & gf) const {
-  if (gf && gf->GetFESpace() != u.fes)
-    throw Exception("LACContact.Update: gf lives on another space than u and lam; give the one on "
-                    "the product space");
-  if (space->MacroOfFace().Size() != u.fes->GetMeshAccess()->GetNE(BND))
-    throw Exception("LACContact.Update: the mesh was refined, but not its spaces; call Update() of "
-                    "the product space first");
-  if (gf && gf->GetVector().FV<double>().Size() != NScalars())
-    throw Exception("LACContact.Update: gf has " + ToString(gf->GetVector().FV<double>().Size()) +
-                    " entries, its space " + ToString(NScalars()) + "; call gf.Update() first");
-}
-
-template <int D>
-void Form<D>::Prepare(const BaseVector & x) {
-  CheckSize(x.FV<double>().Size());
-  law->Reevaluate();
-  for (double value : law->c)
-    if (!(value > 0))
-      throw Exception("LACContact: the scale c is not set; call SetStiffness(bulk matrix), or let "
-                      "ContactSolver or FormSum do it");
-  kinematics->At(x.FV<double>());
-}
-
-template class Form<2>;
-template class Form<3>;
 } // namespace ngslac
