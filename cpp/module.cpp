@@ -12,6 +12,7 @@ void ExportQueries(py::module & m);
 void ExportInner(py::module & m);
 void ExportLinear(py::module & m);
 void ExportSchur(py::module & m);
+void ExportTwoLevel(py::module & m);
 void ExportTool(py::module & m);
 void ExportRigidTool(py::module & m);
 void ExportContact(py::module & m);
@@ -28,6 +29,7 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportInner(m);
   ExportLinear(m);
   ExportSchur(m);
+  ExportTwoLevel(m);
   ExportTool(m);
   ExportRigidTool(m);
   ExportContact(m);
