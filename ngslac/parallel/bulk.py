@@ -93,7 +93,10 @@ class FormPart:
 
 
 class RemoteForm:
-    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space."""
+    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space.
+
+    And with those that a form may bring along: `LinearSolver`, `WithMass` and `Scale`.
+    """
 
     def __init__(self, ensemble, number, original):
         self.ensemble, self.number, self.condense = ensemble, number, original.condense

@@ -32,7 +32,7 @@ class AugmentedLagrangianSolver(ContactSolver):
 
     Parameters
     ----------
-    a, gf, contacts, rhs, freedofs, inverse, solver, preconditioner, initial :
+    a, gf, contacts, **options :
         As in `ContactSolver`.
     augmentation : float, optional
         c in multiples of the stiffness of the surface, that of each macro-element, which is taken
@@ -59,24 +59,9 @@ class AugmentedLagrangianSolver(ContactSolver):
     True
     """
 
-    def __init__(
-        self,
-        a,
-        gf,
-        contacts,
-        *,
-        rhs=None,
-        freedofs=None,
-        inverse=None,
-        solver=None,
-        preconditioner=None,
-        initial="gap",
-        augmentation=None,
-    ):
+    def __init__(self, a, gf, contacts, *, augmentation=None, **options):
         if augmentation is not None:
             CheckPositive("augmentation", augmentation, "a positive factor, or None")
-        options = {"rhs": rhs, "freedofs": freedofs, "inverse": inverse, "initial": initial}
-        options |= {"solver": solver, "preconditioner": preconditioner}
         super().__init__(a, gf, contacts, **options)
         self.system.scheme = Augmented(augmentation)
 

@@ -14,7 +14,6 @@ from ngslac.arrays import AsNumPy, Multiply
 from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError
-from ngslac.parallel.bulk import RemoteForm
 
 __all__ = [
     "AssembleBulk",
@@ -42,7 +41,7 @@ REFUSED = {
 
 def CheckBulk(a):
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
-    if not isinstance(a, RemoteForm):
+    if not hasattr(a, "LinearSolver"):
         CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
         raise ValueError("a lives on a complex space: contact needs a real one")

@@ -25,7 +25,6 @@ from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.linear.chain import CheckSolver, MakeLinearSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
 from ngslac.linear.system import Options
-from ngslac.parallel.bulk import RemoteForm
 from ngslac.petsc.solver import SerialPetsc
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
@@ -342,7 +341,8 @@ class ContactSolver(Equilibrium, metaclass=Distributable):
         initial="gap",
     ):
         space = CheckBulk(a).space
-        if not isinstance(a, RemoteForm):
+        own = getattr(a, "LinearSolver", None)  # of a form on many processes
+        if own is None:
             WarnOfCopies(space.mesh)
         contacts = CheckContacts(contacts, space, gf)
         CheckSlaves(contacts)
@@ -352,8 +352,8 @@ class ContactSolver(Equilibrium, metaclass=Distributable):
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         options = Options(CheckSolver(solver), inverse, preconditioner)
-        if isinstance(a, RemoteForm):
-            linear = a.LinearSolver(contacts[0], scalars, options)
+        if own is not None:
+            linear = own(contacts[0], scalars, options)
         elif options.solver == "petsc":
             linear = SerialPetsc(contacts[0], scalars, options)
         else:

@@ -2,7 +2,7 @@
 """Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from ngsolve import (
@@ -23,8 +23,6 @@ from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import Multiply, SameMatrix
 from ngslac.bodies.constraints import ToCSR
 from ngslac.linear.parts import PartsInverse
-from ngslac.parallel.bulk import RemoteForm
-from ngslac.parallel.functions import RemoteIntegrand
 from ngslac.parallel.mass import WithMass
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
@@ -199,7 +197,7 @@ class DynamicForm:
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
         # For the matrix alone, which knows nothing of the start.
-        add = a.WithMass if isinstance(a, RemoteForm) else lambda *terms: WithMass(a, *terms)
+        add = getattr(a, "WithMass", partial(WithMass, a))
         self._form = add(self.factor, mass.wanted, mass.u, mass.v)
         self._applied = None
         self.renewed = True  # was the matrix made in the present step? Who begins one says False.
@@ -239,7 +237,7 @@ class DynamicForm:
         self._Scale()
 
     def _Scale(self):
-        if isinstance(self._form, RemoteForm):
+        if hasattr(self._form, "Scale"):
             self._form.Scale(self.share)
         else:
             self._form.mat.AsVector().data *= self.share
@@ -274,8 +272,8 @@ def CheckScalar(name, value, wanted):
 
 
 def CheckEnergy(energy):
-    """The strain energy as a function, or None."""
-    if energy is None or isinstance(energy, RemoteIntegrand):
+    """The strain energy as a function, or None; it may bring its own `Integrate` along."""
+    if energy is None or hasattr(energy, "Integrate"):
         return energy
     return CheckScalar("energy", energy, "the strain energy per reference volume")
 

@@ -20,7 +20,6 @@ from ngslac.arguments import (
 from ngslac.bodies.bodies import NoBodies
 from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.parallel.functions import RemoteIntegrand
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, Equilibrium
 from ngslac.solve.system import System
@@ -340,7 +339,7 @@ class TimeStepper(metaclass=Distributable):
 
     def _Energy(self):
         """The strain energy (None: unknown)."""
-        if isinstance(self.energy, RemoteIntegrand):
+        if hasattr(self.energy, "Integrate"):
             return self.energy.Integrate()
         return None if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
 
