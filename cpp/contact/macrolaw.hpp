@@ -89,14 +89,56 @@ public:
   Array<int> dofs;                   // of the multipliers, D for each
   bool own;                          // the answers are those of another law
 
-  MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam);
+  MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam)
+      : space(aspace), lam(alam), tied(setup.tied), bilateral(setup.bilateral),
+        adjust(setup.adjust), watch_friction(setup.friction), watch_threshold(setup.threshold),
+        watch_offset(setup.offset), own(setup.law != nullptr) {}
 
   /// Finds the multipliers over the faces of a surface.
-  void FindDofs(const Surface<D> & slave);
+  void FindDofs(const Surface<D> & slave) {
+    dofs.SetSize(D * space->NMacros());
+    LocalHeap lh(1000 * 1000, "ngslac-multipliers");
+    int block = lam.fes->GetDimension();
+    Array<DofId> own;
+    for (size_t f : Range(slave.Size())) {
+      HeapReset hr(lh);
+      ElementId ei(BND, slave.Element(f));
+      lam.fes->GetDofNrs(ei, own);
+      IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
+      for (int k : Range(D))
+        dofs[D * space->MacroOfFace()[ei.Nr()] + k] =
+            block * own[(used.First() + k) / block] + (used.First() + k) % block;
+    }
+  }
+
   /// Evaluates the coefficients; no scale is known.
-  void Reset();
+  void Reset() {
+    Reevaluate();
+    c.SetSize(space->NMacros()), direction.SetSize(space->NMacros());
+    c = 0.0;
+    adjusted.SetSize(space->NMacros()), end_c.SetSize(space->NMacros());
+    adjusted = 0.0, end_c = 0.0;
+    BeginSolve();
+  }
+
   /// Evaluates what Parameters and other functions may have changed.
-  void Reevaluate();
+  void Reevaluate() {
+    auto means = [&](Watch & watch, const char * name, Array<double> & values, double least,
+                     double none) {
+      watch.WhereChanged([&] {
+        if (watch)
+          values = MacroMeans(*watch, *space, name, least);
+        else {
+          values.SetSize(space->NMacros());
+          values = none;
+        }
+      });
+    };
+    means(watch_friction, "friction", friction, 0, -1);
+    means(watch_threshold, "tresca", threshold, 0, -1);
+    means(watch_offset, "offset", offset, -std::numeric_limits<double>::infinity(), 0);
+  }
+
   /// Forgets the slip directions of the last iteration.
   void BeginSolve() { direction = Vec<D>(0.0); }
 
@@ -105,17 +147,32 @@ public:
   /// The gap between the surfaces at the start counts as zero if it is as small as is adjusted.
   void Adjust(size_t m, double gap) { adjusted[m] = fabs(gap) <= adjust ? -gap : 0; }
   /// What clearances ask of a search for partners.
-  SearchMargin Margin() const;
+  SearchMargin Margin() const {
+    SearchMargin margin{adjust, adjust};
+    for (double value : offset)
+      margin = {max(margin.farther, adjust - value), max(margin.deeper, adjust + value)};
+    return margin;
+  }
 
-  Vec<D> Multiplier(size_t m, FlatVector<> x) const;
+  Vec<D> Multiplier(size_t m, FlatVector<> x) const {
+    Vec<D> traction;
+    for (int k : Range(D))
+      traction(k) = x(dofs[D * m + k]);
+    return traction;
+  }
+
   Array<Vec<D>> Multipliers(FlatVector<> x) const {
     Array<Vec<D>> all(c.Size());
     for (size_t m : Range(all))
       all[m] = Multiplier(m, x);
     return all;
   }
+
   /// The pressure that it stands for before the projection, at rest.
-  double GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const;
+  double GivenPressure(size_t m, const Vec<D> & normal, FlatVector<> x) const {
+    Vec<D> traction = Multiplier(m, x);
+    return -InnerProduct(normal, traction - ComplianceOf(m).At(normal) * traction);
+  }
   /// How the pressure spreads over the points of a macro-element that contact ends in.
   EndPressure Spread(size_t m, const EndPoints & points) const {
     return EndPressure::Of(points, end_c[m]);
@@ -126,20 +183,75 @@ public:
     return AnswerOf(m, place, Project(Data(m, place), Trial(m, place, x)), x);
   }
   /// The same for a Newton step: what slips the other way than in the last one sticks.
-  Answer<D> AtStep(size_t m, const MacroPlace<D> & place, FlatVector<> x);
+  Answer<D> AtStep(size_t m, const MacroPlace<D> & place, FlatVector<> x) {
+    Vec<D> now = 0.0, trial = Trial(m, place, x);
+    auto data = Data(m, place);
+    auto p = Project(data, trial);
+    if (p.status == Status::slip && max(data.friction, data.threshold) > 0)
+      now = trial - InnerProduct(trial, place.normal) * place.normal;
+    if (InnerProduct(now, direction[m]) < 0) {
+      p = Sticking(trial);
+      now = 0.0;
+    }
+    direction[m] = now;
+    return AnswerOf(m, place, p, x);
+  }
+
   /// Factor of the multiplier's rows, which makes the matrix symmetric where contact ends, too.
-  ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const;
+  ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const {
+    ngbla::Mat<D, D> factor = (place.rowarea / c[m]) * Id<D>();
+    if (place.ends)
+      factor += (place.rowarea / c[m]) * (c[m] / end_c[m] - 1) * place.normal * Trans(place.normal);
+    return factor;
+  }
+
   /// Does it look at slip?
   bool Slides(size_t m) const { return own || max(friction[m], threshold[m]) >= 0; }
   /// Slip that comes back when the tangential traction is taken away: it counts on.
-  Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const;
+  Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {
+    if (own || ComplianceOf(m).IsRigid() || !(c[m] > 0))
+      return Vec<D>(0.0);
+    Vec<D> slip = (1 / c[m]) * (ComplianceOf(m).At(normal) * Multiplier(m, x));
+    return slip - InnerProduct(slip, normal) * normal;
+  }
 
 private:
   Answer<D> AnswerOf(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
-                     FlatVector<> x) const;
-  LawData<D> Data(size_t m, const MacroPlace<D> & place) const;
+                     FlatVector<> x) const {
+    auto & n = place.normal;
+    auto compliance = ComplianceOf(m);
+    ngbla::Mat<D, D> multiplier = Id<D>() - compliance.At(n), jump = c[m] * Id<D>();
+    if (place.ends) { // the mean pressure of its points in place of the trial pressure
+      double growth = Spread(m, *place.ends).by_multiplier - 1;
+      multiplier += growth * n * Trans(Vec<D>(Trans(multiplier) * n));
+      jump += (end_c[m] - c[m]) * n * Trans(n);
+    }
+    Answer<D> answer;
+    answer.traction = p.traction;
+    answer.by_multiplier = p.derivative * multiplier;
+    answer.by_jump = -1 * (p.derivative * jump);
+    answer.by_normal = p.by_normal - p.derivative * compliance.ByNormal(n, Multiplier(m, x));
+    answer.status = p.status;
+    return answer;
+  }
+
+  LawData<D> Data(size_t m, const MacroPlace<D> & place) const {
+    bool paired = place.area > 0;
+    return {place.normal, c[m], friction[m], threshold[m], tied && paired, bilateral && paired};
+  }
   /// The traction before the projection. Macro-elements without a partner stay open.
-  Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const;
+  Vec<D> Trial(size_t m, const MacroPlace<D> & place, FlatVector<> x) const {
+    if (place.area == 0)
+      return place.normal;
+    Vec<D> traction = Multiplier(m, x);
+    Vec<D> trial = traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+    if (!place.ends)
+      return trial;
+    double mean = Spread(m, *place.ends).mean;
+    if (mean <= 0)
+      return place.normal; // open, whatever rounding does
+    return trial - (InnerProduct(trial, place.normal) + mean) * place.normal;
+  }
 };
 
 /// Pressures are even everywhere while it lives.

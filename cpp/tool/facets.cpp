@@ -1,12 +1,84 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "facets.hpp"
-#include "facetedges.hpp"
 #include "twofold.hpp"
+#include <map>
 
 namespace ngslac {
 namespace {
 // Nearer than that, relative to the size of the tool, a point lies on its surface.
 constexpr double touching = 1e-13;
+
+/// What lies beyond the sides of facets: in 3D their edges, in 2D their end points.
+template <int D>
+class EdgeMap {
+  using Side = std::array<int, D - 1>; // its points, in the order of the facet
+  const FacetList<D> & list;
+  std::map<Side, int> facets; // each side belongs to one facet
+
+public:
+  /// Throws where two facets have a side in the same direction.
+  explicit EdgeMap(const FacetList<D> & alist) : list(alist) {
+    for (int f : Range(list.corners))
+      for (int i : Range(D))
+        if (auto [at, isnew] = facets.insert({SideOf(f, i), f}); !isnew)
+          throw Exception("tool: facets " + ToString(at->second) + " and " + ToString(f) +
+                          " meet, but turn their normals to different sides, or more than two "
+                          "facets meet there; repair the surface");
+  }
+
+  /// The facet beyond the side opposite to a corner; -1: none.
+  int Beyond(int facet, int corner) const {
+    Side side = SideOf(facet, corner);
+    if constexpr (D == 3)
+      Swap(side[0], side[1]);
+    else
+      side[0] = -1 - side[0];
+    auto found = facets.find(side);
+    return found == facets.end() ? -1 : found->second;
+  }
+
+private:
+  /// In 2D an end point has a direction, too: edges begin, or end there.
+  Side SideOf(int facet, int corner) const {
+    auto & c = list.corners[facet];
+    if constexpr (D == 3)
+      return {c[(corner + 1) % 3], c[(corner + 2) % 3]};
+    else
+      return {corner == 1 ? c[0] : -1 - c[1]};
+  }
+};
+
+/// Throws where facets are none, have corners that there are not, or leave the surface open
+/// (unless that is allowed) or without two sides.
+template <int D>
+void CheckFacets(const FacetList<D> & list, bool closed) {
+  if (list.corners.Size() == 0)
+    throw Exception("tool: it has no facets");
+  int n = list.points.Size();
+  for (auto & p : list.points)
+    if (!isfinite(L2Norm2(p)))
+      throw Exception("tool: a point has NaN or infinite coordinates");
+  for (int f : Range(list.corners))
+    for (int v : list.corners[f])
+      if (v < 0 || v >= n)
+        throw Exception("tool: facet " + ToString(f) + " has corner " + ToString(v) + " of " +
+                        ToString(n) + " points");
+  EdgeMap<D> edges(list);
+  for (int f : Range(list.corners))
+    for (int i : Range(closed ? D : 0))
+      if (edges.Beyond(f, i) < 0)
+        throw Exception("tool: its surface is open beside facet " + ToString(f) +
+                        "; close it, or give closed=False if what touches it stays away from its "
+                        "rim");
+}
+
+template <int D>
+netgen::Point<D> AsPoint(const Vec<D> & x) {
+  netgen::Point<D> p;
+  for (int k : Range(D))
+    p(k) = x(k);
+  return p;
+}
 
 template <int D>
 BoxTree<D> TreeOf(const FacetList<D> & list) {
