@@ -92,8 +92,8 @@ public:
   /// Pairing, motion and states as at the last Commit, or Update if none came after it.
   virtual void Restore() = 0;
   /// What a later solve depends on, besides the configuration of the pairing.
-  virtual NamedNumbers History() const = 0;
-  virtual void SetHistory(const NamedNumbers & history) = 0;
+  virtual NamedNumbers GetHistory() = 0;
+  virtual void SetHistory(NamedNumbers history) = 0;
   /// Subtracts the virtual work of tractions at x, d numbers for each macro-element, and of loads
   /// on a tool. Pressures are even.
   virtual void AddForces(const BaseVector & x, FlatArray<double> tractions, BaseVector & y) = 0;

@@ -122,7 +122,7 @@ void ExportContact(py::module & m) {
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
       .def("Restore", &ContactForm::Restore)
-      .def("History", [](ContactForm & self) { return ToDict(self.History()); })
+      .def("History", [](ContactForm & self) { return ToDict(self.GetHistory()); })
       .def("SetHistory",
            [](ContactForm & self, const Given & history) { self.SetHistory(FromDict(history)); })
       .def(

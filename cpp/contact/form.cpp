@@ -179,36 +179,24 @@ public:
     states = accepted.states;
   }
 
-  NamedNumbers History() const override {
+  NamedNumbers GetHistory() override {
     CheckPaired();
-    NamedNumbers history;
-    kinematics->Save(history);
-    SaveVectors<D>(history["reference"], kinematics->Reference());
-    history["c"] = law->c;
-    if (setup.adjust > 0)
-      history["adjusted"] = law->adjusted;
-    SaveVectors<D>(history["normal"], normal);
-    SaveVectors<D>(history["accepted_normal"], accepted.normal);
+    NamedNumbers numbers;
+    Exchange({numbers, false});
     for (auto & s : states)
-      AppendState(history["states"], s);
+      AppendState(numbers["states"], s);
     for (auto & s : accepted.states)
-      AppendState(history["accepted"], s);
-    return history;
+      AppendState(numbers["accepted"], s);
+    return numbers;
   }
 
-  void SetHistory(const NamedNumbers & history) override {
-    for (auto & [name, values] : History())
-      if (!history.count(name) || history.at(name).Size() != values.Size())
+  void SetHistory(NamedNumbers numbers) override {
+    for (auto & [name, values] : GetHistory())
+      if (!numbers.count(name) || numbers.at(name).Size() != values.Size())
         throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
                         ToString(values.Size()) + " numbers");
-    auto saved = StatesFrom(history.at("states")), committed = StatesFrom(history.at("accepted"));
-    law->c = history.at("c");
-    if (setup.adjust > 0)
-      law->adjusted = history.at("adjusted");
-    kinematics->Load(history);
-    LoadVectors<D>(history.at("reference"), kinematics->Reference());
-    LoadVectors<D>(history.at("normal"), normal);
-    LoadVectors<D>(history.at("accepted_normal"), accepted.normal);
+    auto saved = StatesFrom(numbers.at("states")), committed = StatesFrom(numbers.at("accepted"));
+    Exchange({numbers, true});
     states = std::move(saved);
     accepted.states = std::move(committed);
   }
@@ -450,6 +438,16 @@ private:
     accepted.normal = normal;
     accepted.states = states;
   }
+  void Exchange(History history) {
+    history.Exchange("c", law->c);
+    if (setup.adjust > 0)
+      history.Exchange("adjusted", law->adjusted);
+    kinematics->Exchange(history);
+    history.Exchange("reference", kinematics->Reference());
+    history.Exchange("normal", normal);
+    history.Exchange("accepted_normal", accepted.normal);
+  }
+
   /// Throws unless these are the entries of a vector on the space that was paired.
   void CheckSize(size_t entries) const {
     CheckPaired();

@@ -97,9 +97,8 @@ public:
   virtual void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) = 0;
   /// Everything is as it was at the last Commit.
   virtual void Restore() = 0;
-  /// The numbers of the last commit that a later solve depends on.
-  virtual void Save(NamedNumbers & history) const = 0;
-  virtual void Load(const NamedNumbers & history) = 0;
+  /// The numbers of the last commit that a later solve depends on, written or read.
+  virtual void Exchange(History & history) = 0;
 
   size_t Size() const { return surfaces.jump->Size(); }
   const Paired<D> & Surfaces() const { return surfaces; }
@@ -112,7 +111,7 @@ public:
     return Jump();
   }
   /// Slip counts from there.
-  FlatArray<Vec<D>> Reference() const { return reference; }
+  Array<Vec<D>> & Reference() { return reference; }
 
 protected:
   /// Takes over a pairing, and makes its macro-elements where there are none.

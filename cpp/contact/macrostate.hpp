@@ -26,4 +26,29 @@ void LoadVectors(FlatArray<double> flat, FlatArray<Vec<D>> vectors) {
     for (int k : Range(D))
       vectors[i](k) = flat[D * i + k];
 }
+
+/// What a contact form remembers, by name: its own numbers are written there, or read from there.
+struct History {
+  NamedNumbers & numbers;
+  bool reads;
+
+  void Exchange(const string & name, Array<double> & own) {
+    if (reads)
+      own = numbers.at(name);
+    else
+      numbers[name] = own;
+  }
+  void Exchange(const string & name, double & own) {
+    Array<double> one{own};
+    Exchange(name, one);
+    own = one[0];
+  }
+  template <int D>
+  void Exchange(const string & name, Array<Vec<D>> & own) {
+    if (reads)
+      LoadVectors<D>(numbers.at(name), own);
+    else
+      SaveVectors<D>(numbers[name], own);
+  }
+};
 } // namespace ngslac

@@ -191,27 +191,19 @@ public:
     SetDirections();
   }
 
-  void Save(NamedNumbers & history) const override {
-    SaveVectors(history["memory"], committed);
-    history["share"].Append(share);
-    if (setup.edges) {
-      history["end_c"] = law->end_c;
-      history["ends"] = ends.Save();
-      history["accepted_ends"] = accepted.ends;
-    }
+  void Exchange(History & history) override {
+    history.Exchange("memory", committed);
+    history.Exchange("share", share);
     if (setup.tied && setup.obstacle) // which has moved since
-      SaveVectors(history["tied"], tied);
-  }
-  void Load(const NamedNumbers & history) override {
-    LoadVectors(history.at("memory"), committed);
-    share = history.at("share")[0];
-    if (setup.tied && setup.obstacle)
-      LoadVectors(history.at("tied"), tied);
-    SetDirections();
+      history.Exchange("tied", tied);
+    if (history.reads)
+      SetDirections();
     if (setup.edges) {
-      law->end_c = history.at("end_c");
-      ends.Load(history.at("ends"));
-      accepted.ends = history.at("accepted_ends");
+      auto points = ends.Save();
+      history.Exchange("end_c", law->end_c);
+      history.Exchange("ends", points);
+      history.Exchange("accepted_ends", accepted.ends);
+      ends.Load(points);
     }
   }
 

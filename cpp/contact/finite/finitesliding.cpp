@@ -191,15 +191,10 @@ public:
                              {*master_shapes, *master_reference}, diagonal);
   }
 
-  void Save(NamedNumbers & history) const override {
-    Base::Save(history);
+  void Exchange(History & history) override {
+    Base::Exchange(history);
     if (!setup.tied)
-      history["share"].Append(share);
-  }
-  void Load(const NamedNumbers & history) override {
-    Base::Load(history);
-    if (!setup.tied)
-      share = history.at("share")[0];
+      history.Exchange("share", share);
   }
 
 protected:

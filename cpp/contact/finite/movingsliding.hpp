@@ -193,15 +193,11 @@ public:
     now = accepted.scene;
     points = start->points;
   }
-  void Save(NamedNumbers & history) const override {
+  void Exchange(History & history) override {
     if (!setup.tied)
-      history["memory"] = last_gap;
-  }
-  void Load(const NamedNumbers & history) override {
-    if (setup.tied)
+      history.Exchange("memory", last_gap);
+    else if (history.reads)
       accepted.scene = now;
-    else
-      last_gap = history.at("memory");
   }
 
 protected:
