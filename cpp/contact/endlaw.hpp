@@ -7,9 +7,9 @@ using namespace ngbla;
 
 /// The points of a macro-element that contact ends in, where it was looked at last.
 struct EndPoints {
-  Array<double> area; // of each point
-  Array<double> gap;  // of each point, with its clearance
-  double given = 0;   // pressure of the multiplier
+  Array<double> area;  // of each point
+  Array<double> gap;   // of each point, with its clearance
+  double pressure = 0; // of the multiplier
 };
 
 /// The pressure of a macro-element that contact ends in: the mean of projections at points,
@@ -28,8 +28,8 @@ struct EndPressure {
 
   /// At a multiplier.
   static EndPressure Of(const EndPoints & points, double c) {
-    auto [mean, share] = Mean(points, points.given, c);
-    return {points.given, mean, share, c};
+    auto [mean, share] = Mean(points, points.pressure, c);
+    return {points.pressure, mean, share, c};
   }
 
 private:

@@ -79,8 +79,8 @@ public:
 
   /// Gaps are counted from there.
   void CountFrom(FlatVector<> x) { start += closing * Vector<>(x(dofs)); }
-  void Look(FlatVector<> x, double clearance, double given) {
-    points.given = given;
+  void Look(FlatVector<> x, double clearance, double pressure) {
+    points.pressure = pressure;
     for (size_t k : Range(points.gap)) {
       points.gap[k] = start(k) + clearance;
       for (size_t j : Range(dofs))

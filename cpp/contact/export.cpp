@@ -7,9 +7,9 @@ namespace ngslac {
 namespace {
 using Given = std::map<string, Numbers<double>>;
 
-NamedNumbers FromDict(const Given & given) {
+NamedNumbers FromDict(const Given & arrays) {
   NamedNumbers copy;
-  for (auto & [name, values] : given)
+  for (auto & [name, values] : arrays)
     copy[name] = FromNumPy(values);
   return copy;
 }
@@ -128,19 +128,19 @@ void ExportContact(py::module & m) {
       .def(
           "AddForces",
           [](ContactForm & self, const BaseVector & x, Numbers<double> tractions, BaseVector & y) {
-            auto given = View(tractions, tractions.size());
+            auto values = View(tractions, tractions.size());
             py::gil_scoped_release release;
-            self.AddForces(x, FlatArray<double>(given.Size(), given.Data()), y);
+            self.AddForces(x, FlatArray<double>(values.Size(), values.Data()), y);
           },
           py::arg("x"), py::arg("tractions"), py::arg("y"))
       .def(
           "Matrix",
           [](ContactForm & self, const BaseVector & x, Numbers<double> tractions,
              Numbers<double> stiffness) -> shared_ptr<BaseMatrix> {
-            auto given = View(tractions, tractions.size());
+            auto values = View(tractions, tractions.size());
             auto springs = View(stiffness, stiffness.size());
             py::gil_scoped_release release;
-            return self.Matrix(x, FlatArray<double>(given.Size(), given.Data()),
+            return self.Matrix(x, FlatArray<double>(values.Size(), values.Data()),
                                FlatArray<double>(springs.Size(), springs.Data()));
           },
           py::arg("x"), py::arg("tractions"), py::arg("stiffness"))

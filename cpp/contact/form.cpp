@@ -16,12 +16,12 @@ unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
 /// Of one macro-element. Gap and slip are parts of the jump: the derivatives by it, and by a normal
 /// that turns while it stays, are those of gap and slip.
 template <int D>
-Answer<D> AnswerFrom(NamedNumbers & given, size_t m, const MacroPlace<D> & place) {
+Answer<D> AnswerFrom(NamedNumbers & table, size_t m, const MacroPlace<D> & place) {
   auto vector = [&](const char * name) {
-    return Vec<D>(FlatVector<>(D, given[name].Data() + D * m));
+    return Vec<D>(FlatVector<>(D, table[name].Data() + D * m));
   };
   auto matrix = [&](const char * name) {
-    return Mat<D, D>(FlatMatrix<>(D, D, given[name].Data() + D * D * m));
+    return Mat<D, D>(FlatMatrix<>(D, D, table[name].Data() + D * D * m));
   };
   auto & n = place.normal;
   Vec<D> by_gap = vector("by_gap");
@@ -32,7 +32,7 @@ Answer<D> AnswerFrom(NamedNumbers & given, size_t m, const MacroPlace<D> & place
   answer.by_jump = by_slip * across - by_gap * Trans(n);
   answer.by_normal = matrix("by_normal") - by_gap * Trans(place.jump);
   answer.by_normal += by_slip * (place.gap * Id<D>() - n * Trans(place.jump));
-  answer.status = StatusFrom(given["status"][m]);
+  answer.status = StatusFrom(table["status"][m]);
   return answer;
 }
 
@@ -208,14 +208,14 @@ public:
     AddForces(Tractions(tractions), by.FV<double>());
   }
 
-  shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & bx, FlatArray<double> given,
+  shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & bx, FlatArray<double> flat,
                                           FlatArray<double> stiffness) override {
     Prepare(bx);
     if (stiffness.Size() != D * D * states.Size())
       throw Exception("LACContact: " + ToString(stiffness.Size()) + " stiffnesses of springs for " +
                       ToString(states.Size()) + " macro-elements");
     EvenPressures even(*law);
-    auto tractions = Tractions(given);
+    auto tractions = Tractions(flat);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(states.Size(), [&](size_t m) {
       auto & answer = answers[m];
@@ -244,8 +244,8 @@ public:
       double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
       double c = max(law->c[m], law->end_c[m]);
       double pressure = c * (fabs(place.gap) + 1e-6 * size);
-      Vec<D> given = law->ComplianceOf(m).At(place.normal) * place.normal;
-      pressure /= 1 - InnerProduct(given, place.normal);
+      Vec<D> compliance = law->ComplianceOf(m).At(place.normal) * place.normal;
+      pressure /= 1 - InnerProduct(compliance, place.normal);
       for (int k : Range(D))
         x(law->dofs[D * m + k]) = -pressure * place.normal(k);
     }
@@ -529,9 +529,9 @@ private:
       AppendVector<D>(places["slip"], place.slip);
       AppendVector<D>(places["multiplier"], tractions[m]);
     }
-    auto given = setup.law(places);
+    auto table = setup.law(places);
     for (auto name : {"by_normal", "by_multiplier"})
-      if (auto & zero = given[name]; !zero.Size()) {
+      if (auto & zero = table[name]; !zero.Size()) {
         zero.SetSize(D * D * states.Size());
         zero = 0.0;
       }
@@ -542,13 +542,13 @@ private:
                                                         {"by_normal", D * D * n},
                                                         {"by_multiplier", D * D * n},
                                                         {"status", n}})
-      if (given[name].Size() != size)
-        throw Exception("LACContact: a law has given " + ToString(given[name].Size()) +
+      if (table[name].Size() != size)
+        throw Exception("LACContact: a law has given " + ToString(table[name].Size()) +
                         " numbers as '" + name + "' in place of " + ToString(size));
     Array<Answer<D>> answers(n);
     for (size_t m : Range(n))
       if (auto place = Place(m); place.area > 0)
-        answers[m] = AnswerFrom<D>(given, m, place);
+        answers[m] = AnswerFrom<D>(table, m, place);
     return answers;
   }
 

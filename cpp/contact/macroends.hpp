@@ -322,7 +322,7 @@ public:
   Array<double> Save() const {
     Array<double> saved;
     for (auto & own : rows) {
-      saved.Append(own.points.given);
+      saved.Append(own.points.pressure);
       saved += own.points.gap;
     }
     return saved;
@@ -331,7 +331,7 @@ public:
   void Load(FlatArray<double> saved) {
     size_t at = 0;
     for (auto & own : rows) {
-      own.points.given = saved[at++];
+      own.points.pressure = saved[at++];
       for (double & gap : own.points.gap)
         gap = saved[at++];
     }

@@ -59,7 +59,7 @@ class ToolPath {
   SomeTool<D> shape;
   std::vector<ToolMotion> motions;
   struct Drive {
-    ToolDrive given;
+    ToolDrive motion;
     int dof;
   };
   Array<Drive> drives;
@@ -108,7 +108,7 @@ public:
     place = Follow<D>(motions);
     loads.SetSize0();
     for (auto & drive : drives)
-      loads.Append(drive.given.load ? ValuesOf(*drive.given.load)(0) : 0.0);
+      loads.Append(drive.motion.load ? ValuesOf(*drive.motion.load)(0) : 0.0);
   }
 
   /// Another number for other values of Parameters.
@@ -117,19 +117,19 @@ public:
     ToolPosition<D> position(shape, place);
     Vec<D> way = 0.0;
     for (auto & drive : drives)
-      if (int k = drive.given.component; k >= 0)
+      if (int k = drive.motion.component; k >= 0)
         way(k) += x(drive.dof);
     for (auto & drive : drives) {
-      auto & given = drive.given;
-      if (given.component >= 0) {
+      auto & motion = drive.motion;
+      if (motion.component >= 0) {
         Vec<D> linear = 0.0;
-        linear(given.component) = 1;
+        linear(motion.component) = 1;
         position.dofs.Append(ToolDof<D>{drive.dof, linear, Mat<D, D>(0.0), false});
         continue;
       }
-      Vec<D> center = place.ToSpace(FirstOf<D>(given.center));
-      position.place.Turn(Rotation<D>(x(drive.dof), given.axis), center);
-      Mat<D, D> spin = Spin<D>(given.axis);
+      Vec<D> center = place.ToSpace(FirstOf<D>(motion.center));
+      position.place.Turn(Rotation<D>(x(drive.dof), motion.axis), center);
+      Mat<D, D> spin = Spin<D>(motion.axis);
       Vec<D> linear = -1 * (spin * Vec<D>(center + way));
       position.dofs.Append(ToolDof<D>{drive.dof, linear, spin, true});
     }

@@ -21,8 +21,8 @@ Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
 
 /// A vector that f has changed.
 template <typename F>
-Numbers<double> Changed(const Condensation & system, const Numbers<double> & given, F f) {
-  Vector<> values = View(given, system.VHeight());
+Numbers<double> Changed(const Condensation & system, const Numbers<double> & numbers, F f) {
+  Vector<> values = View(numbers, system.VHeight());
   {
     py::gil_scoped_release release;
     f(FlatVector<>(values));

@@ -14,13 +14,13 @@ class StarSweeps {
 public:
   using Node = BlockedRows::Node;
 
-  /// Of the scalar dofs `which`. `given`: stars of dofs, each of which has `dim` entries; what is
+  /// Of the scalar dofs `which`. `members`: stars of dofs, each of which has `dim` entries; what is
   /// not in `which` does not count, and a node in no star makes one.
-  StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> given, int dim)
+  StarSweeps(const Condensation & system, const BitArray & which, FlatTable<int> members, int dim)
       : order(system, which), rows(order.Size()) {
     static Timer timer("ngslac::StarSweeps - setup");
     RegionTimer reg(timer);
-    FindStars(given, dim);
+    FindStars(members, dim);
     condensed = Changed(system);
     SetTerms(system);
     ParallelFor(rows.Size(), [&](size_t row) { Fill(system, row); });
@@ -105,10 +105,10 @@ private:
     Array<float> inverse; // column by column
   };
 
-  void FindStars(FlatTable<int> given, int dim) {
+  void FindStars(FlatTable<int> members, int dim) {
     Array<bool> alone(order.Size());
     alone = true;
-    for (auto dofs : given) {
+    for (auto dofs : members) {
       IndexMap nodes;
       for (int dof : dofs)
         for (int k : Range(dim))
@@ -239,9 +239,9 @@ private:
 
   /// Takes over the local terms, and finds the nodes and stars of each.
   void SetTerms(const Condensation & system) {
-    auto given = system.Terms();
-    terms.SetSize(given.Size());
-    ParallelFor(terms.Size(), [&](size_t m) { terms[m] = NodeTerm(given[m], order); });
+    auto local = system.Terms();
+    terms.SetSize(local.Size());
+    ParallelFor(terms.Size(), [&](size_t m) { terms[m] = NodeTerm(local[m], order); });
     TableCreator<BlockedRows::Link> linker(rows.Size());
     for (; !linker.Done(); linker++)
       for (int m : Range(terms))

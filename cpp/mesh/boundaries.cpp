@@ -19,8 +19,8 @@ Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const str
   }
 }
 
-string Text(py::handle given) {
-  return py::isinstance<Region>(given) ? "<Region>" : Given<Region>::Text(given);
+string Text(py::handle boundary) {
+  return py::isinstance<Region>(boundary) ? "<Region>" : Given<Region>::Text(boundary);
 }
 
 // Of a distributed mesh, some processes may have none.
@@ -30,16 +30,16 @@ size_t FacesOfAll(const Region & region) {
 }
 } // namespace
 
-Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                       bool any) {
-  if (py::isinstance<py::str>(given))
-    return PatternRegion(mesh, name, py::cast<string>(given));
-  string wrong = name + " = " + Text(given) +
+  if (py::isinstance<py::str>(boundary))
+    return PatternRegion(mesh, name, py::cast<string>(boundary));
+  string wrong = name + " = " + Text(boundary) +
                  " must be a pattern of boundary names or a boundary region, such as "
                  "mesh.Boundaries(\"...\")";
-  if (!py::isinstance<Region>(given))
+  if (!py::isinstance<Region>(boundary))
     throw py::type_error(wrong);
-  auto region = py::cast<Region>(given);
+  auto region = py::cast<Region>(boundary);
   if (region.VB() != BND && !any)
     throw py::value_error(wrong);
   if (region.Mesh() != mesh)
@@ -47,13 +47,14 @@ Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::hand
   return region;
 }
 
-Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                        bool any) {
-  auto region = BoundaryRegion(mesh, name, given, any);
+  auto region = BoundaryRegion(mesh, name, boundary, any);
   if (region.VB() == BND && FacesOfAll(region) == 0)
     throw py::value_error(
-        name + "=" + Text(given) + " matches no boundary face; the boundaries are: " +
-        NamesInstead(*mesh, BND, py::isinstance<py::str>(given) ? py::cast<string>(given) : ""));
+        name + "=" + Text(boundary) + " matches no boundary face; the boundaries are: " +
+        NamesInstead(*mesh, BND,
+                     py::isinstance<py::str>(boundary) ? py::cast<string>(boundary) : ""));
   return region;
 }
 

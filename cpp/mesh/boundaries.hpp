@@ -7,10 +7,10 @@ using namespace ngcomp;
 
 /// What users mean by a pattern of boundary names or a region; `name`: of function and argument;
 /// `any`: a region may be of any dimension.
-Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                       bool any = false);
 /// The same for what has faces, such as the side of a contact.
-Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle given,
+Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                        bool any = false);
 
 /// Quoted names, for messages.

@@ -15,8 +15,8 @@ Numbers<T> Table(const Matrix<T> & matrix) {
 }
 
 template <typename T>
-Matrix<T> FromTable(const py::handle & given) {
-  auto numbers = given.cast<Numbers<T>>();
+Matrix<T> FromTable(const py::handle & table) {
+  auto numbers = table.cast<Numbers<T>>();
   Matrix<T> matrix(numbers.shape(0), numbers.shape(1));
   std::copy_n(numbers.data(), numbers.size(), matrix.Data());
   return matrix;
@@ -43,10 +43,10 @@ MeshPiece FromTuple(const py::tuple & parts) {
 void ExportMesh(py::module & m) {
   m.def(
       "RegionWithFaces",
-      [](shared_ptr<MeshAccess> mesh, const string & name, py::object given, bool any) {
-        return RegionWithFaces(mesh, name, given, any);
+      [](shared_ptr<MeshAccess> mesh, const string & name, py::object boundary, bool any) {
+        return RegionWithFaces(mesh, name, boundary, any);
       },
-      py::arg("mesh"), py::arg("name"), py::arg("given"), py::arg("any") = false,
+      py::arg("mesh"), py::arg("name"), py::arg("boundary"), py::arg("any") = false,
       "The boundary region that a pattern or a Region stands for; raises where it has no faces. "
       "any: a Region may be of any dimension");
   m.def(

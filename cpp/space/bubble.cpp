@@ -25,19 +25,19 @@ void CheckFlagsForBubbles(const Flags & flags) {
 
 BitArray SlaveRegions(shared_ptr<MeshAccess> ma, const Flags & flags) {
   BitArray slave;
-  string given;
+  string wanted;
   if (flags.StringFlagDefined("slave")) {
     string pattern = flags.GetStringFlag("slave");
     slave = NamedRegion(ma, BND, pattern).Mask();
-    given = "pattern '" + pattern + "'";
+    wanted = "pattern '" + pattern + "'";
   } else if (flags.NumListFlagDefined("slave")) {
     slave = BoundariesOf(*ma, flags.GetNumListFlag("slave"));
-    given = "given region";
+    wanted = "given region";
   } else
     throw Exception("BubbleVectorH1: say which boundaries get bubbles, slave='...'; there are " +
                     BoundaryNames(Region(ma, BND, true)));
   if (slave.NumSet() == 0)
-    throw Exception("BubbleVectorH1: the slave " + given + " matches none of the boundaries " +
+    throw Exception("BubbleVectorH1: the slave " + wanted + " matches none of the boundaries " +
                     BoundaryNames(Region(ma, BND, true)));
   return slave;
 }

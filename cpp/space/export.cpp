@@ -109,8 +109,8 @@ Returns
 LACSpace)")
       .def(
           "CoreDofs",
-          [](const LACSpace & self, const Given<long> & given) {
-            long macro = given.As("LACSpace.CoreDofs: macro", "the number of a macro-element");
+          [](const LACSpace & self, const Given<long> & number) {
+            long macro = number.As("LACSpace.CoreDofs: macro", "the number of a macro-element");
             if (macro < 0 || size_t(macro) >= self.NMacros())
               throw py::index_error("LACSpace.CoreDofs: there is no macro-element " +
                                     ToString(macro));

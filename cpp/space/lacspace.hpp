@@ -26,7 +26,7 @@ public:
   shared_ptr<LACSpace> WithComponents(int n) const;
   /// On a mesh of which this process has a part only, the macro-elements come from elsewhere.
   /// The number of its replica there is the flag "replica".
-  void Take(MacroPartition given) { taken = std::move(given); }
+  void Take(MacroPartition other) { taken = std::move(other); }
 
   shared_ptr<FESpace> Displacement() const { return displacement; }
   size_t NMacros() const { return partition.nmacros; }
