@@ -26,7 +26,7 @@ def Describe(self) -> str:
     sides = [self.space.slave] if self.master is None else [self.space.slave, self.master]
     names = [repr(BoundaryNames(side)) for side in sides]
     setup = self._state.setup
-    laws = {"tied": self.tied, "bilateral": self.bilateral}
+    laws = {"tied": self.tied, "bilateral": self.bilateral, "a law of its own": self.own_law}
     laws |= {"Coulomb friction": setup["friction"] is not None}
     laws |= {"Tresca friction": setup["tresca"] is not None, "large sliding": self.finite}
     words = [word for word, holds in laws.items() if holds]

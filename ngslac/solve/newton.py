@@ -8,7 +8,7 @@ from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
-from ngslac.solve.iteration import MostlySlips, Unchanged
+from ngslac.solve.iteration import Jumps, MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
@@ -165,10 +165,11 @@ class Newton:
         """Is another method faster? Without friction, where it follows a path to the status."""
         system = self.system
         suits = system.scheme.searches and system.islinear and not self.onpath
-        suits = suits and not system.bodies.floating
         rubs = any(contact.holds_tangentially and not contact.tied for contact in system.contacts)
-        changed = bool(self.history[-1].changed)
-        return suits and not rubs and changed and self.globalization.crawls
+        if rubs or not (suits and self.history[-1].changed):
+            return False
+        leaps = bool(system.bodies.floating) and Jumps(self.history)
+        return leaps or self.globalization.crawls
 
     def Record(self, state, damping=1.0):
         """Note an iterate, which a part of a step led to."""

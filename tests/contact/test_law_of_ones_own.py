@@ -10,7 +10,7 @@ from form import Form
 from netgen.meshing import NgException
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
 
-from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver, LACContact, LACSpace, LoadState, SaveState
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 
@@ -92,3 +92,21 @@ def test_refused():
     contact = with_law(2, False, lambda places: {"traction": places["normal"]})
     with pytest.raises(NgException, match="a law has given 0 numbers as 'by_gap' in place of"):
         contact.Evaluate(GridFunction(contact.form.fes))
+
+
+def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):
+    solvers = []
+    for options in ({"law": LimitedSpring()}, {"friction": 0.3}):
+        V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom|top")
+        X = V * LACSpace(V, slave="slave")
+        (u, lam), (v, _) = X.TnT()
+        a = BilinearForm(X)
+        a += InnerProduct(Grad(u), Grad(v)) * dx
+        contact = LACContact(u, lam, master="master", **options)
+        solvers.append(ContactSolver(a, GridFunction(X), contact))
+        solvers[-1].Solve(printing=False)
+    assert "a law of its own" in repr(solvers[0].contacts[0])
+    SaveState(tmp_path / "state", solvers[0])
+    LoadState(tmp_path / "state", solvers[0])
+    with pytest.raises(ValueError, match=r"another .*: .*a law of its own there"):
+        LoadState(tmp_path / "state", solvers[1])
