@@ -47,6 +47,7 @@ class InteriorPoint:
         Where the bulk is linear that is a better start, too, and its Measurement the next one.
         """
         self.state = state
+        self.system.HoldIdle("closed")
         weak = [spring.Weaken(self.vec) for spring in self.springs]
         tractions = [self.values[spring.dofs.ravel()] for spring in self.springs]
         motion = self._Motion(state, weak, tractions)
@@ -59,6 +60,7 @@ class InteriorPoint:
     def Step(self, state):
         """Move on by one step: the next Measurement, and the part that was taken."""
         mats = [spring.Assemble(self.vec) for spring in self.springs]
+        self.system.HoldIdle("closed")
         before = self._Mean(spring.law.products for spring in self.springs)
         steps, _ = self._Direction(state, mats, 0.0)
         part = self._Longest(steps)
@@ -91,7 +93,6 @@ class InteriorPoint:
         for spring, own in self._Each(tractions):
             spring.form.AddForces(self.vec, own, residual)
         system = self.system
-        system.HoldIdle("closed")
         pins = system.ground.Shift() if system.ground else None
 
         def Solve(forces):
