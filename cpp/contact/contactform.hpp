@@ -106,6 +106,8 @@ public:
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.
   virtual void AddScale(FlatVector<> scale) = 0;
   virtual shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) = 0;
+  /// That of its rows: as long as it is the same, so is the matrix.
+  virtual size_t JumpNumber() const = 0;
 
   /// Of all macro-elements, the components of vectors fastest: the values of the last evaluation,
   /// and those that stay until the next pairing.

@@ -156,6 +156,7 @@ void ExportContact(py::module & m) {
            [](ContactForm & self, Side side) -> shared_ptr<BaseMatrix> {
              return self.JumpMatrix(side);
            })
+      .def("JumpNumber", &ContactForm::JumpNumber)
       .def("Table",
            [](ContactForm & self) { return ToTable(self.Table(), self.Space()->NMacros()); })
       .def("Resultants",

@@ -276,6 +276,11 @@ public:
                        side == Side::master ? -1 : 1); // D and M are both positive
   }
 
+  size_t JumpNumber() const override {
+    CheckPaired();
+    return kinematics->JumpWithRows().Number();
+  }
+
   NamedNumbers Table() const override {
     CheckPaired();
     auto & jump = kinematics->Jump();

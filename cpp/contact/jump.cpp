@@ -254,6 +254,7 @@ void MacroJump<D>::TakeRows(FlatArray<Array<JumpEntry<D>>> rows) {
     entries += rows[m];
     first[m + 1] = entries.Size();
   }
+  number = NextNumber();
 }
 
 template <int D>

@@ -2,6 +2,7 @@
 #pragma once
 #include "pairing/pairing.hpp"
 #include "space/lacspace.hpp"
+#include <atomic>
 #include <fem.hpp>
 
 namespace ngslac {
@@ -74,7 +75,14 @@ public:
   Array<Vec<D>> center;   // of all faces
   Array<Vec<D>> moment;   // integral of x over the paired part
 
+  /// No other rows have this number.
+  size_t Number() const { return number; }
+
 private:
+  static size_t NextNumber() {
+    static std::atomic<size_t> last = 0;
+    return ++last;
+  }
   /// Means over the paired part of a function of the master face and the point.
   template <typename F>
   Array<Vec<D>> Means(const Pairing<D> & pairing, F value) const;
@@ -84,5 +92,6 @@ private:
   Array<int> first_segment; // of the slave faces, and one more
   Array<size_t> first;
   Array<JumpEntry<D>> entries;
+  size_t number = NextNumber();
 };
 } // namespace ngslac

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies and the rigid motions that nothing prevents."""
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Resistances, ToolDofs
+from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Sight, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
 from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
@@ -29,6 +30,15 @@ FAR = 1.0
 PREVENTED = 0.5
 
 
+@dataclass
+class Placed:
+    """Rigid motions (count, m) of a displaced mesh, and those of bodies and tools as columns."""
+
+    displacement: np.ndarray | None
+    motions: np.ndarray
+    columns: scipy.sparse.csr_matrix
+
+
 class Bodies:
     """The connected parts of the bulk matrix with their free rigid motions.
 
@@ -42,13 +52,16 @@ class Bodies:
         How many parts float, or are held by weak springs alone.
     """
 
+    floating, false, loose = (), False, 0
+    first = count = 0
+    _slides = _placed = None
+
     def __init__(self, mat, contact, free):
         form = contact.form
         self.space, block = form.component, form.fes.dim
         space = self.space
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
-        self._slides, self.false, self.loose = None, False, 0
         # Coordinates far from the origin hold rounding errors.
         far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
@@ -119,18 +132,12 @@ class Bodies:
 
     def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT, slides=True):
         """The motions that contact leaves, as a Freedom."""
-        tools = ToolDofs(contacts)
-        motions = self.motions
-        if displacement is not None and self.floating:
-            own = displacement[self.first : self.first + self.count]
-            motions = motions + Turned(self.space, own, self.size)
-
-        def Move(rows):
-            parts = [self._Moved(rows, part, motions) @ own for part, own in self.floating]
-            return np.concatenate([*parts, rows[:, tools].toarray()], axis=1)
+        placed = self._Placed(contacts, displacement)
+        motions, columns = placed.motions, placed.columns
 
         def Seen(holds):
-            found = [Resistances(contact, holds, Move, normals) for contact in contacts]
+            sights = [self._sights.setdefault(contact, Sight(contact)) for contact in contacts]
+            found = [sight.Resistances(columns, holds, normals) for sight in sights]
             return tuple(map(np.concatenate, zip(*found, strict=True)))
 
         prevented, coarse, all_seen = Seen(holds)
@@ -152,30 +159,65 @@ class Bodies:
         weights = np.concatenate([own, weights], axis=1)
         resistance = np.concatenate([*(a for _, a, *_ in slides), resistance])
         whose = np.concatenate([*(b for *_, b in slides), np.full(len(vague), -1)])
-        all_dofs = np.zeros((contacts[0].nscalars, weights.shape[1]))
         turning, d = np.zeros(weights.shape[1]), contacts[0].mesh.dim
+        for _, combinations, rows in self.unknowns:
+            turns = np.linalg.norm((combinations @ weights[rows])[d:], axis=0)
+            turning = np.maximum(turning, turns / self.size)
         body = np.full(contacts[0].nscalars, -1)
         body[self.first : self.first + self.count] = self._bodies
-        for inside, combinations, rows in self.Floating():
-            own = combinations @ weights[rows]
-            all_dofs[self.first + inside] = motions[inside] @ own
-            turning = np.maximum(turning, np.linalg.norm(own[d:], axis=0) / self.size)
-        all_dofs[tools] = weights[len(weights) - len(tools) :]
-        return Freedom(weights, resistance, all_dofs, turning, mesh, whose, body)
+        return Freedom(weights, resistance, columns @ weights, turning, mesh, whose, body)
 
-    def Floating(self):
+    def _Placed(self, contacts, displacement):
+        """The Placed bodies, kept as long as they stay where they are."""
+        own, motions = None, self.motions
+        if displacement is not None and self.floating:
+            own = displacement[self.first : self.first + self.count].copy()
+        if self._placed is not None and np.array_equal(self._placed.displacement, own):
+            return self._placed
+        if own is not None:
+            motions = motions + Turned(self.space, own, self.size)
+        moved, tools = self.Columns(motions).tocoo(), ToolDofs(contacts)
+        numbers = moved.shape[1] + np.arange(len(tools))
+        shape = contacts[0].nscalars, moved.shape[1] + len(tools)
+        places = [(moved.row + self.first, tools), (moved.col, numbers)]
+        values = np.concatenate([moved.data, np.ones(len(tools))])
+        columns = scipy.sparse.csr_matrix((values, [*map(np.concatenate, places)]), shape)
+        self._placed = Placed(own, motions, columns)
+        return self._placed
+
+    def Columns(self, motions):
+        """The free rigid motions of all bodies as columns of a sparse matrix (count, k)."""
+        parts = [scipy.sparse.coo_matrix((self.count, 0))]
+        for inside, combinations, _ in self.unknowns:
+            numbers = np.arange(combinations.shape[1])
+            rows, columns = np.meshgrid(inside, numbers, indexing="ij")
+            values = motions[inside] @ combinations
+            shape = self.count, len(numbers)
+            parts.append(
+                scipy.sparse.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape)
+            )
+        return scipy.sparse.hstack(parts).tocsr()
+
+    @cached_property
+    def unknowns(self):
         """Of each floating body: dofs, combinations of motions, their rows among all weights."""
-        at = 0
+        found, at = [], 0
         for part, combinations in self.floating:
             rows = slice(at, at + combinations.shape[1])
-            yield np.flatnonzero(self.part == part), combinations, rows
+            found.append((np.flatnonzero(self.part == part), combinations, rows))
             at = rows.stop
+        return found
+
+    @cached_property
+    def _sights(self):
+        """The Sight of each contact."""
+        return {}
 
     @cached_property
     def _bodies(self):
         """Which floating body each dof (count,) moves with; none: -1."""
         body = np.full(self.count, -1)
-        for number, (inside, *_) in enumerate(self.Floating()):
+        for number, (inside, *_) in enumerate(self.unknowns):
             body[inside[np.any(self.motions[inside], axis=1)]] = number
         return body
 
@@ -185,7 +227,7 @@ class Bodies:
 
     def _Triangles(self, motions):
         """Of the free motions of each body: products of their columns are those of the motions."""
-        return [np.linalg.qr(motions[inside] @ own, mode="r") for inside, own, _ in self.Floating()]
+        return [np.linalg.qr(motions[inside] @ own, mode="r") for inside, own, _ in self.unknowns]
 
     def _Measure(self, motions):
         """A function of weights whose columns have products that are those of displacements."""
@@ -193,7 +235,7 @@ class Bodies:
 
         def Sized(weights):
             sized = weights.copy()
-            for triangle, (*_, rows) in zip(triangles, self.Floating(), strict=True):
+            for triangle, (*_, rows) in zip(triangles, self.unknowns, strict=True):
                 sized[rows] = triangle @ weights[rows]
             return sized
 
@@ -239,7 +281,7 @@ class Bodies:
         """Integrals of free motions times displacements, as (n, k) array; tools count once."""
         tools, weights = ToolDofs(contacts), freedom.weights
         result = np.zeros_like(freedom.motions)
-        for inside, combinations, rows in self.Floating():
+        for inside, combinations, rows in self.unknowns:
             result[self.first + inside] = self._integrals[inside] @ (combinations @ weights[rows])
         result[tools] = weights[len(weights) - len(tools) :]
         return result
@@ -296,22 +338,12 @@ class Bodies:
                 lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
         return lost
 
-    def _Moved(self, rows, part, motions):
-        """What rows of a sparse matrix on all scalar dofs see of the motions of one part."""
-        columns = rows.indices - self.first
-        own = (columns >= 0) & (columns < self.count)
-        columns = np.where(own, columns, 0)
-        values = rows.data * (own & (self.part[columns] == part))
-        shape = rows.shape[0], self.count
-        return scipy.sparse.csr_matrix((values, columns, rows.indptr), shape=shape) @ motions
-
 
 class NoBodies(Bodies):
     """Bodies with mass, however small: nothing floats but tools, which have none."""
 
     def __init__(self):
-        self.floating, self.names, self.motions = [], ["unknown"], np.zeros((0, 0))
-        self.false, self._slides, self.loose, self.first, self.count = False, [], 0, 0, 0
+        self.names, self.motions = ["unknown"], np.zeros((0, 0))
 
 
 def Norm(matrix):

@@ -16,7 +16,7 @@ __all__ = [
     "ActiveRows",
     "AllJumps",
     "JumpRows",
-    "Resistances",
+    "Sight",
     "ToCSR",
     "ToolDofs",
     "ToolRows",
@@ -82,26 +82,39 @@ def AllJumps(contact):
     return rows + ToolRows(contact) if len(form.ToolDofs()) else rows
 
 
-def Resistances(contact, holds, move, normals=CONTACT):
-    """How the macro-elements at work see motions, of which `move` gives products with sparse rows.
+class Sight:
+    """How the macro-elements of a contact see motions; kept as long as neither of them changes."""
 
-    Arrays: (r, k) the parts that contact prevents; (r,) how much of a motion along the surface the
-    mesh makes one across it; (s, k) all relative motion of the same macro-elements.
-    """
-    table, d = contact.Table(), contact.mesh.dim
-    stick, slip = _AtWork(contact, table, holds)
-    if not len(slip) and not np.any(stick):
-        none = move(scipy.sparse.csr_matrix((0, contact.nscalars)))
-        return none, np.zeros(0), none
-    stuck = np.flatnonzero(stick)
-    own = np.concatenate([stuck, slip])
-    jump = AllJumps(contact)[(d * own[:, None] + np.arange(d)).ravel()]
-    seen = move(jump / table["fullarea"].mean())
-    sliding = seen[d * len(stuck) :].reshape(len(slip), d, seen.shape[1])
-    across = np.einsum("md,mdk->mk", _Normals(contact, table, normals)[slip], sliding)
-    held = seen[: d * len(stuck)]
-    coarse = np.concatenate([np.full(len(held), TIGHT), _Coarseness(contact, table)[slip]])
-    return np.concatenate([held, across]), coarse, seen
+    def __init__(self, contact):
+        self.contact, self._place, self._motions = contact, None, None
+
+    def Resistances(self, motions, holds, normals=CONTACT):
+        """What contact prevents of the columns of a sparse matrix (n, k).
+
+        Arrays: (r, k) the parts that it prevents; (r,) how much of a motion along the surface the
+        mesh makes one across it; (s, k) all relative motion of the macro-elements at work.
+        """
+        contact = self.contact
+        table, none = contact.Table(), np.zeros((0, motions.shape[1]))
+        stick, slip = _AtWork(contact, table, holds)
+        if not len(slip) and not np.any(stick):
+            return none, np.zeros(0), none
+        self._Look(motions, table)
+        across = np.einsum("md,mdk->mk", _Normals(contact, table, normals)[slip], self._seen[slip])
+        held, sliding = (np.concatenate([none, *self._seen[own]]) for own in (stick, slip))
+        coarse = np.concatenate([np.full(len(held), TIGHT), self._coarse[slip]])
+        return np.concatenate([held, across]), coarse, np.concatenate([held, sliding])
+
+    def _Look(self, motions, table):
+        contact = self.contact
+        place = contact.form.JumpNumber(), contact.form.ToolRows().tobytes()
+        turned = table["normal"].tobytes()
+        if self._place != (place, turned):
+            self._coarse = _Coarseness(contact, table)
+        if self._motions is not motions or self._place[0] != place:
+            seen = (AllJumps(contact) @ motions).toarray() / table["fullarea"].mean()
+            self._seen = seen.reshape(len(table["area"]), contact.mesh.dim, motions.shape[1])
+        self._place, self._motions = (place, turned), motions
 
 
 def _Normals(contact, table, kind):

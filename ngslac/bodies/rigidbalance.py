@@ -37,7 +37,7 @@ class RigidBalance:
 
     def Find(self, forces):
         """Why these loads have no balance, in words; "" if they have one."""
-        columns = self._Columns()
+        columns = self.bodies.Columns(self.motions)
         if not columns.shape[1]:
             return ""
         loads, gross = -(columns.T @ forces), abs(columns).T @ np.abs(forces)
@@ -47,16 +47,6 @@ class RigidBalance:
         self._loads = loads
         motion = self._Winner(0.0)
         return "" if motion is None else self._Told(motion)
-
-    def _Columns(self):
-        """Each free rigid motion of each body as a column of a sparse matrix."""
-        parts = [scipy.sparse.csc_matrix((len(self.motions), 0))]
-        for part, combinations in self.bodies.floating:
-            own = self.bodies.part == part
-            parts.append(
-                scipy.sparse.csc_matrix(np.where(own[:, None], self.motions @ combinations, 0.0))
-            )
-        return scipy.sparse.hstack(parts).tocsc()
 
     def _Winner(self, rough, within=None):
         """The motion along which loads do more work than contact resists; None: none."""

@@ -41,7 +41,7 @@ def SlidesOf(bodies, contacts):
     """The OwnSlides of each floating body that has some."""
     found = []
     surfaces = Surfaces(bodies, contacts) if bodies.floating else None
-    for inside, combinations, rows in bodies.Floating():
+    for inside, combinations, rows in bodies.unknowns:
         weights, across, points = surfaces.Slides(inside, combinations)
         # A mesh knows the motions along a curved surface as well as it knows that surface.
         mesh = np.maximum(across, np.minimum(points, np.maximum(points**2 / 4, FINE)))

@@ -79,10 +79,13 @@ def CloseNearest(system):
     """
     loose = Loose(system)
     for contact in sorted(system.contacts, key=SmallestGap):
-        before, found = system.values.copy(), []
+        before, found, sets = system.values.copy(), [], {}
         for distance in (0, 0.05, 0.1, 0.2, 0.4, 0.8):
+            macros = NearestMacros(contact, distance)
+            sets.setdefault(macros.tobytes(), macros)
+        for macros in sets.values():
             system.values[:] = before
-            contact.form.Close(NearestMacros(contact, distance), system.gf.vec)
+            contact.form.Close(AsBits(macros), system.gf.vec)
             contact.Evaluate(system.gf)
             if not (free := Loose(system)):
                 return True
@@ -116,4 +119,4 @@ def NearestMacros(contact, distance):
     size = contact._Sizes()
     nearest = table["gap"][paired].min(initial=np.inf)
     limit = nearest + distance * size if distance else TOUCHING * size
-    return AsBits(paired & (table["gap"] <= limit))
+    return paired & (table["gap"] <= limit)

@@ -325,8 +325,7 @@ class System:
     def Correction(self, residual, accuracy=0.0):
         """The correction (n,) of the linear system with this residual."""
         self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
-        false = self.bulk.islinear and self.bodies.false
-        self.HoldIdle("rubbing", mats if false else [self.bulk.mat, *mats])
+        self.HoldIdle("rubbing", mats)
 
         def Solve(residual):
             displacements = ~self.residual.multipliers
@@ -440,11 +439,11 @@ class System:
 
         Those of a linear system balance the bulk's false work, too.
         """
-        if not freedom:
-            return False
         bulk, contact = self.residual.parts
-        pushed = self._WorksOf(freedom, contact) != 0
-        return bool(np.any(pushed & (self._WorksOf(freedom, contact, bulk) != 0)))
+        pushed = self._WorksOf(freedom, contact) != 0 if freedom else np.zeros(0)
+        return bool(np.any(pushed)) and bool(
+            np.any(pushed & (self._WorksOf(freedom, contact, bulk) != 0))
+        )
 
     def DrivenMotion(self, freedom, holds="now"):
         """Description of the free motion along which the forces measured last do work."""
@@ -479,6 +478,8 @@ class System:
         vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         vec.data, forces[:] = self.gf.vec, 0
         for contact in self.contacts:
+            if not (contact.holds_tangentially or len(contact.form.ToolDofs())):
+                continue
             table = contact.Table()
             tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
             tangential[table["status"] == 0] = 0
@@ -497,8 +498,8 @@ class System:
     def HoldIdle(self, holds, mats=()):
         """Hold bodies that nothing pushes and nothing else holds, not even friction.
 
-        With the matrices of the next linear system: nor their weight, as of a ball in a bowl, or
-        weak springs. That of a linear bulk with false stiffness is left out: it tells neither.
+        With the matrices of contacts in the next linear system: nor their weight, as of a ball in a
+        bowl, or weak springs.
         """
         freedom = self.Freedom(holds) if self.MayFloat() else None
         if not freedom:
@@ -519,7 +520,12 @@ class System:
         self.SetGround(Ground(held, measure, self._start, free, self.ground))
 
     def _Rocks(self, motion, mats):
-        """Does a motion change the direction in which forces push the body?"""
+        """Does a motion change the direction in which forces push the body?
+
+        The false stiffness of a linear bulk does not tell.
+        """
+        if not (self.bulk.islinear and self.bodies.false):
+            mats = [self.bulk.mat, *mats]
         way = np.where(self.bulk.inner, 0.0, motion.motions[:, 0])
         forces = motion.Across(np.abs(self.residual.parts))[0] * np.max(np.abs(way))
         stiffness = abs(way @ Multiply(mats, way))
