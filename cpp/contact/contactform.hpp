@@ -9,9 +9,8 @@ namespace ngslac {
 /// Arrays of numbers by name.
 using NamedNumbers = std::map<string, Array<double>>;
 
-/// A law in place of the compiled one: from `normal`, `gap`, `slip`, `area` and `multiplier` of all
-/// macro-elements to `traction`, `by_gap`, `by_slip` and `status`, and to `by_normal` and
-/// `by_multiplier` where these are not 0. Vectors and matrices row by row.
+/// A function of the places of all macro-elements: `normal`, `gap`, `slip`, `jump`, `x`, `area`,
+/// `multiplier`, `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
 using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
 /// What a contact form needs besides the two fields.
@@ -31,7 +30,8 @@ struct ContactSetup {
   double maxdist = 0;     // 0: chosen from the size of the surfaces
   double penetration = 0; // 0: chosen from the size of the surfaces
   bool active = true;     // off: no partners, no forces
-  ContactLaw law;         // in place of the compiled one
+  ContactLaw law;         // in place of the compiled one: tractions and derivatives, see ownlaw.hpp
+  ContactLaw commit;      // what that keeps of a step; none: nothing
 };
 
 /// Values of one macro-element after an evaluation.
@@ -112,6 +112,8 @@ public:
   /// Of all macro-elements, the components of vectors fastest: the values of the last evaluation,
   /// and those that stay until the next pairing.
   virtual NamedNumbers Table() const = 0;
+  /// What a law of one's own has kept of the last committed step.
+  virtual NamedNumbers Kept() const = 0;
   /// Resultants of the tractions of the last evaluation, and their moments (3 numbers) about the
   /// origin.
   virtual NamedNumbers Resultants() const = 0;

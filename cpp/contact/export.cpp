@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "contactform.hpp"
+#include "given.hpp"
 #include "linear/merge.hpp"
 #include "numpy.hpp"
 
 namespace ngslac {
 namespace {
-using Given = std::map<string, Numbers<double>>;
+using NamedArrays = std::map<string, Numbers<double>>;
 
-NamedNumbers FromDict(const Given & arrays) {
+NamedNumbers FromDict(const NamedArrays & arrays) {
   NamedNumbers copy;
   for (auto & [name, values] : arrays)
     copy[name] = FromNumPy(values);
@@ -33,8 +34,25 @@ py::dict ToTable(const NamedNumbers & numbers, size_t macros) {
   return result;
 }
 
-/// A law in Python, called and released with the lock of the interpreter, whoever has it.
-ContactLaw LawOf(py::object function) {
+/// What a function of a law has returned: of all macro-elements.
+NamedNumbers FromLaw(const string & name, py::object found, size_t macros) {
+  NamedArrays arrays;
+  try {
+    arrays = found.cast<NamedArrays>();
+  } catch (py::cast_error &) {
+    throw py::type_error("LACContact: " + name + " must return a dict of arrays of numbers, not " +
+                         Given<int>::Text(found));
+  }
+  for (auto & [key, values] : arrays)
+    if (!values.ndim() || size_t(values.shape(0)) != macros)
+      throw py::value_error("LACContact: " + name + " has given '" + key + "' with the shape " +
+                            string(py::str(values.attr("shape"))) + ", which must begin with " +
+                            ToString(macros) + ", a row for each macro-element");
+  return FromDict(arrays);
+}
+
+/// A function in Python, called and released with the lock of the interpreter, whoever has it.
+ContactLaw LawOf(const string & name, py::object function) {
   if (function.is_none())
     return {};
   auto release = [](py::object * held) {
@@ -42,15 +60,10 @@ ContactLaw LawOf(py::object function) {
     delete held;
   };
   shared_ptr<py::object> law(new py::object(function), release);
-  return [law](const NamedNumbers & places) {
+  return [law, name](const NamedNumbers & places) {
     py::gil_scoped_acquire lock;
-    auto answer = (*law)(ToTable(places, places.at("area").Size()));
-    try {
-      return FromDict(answer.cast<Given>());
-    } catch (py::cast_error &) {
-      throw Exception("LACContact: law must return a dict of arrays of numbers, not " +
-                      string(py::str(py::type::of(answer))));
-    }
+    size_t macros = places.at("area").Size();
+    return FromLaw(name, (*law)(ToTable(places, macros)), macros);
   };
 }
 } // namespace
@@ -77,7 +90,8 @@ void ExportContact(py::module & m) {
                        double maxdist, double penetration, bool active, py::object law) {
              return ContactForm::Create(ContactSetup{
                  u, lam, master, obstacle, friction, tresca, offset, tool, tied, bilateral, finite,
-                 edges, adjust, maxdist, penetration, active, LawOf(law)});
+                 edges, adjust, maxdist, penetration, active, LawOf("law", law),
+                 LawOf("law.Commit", py::getattr(law, "Commit", py::none()))});
            }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
@@ -88,7 +102,8 @@ void ExportContact(py::module & m) {
            py::arg("law") = py::none())
       .def(
           "Update",
-          [](ContactForm & self, shared_ptr<GridFunction> gf, const optional<Given> & history) {
+          [](ContactForm & self, shared_ptr<GridFunction> gf,
+             const optional<NamedArrays> & history) {
             auto copy = history ? FromDict(*history) : NamedNumbers();
             py::gil_scoped_release release;
             self.Update(gf, history ? &copy : nullptr);
@@ -123,8 +138,8 @@ void ExportContact(py::module & m) {
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())
       .def("Restore", &ContactForm::Restore)
       .def("History", [](ContactForm & self) { return ToDict(self.GetHistory()); })
-      .def("SetHistory",
-           [](ContactForm & self, const Given & history) { self.SetHistory(FromDict(history)); })
+      .def("SetHistory", [](ContactForm & self,
+                            const NamedArrays & history) { self.SetHistory(FromDict(history)); })
       .def(
           "AddForces",
           [](ContactForm & self, const BaseVector & x, Numbers<double> tractions, BaseVector & y) {
@@ -159,6 +174,7 @@ void ExportContact(py::module & m) {
       .def("JumpNumber", &ContactForm::JumpNumber)
       .def("Table",
            [](ContactForm & self) { return ToTable(self.Table(), self.Space()->NMacros()); })
+      .def("Kept", [](ContactForm & self) { return ToTable(self.Kept(), self.Space()->NMacros()); })
       .def("Resultants",
            [](ContactForm & self) { return ToTable(self.Resultants(), self.Space()->NMacros()); })
       .def("Reevaluate", &ContactForm::Reevaluate, py::call_guard<py::gil_scoped_release>())

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics.hpp"
 #include "linear/formdiagonal.hpp"
+#include "ownlaw.hpp"
 
 namespace ngslac {
 namespace {
+const string KEPT = "law: "; // before the names of what a law keeps, in a saved history
+
 template <int D>
 unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
   if (parts.setup.finite && parts.setup.obstacle)
@@ -11,29 +14,6 @@ unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
   if (parts.path)
     return MakeToolSliding<D>(parts);
   return parts.setup.finite ? MakeFiniteSliding<D>(parts) : MakeSmallSliding<D>(parts);
-}
-
-/// Of one macro-element. Gap and slip are parts of the jump: the derivatives by it, and by a normal
-/// that turns while it stays, are those of gap and slip.
-template <int D>
-Answer<D> AnswerFrom(NamedNumbers & table, size_t m, const MacroPlace<D> & place) {
-  auto vector = [&](const char * name) {
-    return Vec<D>(FlatVector<>(D, table[name].Data() + D * m));
-  };
-  auto matrix = [&](const char * name) {
-    return Mat<D, D>(FlatMatrix<>(D, D, table[name].Data() + D * D * m));
-  };
-  auto & n = place.normal;
-  Vec<D> by_gap = vector("by_gap");
-  Mat<D, D> by_slip = matrix("by_slip"), across = Id<D>() - n * Trans(n);
-  Answer<D> answer;
-  answer.traction = vector("traction");
-  answer.by_multiplier = matrix("by_multiplier");
-  answer.by_jump = by_slip * across - by_gap * Trans(n);
-  answer.by_normal = matrix("by_normal") - by_gap * Trans(place.jump);
-  answer.by_normal += by_slip * (place.gap * Id<D>() - n * Trans(place.jump));
-  answer.status = StatusFrom(table["status"][m]);
-  return answer;
 }
 
 /// A contact form: a law, and the kinematics that tells where macro-elements are.
@@ -167,6 +147,8 @@ public:
   void Commit(const BaseVector & bx) override {
     Follow(bx);
     Evaluate(bx);
+    if (setup.active && setup.commit)
+      kept = KeptAt(bx.FV<double>());
     if (setup.active)
       kinematics->Commit(bx.FV<double>(), accepted.states, states);
     Accept();
@@ -180,21 +162,22 @@ public:
   }
 
   NamedNumbers GetHistory() override {
-    CheckPaired();
-    NamedNumbers numbers;
-    Exchange({numbers, false});
-    for (auto & s : states)
-      AppendState(numbers["states"], s);
-    for (auto & s : accepted.states)
-      AppendState(numbers["accepted"], s);
+    auto numbers = OwnHistory();
+    for (auto & [name, values] : kept)
+      numbers[KEPT + name] = values;
     return numbers;
   }
 
   void SetHistory(NamedNumbers numbers) override {
-    for (auto & [name, values] : GetHistory())
+    for (auto & [name, values] : OwnHistory())
       if (!numbers.count(name) || numbers.at(name).Size() != values.Size())
         throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
                         ToString(values.Size()) + " numbers");
+    NamedNumbers of_law;
+    for (auto & [name, values] : numbers)
+      if (name.rfind(KEPT, 0) == 0)
+        of_law[name.substr(KEPT.size())] = values;
+    kept = std::move(of_law);
     auto saved = StatesFrom(numbers.at("states")), committed = StatesFrom(numbers.at("accepted"));
     Exchange({numbers, true});
     states = std::move(saved);
@@ -331,6 +314,7 @@ public:
     return table;
   }
 
+  NamedNumbers Kept() const override { return kept; }
   void Reevaluate() override { law->Reevaluate(); }
   SegmentTable Segments() const override {
     CheckPaired();
@@ -438,6 +422,18 @@ private:
     return place;
   }
 
+  /// What the form remembers, without what a law keeps.
+  NamedNumbers OwnHistory() {
+    CheckPaired();
+    NamedNumbers numbers;
+    Exchange({numbers, false});
+    for (auto & s : states)
+      AppendState(numbers["states"], s);
+    for (auto & s : accepted.states)
+      AppendState(numbers["accepted"], s);
+    return numbers;
+  }
+
   /// Everything as it is now is that of a committed step.
   void Accept() {
     accepted.normal = normal;
@@ -513,7 +509,7 @@ private:
   /// The answers of the law at x, in a step with its memory of the last one.
   Array<Answer<D>> Answers(FlatVector<> x, bool step) {
     if (setup.law)
-      return GivenAnswers(x);
+      return AnswersOf<D>(setup.law, WithKept(Places(x)));
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -522,39 +518,40 @@ private:
     return answers;
   }
 
-  /// Those of a law in place of the compiled one.
-  Array<Answer<D>> GivenAnswers(FlatVector<> x) const {
+  /// The arguments of a law in place of the compiled one, without what it keeps.
+  NamedNumbers Places(FlatVector<> x) const {
     NamedNumbers places;
-    auto tractions = law->Multipliers(x);
+    places["c"] = law->c;
+    SaveVectors<D>(places["x"], kinematics->Jump().center);
     for (size_t m : Range(states)) {
       auto place = Place(m);
+      auto multiplier = law->Multiplier(m, x);
       places["area"].Append(place.area);
       places["gap"].Append(place.gap);
       AppendVector<D>(places["normal"], place.normal);
       AppendVector<D>(places["slip"], place.slip);
-      AppendVector<D>(places["multiplier"], tractions[m]);
+      AppendVector<D>(places["jump"], place.jump);
+      AppendVector<D>(places["multiplier"], multiplier);
+      AppendVector<D>(places["trial"], multiplier - law->c[m] * place.jump);
     }
-    auto table = setup.law(places);
-    for (auto name : {"by_normal", "by_multiplier"})
-      if (auto & zero = table[name]; !zero.Size()) {
-        zero.SetSize(D * D * states.Size());
-        zero = 0.0;
-      }
-    const size_t n = states.Size();
-    for (auto & [name, size] : std::map<string, size_t>{{"traction", D * n},
-                                                        {"by_gap", D * n},
-                                                        {"by_slip", D * D * n},
-                                                        {"by_normal", D * D * n},
-                                                        {"by_multiplier", D * D * n},
-                                                        {"status", n}})
-      if (table[name].Size() != size)
-        throw Exception("LACContact: a law has given " + ToString(table[name].Size()) +
-                        " numbers as '" + name + "' in place of " + ToString(size));
-    Array<Answer<D>> answers(n);
-    for (size_t m : Range(n))
-      if (auto place = Place(m); place.area > 0)
-        answers[m] = AnswerFrom<D>(table, m, place);
-    return answers;
+    return places;
+  }
+
+  /// What a law keeps of the step that ends at x, under names of its own.
+  NamedNumbers KeptAt(FlatVector<> x) const {
+    auto places = Places(x);
+    auto fresh = setup.commit(WithKept(places));
+    auto table = Table();
+    for (auto & [name, values] : fresh)
+      if (places.count(name) || table.count(name))
+        throw py::value_error("LACContact: law.Commit has given '" + name +
+                              "', which is a place already: take another name");
+    return fresh;
+  }
+
+  NamedNumbers WithKept(NamedNumbers places) const {
+    places.insert(kept.begin(), kept.end());
+    return places;
   }
 
   Array<Vec<D>> Tractions(FlatArray<double> flat) const {
@@ -667,8 +664,9 @@ private:
   shared_ptr<MacroLaw<D>> law;
   shared_ptr<ToolPath<D>> tool; // null: there is none
   unique_ptr<Kinematics<D>> kinematics;
-  Array<Vec<D>> normal;           // of the macro-elements at the last evaluation
-  size_t nscalars = 0;            // entries of a vector on the product space that was paired
+  Array<Vec<D>> normal; // of the macro-elements at the last evaluation
+  NamedNumbers kept;    // of the last committed step, by a law in place of the compiled one
+  size_t nscalars = 0;  // entries of a vector on the product space that was paired
   std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
   struct {
     Array<Vec<D>> normal;

@@ -93,12 +93,19 @@ class LACContact(metaclass=Distributable):
     penetration : float
         Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
     law : callable, optional
-        A law of your own in place of that of Coulomb and Tresca. It gets a dict of arrays, a row
-        for each of the n macro-elements: ``normal`` and ``slip`` (n, d), ``gap`` and ``area`` (n),
-        ``multiplier`` (n, d), the traction now; and returns a dict with ``traction`` (n, d) on the
-        slave, its derivatives ``by_gap`` (n, d), ``by_slip`` (n, d, d), and if these are not zero
-        ``by_normal`` and ``by_multiplier`` (n, d, d), and ``status`` (n) as below. Solved by
-        Newton's method alone.
+        A law of your own in place of that of Coulomb and Tresca. It gets a dict of arrays, the
+        *places*, with a row for each of the n macro-elements: ``gap`` (n) > 0 open, ``slip`` (n, d)
+        of this step, ``normal`` (n, d) out of the slave, ``jump`` (n, d) = slip - gap normal, ``x``
+        (n, d) centroid of the reference, ``area`` (n), 0 without a partner, where answers do not
+        count. It returns a dict with ``traction`` (n, d) on the slave, and with the derivatives of
+        that by the places that it looks at: ``by_gap`` (n, d), ``by_slip``, ``by_jump`` (n, d, d).
+        ``by_normal`` follows if a rotation of the places turns the traction; else give it, with all
+        else fixed. ``status`` (n) as below; by default 1 where there is a traction. For laws that
+        stick: ``multiplier`` (n, d), the traction now, its scale ``c`` (n), and ``trial`` =
+        multiplier - c jump, with ``by_multiplier`` and ``by_trial``. A method ``Commit(places)`` is
+        called once for each accepted step: the dict of arrays (n) or (n, k) that it returns, such
+        as a wear or a damage, is in `Table`, among the places from then on, and in saved states
+        (attributes of the law are not); `Update` forgets it. Solved by Newton's method alone.
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions, from
         1e-6 to 1e6. The solution does not depend on it.

@@ -50,12 +50,14 @@ def Table(self) -> dict[str, np.ndarray]:
         ``pressure`` (n), ``traction`` (n, d) on the slave, both 0 where the status is 0,
         ``gap`` (n) > 0 open, NaN without a partner,
         ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
-        ``friction`` (n) coefficient, -1 without Coulomb friction.
+        ``friction`` (n) coefficient, -1 without Coulomb friction,
+        and what a ``law`` of your own keeps.
     """
     known = self.form.Table()
     table = {name: known[name] for name in SHOWN}
     table["gap"] = np.where(table["area"] == 0, np.nan, table["gap"])
-    return table | {"x": known["center"], "status": known["status"].astype(int)}
+    table |= {"x": known["center"], "status": known["status"].astype(int)}
+    return table | self.form.Kept()
 
 
 def Force(self, *, on=None) -> np.ndarray:

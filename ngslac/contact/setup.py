@@ -9,6 +9,7 @@ from ngsolve.comp import ProxyFunction
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import (
     CheckFlag,
+    CheckFunction,
     CheckInstance,
     CheckOnMesh,
     CheckPositive,
@@ -35,6 +36,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
     if law is not None and (not callable(law) or type(law).__module__.startswith("ngsolve")):
         raise Wrong(TypeError, "law", law, "a function from places to tractions")
+    CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
     if law is not None and (tied or bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
             "a law of your own says all: drop law, or what is given of tied, bilateral, edges, "

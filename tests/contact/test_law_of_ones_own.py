@@ -5,12 +5,34 @@ The pressure grows with the overlap up to a limit, the tangential traction again
 
 import numpy as np
 import pytest
-from blocks import block_mesh, contact_form
+from blocks import C, block_mesh, contact_form
+from bricks import brick
 from form import Form
 from netgen.meshing import NgException
-from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, dx
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Parameter,
+    VectorH1,
+    dx,
+    sin,
+    x,
+    y,
+)
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadState, SaveState
+from ngslac import (
+    ContactConvergenceError,
+    ContactSolver,
+    LACContact,
+    LACSpace,
+    LoadState,
+    LoadStepper,
+    SaveState,
+    tools,
+)
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
 
@@ -31,9 +53,77 @@ class LimitedSpring:
             "traction": -pressure[:, None] * normal - across[:, None] * slip,
             "by_gap": self.k * grows[:, None] * normal,
             "by_slip": -np.multiply.outer(across, eye),
-            "by_normal": -np.multiply.outer(pressure, eye),
-            "status": np.where(closed, 1.0, 0.0),
         }
+
+
+class Coulomb:
+    """The compiled law through the places that laws which stick take: trial pressures."""
+
+    friction = 0.3
+
+    def __call__(self, places):
+        normal, trial = places["normal"], places["trial"]
+        pressure = -np.sum(trial * normal, axis=1)[:, None]
+        across = trial + pressure * normal
+        size, bound = np.linalg.norm(across, axis=1)[:, None], self.friction * pressure
+        sticks, closed = (size <= bound)[:, :, None], (pressure > 0)[:, :, None]
+        way = across / np.where(size > 0, size, 1)
+        eye, nn = np.eye(normal.shape[1]), outer(normal, normal)
+        turns = (bound / np.where(size > 0, size, 1))[:, :, None] * (eye - nn - outer(way, way))
+        slides = nn + turns - self.friction * outer(way, normal)
+        return {
+            "traction": closed[:, 0]
+            * np.where(sticks[:, 0], trial, bound * way - pressure * normal),
+            "by_trial": closed * np.where(sticks, eye, slides),
+            "status": np.where(closed, np.where(sticks, 1, 2), 0).ravel(),
+        }
+
+
+def outer(a, b):
+    return a[:, :, None] * b[:, None]
+
+
+def stiff_jump(places):
+    """Glue that gives way, by the jump alone, and by the multiplier."""
+    jump, multiplier = places["jump"], places["multiplier"]
+    eye = np.broadcast_to(np.eye(jump.shape[1]), (*jump.shape, jump.shape[1]))
+    size = np.sum(jump**2, axis=1)[:, None]
+    return {
+        "traction": 0.3 * multiplier - (5 + size) * jump,
+        "by_jump": -(5 + size)[:, :, None] * eye - 2 * outer(jump, jump),
+        "by_multiplier": 0.3 * eye,
+    }
+
+
+def rough_in_x(places):
+    """Drag in the direction x of space: the law does not turn with the bodies."""
+    normal, slip, gap = (places[name] for name in ("normal", "slip", "gap"))
+    rough = np.diag([4.0] + [0.0] * (normal.shape[1] - 1))
+    eye = np.broadcast_to(np.eye(len(rough)), (len(gap), *rough.shape))
+    return {
+        "traction": gap[:, None] * normal - slip @ rough,
+        "by_gap": normal,
+        "by_slip": -0 * eye - rough,
+        "by_normal": gap[:, None, None] * eye,
+    }
+
+
+class Wearing:
+    """A spring whose gap grows by pressure times slip."""
+
+    k, rate = 3.0, 0.5
+
+    def __call__(self, places):
+        pressure = np.maximum(-self.k * (places["gap"] + places.get("wear", 0)), 0)[:, None]
+        return {
+            "traction": -pressure * places["normal"],
+            "by_gap": self.k * (pressure > 0) * places["normal"],
+        }
+
+    def Commit(self, places):
+        pressure = -np.sum(places["multiplier"] * places["normal"], axis=1)
+        rubbed = self.rate * pressure * np.linalg.norm(places["slip"], axis=1)
+        return {"wear": places.get("wear", 0) + rubbed, "last": places["slip"]}
 
 
 def with_law(dim, finite, law):
@@ -59,6 +149,55 @@ def test_derivative(dim, finite):
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
 
 
+@pytest.mark.parametrize("law", [Coulomb(), stiff_jump, rough_in_x],
+                         ids=["trial", "jump", "not turning"])  # fmt: skip
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivatives_by_the_places_that_a_law_takes(dim, finite, law):
+    form = Form(with_law(dim, finite, law))
+    form.bend(0.02, 0.0, degrees=20, noise=0.01, seed=1)
+    form.commit()
+    form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+    form.follow()
+    form.contact.form.SetConstant(C)
+    form.impose(0.3 if isinstance(law, Coulomb) else 1.0)
+    expected = {0, 1, 2} if isinstance(law, Coulomb) else {1}
+    assert set(form.table()["status"][form.table()["area"] > 0]) == expected
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative_on_a_tool(dim):
+    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
+    X = V * LACSpace(V, slave="bottom")
+    u, lam = X.TrialFunction()
+    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
+    contact = LACContact(u, lam, obstacle=tool, finite=True, law=LimitedSpring(start=0.1))
+    contact.Update()
+    contact.form.SetConstant(C)
+    form = Form(contact)
+    form.commit()
+    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
+    form.follow()
+    form.values[form.multipliers] = np.random.default_rng(4).normal(size=form.multipliers.shape)
+    assert 1 in form.table()["status"]
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_coulomb_in_numpy_is_the_compiled_law(finite):
+    forces = []
+    for options in ({"friction": 0.3}, {"law": Coulomb()}):
+        form = Form(contact_form(block_mesh(2), finite=finite, **options))
+        form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+        form.follow()
+        form.contact.form.SetConstant(C)
+        form.impose(0.3)
+        forces.append(form.gf.vec.CreateVector())
+        form.contact.Apply(form.gf.vec, forces[-1])
+    assert forces[0].FV().NumPy() == pytest.approx(forces[1].FV().NumPy(), rel=1e-12, abs=1e-14)
+
+
 @pytest.mark.parametrize("limit", [np.inf, 4e-4])
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("make", [lambda: TwoBlocks(0.3), lambda: TwoBlocks3D("hex", "tet", 3, 2)],
@@ -81,17 +220,134 @@ def test_solve(make, finite, limit):
     assert contact.Table()["pressure"] == pytest.approx(expected, rel=5e-3 if finite else 1e-8)
 
 
+def pressed(law, *, finite=False, load=None):
+    """A block pressed on another one, and dragged along by the load if there is one."""
+    V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom|top")
+    X = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = X.TnT()
+    contact = LACContact(u, lam, master="master", finite=finite, law=law)
+    a = BilinearForm(X)
+    a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx
+    gf = GridFunction(X)
+    way = CF((0 if load is None else 0.01 * load, -1e-2))
+    solver = ContactSolver(a, gf, contact)
+    if load is not None:
+        return LoadStepper(solver, load, prescribe={"top": way, "bottom": CF((0, 0))})
+    gf.components[0].Set(way, definedon=V.mesh.Boundaries("top"))
+    return solver
+
+
+def test_force_without_a_status():
+    contact = (solver := pressed(Wearing())).contacts[0]
+    solver.Solve(printing=False)
+    assert set(contact.Table()["status"]) == {1}
+    assert contact.Force()[1] == pytest.approx(1e-2 / (1 + 1 / Wearing.k), rel=1e-8)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
+    stepper = pressed(Wearing(), finite=finite, load=Parameter(0))
+    contact = stepper.solver.contacts[0]
+    stepper.Integrate(1, steps=2, printing=False)
+    wear, forces = contact.Table()["wear"].copy(), stepper.Table()["force"][:, 0, 1]
+    slip = 0.01 * Wearing.rate * forces[-1]
+    assert np.all(np.abs(wear / slip - 1.1) < 0.9)
+    assert np.all(np.diff(forces) < 0)
+    assert contact.Table()["last"].shape == (len(wear), 2)
+
+    SaveState(tmp_path / "state", stepper)
+    stepper.Integrate(2, steps=2, printing=False)
+    worn = contact.Table()["wear"].copy()
+    assert np.all(worn > wear)
+    LoadState(tmp_path / "state", stepper)
+    assert contact.Table()["wear"] == pytest.approx(wear, rel=1e-14)
+    stepper.Integrate(2, steps=2, printing=False)
+    assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
+    contact.Update()
+    assert "wear" not in contact.Table()
+
+
+def test_nothing_is_kept_of_a_commit_that_fails():
+    class Failing(Wearing):
+        fails = False
+
+        def Commit(self, places):
+            if self.fails:
+                raise KeyboardInterrupt
+            return super().Commit(places)
+
+    law = Failing()
+    contact = (solver := pressed(law)).contacts[0]
+    solver.Solve(printing=False)
+    contact.Commit(solver.gf)
+    before = contact.State()
+    law.fails = True
+    with pytest.raises(KeyboardInterrupt):
+        contact.Commit(solver.gf)
+    after = contact.State()
+    assert "law: wear" in before
+    assert before.keys() == after.keys()
+    for name in before:
+        assert np.array_equal(before[name], after[name]), name
+
+
 def test_refused():
     with pytest.raises(ValueError, match="a law of your own says all: drop law, or"):
         contact_form(block_mesh(2), law=LimitedSpring(), friction=0.3)
     with pytest.raises(TypeError, match="law = 3 must be a function from places"):
         contact_form(block_mesh(2), law=3)
-    contact = with_law(2, False, lambda places: None)
-    with pytest.raises(NgException, match="law must return a dict of arrays of numbers, not"):
+    law = LimitedSpring()
+    law.Commit = 3
+    with pytest.raises(TypeError, match=r"law.Commit = 3 must be a function of places"):
+        contact_form(block_mesh(2), law=law)
+
+
+def answers(**columns):
+    """A law that returns these, functions of normals (n, d)."""
+    return lambda places: {name: column(places["normal"]) for name, column in columns.items()}
+
+
+def itself(values):
+    return values
+
+
+WRONG = {
+    r"law must return a dict of arrays of numbers, not None": lambda places: None,
+    r"law must return a dict with 'traction', \(n, 2\) numbers": answers(by_gap=itself),
+    r"law has given 'by_trail', which is none of by_gap, ": answers(
+        traction=itself, by_trail=itself
+    ),
+    r"law has given 'traction' with the shape \(2, (\d+)\), which must begin with \1, ": answers(
+        traction=np.transpose
+    ),
+    r"law has given \d+ numbers as 'by_slip' of \d+ macro-elements, of which each needs 4": answers(
+        traction=itself, by_slip=itself
+    ),
+    r"law has given nan as 'traction' where the gap is ": answers(traction=lambda n: np.nan * n),
+    r"7 is no status": answers(traction=itself, status=lambda n: 7 + 0 * n[:, 0]),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_wrong_answers(words):
+    """By errors that say what was given, also in the middle of a solution."""
+    contact = with_law(2, False, WRONG[words])
+    kinds = ValueError, TypeError, NgException
+    with pytest.raises(kinds, match=words):
         contact.Evaluate(GridFunction(contact.form.fes))
-    contact = with_law(2, False, lambda places: {"traction": places["normal"]})
-    with pytest.raises(NgException, match="a law has given 0 numbers as 'by_gap' in place of"):
-        contact.Evaluate(GridFunction(contact.form.fes))
+    with pytest.raises((*kinds, ContactConvergenceError), match=words):
+        pressed(WRONG[words]).Solve(printing=False)
+
+
+def test_wrong_names_to_keep():
+    class Keeps(Wearing):
+        def Commit(self, places):
+            return {"gap": places["gap"]}
+
+    contact = (solver := pressed(Keeps())).contacts[0]
+    solver.Solve(printing=False)
+    with pytest.raises(ValueError, match=r"law.Commit has given 'gap', which is a place already"):
+        contact.Commit(solver.gf)
 
 
 def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include "law.hpp"
+#include "macrostate.hpp"
+#include "place.hpp"
+#include <python_comp.hpp>
+
+namespace ngslac {
+/// Rows of named tables: what belongs to one macro-element.
+template <int D>
+class TableRow {
+  const NamedNumbers & table;
+  size_t m;
+
+  const double * Data(const string & name, size_t size) const {
+    auto found = table.find(name);
+    return found == table.end() ? nullptr : found->second.Data() + size * m;
+  }
+
+public:
+  TableRow(const NamedNumbers & atable, size_t am) : table(atable), m(am) {}
+
+  bool Has(const string & name) const { return table.count(name); }
+  /// 0 where there is none, as the two below.
+  double Number(const string & name) const {
+    auto * data = Data(name, 1);
+    return data ? *data : 0;
+  }
+  Vec<D> Vector(const string & name) const {
+    Vec<D> vector = 0.0;
+    if (auto * data = Data(name, D))
+      std::copy_n(data, D, &vector(0));
+    return vector;
+  }
+  Mat<D, D> Matrix(const string & name) const {
+    Mat<D, D> matrix = 0.0;
+    if (auto * data = Data(name, D * D))
+      std::copy_n(data, D * D, &matrix(0, 0));
+    return matrix;
+  }
+};
+
+/// How many numbers a law may give of a macro-element, by name.
+template <int D>
+std::map<string, size_t> SizesOfAnswer() {
+  return {{"traction", D},     {"status", 1},       {"by_gap", D},
+          {"by_slip", D * D},  {"by_jump", D * D},  {"by_multiplier", D * D},
+          {"by_trial", D * D}, {"by_normal", D * D}};
+}
+
+/// Throws unless a law has given a traction and nothing but what is known, all of its size.
+template <int D>
+void CheckAnswer(const NamedNumbers & found, size_t macros) {
+  auto sizes = SizesOfAnswer<D>();
+  if (!found.count("traction"))
+    throw py::value_error("LACContact: law must return a dict with 'traction', (n, " + ToString(D) +
+                          ") numbers");
+  for (auto & [name, values] : found) {
+    string known;
+    for (auto & [other, size] : sizes)
+      known += (known.empty() ? "" : ", ") + other;
+    if (!sizes.count(name))
+      throw py::value_error("LACContact: law has given '" + name + "', which is none of " + known);
+    if (values.Size() != macros * sizes[name])
+      throw py::value_error("LACContact: law has given " + ToString(values.Size()) +
+                            " numbers as '" + name + "' of " + ToString(macros) +
+                            " macro-elements, of which each needs " + ToString(sizes[name]));
+  }
+}
+
+/// The derivative of a vector that turns with the normal by that.
+template <int D>
+Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
+  return InnerProduct(normal, vector) * Id<D>() - normal * Trans(vector);
+}
+
+/// Of one macro-element, from the derivatives by the places that a law looks at.
+///
+/// All but the multiplier are parts of the jump and the normal. A law turns with the body: where it
+/// does not, it gives its derivative by the normal with all else fixed.
+template <int D>
+Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place) {
+  Vec<D> n = place.Vector("normal"), jump = place.Vector("jump"), by_gap = found.Vector("by_gap");
+  Mat<D, D> by_trial = found.Matrix("by_trial"), by_slip = found.Matrix("by_slip");
+  Mat<D, D> by_jump = found.Matrix("by_jump") - place.Number("c") * by_trial;
+  Answer<D> answer;
+  answer.traction = found.Vector("traction");
+  answer.by_multiplier = found.Matrix("by_multiplier") + by_trial;
+  answer.by_jump = by_jump + by_slip - by_slip * n * Trans(n) - by_gap * Trans(n);
+  answer.by_normal = place.Number("gap") * by_slip - by_gap * Trans(jump);
+  if (found.Has("by_normal"))
+    answer.by_normal += found.Matrix("by_normal") - by_slip * n * Trans(jump);
+  else
+    answer.by_normal += Turn(n, answer.traction) - by_jump * Turn(n, jump) -
+                        answer.by_multiplier * Turn(n, place.Vector("multiplier"));
+  bool acts = L2Norm2(answer.traction) > 0;
+  answer.status = found.Has("status") ? StatusFrom(found.Number("status"))
+                                      : (acts ? Status::stick : Status::open);
+  return answer;
+}
+
+/// Throws where a law has given no numbers.
+template <int D>
+void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m) {
+  for (auto & [name, values] : found) {
+    size_t size = values.Size() / places.at("gap").Size();
+    for (double value : values.Range(m * size, (m + 1) * size))
+      if (!std::isfinite(value))
+        throw Exception("LACContact: law has given " + ToString(value) + " as '" + name +
+                        "' where the gap is " + ToString(places.at("gap")[m]) +
+                        "; it needs a finite answer to any place");
+  }
+}
+
+/// The answers of a law to places; macro-elements without a partner are open.
+template <int D>
+Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places) {
+  auto & area = places.at("area");
+  auto found = law(places);
+  CheckAnswer<D>(found, area.Size());
+  Array<Answer<D>> answers(area.Size());
+  for (size_t m : Range(answers))
+    if (area[m] > 0) {
+      CheckFinite<D>(found, places, m);
+      answers[m] = AnswerFrom<D>({found, m}, {places, m});
+    }
+  return answers;
+}
+} // namespace ngslac
