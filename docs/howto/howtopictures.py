@@ -257,6 +257,7 @@ PICTURES = {
     "heat_across_interface": Temperature,
     "many_bodies": ShowSolid(Elastic(210e3), STRESS, 3000),
     "on_many_cores": ShowSolid(Elastic(1.0), "equivalent stress", 5),
+    "own_law": ShowPlane(Elastic(2e3), STRESS, factor=1, size=0.15),
     "preload_force": ShowSolid(Elastic("E"), STRESS, 150, (-2, -3, 1.2)),
     "press_fit": ShowPlane(Elastic("E"), STRESS, factor=0, size=0.15),
     "reaction_forces": ShowPlane(Elastic(210e3), STRESS, factor=100),

@@ -46,7 +46,7 @@ def test_pages_are_complete():
         assert f"test_{page}" in globals()
 
 
-NEW = ("drop_and_bounce", "preload_force", "seal", "snap_fit", "stack")
+NEW = ("drop_and_bounce", "own_law", "preload_force", "seal", "snap_fit", "stack")
 
 
 @pytest.mark.parametrize("page", NEW)
@@ -80,6 +80,14 @@ def test_drop_and_bounce(run):
     assert names["lowest"][0] == pytest.approx(1.2, abs=0.05)
     assert 1.35 < names["highest"][1] < 1.5  # no higher than where it was let go
     assert names["stepper"].balance.impact > 0
+
+
+def test_own_law(run):
+    names = run("own_law")
+    table = names["contact"].Table()
+    assert table["pressure"].max() == pytest.approx(names["Coating"].limit, rel=1e-12)
+    grows = (table["pressure"] > 0) & (table["pressure"] < 29.9)
+    assert table["pressure"][grows] == pytest.approx(-300 * table["gap"][grows], rel=1e-6)
 
 
 def test_preload_force(run):

@@ -33,12 +33,17 @@ def surroundings(column, dim):
     }[column]
 
 
+def spring(places):
+    return {"traction": places["gap"][:, None] * places["normal"], "by_gap": places["normal"]}
+
+
 LAWS = {
     "no friction": {},
     "Coulomb's friction": {"friction": 0.3},
     "Tresca's friction": {"tresca": 0.5},
     "tied": {"tied": True},
     "without separation": {"bilateral": True},
+    "a law of your own (`law`)": {"law": spring},
     "clearance (`offset`)": {"offset": 0.001},
     "adjusted start": {"adjust": 0.01},
     "sharp edges (`edges`)": {"edges": True},
