@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The methods for linear systems that suit a problem, in order."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ngsolve import BitArray
+
 from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.arrays import AsNumPy
 from ngslac.errors import Warn
@@ -10,12 +15,11 @@ from ngslac.linear.interface import Interface
 from ngslac.linear.iterative import Iterative
 from ngslac.linear.multigrid import Multigrid
 from ngslac.linear.solver import LinearSolver
-from ngslac.linear.system import Link
+from ngslac.linear.system import Link, Options
 from ngslac.linear.vertices import VertexNodes
 
-__all__ = ["SOLVERS", "CheckSolver", "IsLarge", "MakeLinearSolver"]
+__all__ = ["METHODS", "CheckSolver", "IsLarge", "MakeLinearSolver"]
 
-SOLVERS = "interface", "direct", "iterative", "petsc"
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
 LARGE = {
     "ngsolve": {2: 25_000, 3: 5_000},
@@ -39,7 +43,29 @@ def CheckSolver(name):
             DeprecationWarning,
         )
         return "direct"
-    return name if name is None else CheckChoice("solver", name, SOLVERS)
+    return name if name is None else CheckChoice("solver", name, (*METHODS, "petsc"))
+
+
+@dataclass
+class Parts:
+    """What the methods of a chain are made of."""
+
+    bits: BitArray  # free scalar dofs that are not eliminated
+    dim: int
+    options: Options
+    motions: Callable  # returns the rigid motions (n, k) of all bodies
+    multigrid: Multigrid | None  # where iterations are of use
+    merged: Merged  # the whole matrix, which methods share
+
+
+# What users choose, and how it is made. One that no chain begins with has to be asked for.
+METHODS = {
+    "interface": lambda parts: Interface(AsNumPy(parts.bits), parts.dim, parts.motions),
+    "direct": lambda parts: Direct(parts.bits, parts.merged, parts.options.inverse),
+    "iterative": lambda parts: Iterative(
+        parts.bits, parts.merged, parts.dim, parts.multigrid, parts.options.preconditioner
+    ),
+}
 
 
 def MakeLinearSolver(a, contacts, freedofs, options, motions):
@@ -68,20 +94,15 @@ def MakeLinearSolver(a, contacts, freedofs, options, motions):
             inner = InnerDofs.Of(form.fes, freedofs, form.offset, form.component)
 
     def Make(bits):
-        merged = Merged()
-        make = {
-            "interface": lambda: Interface(AsNumPy(bits), dim, motions),
-            "iterative": lambda: Iterative(bits, merged, dim, multigrid, preconditioner),
-            "direct": lambda: Direct(bits, merged, inverse),
-        }
-        return [Link(name, make[name](), why) for name in names]
+        parts = Parts(bits, dim, options, motions, multigrid, Merged())
+        return [Link(name, METHODS[name](parts), why) for name in names]
 
     return LinearSolver(freedofs, Make, inner)
 
 
 def _Names(wanted, inverse, iterates, factors):
     """Of the methods of a chain, which ends with the safe one."""
-    if wanted in ("iterative", "direct"):
+    if wanted not in (None, "interface"):
         return list(dict.fromkeys((wanted, "direct")))
     if wanted is None and inverse:
         return ["direct"]

@@ -9,6 +9,7 @@ from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import AddToDiagonal, AsBits, AsNumPy, Multiply, SameEntries
 from ngslac.linear.factor import CHOLESKY, LU, Cholesky, Factor, IsSymmetric
 from ngslac.linear.refine import FirstGood, Refine
+from ngslac.linear.system import Method
 
 __all__ = ["Direct", "Merged"]
 
@@ -45,15 +46,14 @@ class Merged:
         return self._mat
 
 
-class Direct:
+class Direct(Method):
     """LU, or Cholesky factors of displacements alone where symmetric, kept for the same matrix.
 
     Some factorisations return NaN on saddle point matrices, others lose ten digits, without saying
     so. Then the safe solver takes over.
     """
 
-    tolerance = 1e-9
-    krylov = 0
+    tolerance, serves_alone = 1e-9, True
 
     def __init__(self, bits, merged, inverse=None):
         self.bits, self.merged, self.factorisations = bits, merged, 0
@@ -85,8 +85,8 @@ class Direct:
         if system.alone:
             free[system.multipliers] = False
         names = dict.fromkeys((self._cholesky if symmetric else self.inverse, SAFE))
-        attempts = [(name, partial(self._Solve, mat, free, b, name, symmetric)) for name in names]
-        x, error, name = FirstGood(attempts, self.tolerance)
+        solve = partial(self._Solve, mat, free, b, symmetric)
+        x, error, name = FirstGood((name, partial(solve, name), self.tolerance) for name in names)
         if name == SAFE and not symmetric:
             self.inverse = SAFE
         return x, error
@@ -96,7 +96,7 @@ class Direct:
             self._symmetric = self.merged.number, IsSymmetric(mat)
         return self._symmetric[1]
 
-    def _Solve(self, mat, free, b, inverse, symmetric):
+    def _Solve(self, mat, free, b, symmetric, inverse):
         factors = self._Factors(mat, free, inverse, symmetric)
 
         def Step(left):

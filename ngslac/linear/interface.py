@@ -7,6 +7,7 @@ import scipy
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.grounded import SPRING, GroundedBulk, UnitColumns
 from ngslac.linear.refine import Refine
+from ngslac.linear.system import Method
 
 __all__ = ["Interface"]
 
@@ -16,7 +17,7 @@ ROUNDING = 1e-10
 SINGULAR = 1e-14
 
 
-class Interface:
+class Interface(Method):
     """Solves for multipliers first, by the Schur complement of the bulk, then for displacements.
 
     The bulk K, with springs alpha P P^T on some dofs (`GroundedBulk`), is factored once. With the
@@ -28,7 +29,6 @@ class Interface:
     """
 
     most = 3000  # multipliers: the dense matrix of more costs as much as factors of the bulk
-    krylov = 0
 
     def __init__(self, free, dim, motions):
         self.free, self.dim, self.motions = free, dim, motions

@@ -13,6 +13,7 @@ from ngslac._ngslac import (
 from ngslac.arrays import AsNumPy, Multiply
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.refine import EXACT, Refine
+from ngslac.linear.system import Method
 
 __all__ = ["Iterative"]
 
@@ -24,7 +25,7 @@ MOST, PATIENCE = 250, 60
 BEST, SINGLE = 1e-14, 1e-5
 
 
-class Iterative:
+class Iterative(Method):
     """Eliminates multipliers, and iterates by GMRES with multigrid, made for each system.
 
     What is left (``Z^T K Z`` with the columns Z of the displacements that keep the constraints) is
@@ -32,7 +33,7 @@ class Iterative:
     frictionless one costs up to twice the iterations.
     """
 
-    factorisations = 0
+    is_iteration = True
 
     def __init__(self, bits, merged, dim, multigrid, preconditioner=None):
         self.bits, self.merged, self.dim = bits, merged, dim
@@ -49,13 +50,6 @@ class Iterative:
         self._number = self._condensed = self._inverse = None
         if self.multigrid:
             self.multigrid.Forget()
-
-    def State(self):
-        """Nothing is learnt that counts."""
-        return {}
-
-    def SetState(self, state):
-        """Go on with a `State`."""
 
     def Solve(self, system, b):
         """See Method."""

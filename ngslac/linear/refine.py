@@ -13,16 +13,19 @@ ACCEPTABLE = 1e-5  # nearly singular: the next Newton step makes up for it
 EXACT, ROUNDS = 1e-13, 4
 
 
-def FirstGood(attempts, tolerance, accuracy=0.0):
-    """The first good solution of several attempts, or the best one if that is acceptable."""
+def FirstGood(attempts):
+    """The first good solution of several attempts, or the best one if that is acceptable.
+
+    An attempt is a name, a function, and the residual that is good.
+    """
     errors, best = [], (None, np.inf)
-    for name, solve in attempts:
+    for name, solve, tolerance in attempts:
         try:
             x, error = solve()
         except (LinearSolveError, NgException) as failure:
             errors.append(f"{name}: {failure}")
             continue
-        if error <= max(tolerance, 3 * accuracy * (name == "iterative")):
+        if error <= tolerance:
             return x, error, name
         errors.append(f"{name}: relative residual {error:.1e}")
         if error < best[1]:

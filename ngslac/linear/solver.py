@@ -14,6 +14,8 @@ __all__ = ["LinearSolveError", "LinearSolver"]
 
 # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
 SHIFT, MOST_SHIFTS = 1e-4, 5
+# Residual of an iteration that is accepted, over the one that was asked for.
+ENOUGH = 3
 
 
 class LinearSolver:
@@ -29,7 +31,7 @@ class LinearSolver:
 
     def __init__(self, freedofs, chain, inner=None):
         self.freedofs, self.free, self.inner = BitArray(freedofs), AsNumPy(freedofs), inner
-        self.shifts = self._failures = 0  # in a row: singular systems, iterations that failed
+        self.shifts, self.failures = 0, {}  # in a row: singular systems, iterations that failed
         self.nearly_singular, self._chain, self._all = False, chain, []
         self._MakeMethods()
 
@@ -38,20 +40,25 @@ class LinearSolver:
         self.bits = self.freedofs & ~self.inner.dofs if self.inner else self.freedofs
         self._used = self._chain(self.bits)
         self._all += self._used  # also those of before count
-        self._links = list(self._used)
 
     def __str__(self):
         return f"linear systems: {self._links[0].method} ({self._links[0].why})"
 
     @property
+    def _links(self):
+        """Those that are not given up."""
+        failures = self.failures
+        return [link for link in self._used if failures.get(link.name, 0) < self.most_failures]
+
+    @property
     def method(self):
-        """What solves now: "interface", "iterative" or "direct"."""
+        """The name of what solves now, such as "interface"."""
         return self._links[0].name
 
     @property
     def inverse(self):
         """The NGSolve solver that factors whole systems; None: PETSc's."""
-        return self.State()["inverse"]
+        return next(filter(None, (link.method.inverse for link in self._used)), None)
 
     @property
     def factorisations(self):
@@ -65,18 +72,19 @@ class LinearSolver:
 
     def State(self):
         """What has been learnt about the methods, as a dict."""
-        state = {"inverse": None, "once": False, "failures": self._failures}
-        for link in self._used:
-            state |= link.method.State()
-        return state | {"methods": [link.name for link in self._links]}
+        methods = {link.name: link.method.State() for link in self._used}
+        return {"failures": dict(self.failures), "methods": methods}
 
     def SetState(self, state):
-        """Go on with the methods of a `State`."""
-        self._failures = state["failures"]
-        names = {"direct", *state["methods"]}
-        self._links = [link for link in self._used if link.name in names]
+        """Go on with the methods of a `State`; one that it does not know goes on as it is."""
+        methods, self.failures = state["methods"], state["failures"]
+        if isinstance(methods, list):  # of before 0.2
+            methods, self.failures = {link.name: state for link in self._used}, {}
+            if state["failures"]:
+                self.failures = {"iterative": state["failures"]}
         for link in self._used:
-            link.method.SetState(state)
+            if link.name in methods:
+                link.method.SetState(methods[link.name])
 
     def NewBulk(self):
         """The bulk matrix that was used last has got other values."""
@@ -109,12 +117,12 @@ class LinearSolver:
         if system.alone:
             b[system.multipliers] = 0
         attempts = [
-            (link.name, partial(link.method.Solve, system, b))
+            (link.name, partial(link.method.Solve, system, b), self._Tolerance(link, system))
             for link in self._links
-            if link.name == "direct" or not system.alone
+            if link.method.serves_alone or not system.alone
         ]
         try:
-            x, _, name = FirstGood(attempts, self.tolerance, system.accuracy)
+            x, _, name = FirstGood(attempts)
         except LinearSolveError as error:
             raise LinearSolveError(f"the linear system could not be solved ({error})") from None
         if name is not None:
@@ -122,14 +130,16 @@ class LinearSolver:
             self._LearnFrom(name, system)
         return system.scale * x
 
+    def _Tolerance(self, link, system):
+        return max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)
+
     def _LearnFrom(self, name, system):
         """A method has served: an iteration that comes before it has not."""
         names = [link.name for link in self._links]
-        if "iterative" in names and not system.alone:
-            after = names.index(name) > names.index("iterative")
-            self._failures = self._failures + 1 if after else 0
-            if self._failures == self.most_failures:
-                del self._links[names.index("iterative")]
+        for link in self._links if not system.alone else ():
+            if link.method.is_iteration:
+                after = names.index(name) > names.index(link.name)
+                self.failures[link.name] = after * (self.failures.get(link.name, 0) + 1)
 
     def SolveShifted(self, system, rows):
         """The same; a singular matrix gets a small diagonal on `rows` (n,) bool.

@@ -2,7 +2,6 @@
 """A linear system, what users choose for its solution, and what solves it."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from ngsolve import BaseMatrix
@@ -39,29 +38,41 @@ class Options:
     preconditioner: object = None
 
 
-class Method(Protocol):
-    """One way to solve linear systems.
+class Method:
+    """One way to solve linear systems; `chain.METHODS` has a line for each.
+
+    Where it raises a LinearSolveError or an NgException, or its residual is large, the next method
+    of the chain solves the system.
 
     Attributes
     ----------
     factorisations, krylov : int
         Of matrices of full size, and iterations, since this was made.
+    inverse : str or None
+        The NGSolve solver that factors whole systems.
+    is_iteration : bool
+        It may stop at the accuracy that a system asks for, and is given up where it keeps failing.
+    serves_alone : bool
+        It solves for displacements alone, too.
     """
 
-    factorisations: int
-    krylov: int
+    factorisations = krylov = 0
+    inverse = None
+    is_iteration = serves_alone = False
 
     def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """Scaled solution for a scaled right hand side, and its relative residual."""
+        raise NotImplementedError
 
     def NewBulk(self) -> None:
         """Keep nothing: the matrix of the bulk has got other values."""
 
     def State(self) -> dict:
         """What was learnt."""
+        return {}
 
     def SetState(self, state: dict) -> None:
-        """Go on with a `State`, or with that of all methods together."""
+        """Go on with a `State`."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from ngslac.arrays import AsNumPy, SameEntries
 from ngslac.linear.chain import IsLarge
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.solver import LinearSolver
-from ngslac.linear.system import Link
+from ngslac.linear.system import Link, Method
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 
@@ -61,11 +61,12 @@ class Taken:
             self._entries = entries
 
 
-class PetscMethod:
+class PetscMethod(Method):
     """One of the ways of a PetscSystem, see Method."""
 
     def __init__(self, taken, name, most=np.inf):
         self._taken, self._name, self._most = taken, name, most
+        self.is_iteration, self.serves_alone = name == "iterative", name == "direct"
 
     def __str__(self):
         return f"PETSc, {WAYS[self._name]}"
@@ -90,13 +91,6 @@ class PetscMethod:
     def NewBulk(self):
         """The bulk matrix has got other values."""
         self._taken.NewBulk()
-
-    def State(self):
-        """Nothing is learnt."""
-        return {}
-
-    def SetState(self, state):
-        """Go on with a `State`."""
 
 
 def PetscLinearSolver(team, freedofs, nodes, wanted=None):

@@ -119,7 +119,7 @@ def test_systems(method, monkeypatch):
         assert linear.Solve(system) == pytest.approx(scale * x, rel=1e-6, abs=1e-6)
     assert not np.any(linear.Solve(replace(held, rhs=0 * b)))
     own.NewBulk()
-    own.SetState(linear.State())
+    own.SetState(own.State())
     assert np.linalg.norm(own.Solve(held, b)[0] - x) < 1e-7 * np.linalg.norm(x)
 
 
