@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "argument.hpp"
 #include "contactform.hpp"
-#include "given.hpp"
 #include "linear/merge.hpp"
 #include "numpy.hpp"
 
@@ -41,7 +41,7 @@ NamedNumbers FromLaw(const string & name, py::object found, size_t macros) {
     arrays = found.cast<NamedArrays>();
   } catch (py::cast_error &) {
     throw py::type_error("LACContact: " + name + " must return a dict of arrays of numbers, not " +
-                         Given<int>::Text(found));
+                         Argument<int>::Text(found));
   }
   for (auto & [key, values] : arrays)
     if (!values.ndim() || size_t(values.shape(0)) != macros)

@@ -11,7 +11,7 @@ constexpr double penalty = 3;
 constexpr double inexact = 1e-6;
 const char * dependent = "ngslac: constraints of macro-elements depend on each other";
 
-void CheckGiven(size_t n, FlatArray<int> multipliers, int d, const BitArray & free) {
+void CheckNumbers(size_t n, FlatArray<int> multipliers, int d, const BitArray & free) {
   if (free.Size() != n)
     throw Exception("Condensation: " + ToString(free.Size()) + " bits of free dofs for " +
                     ToString(n) + " rows");
@@ -81,7 +81,7 @@ Condensation::Condensation(shared_ptr<SparseMatrix<double>> amat, FlatArray<int>
     : SquareOperator(*amat), mat(amat), free(make_shared<BitArray>(afree)), d(ad) {
   static Timer timer("ngslac::Condense");
   RegionTimer reg(timer);
-  CheckGiven(mat->Height(), multipliers, d, *free);
+  CheckNumbers(mat->Height(), multipliers, d, *free);
   Supports(multipliers);
   terms.SetSize(blocks.Size());
   std::atomic<bool> fails = false;

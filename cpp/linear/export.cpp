@@ -9,7 +9,7 @@ using namespace ngcomp;
 
 namespace {
 std::pair<shared_ptr<SparseMatrix<double>>, Array<int>>
-Given(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
+SparseWithDofs(shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers) {
   auto sparse = dynamic_pointer_cast<SparseMatrix<double>>(mat);
   if (!sparse)
     throw Exception("Condensation: the matrix must be sparse, real and scalar");
@@ -78,7 +78,7 @@ void ExportLinear(py::module & m) {
       "the rows and columns of the multipliers alone.")
       .def(py::init([](shared_ptr<BaseMatrix> mat, const std::vector<int> & multipliers, int dim,
                        const BitArray & free) {
-             auto [sparse, dofs] = Given(mat, multipliers);
+             auto [sparse, dofs] = SparseWithDofs(mat, multipliers);
              py::gil_scoped_release release;
              return make_shared<Condensation>(sparse, dofs, dim, free);
            }),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "boundaries.hpp"
+#include "argument.hpp"
 #include "faces.hpp"
-#include "given.hpp"
 #include "names.hpp"
 
 #include <regex>
@@ -20,7 +20,7 @@ Region PatternRegion(shared_ptr<MeshAccess> mesh, const string & name, const str
 }
 
 string Text(py::handle boundary) {
-  return py::isinstance<Region>(boundary) ? "<Region>" : Given<Region>::Text(boundary);
+  return py::isinstance<Region>(boundary) ? "<Region>" : Argument<Region>::Text(boundary);
 }
 
 // Of a distributed mesh, some processes may have none.

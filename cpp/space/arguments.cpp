@@ -9,20 +9,20 @@ int IntegerOf(py::handle item) {
   auto index = py::reinterpret_steal<py::object>(PyNumber_Index(item.ptr()));
   if (!index) {
     PyErr_Clear();
-    throw py::type_error("LACSpace: macros holds " + Given<int>::Text(item) +
+    throw py::type_error("LACSpace: macros holds " + Argument<int>::Text(item) +
                          ", which is no integer");
   }
   int overflow = 0;
   long number = PyLong_AsLongAndOverflow(index.ptr(), &overflow);
   if (overflow || number != int(number))
-    throw py::value_error("LACSpace: macros holds the number " + Given<int>::Text(item) +
+    throw py::value_error("LACSpace: macros holds the number " + Argument<int>::Text(item) +
                           "; number the macro-elements densely from 0");
   return int(number);
 }
 
 /// At most so many: an iterable may have no end.
 Array<double> Integers(const py::object & macros, size_t most) {
-  auto what = "LACSpace: macros = " + Given<int>::Text(macros);
+  auto what = "LACSpace: macros = " + Argument<int>::Text(macros);
   py::type_error wrong(what + " must be a list of integers, one per slave face");
   if (py::isinstance<py::str>(macros) || !py::isinstance<py::iterable>(macros))
     throw wrong;
@@ -44,7 +44,7 @@ Array<double> Integers(const py::object & macros, size_t most) {
 }
 } // namespace
 
-int CheckedComponents(const Given<int> & components) {
+int CheckedComponents(const Argument<int> & components) {
   string name = "LACSpace: components", wanted = "1, 2 or 3";
   if (py::isinstance<py::bool_>(components.value))
     throw py::type_error(name + " = " + components.Text(components.value) + " must be " + wanted);

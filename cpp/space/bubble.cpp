@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "given.hpp"
+#include "argument.hpp"
 #include "mesh/boundaries.hpp"
 #include "mesh/faces.hpp"
 #include "mesh/names.hpp"
@@ -154,7 +154,7 @@ string Named(const string & name) {
 
 void CheckOrder(py::handle order) {
   constexpr long most = 50; // far above what anyone can solve
-  string text = Named("order") + " = " + Given<int>::Text(order) +
+  string text = Named("order") + " = " + Argument<int>::Text(order) +
                 " must be an integer from 1 to " + ToString(most);
   if (!PyLong_Check(order.ptr()) || PyBool_Check(order.ptr()))
     throw py::type_error(text);
@@ -181,7 +181,7 @@ VorB KindOf(const string & flag) {
 
 /// The flags of BubbleVectorH1, where names of boundaries stand for themselves. Throws for those
 /// that NGSolve falls over, or takes without a word.
-py::dict CheckedBubbleArguments(const Given<shared_ptr<MeshAccess>> & mesh,
+py::dict CheckedBubbleArguments(const Argument<shared_ptr<MeshAccess>> & mesh,
                                 const py::kwargs & flags) {
   auto on = mesh.As(Named("mesh"), "an ngsolve.Mesh");
   py::dict checked;
@@ -225,7 +225,7 @@ void ExportBubble(py::module & m) {
   });
   py::object make = space.attr("__init__");
   space.attr("__init__") = py::cpp_function(
-      [make](py::object self, Given<shared_ptr<MeshAccess>> mesh, py::kwargs flags) {
+      [make](py::object self, Argument<shared_ptr<MeshAccess>> mesh, py::kwargs flags) {
         make(self, mesh.value, **CheckedBubbleArguments(mesh, flags));
       },
       py::name("__init__"), py::is_method(space), py::arg("mesh"));

@@ -58,10 +58,10 @@ void ExportSpace(py::module & m) {
   space.attr("__signature__") = py::module_::import("inspect").attr("signature")(
       py::eval("lambda V, *, slave, macros=None, components=None, autoupdate=False: None"));
   space
-      .def(py::init([](const Given<shared_ptr<FESpace>> & V, const py::args & more,
-                       const Given<std::variant<Region, string>> & slave,
-                       const Given<std::vector<int>> & macros, const Given<int> & components,
-                       const Given<bool> & autoupdate, const py::kwargs & others) {
+      .def(py::init([](const Argument<shared_ptr<FESpace>> & V, const py::args & more,
+                       const Argument<std::variant<Region, string>> & slave,
+                       const Argument<std::vector<int>> & macros, const Argument<int> & components,
+                       const Argument<bool> & autoupdate, const py::kwargs & others) {
              CheckNoMore("LACSpace", more, others, "V, slave=, macros=, components=, autoupdate=");
              return SpaceArguments{V, slave, macros, components, autoupdate}.Make();
            }),
@@ -93,7 +93,7 @@ void ExportSpace(py::module & m) {
       .def_property_readonly("slave", &LACSpace::SlaveRegion, "The slave surface (Region).")
       .def(
           "WithComponents",
-          [](const LACSpace & self, const Given<int> & components) {
+          [](const LACSpace & self, const Argument<int> & components) {
             return self.WithComponents(CheckedComponents(components));
           },
           py::arg("components"),
@@ -109,7 +109,7 @@ Returns
 LACSpace)")
       .def(
           "CoreDofs",
-          [](const LACSpace & self, const Given<long> & number) {
+          [](const LACSpace & self, const Argument<long> & number) {
             long macro = number.As("LACSpace.CoreDofs: macro", "the number of a macro-element");
             if (macro < 0 || size_t(macro) >= self.NMacros())
               throw py::index_error("LACSpace.CoreDofs: there is no macro-element " +

@@ -8,7 +8,7 @@ using namespace ngcomp;
 /// An argument as it was given. Signatures show it as T; what is no T gets a message that names the
 /// argument, the value and what is wanted, in place of a list of signatures.
 template <typename T>
-struct __attribute__((visibility("hidden"))) Given { // as pybind11, whose object it holds
+struct __attribute__((visibility("hidden"))) Argument { // as pybind11, whose object it holds
   py::object value;
 
   bool IsNone() const { return value.is_none(); }
@@ -40,24 +40,24 @@ struct __attribute__((visibility("hidden"))) Given { // as pybind11, whose objec
 inline void CheckNoMore(const string & name, const py::args & positional, const py::kwargs & named,
                         const string & all) {
   if (positional.size())
-    throw py::type_error(name + ": " + Given<int>::Text(positional[0]) +
+    throw py::type_error(name + ": " + Argument<int>::Text(positional[0]) +
                          " was given without a name; the arguments are " + all);
   for (auto [key, value] : named)
-    throw py::type_error(name + ": there is no argument " + Given<int>::Text(key) +
+    throw py::type_error(name + ": there is no argument " + Argument<int>::Text(key) +
                          "; the arguments are " + all);
 }
 } // namespace ngslac
 
 namespace pybind11::detail {
 template <typename T>
-struct type_caster<ngslac::Given<T>> {
-  PYBIND11_TYPE_CASTER(ngslac::Given<T>, make_caster<T>::name);
+struct type_caster<ngslac::Argument<T>> {
+  PYBIND11_TYPE_CASTER(ngslac::Argument<T>, make_caster<T>::name);
   bool load(handle source, bool) {
     value.value = reinterpret_borrow<object>(source);
     return true;
   }
-  static handle cast(const ngslac::Given<T> & given, return_value_policy, handle) {
-    return given.value.inc_ref();
+  static handle cast(const ngslac::Argument<T> & argument, return_value_policy, handle) {
+    return argument.value.inc_ref();
   }
 };
 } // namespace pybind11::detail
