@@ -83,5 +83,5 @@ def WarnOfCopies(mesh):
             warnings.warn(
                 f"each of {count} processes solves the whole problem: to share the work distribute "
                 "the mesh, Mesh(geometry.GenerateMesh(comm=MPI.COMM_WORLD))",
-                stacklevel=4,
+                stacklevel=6,
             )

@@ -11,7 +11,7 @@ from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Sight, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
 from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
-from ngslac.bodies.parts import AreApart, ConnectedParts, Forces, LikelyParts
+from ngslac.bodies.parts import AreApart, Forces, PartsOf
 from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
 from ngslac.bodies.slides import SlidesOf
 from ngslac.rigid import Tables
@@ -69,12 +69,7 @@ class Bodies:
         values = np.random.default_rng(0).standard_normal(self.count)
         pushed = forces(values)
         sizes = np.abs(pushed)
-        if hasattr(mat, "Parts"):  # which no process has all of
-            self.part = mat.Parts()[self.first : self.first + self.count]
-        else:
-            self.part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
-            if not AreApart(self.part, forces, values, pushed):
-                self.part = ConnectedParts(mat, form.offset, space.ndof).repeat(block)
+        self.part = PartsOf(mat, form, lambda part: AreApart(part, forces, values, pushed))
         allowed = self._Allowed(sizes > 0, free[self.first : self.first + self.count])
         self.floating = [  # (part, combinations of motions as columns)
             (self.part[dofs[0]], combinations)

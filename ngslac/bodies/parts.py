@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which rows of a sparse matrix are connected."""
 
+from functools import singledispatch
+
 import numpy as np
 import scipy
 
-__all__ = ["AreApart", "ConnectedParts", "Forces", "LikelyParts"]
+__all__ = ["AreApart", "ConnectedParts", "Forces", "PartsOf"]
 
 
 def Forces(mat, first, count):
@@ -19,6 +21,19 @@ def Forces(mat, first, count):
         return product.FV().NumPy()[own].copy()
 
     return Times
+
+
+@singledispatch
+def PartsOf(mat, form, are_apart):
+    """A number (n,) for each dof of the displacement of a contact form: the same in each body.
+
+    `are_apart` looks at numbers that may be right. The parallel room has an answer of its own.
+    """
+    block, space = form.fes.dim, form.component
+    part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
+    if are_apart(part):
+        return part
+    return ConnectedParts(mat, form.offset, space.ndof).repeat(block)
 
 
 def ConnectedParts(mat, first, count):

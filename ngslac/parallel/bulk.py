@@ -12,10 +12,12 @@ from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 from ngslac._ngslac import FormDiagonal, ProxyPath
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.bodies.constraints import ToCSR
+from ngslac.bodies.parts import PartsOf
+from ngslac.bulkforms import BulkForm, Elastic, ScaleMatrix, WithDiagonal, WithMass
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
 from ngslac.petsc.nodes import Nodes
-from ngslac.petsc.solver import PetscLinearSolver
+from ngslac.petsc.solver import LinearSolverFor, PetscLinearSolver
 
 __all__ = ["FormPart", "RemoteForm", "RemoteMatrix"]
 
@@ -92,11 +94,8 @@ class FormPart:
         return scipy.sparse.csgraph.connected_components(ones, directed=False)[1].astype(float)
 
 
-class RemoteForm:
-    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space.
-
-    And with those that a form may bring along: `LinearSolver`, `WithMass` and `Scale`.
-    """
+class RemoteForm(BulkForm):
+    """A form on a distributed mesh with the verbs of a BilinearForm on the conductor's space."""
 
     def __init__(self, ensemble, number, original):
         self.ensemble, self.number, self.condense = ensemble, number, original.condense
@@ -134,23 +133,9 @@ class RemoteForm:
         """Make the matrix of a linear form."""
         self._Change("Assemble")
 
-    def Scale(self, factor):
-        """Multiply the matrix by a factor."""
-        self._Change("Scale", None, factor)
-
     def _Change(self, verb, *arguments):
         self._matrices, self._diagonal = WeakValueDictionary(), None
         self.Ask(verb, *arguments)
-
-    def WithMass(self, factor, density, u, _):
-        """The same form with inertia, see `WithMass`."""
-        ensemble = self.ensemble
-        if isinstance(density, CoefficientFunction):
-            density = Reference("original", ensemble.NumberOf(density))
-        order = self.number, ProxyPath(u, "u"), density
-        own = partial(ensemble.crew.tasks["mass"], *order, factor)
-        number = ensemble.Order("mass", *order, own=own)[0]
-        return RemoteForm(ensemble, number, ensemble.things[number].form)
 
     @property
     def mat(self):
@@ -182,26 +167,6 @@ class RemoteForm:
             self._diagonal = Diagonal(self.Sum(self.Ask("Diagonal")))
         return self._diagonal
 
-    @property
-    def elastic(self):
-        """A matrix with the diagonal that the elements have without inertia."""
-        return Diagonal(self.Sum(self.Ask("ElasticDiagonal")))
-
-    def LinearSolver(self, contact, freedofs, options):
-        """What solves the linear systems, see `MakeLinearSolver`."""
-        wanted = options.solver
-        for name in ("inverse", "preconditioner"):
-            if getattr(options, name) is not None:
-                raise ValueError(f"{name}= is not known on a distributed mesh: leave it out")
-        if wanted not in (None, "petsc", "direct", "iterative"):
-            raise ValueError(
-                f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
-                "take 'direct' or 'iterative', both on PETSc"
-            )
-        nodes = Nodes.Of(contact, freedofs)
-        team = Team(self.ensemble, self, freedofs, nodes)
-        return PetscLinearSolver(team, freedofs, nodes, None if wanted == "petsc" else wanted)
-
 
 class RemoteMatrix(BaseMatrix):
     """A matrix of which each process has a part."""
@@ -209,24 +174,6 @@ class RemoteMatrix(BaseMatrix):
     def __init__(self, form, operator):
         super().__init__()
         self.form, self.operator = form, operator
-
-    @property
-    def diagonal(self):
-        """A sparse matrix with the same diagonal."""
-        return self.form.diagonal
-
-    def Parts(self):
-        """A number (n,) for each dof: the same where they are connected."""
-        found = [part.astype(int) for part in self.form.Ask("Parts")]
-        n = first = self.form.space.ndof * self.form.space.dim
-        ends = []
-        for dofs, part in zip(self.form.replica.dofs, found, strict=True):
-            used = dofs >= 0
-            ends.append((dofs[used], first + part[used]))
-            first += 1 + part.max(initial=-1)
-        row, column = (np.concatenate(side) for side in zip(*ends, strict=True))
-        graph = scipy.sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(first, first))
-        return scipy.sparse.csgraph.connected_components(graph, directed=False)[1][:n]
 
     def Mult(self, x, y):
         """Y = the product with x."""
@@ -249,6 +196,67 @@ class RemoteMatrix(BaseMatrix):
     def CreateRowVector(self):
         """A vector of `Width`."""
         return GridFunction(self.form.space).vec
+
+
+# --- what else solvers ask of them ---------------------------------------------------------------
+
+
+@ScaleMatrix.register
+def _(form: RemoteForm, factor):
+    form._Change("Scale", None, factor)
+
+
+@WithMass.register
+def _(form: RemoteForm, factor, density, u, _):
+    ensemble = form.ensemble
+    if isinstance(density, CoefficientFunction):
+        density = Reference("original", ensemble.NumberOf(density))
+    order = form.number, ProxyPath(u, "u"), density
+    own = partial(ensemble.crew.tasks["mass"], *order, factor)
+    number = ensemble.Order("mass", *order, own=own)[0]
+    return RemoteForm(ensemble, number, ensemble.things[number].form)
+
+
+@Elastic.register
+def _(form: RemoteForm):
+    return Diagonal(form.Sum(form.Ask("ElasticDiagonal")))
+
+
+@WithDiagonal.register
+def _(mat: RemoteMatrix):
+    return mat.form.diagonal
+
+
+@LinearSolverFor.register
+def _(form: RemoteForm, contacts, freedofs, options):
+    wanted = options.solver
+    for name in ("inverse", "preconditioner"):
+        if getattr(options, name) is not None:
+            raise ValueError(f"{name}= is not known on a distributed mesh: leave it out")
+    if wanted not in (None, "petsc", "direct", "iterative"):
+        raise ValueError(
+            f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
+            "take 'direct' or 'iterative', both on PETSc"
+        )
+    nodes = Nodes.Of(contacts[0], freedofs)
+    team = Team(form.ensemble, form, freedofs, nodes)
+    return PetscLinearSolver(team, freedofs, nodes, None if wanted == "petsc" else wanted)
+
+
+@PartsOf.register
+def _(mat: RemoteMatrix, form, _):
+    found = [part.astype(int) for part in mat.form.Ask("Parts")]
+    block = form.fes.dim
+    n = first = mat.form.space.ndof * mat.form.space.dim
+    ends = []
+    for dofs, part in zip(mat.form.replica.dofs, found, strict=True):
+        used = dofs >= 0
+        ends.append((dofs[used], first + part[used]))
+        first += 1 + part.max(initial=-1)
+    row, column = (np.concatenate(side) for side in zip(*ends, strict=True))
+    graph = scipy.sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(first, first))
+    parts = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][:n]
+    return parts[form.offset * block :][: form.component.ndof * block]
 
 
 def Diagonal(values):

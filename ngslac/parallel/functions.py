@@ -6,8 +6,8 @@ from functools import partial
 from ngsolve import BaseVector, Integrate, LinearForm, Parameter
 from ngsolve.la import PARALLEL_STATUS, DynamicVectorExpression
 
+from ngslac.bulkforms import Integrand, WithMass
 from ngslac.parallel.bulk import FormPart
-from ngslac.parallel.mass import WithMass
 from ngslac.parallel.plain import Reference
 
 __all__ = ["VECTORS", "RemoteIntegrand", "UserFunctions"]
@@ -15,7 +15,7 @@ __all__ = ["VECTORS", "RemoteIntegrand", "UserFunctions"]
 VECTORS = LinearForm, BaseVector, DynamicVectorExpression
 
 
-class RemoteIntegrand:
+class RemoteIntegrand(Integrand):
     """A function on a distributed mesh that holds the solution: the conductor can integrate it."""
 
     def __init__(self, ensemble, number):

@@ -157,6 +157,8 @@ def OfFunction(thing, ensemble):
         return LoadOf(replica, parts)
 
     ensemble.Need(number, Call)
+    if commit := getattr(thing, "Commit", None):  # of a law
+        Call.Commit = OfFunction(commit, ensemble)()
     return lambda: Call
 
 

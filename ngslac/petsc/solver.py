@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""PETSc as solver of the linear systems of a ContactSolver."""
+"""The solver of the linear systems of a ContactSolver: PETSc, or the chain of methods."""
+
+from functools import partial, singledispatch
 
 import numpy as np
 
 from ngslac.arrays import AsNumPy, SameEntries
-from ngslac.linear.chain import IsLarge
+from ngslac.bodies.rigidmotions import MotionsOf
+from ngslac.distributable import WarnOfCopies
+from ngslac.linear.chain import IsLarge, MakeLinearSolver
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Link, Method
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 
-__all__ = ["PetscLinearSolver", "SerialPetsc"]
+__all__ = ["LinearSolverFor", "PetscLinearSolver"]
 
 # Up to this many factors may take over where the iteration fails: in 3D they need 20 GB by then.
 MOST_DIRECT = 1_000_000
@@ -109,6 +113,15 @@ def PetscLinearSolver(team, freedofs, nodes, wanted=None):
         ]
 
     return LinearSolver(freedofs, Make)
+
+
+@singledispatch
+def LinearSolverFor(a, contacts, freedofs, options):
+    """The LinearSolver of a bulk form on free scalar dofs; the parallel room has its own."""
+    WarnOfCopies(a.space.mesh)
+    if options.solver == "petsc":
+        return SerialPetsc(contacts[0], freedofs, options)
+    return MakeLinearSolver(a, contacts, freedofs, options, partial(MotionsOf, contacts[0]))
 
 
 def SerialPetsc(contact, freedofs, options):

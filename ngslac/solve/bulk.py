@@ -7,6 +7,7 @@ import numpy as np
 from ngsolve import BaseMatrix, BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
+from ngslac.bulkforms import Elastic, WithDiagonal
 from ngslac.loads import CheckRhs, LoadVector
 from ngslac.solve.probe import AssembleLinear, Probe
 from ngslac.solve.problem import AssembleBulk
@@ -71,14 +72,13 @@ class Bulk:
     @property
     def elastic(self):
         """The BilinearForm without inertia, or a matrix with its diagonal; None: unknown."""
-        form = getattr(self.a, "elastic", self.a)
-        form = getattr(form, "elastic", form)
+        form = Elastic(self.a)
         return form if isinstance(form, (BilinearForm, BaseMatrix)) else None
 
     @property
     def diagonal(self):
         """The matrix, or one that has its diagonal in common with it."""
-        return getattr(self.mat, "diagonal", self.mat)
+        return WithDiagonal(self.mat)
 
     @property
     def load(self):

@@ -6,12 +6,13 @@ from itertools import combinations
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BilinearForm, BitArray, GridFunction
+from ngsolve import BitArray, GridFunction
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply
 from ngslac.bodies.rigidmotions import DofsOfMaterials
+from ngslac.bulkforms import BulkForm
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError
 
@@ -41,8 +42,7 @@ REFUSED = {
 
 def CheckBulk(a):
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
-    if not hasattr(a, "LinearSolver"):
-        CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
+    CheckInstance("a", a, BulkForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
         raise ValueError("a lives on a complex space: contact needs a real one")
     flags = a.flags.ToDict()

@@ -131,8 +131,7 @@ class Residual:
     def Follow(self):
         """Contacts that follow the motion pair anew in the configuration of gf."""
         for contact in self.contacts:
-            if follow := getattr(contact, "Follow", None):
-                follow(self.gf)
+            contact.Follow(self.gf)
 
     def Closed(self):
         """Share of the macro-elements that are closed, NaN where surfaces cannot be paired."""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact in equilibrium: the solver that users call."""
 
-from functools import partial
-
 import numpy as np
 from ngsolve import CF, GridFunction
 
@@ -17,15 +15,14 @@ from ngslac.arguments import (
     CheckState,
 )
 from ngslac.arrays import AsNumPy, ScalarDofs
-from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.contact.contact import LACContact
 from ngslac.dirichlet import Blame
-from ngslac.distributable import Distributable, WarnOfCopies
+from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
-from ngslac.linear.chain import CheckSolver, MakeLinearSolver
+from ngslac.linear.chain import CheckSolver
 from ngslac.linear.solver import LinearSolveError, LinearSolver
 from ngslac.linear.system import Options
-from ngslac.petsc.solver import SerialPetsc
+from ngslac.petsc.solver import LinearSolverFor
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.iteration import Iteration
@@ -341,9 +338,6 @@ class ContactSolver(Equilibrium, metaclass=Distributable):
         initial="gap",
     ):
         space = CheckBulk(a).space
-        own = getattr(a, "LinearSolver", None)  # of a form on many processes
-        if own is None:
-            WarnOfCopies(space.mesh)
         contacts = CheckContacts(contacts, space, gf)
         CheckSlaves(contacts)
         CheckStart(gf, space)
@@ -352,13 +346,7 @@ class ContactSolver(Equilibrium, metaclass=Distributable):
         CheckInverse(inverse)
         scalars = ScalarDofs(space.FreeDofs(a.condense) if freedofs is None else freedofs, space)
         options = Options(CheckSolver(solver), inverse, preconditioner)
-        if own is not None:
-            linear = own(contacts[0], scalars, options)
-        elif options.solver == "petsc":
-            linear = SerialPetsc(contacts[0], scalars, options)
-        else:
-            motions = partial(MotionsOf, contacts[0])
-            linear = MakeLinearSolver(a, contacts, scalars, options, motions)
+        linear = LinearSolverFor(a, contacts, scalars, options)
         bulk = Bulk(a, gf, rhs)
         free = linear.free | bulk.inner
         constrained = ~(free | AsNumPy(ScalarDofs(space.FreeDofs(), space)))

@@ -2,7 +2,7 @@
 """Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from ngsolve import (
@@ -22,8 +22,8 @@ from ngsolve import (
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import Multiply, SameMatrix
 from ngslac.bodies.constraints import ToCSR
+from ngslac.bulkforms import Elastic, Integrand, ScaleMatrix, WithMass
 from ngslac.linear.parts import PartsInverse
-from ngslac.parallel.mass import WithMass
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
 
@@ -197,8 +197,7 @@ class DynamicForm:
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
         # For the matrix alone, which knows nothing of the start.
-        add = getattr(a, "WithMass", partial(WithMass, a))
-        self._form = add(self.factor, mass.wanted, mass.u, mass.v)
+        self._form = WithMass(a, self.factor, mass.wanted, mass.u, mass.v)
         self._applied = None
         self.renewed = True  # was the matrix made in the present step? Who begins one says False.
 
@@ -229,18 +228,12 @@ class DynamicForm:
     def AssembleLinearization(self, x):
         self.renewed = True
         self._form.AssembleLinearization(x)
-        self._Scale()
+        ScaleMatrix(self._form, self.share)
 
     def Assemble(self):
         self.renewed = True
         self._form.Assemble()
-        self._Scale()
-
-    def _Scale(self):
-        if hasattr(self._form, "Scale"):
-            self._form.Scale(self.share)
-        else:
-            self._form.mat.AsVector().data *= self.share
+        ScaleMatrix(self._form, self.share)
 
     def Apply(self, x, y):
         self.elastic.Apply(x, y)
@@ -261,6 +254,11 @@ class DynamicForm:
         )
 
 
+@Elastic.register
+def _(form: DynamicForm):
+    return Elastic(form.elastic)
+
+
 def CheckScalar(name, value, wanted):
     """A number or a real function with one component as CoefficientFunction."""
     wanted = f"a number or a CoefficientFunction, {wanted}"
@@ -273,7 +271,7 @@ def CheckScalar(name, value, wanted):
 
 def CheckEnergy(energy):
     """The strain energy as a function, or None; it may bring its own `Integrate` along."""
-    if energy is None or hasattr(energy, "Integrate"):
+    if energy is None or isinstance(energy, Integrand):
         return energy
     return CheckScalar("energy", energy, "the strain energy per reference volume")
 

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 import numpy as np
-from ngsolve import GridFunction, Integrate, Parameter
+from ngsolve import GridFunction, Parameter
 
 from ngslac.arguments import (
     LARGEST_COUNT,
@@ -18,6 +18,7 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.bodies.bodies import NoBodies
+from ngslac.bulkforms import Integral
 from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.solve.bulk import Bulk
@@ -339,9 +340,7 @@ class TimeStepper(metaclass=Distributable):
 
     def _Energy(self):
         """The strain energy (None: unknown)."""
-        if hasattr(self.energy, "Integrate"):
-            return self.energy.Integrate()
-        return None if self.energy is None else float(Integrate(self.energy, self.gf.space.mesh))
+        return None if self.energy is None else Integral(self.energy, self.gf.space.mesh)
 
     def Table(self) -> dict[str, np.ndarray]:
         """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""

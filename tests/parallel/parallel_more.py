@@ -123,6 +123,32 @@ def parameter_as_friction(world):
     return press(problem(mesh, **law), (0.05, -0.01))
 
 
+class Wearing:
+    """A stiff spring in place of contact, whose gap grows by pressure times slip."""
+
+    def __call__(self, places):
+        depth = -places["gap"] - places.get("worn", 0)
+        return {
+            "traction": -1000 * np.maximum(depth, 0)[:, None] * places["normal"],
+            "by_gap": 1000 * (depth > 0)[:, None] * places["normal"],
+        }
+
+    def Commit(self, places):
+        pressure = -np.sum(places["multiplier"] * places["normal"], axis=1)
+        slip = np.linalg.norm(places["slip"], axis=1)
+        return {"worn": places.get("worn", 0) + 0.05 * pressure * slip}
+
+
+@case
+def own_law(world):
+    """A law of the user's own, with a history."""
+    made = problem(block_on_block(world.comm), law=Wearing())
+    found = press(made, (0.1, -0.03), steps=3)
+    worn = made.contacts[0].Table()["worn"]
+    assert worn.max() > 1e-4
+    return found | {"worn": (worn, None)}
+
+
 @case
 def field_as_load(world):
     """A temperature on the distributed mesh."""

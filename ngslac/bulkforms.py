@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What solvers ask of a bulk form and its matrix besides the verbs that NGSolve gives them.
+
+These are the answers in one process. A class that has others registers them beside itself.
+"""
+
+from abc import ABC
+from functools import singledispatch
+
+from ngsolve import BilinearForm, InnerProduct, Integrate, dx
+
+__all__ = [
+    "BulkForm",
+    "Elastic",
+    "Integral",
+    "Integrand",
+    "ScaleMatrix",
+    "WithDiagonal",
+    "WithMass",
+]
+
+
+class BulkForm(ABC):  # noqa: B024
+    """A BilinearForm, or what has its verbs and stands for one."""
+
+
+BulkForm.register(BilinearForm)
+
+
+@singledispatch
+def Elastic(form):
+    """The form without inertia, or a matrix with its diagonal."""
+    return form
+
+
+@singledispatch
+def WithMass(form, factor, density, u, v):
+    """The form plus ``factor * density * u.v``."""
+    heavy = BilinearForm(form.space, condense=form.condense)
+    for integrator in form.integrators:
+        heavy += integrator
+    heavy += factor * density * InnerProduct(u, v) * dx
+    return heavy
+
+
+@singledispatch
+def ScaleMatrix(form, factor):
+    """Multiply the matrix that was made last."""
+    form.mat.AsVector().data *= factor
+
+
+@singledispatch
+def WithDiagonal(mat):
+    """A sparse matrix with the same diagonal."""
+    return mat
+
+
+class Integrand:
+    """A function of which nothing but the integral is known here."""
+
+    def Integrate(self):
+        """The integral over the mesh."""
+        raise NotImplementedError
+
+
+def Integral(function, mesh):
+    """The integral of a function or an Integrand."""
+    if isinstance(function, Integrand):
+        return function.Integrate()
+    return float(Integrate(function, mesh))
