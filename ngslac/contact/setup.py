@@ -34,8 +34,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-    if law is not None and (not callable(law) or type(law).__module__.startswith("ngsolve")):
-        raise Wrong(TypeError, "law", law, "a function from places to tractions")
+    CheckFunction("law", law, "a function from places to tractions")
     CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
     if law is not None and (tied or bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(

@@ -33,6 +33,20 @@ def Against(w, tool, **flags):
     return w.Contact(master=None, obstacle=tool, finite=True, **flags)
 
 
+def Lawful(w, law):
+    return Solve(w, contacts=w.Contact(law=law))
+
+
+def Keeping(w, commit):
+    def Spring(places):
+        return {"traction": places["gap"][:, None] * places["normal"], "by_gap": places["normal"]}
+
+    Spring.Commit = commit
+    contact = w.Contact(law=Spring)
+    Solve(w, contacts=contact)
+    return contact.Commit(w.gf)
+
+
 def Steps(w, **flags):
     return lac.LoadStepper(w.solver, w.load, **flags)
 
@@ -180,6 +194,16 @@ a density that is negative somewhere | TimeStepper(w.solver, x - 0.5, dt=0.1)
 friction that is negative somewhere | w.Contact(friction=x - 0.5).Update()
 [stiffness]
 stiffness out of range | w.Contact(stiffness=1e-300)
+[law]
+a law that returns nothing | Lawful(w, lambda places: None)
+a law that returns text | Lawful(w, lambda places: {"traction": "none"})
+a law without a traction | Lawful(w, lambda places: {"by_gap": places["normal"]})
+a law of one number | Lawful(w, lambda places: {"traction": 1.0})
+a law of infinite size | Lawful(w, lambda places: {"traction": np.inf * places["normal"]})
+a law with a misspelt derivative | Lawful(w, lambda places: {"traction": places["slip"], "by": 1})
+a law that keeps a place | Keeping(w, lambda places: {"gap": places["gap"]})
+a law that keeps one number | Keeping(w, lambda places: {"worn": 1.0})
+a law that keeps nothing | Keeping(w, lambda places: None)
 [dev/null]
 SaveState into a device | SaveState("/dev/null", w.solver)
 [tool]
