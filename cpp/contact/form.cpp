@@ -509,7 +509,7 @@ private:
   /// The answers of the law at x, in a step with its memory of the last one.
   Array<Answer<D>> Answers(FlatVector<> x, bool step) {
     if (setup.law)
-      return AnswersOf<D>(setup.law, WithKept(Places(x)));
+      return AnswersOf<D>(setup.law, WithKept(Places(x)), setup.tied);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -526,10 +526,13 @@ private:
     for (size_t m : Range(states)) {
       auto place = Place(m);
       auto multiplier = law->Multiplier(m, x);
+      if (!setup.tied) { // else the whole jump counts
+        places["gap"].Append(place.gap);
+        AppendVector<D>(places["slip"], place.slip);
+      }
+      if (!setup.tied || !setup.finite) // else it has no derivative
+        AppendVector<D>(places["normal"], place.normal);
       places["area"].Append(place.area);
-      places["gap"].Append(place.gap);
-      AppendVector<D>(places["normal"], place.normal);
-      AppendVector<D>(places["slip"], place.slip);
       AppendVector<D>(places["jump"], place.jump);
       AppendVector<D>(places["multiplier"], multiplier);
       AppendVector<D>(places["trial"], multiplier - law->c[m] * place.jump);

@@ -77,9 +77,9 @@ Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
 /// Of one macro-element, from the derivatives by the places that a law looks at.
 ///
 /// All but the multiplier are parts of the jump and the normal. A law turns with the body: where it
-/// does not, it gives its derivative by the normal with all else fixed.
+/// does not, it gives its derivative by the normal with all else fixed. Tied surfaces are closed.
 template <int D>
-Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place) {
+Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool tied) {
   Vec<D> n = place.Vector("normal"), jump = place.Vector("jump"), by_gap = found.Vector("by_gap");
   Mat<D, D> by_trial = found.Matrix("by_trial"), by_slip = found.Matrix("by_slip");
   Mat<D, D> by_jump = found.Matrix("by_jump") - place.Number("c") * by_trial;
@@ -93,7 +93,7 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place) {
   else
     answer.by_normal += Turn(n, answer.traction) - by_jump * Turn(n, jump) -
                         answer.by_multiplier * Turn(n, place.Vector("multiplier"));
-  bool acts = L2Norm2(answer.traction) > 0;
+  bool acts = tied || L2Norm2(answer.traction) > 0;
   answer.status = found.Has("status") ? StatusFrom(found.Number("status"))
                                       : (acts ? Status::stick : Status::open);
   return answer;
@@ -103,18 +103,18 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place) {
 template <int D>
 void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m) {
   for (auto & [name, values] : found) {
-    size_t size = values.Size() / places.at("gap").Size();
+    size_t size = values.Size() / places.at("area").Size();
     for (double value : values.Range(m * size, (m + 1) * size))
       if (!std::isfinite(value))
         throw Exception("LACContact: law has given " + ToString(value) + " as '" + name +
-                        "' where the gap is " + ToString(places.at("gap")[m]) +
+                        "' where the jump is " + ToString(TableRow<D>(places, m).Vector("jump")) +
                         "; it needs a finite answer to any place");
   }
 }
 
 /// The answers of a law to places; macro-elements without a partner are open.
 template <int D>
-Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places) {
+Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places, bool tied) {
   auto & area = places.at("area");
   auto found = law(places);
   CheckAnswer<D>(found, area.Size());
@@ -122,7 +122,7 @@ Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places) 
   for (size_t m : Range(answers))
     if (area[m] > 0) {
       CheckFinite<D>(found, places, m);
-      answers[m] = AnswerFrom<D>({found, m}, {places, m});
+      answers[m] = AnswerFrom<D>({found, m}, {places, m}, tied);
     }
   return answers;
 }

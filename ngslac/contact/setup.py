@@ -36,10 +36,10 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
     CheckFunction("law", law, "a function from places to tractions")
     CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
-    if law is not None and (tied or bilateral or edges or (friction, tresca) != (None, None)):
+    if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
-            "a law of your own says all: drop law, or what is given of tied, bilateral, edges, "
-            "friction and tresca"
+            "a law of your own says all: drop law, or what is given of bilateral, edges, friction "
+            "and tresca"
         )
     if tied and (offset is not None or bilateral):
         raise ValueError("tied surfaces keep their distance: drop offset and bilateral, or tied")

@@ -108,6 +108,30 @@ def rough_in_x(places):
     }
 
 
+def soft_along(places):
+    """Glue that is softer along the surface than across it."""
+    jump, normal = places["jump"], places["normal"]
+    stiffness = 2 * np.eye(jump.shape[1]) + 5 * outer(normal, normal)
+    return {"traction": -np.einsum("nij,nj->ni", stiffness, jump), "by_jump": -stiffness}
+
+
+class Damaged:
+    """Glue, of which the part that is torn in a step has gone in the next one."""
+
+    stiffness, strength = 20.0, 1.8e-3
+
+    def __call__(self, places):
+        whole = 1 - places.get("damage", np.zeros(len(places["jump"])))
+        k = (self.stiffness * whole)[:, None]
+        eye = np.eye(places["jump"].shape[1])
+        return {"traction": -k * places["jump"], "by_jump": -k[:, :, None] * eye}
+
+    def Commit(self, places):
+        pull = np.linalg.norm(places["multiplier"], axis=1)
+        torn = np.clip(pull / self.strength - 1, 0, 1)
+        return {"damage": np.maximum(torn, places.get("damage", 0))}
+
+
 class Wearing:
     """A spring whose gap grows by pressure times slip."""
 
@@ -166,6 +190,20 @@ def test_derivatives_by_the_places_that_a_law_takes(dim, finite, law):
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
 
 
+@pytest.mark.parametrize(("finite", "law"), [(False, soft_along), (True, stiff_jump)])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative_of_glue(dim, finite, law):
+    """What is tied has a jump that counts from the reference, and neither gap nor slip."""
+    mesh = block_mesh(dim) if dim == 2 else block_mesh(dim, "hex", "tet", 2, 1)
+    form = Form(contact_form(mesh, finite=finite, tied=True, law=law))
+    form.bend(0.02, 0.03, degrees=20, noise=0.01, seed=1)
+    form.commit()
+    form.contact.form.SetConstant(C)
+    form.values[form.multipliers] = np.random.default_rng(4).normal(size=form.multipliers.shape)
+    assert set(form.table()["status"][form.table()["area"] > 0]) == {1}
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_derivative_on_a_tool(dim):
     V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
@@ -220,16 +258,16 @@ def test_solve(make, finite, limit):
     assert contact.Table()["pressure"] == pytest.approx(expected, rel=5e-3 if finite else 1e-8)
 
 
-def pressed(law, *, finite=False, load=None):
+def pressed(law, *, finite=False, tied=False, down=1e-2, load=None):
     """A block pressed on another one, and dragged along by the load if there is one."""
     V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom|top")
     X = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
-    contact = LACContact(u, lam, master="master", finite=finite, law=law)
+    contact = LACContact(u, lam, master="master", finite=finite, tied=tied, law=law)
     a = BilinearForm(X)
     a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx
     gf = GridFunction(X)
-    way = CF((0 if load is None else 0.01 * load, -1e-2))
+    way = CF((0 if load is None else 0.01 * load, -down))
     solver = ContactSolver(a, gf, contact)
     if load is not None:
         return LoadStepper(solver, load, prescribe={"top": way, "bottom": CF((0, 0))})
@@ -265,6 +303,21 @@ def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
     assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
     contact.Update()
     assert "wear" not in contact.Table()
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_glue_is_torn(finite):
+    """Two bodies pulled apart: springs in series, until a step has torn the glue."""
+    solver = pressed(law := Damaged(), finite=finite, tied=True, down=-2e-3)
+    contact, damage = solver.contacts[0], 0.0
+    for _ in range(3):
+        solver.Solve(printing=False)
+        force = 2e-3 / (1 + 1 / (law.stiffness * (1 - damage)))
+        assert contact.Force()[1] == pytest.approx(-force, rel=1e-4 if finite else 1e-8)
+        contact.Commit(solver.gf)
+        damage = max(damage, force / law.strength - 1)
+        assert contact.Table()["damage"] == pytest.approx(damage, rel=1e-2 if finite else 1e-8)
+    assert damage > 0.05
 
 
 def test_nothing_is_kept_of_a_commit_that_fails():
@@ -323,7 +376,7 @@ WRONG = {
     r"law has given \d+ numbers as 'by_slip' of \d+ macro-elements, of which each needs 4": answers(
         traction=itself, by_slip=itself
     ),
-    r"law has given nan as 'traction' where the gap is ": answers(traction=lambda n: np.nan * n),
+    r"law has given nan as 'traction' where the jump is ": answers(traction=lambda n: np.nan * n),
     r"7 is no status": answers(traction=itself, status=lambda n: 7 + 0 * n[:, 0]),
 }
 

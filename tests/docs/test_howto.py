@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from howtos import Execute, Pages, Printed, Script
+from test_snippets import Fences
 
 HOWTO = Path(__file__).parents[2] / "docs" / "howto"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
@@ -119,6 +120,17 @@ def test_heat_across_interface(run):
     assert names["exact"] == pytest.approx(121.554, abs=1e-3)
     assert names["heat"] == pytest.approx(names["exact"], rel=1e-4)
     assert names["middle"] == pytest.approx(88.80, abs=0.02)
+
+
+def test_heat_across_an_interface_that_resists():
+    """The snippet below the script."""
+    page = "heat_across_interface"
+    ((film, _),) = Fences(HOWTO / f"{page}.md", {"python"})
+    exec(film, names := {})
+    exec(Script(page).replace("tied=True)", "tied=True, law=film)"), names)
+    through = sum(np.log(b / a) / k for a, b, k in ((0.05, 0.06, 15.0), (0.06, 0.1, 0.5)))
+    assert names["heat"] == pytest.approx(np.pi / 2 * 80 / (through + 1 / (200 * 0.06)), rel=1e-4)
+    assert names["heat"] == pytest.approx(112.5, abs=0.05)
 
 
 def test_many_bodies(run):
