@@ -31,6 +31,7 @@ from ngslac import (
     LoadState,
     LoadStepper,
     SaveState,
+    TimeStepper,
     tools,
 )
 from ngslac.meshes import TwoBlocks
@@ -303,6 +304,47 @@ def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
     assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
     contact.Update()
     assert "wear" not in contact.Table()
+
+
+class Counting(Wearing):
+    """Counts its calls, and what is left of them."""
+
+    calls = 0
+
+    def Commit(self, places):
+        self.calls += 1
+        return {"steps": places.get("steps", np.zeros(len(places["gap"]))) + 1}
+
+
+def test_steps_that_fail_leave_nothing(monkeypatch):
+    stepper = pressed(law := Counting(), load=Parameter(0))
+    contact, solve, fails = stepper.solver.contacts[0], stepper.solver.Solve, [True]
+
+    def hard(**options):
+        last = solve(**options)
+        if fails:
+            raise ContactConvergenceError(f"hard {fails.pop()}")
+        return last
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(stepper.solver, "Solve", hard)
+    steps = stepper.Integrate(1, steps=1, printing=False)
+    assert steps[0].cuts == 1
+    assert set(contact.Table()["steps"]) == {len(steps)} == {law.calls}
+    monkeypatch.setattr(stepper, "_Forces", interrupted)  # after the commit
+    with pytest.raises(KeyboardInterrupt):
+        stepper.Integrate(2, steps=1, printing=False)
+    assert set(contact.Table()["steps"]) == {len(steps)} == {law.calls - 1}
+
+
+def test_steps_in_time():
+    solver = pressed(law := Counting(), finite=True)
+    stepper = TimeStepper(solver, 1.0, dt=0.05)
+    steps = stepper.Integrate(0.3, printing=False)
+    assert set(solver.contacts[0].Table()["steps"]) == {len(steps)}
+    assert law.calls >= len(steps)
 
 
 @pytest.mark.parametrize("finite", [False, True])
