@@ -114,6 +114,8 @@ public:
   virtual NamedNumbers Table() const = 0;
   /// What a law of one's own has kept of the last committed step.
   virtual NamedNumbers Kept() const = 0;
+  /// Goes on with that of another form, which has the same macro-elements.
+  virtual void KeepFrom(const ContactForm & other) = 0;
   /// Resultants of the tractions of the last evaluation, and their moments (3 numbers) about the
   /// origin.
   virtual NamedNumbers Resultants() const = 0;

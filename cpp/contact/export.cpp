@@ -175,6 +175,7 @@ void ExportContact(py::module & m) {
       .def("Table",
            [](ContactForm & self) { return ToTable(self.Table(), self.Space()->NMacros()); })
       .def("Kept", [](ContactForm & self) { return ToTable(self.Kept(), self.Space()->NMacros()); })
+      .def("KeepFrom", &ContactForm::KeepFrom, py::arg("other"))
       .def("Resultants",
            [](ContactForm & self) { return ToTable(self.Resultants(), self.Space()->NMacros()); })
       .def("Reevaluate", &ContactForm::Reevaluate, py::call_guard<py::gil_scoped_release>())

@@ -315,6 +315,7 @@ public:
   }
 
   NamedNumbers Kept() const override { return kept; }
+  void KeepFrom(const ContactForm & other) override { kept = other.Kept(); }
   void Reevaluate() override { law->Reevaluate(); }
   SegmentTable Segments() const override {
     CheckPaired();

@@ -44,6 +44,8 @@ class FormState:
         paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
         form = ContactForm(**self.setup, active=active)
         form.Update(gf, history)
+        if history is None and gf is not None and self.form.current:
+            form.KeepFrom(self.form)
         self.form, self.scaled, self.paired = form, False, paired
 
     def Scale(self, bulk, form):

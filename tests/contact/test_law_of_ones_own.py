@@ -302,6 +302,8 @@ def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
     assert contact.Table()["wear"] == pytest.approx(wear, rel=1e-14)
     stepper.Integrate(2, steps=2, printing=False)
     assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
+    contact.Update(stepper.solver.gf)
+    assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
     contact.Update()
     assert "wear" not in contact.Table()
 
