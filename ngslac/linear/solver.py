@@ -77,11 +77,10 @@ class LinearSolver:
 
     def SetState(self, state):
         """Go on with the methods of a `State`; one that it does not know goes on as it is."""
-        methods, self.failures = state["methods"], state["failures"]
-        if isinstance(methods, list):  # of before 0.2
-            methods, self.failures = {link.name: state for link in self._used}, {}
-            if state["failures"]:
-                self.failures = {"iterative": state["failures"]}
+        methods, failures = state["methods"], state["failures"]
+        if isinstance(methods, list):  # of an older file
+            methods, failures = dict.fromkeys(methods, state), {"iterative": failures}
+        self.failures = dict(failures)
         for link in self._used:
             if link.name in methods:
                 link.method.SetState(methods[link.name])
