@@ -74,6 +74,16 @@ Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
   return InnerProduct(normal, vector) * Id<D>() - normal * Trans(vector);
 }
 
+/// That of a law that gives none: does the traction act, and does it resist slip?
+template <int D>
+Status StatusOf(const Answer<D> & answer, const Vec<D> & normal) {
+  if (L2Norm2(answer.traction) == 0)
+    return Status::open;
+  Mat<D, D> across = Id<D>() - normal * Trans(normal);
+  Mat<D, D> along = across * Mat<D, D>(answer.by_jump * across);
+  return L2Norm2(along) > sqr(1e-10) * L2Norm2(answer.by_jump) ? Status::stick : Status::slip;
+}
+
 /// Of one macro-element, from the derivatives by the places that a law looks at.
 ///
 /// All but the multiplier are parts of the jump and the normal. A law turns with the body: where it
@@ -93,9 +103,10 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   else
     answer.by_normal += Turn(n, answer.traction) - by_jump * Turn(n, jump) -
                         answer.by_multiplier * Turn(n, place.Vector("multiplier"));
-  bool acts = tied || L2Norm2(answer.traction) > 0;
-  answer.status = found.Has("status") ? StatusFrom(found.Number("status"))
-                                      : (acts ? Status::stick : Status::open);
+  if (found.Has("status"))
+    answer.status = StatusFrom(found.Number("status"));
+  else
+    answer.status = tied ? Status::stick : StatusOf(answer, n);
   return answer;
 }
 

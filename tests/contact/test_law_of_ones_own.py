@@ -17,6 +17,7 @@ from ngsolve import (
     InnerProduct,
     Parameter,
     VectorH1,
+    ds,
     dx,
     sin,
     x,
@@ -26,6 +27,7 @@ from ngsolve import (
 from ngslac import (
     ContactConvergenceError,
     ContactSolver,
+    FloatingBodyError,
     LACContact,
     LACSpace,
     LoadState,
@@ -276,11 +278,40 @@ def pressed(law, *, finite=False, tied=False, down=1e-2, load=None):
     return solver
 
 
-def test_force_without_a_status():
-    contact = (solver := pressed(Wearing())).contacts[0]
+def dragging(places):
+    """Glue that pulls back along the surface, and a spring across it."""
+    found, slip = Wearing()(places), places["slip"]
+    drag = np.broadcast_to(-np.eye(2), (len(slip), 2, 2))
+    return found | {"traction": found["traction"] - slip, "by_slip": drag}
+
+
+@pytest.mark.parametrize(("law", "status"), [(Wearing(), 2), (dragging, 1)])
+def test_force_without_a_status(law, status):
+    contact = (solver := pressed(law)).contacts[0]
     solver.Solve(printing=False)
-    assert set(contact.Table()["status"]) == {1}
+    assert set(contact.Table()["status"]) == {status}
     assert contact.Force()[1] == pytest.approx(1e-2 / (1 + 1 / Wearing.k), rel=1e-8)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_body_that_nothing_else_holds(finite):
+    """It has to overlap at the start; loads aside are found where the law resists no slip."""
+    for aside in (0.0, 0.01):
+        V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom")
+        X = V * LACSpace(V, slave="slave")
+        (u, lam), (v, _) = X.TnT()
+        a = BilinearForm(X)
+        a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx
+        a += (0.01 * v[1] - aside * v[0]) * ds("top")
+        options = {"finite": finite, "law": Wearing(), "offset": -1e-6}
+        contact = LACContact(u, lam, master="master", **options)
+        solver = ContactSolver(a, GridFunction(X), contact)
+        if aside:
+            with pytest.raises(FloatingBodyError, match=r"'upper' floats \(translation in x\)"):
+                solver.Solve(printing=False)
+        else:
+            solver.Solve(printing=False)
+            assert contact.Force() == pytest.approx([0, 0.01], abs=1e-10)
 
 
 @pytest.mark.parametrize("finite", [False, True])
