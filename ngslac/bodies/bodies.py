@@ -36,7 +36,7 @@ class Placed:
 
     displacement: np.ndarray | None
     motions: np.ndarray
-    columns: scipy.sparse.csr_matrix
+    columns: "scipy.sparse.csr_matrix"  # SciPy loads it when it is used
 
 
 class Bodies:

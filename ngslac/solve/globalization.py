@@ -9,6 +9,8 @@ __all__ = ["Globalization"]
 LATE, FELL = 10, 0.5
 # Iterations after which a residual that falls by less in three of them hardly falls.
 CRAWLED, CRAWL = 5, 0.8
+# Part of the macro-elements that changes in so many iterations in a row where the status jumps.
+MANY, LEAPS = 0.25, 3
 
 
 class Globalization:
@@ -32,7 +34,7 @@ class Globalization:
 
     def Begin(self):
         """Forget the solve before."""
-        self._seen, self._merits, self._tiny = {}, [], 0
+        self._seen, self._merits, self._tiny, self._leaps = {}, [], 0, 0
         self.cycles = self.damped = False  # a contact status came back; a line search is made
 
     @property
@@ -45,6 +47,11 @@ class Globalization:
         """Does the residual hardly fall, as where a thin body opens one macro-element at a time?"""
         merits = self._merits
         return len(merits) > CRAWLED and min(merits[-3:]) > CRAWL * min(merits[:-3])
+
+    @property
+    def leaps(self):
+        """Has the status of late been nearly another one each time?"""
+        return self._leaps >= LEAPS
 
     @property
     def falls(self):
@@ -65,6 +72,7 @@ class Globalization:
         """
         number = len(self._merits)
         first = self._seen.setdefault(state.status.tobytes(), number)
+        self._leaps = self._leaps + 1 if changed > MANY * len(state.status) else 0
         returned = changed > 0 and number - first > 1
         returned = returned and state.merit > 0.1 * min(self._merits)
         self._merits.append(np.inf if moving else state.merit)

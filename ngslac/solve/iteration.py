@@ -5,14 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["STILL", "Iteration", "Jumps", "MostlySlips", "Unchanged"]
+__all__ = ["STILL", "Iteration", "MostlySlips", "Unchanged"]
 
 # Part of the closed macro-elements that slips on the way to a state that friction does not hold.
 SLIPPED = 0.8
 # Iterations without a change of status after which it is settled.
 STILL = 4
-# Part of the macro-elements that changes in so many iterations in a row where the status jumps.
-MANY, LEAPS = 0.25, 3
 
 
 @dataclass(frozen=True)
@@ -80,10 +78,3 @@ def MostlySlips(history):
 def Unchanged(history):
     """Has the status of late been the same?"""
     return not any(entry.changed for entry in history[-STILL:])
-
-
-def Jumps(history):
-    """Has the status of late been nearly another one each time?"""
-    last = history[-LEAPS:]
-    count = last[-1].open + last[-1].stick + last[-1].slip
-    return len(last) == LEAPS and min(entry.changed for entry in last) > MANY * count

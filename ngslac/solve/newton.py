@@ -8,7 +8,7 @@ from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
-from ngslac.solve.iteration import Jumps, MostlySlips, Unchanged
+from ngslac.solve.iteration import MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
@@ -99,12 +99,12 @@ class Newton:
         for number in range(max(patience, most) + 1):
             if self.Converged(state):
                 return self._LetTurn() or self.Accept()
-            slow = number >= patience and not (number < most and self.globalization.falls)
-            if slow or self.globalization.stagnates or self._Crawls():
-                break
             # A body that contact holds may slip far, and only the residual tells.
             patient = self.system.islinear and not self.system.bodies.floating
             self.Watch(state, patient=patient)
+            slow = number >= patience and not (number < most and self.globalization.falls)
+            if slow or self.globalization.stagnates or self._Crawls():
+                break
             if len(self.history) > 1:
                 self.system.Assemble()
             state, damping = self._Step(state)
@@ -168,7 +168,7 @@ class Newton:
         rubs = any(contact.holds_tangentially and not contact.tied for contact in system.contacts)
         if rubs or not (suits and self.history[-1].changed):
             return False
-        leaps = bool(system.bodies.floating) and Jumps(self.history)
+        leaps = bool(system.bodies.floating) and self.globalization.leaps
         return leaps or self.globalization.crawls
 
     def Record(self, state, damping=1.0):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ngslac.solve.globalization import Globalization
-from ngslac.solve.iteration import Iteration, Jumps
 from ngslac.solve.residual import Measurement
 
 INF = np.inf
@@ -126,9 +125,11 @@ def test_the_start_of_a_prescribed_motion_is_no_small_residual():
 
 
 @pytest.mark.parametrize(
-    ("changed", "jumps"),
+    ("changed", "leaps"),
     [((0, 90, 70, 80), True), ((0, 90, 70, 10), False), ((90, 80), False), ((0, 9, 7, 8), False)],
 )
-def test_a_status_that_is_another_one_each_time_jumps(changed, jumps):
-    history = [Iteration(k, 1.0, 1.0, 40, 30, 30, n, 1.0) for k, n in enumerate(changed)]
-    assert Jumps(history) == jumps
+def test_a_status_that_is_another_one_each_time_leaps(changed, leaps):
+    tool = Globalization()
+    for number in changed:
+        tool.Watch(state(1.0, np.zeros(100)), changed=number)
+    assert tool.leaps == leaps
