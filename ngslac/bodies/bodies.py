@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies and the rigid motions that nothing prevents."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -32,11 +32,29 @@ PREVENTED = 0.5
 
 @dataclass
 class Placed:
-    """Rigid motions (count, m) of a displaced mesh, and those of bodies and tools as columns."""
+    """Bodies where a displacement (count,) has taken them.
+
+    Attributes
+    ----------
+    displacement : (count,) array or None
+    motions : (count, m) array
+        Rigid motions of the displaced mesh.
+    columns : (n, k) sparse matrix
+        Those of bodies and tools that neither conditions nor the bulk prevent.
+    found : dict
+        Each Freedom there, as long as contacts stay as they are.
+    """
 
     displacement: np.ndarray | None
     motions: np.ndarray
     columns: "scipy.sparse.csr_matrix"  # SciPy loads it when it is used
+    found: dict = field(default_factory=dict)
+    _contacts: list = field(default_factory=list)
+
+    def Look(self, contacts):
+        """Forget what was found with other states of contacts."""
+        if self._contacts != contacts:
+            self._contacts, self.found = contacts, {}
 
 
 class Bodies:
@@ -128,10 +146,18 @@ class Bodies:
     def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT, slides=True):
         """The motions that contact leaves, as a Freedom."""
         placed = self._Placed(contacts, displacement)
-        motions, columns = placed.motions, placed.columns
+        sights = [self._sights.setdefault(contact, Sight(contact)) for contact in contacts]
+        placed.Look([sight.State() for sight in sights])
+        key = holds, normals, slides
+        if key not in placed.found:
+            placed.found[key] = self._Free(placed, sights, *key)
+        return placed.found[key]
+
+    def _Free(self, placed, sights, holds, normals, slides):
+        contacts = [sight.contact for sight in sights]
+        motions, columns, displacement = placed.motions, placed.columns, placed.displacement
 
         def Seen(holds):
-            sights = [self._sights.setdefault(contact, Sight(contact)) for contact in contacts]
             found = [sight.Resistances(columns, holds, normals) for sight in sights]
             return tuple(map(np.concatenate, zip(*found, strict=True)))
 
@@ -182,16 +208,21 @@ class Bodies:
 
     def Columns(self, motions):
         """The free rigid motions of all bodies as columns of a sparse matrix (count, k)."""
-        parts = [scipy.sparse.coo_matrix((self.count, 0))]
-        for inside, combinations, _ in self.unknowns:
-            numbers = np.arange(combinations.shape[1])
-            rows, columns = np.meshgrid(inside, numbers, indexing="ij")
-            values = motions[inside] @ combinations
-            shape = self.count, len(numbers)
-            parts.append(
-                scipy.sparse.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape)
-            )
-        return scipy.sparse.hstack(parts).tocsr()
+        values, none = (
+            [(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns],
+            np.zeros(0),
+        )
+        shape = self.count, sum(own.shape[1] for _, own in self.floating)
+        return scipy.sparse.csr_matrix((np.concatenate([none, *values]), self._entries), shape)
+
+    @cached_property
+    def _entries(self):
+        """Rows and columns of the entries of `Columns`."""
+        rows, columns = [np.zeros(0, int)], [np.zeros(0, int)]
+        for dofs, own, numbers in self.unknowns:
+            rows.append(dofs.repeat(own.shape[1]))
+            columns.append(np.tile(np.arange(numbers.start, numbers.stop), len(dofs)))
+        return np.concatenate(rows), np.concatenate(columns)
 
     @cached_property
     def unknowns(self):

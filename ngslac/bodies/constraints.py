@@ -88,6 +88,13 @@ class Sight:
     def __init__(self, contact):
         self.contact, self._place, self._motions = contact, None, None
 
+    def State(self):
+        """What tells whether anything has changed but the motions."""
+        contact, table = self.contact, self.contact.Table()
+        values = [table[name] for name in ("status", "area", "normal")] + [contact.form.ToolRows()]
+        tells = *(value.tobytes() for value in values), contact.holds_tangentially
+        return contact.form.JumpNumber(), *tells
+
     def Resistances(self, motions, holds, normals=CONTACT):
         """What contact prevents of the columns of a sparse matrix (n, k).
 
