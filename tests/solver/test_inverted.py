@@ -1,10 +1,24 @@
 """Elements turned inside out are no solution, whatever the residual says."""
 
 import pytest
-from ngsolve import CF, H1, InnerProduct, VectorH1, cos, dx, sin, x, y
+from ngsolve import (
+    CF,
+    H1,
+    Grad,
+    Id,
+    IfPos,
+    InnerProduct,
+    Variation,
+    VectorH1,
+    cos,
+    dx,
+    sin,
+    x,
+    y,
+)
 from press import linear, neo_hooke, press
 
-from ngslac import ContactConvergenceError, LoadStepper
+from ngslac import ContactConvergenceError, LoadStepper, TimeStepper
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 
 FOLDED = CF((-2 * x, 0))
@@ -64,3 +78,29 @@ def test_the_determinant_is_looked_at_where_rotations_are_finite():
     displacement.Set(mesh.MaterialCF({"upper": FOLDED}, default=CF((0, 0))))
     assert "in 'upper'" in message(problem, turning)
     assert message(problem, 1 - turning) == ""
+
+
+def saint_venant_kirchhoff(u, v, _):
+    """A material that has a state of no stress inside out, too."""
+    deformation = Id(2) + Grad(u)
+    strain = (deformation.trans * deformation - Id(2)) / 2
+    return [Variation(InnerProduct(strain, strain) * dx)]
+
+
+def static(solver):
+    solver.Solve(printing=False)
+
+
+def dynamic(solver):
+    TimeStepper(solver, 1.0, dt=0.05, maxcuts=1).Integrate(0.1, printing=False)
+
+
+@pytest.mark.parametrize("solve", [static, dynamic])
+def test_a_material_turned_inside_out_is_refused(solve):
+    """Inertia does not hide which materials know finite rotations."""
+    options = {"spring": 0, "order": 1, "h": 0.5, "flags": {"dirichlet": "bottom|top"}}
+    apart = {"finite": True, "offset": 5, "maxdist": 9}
+    problem = press(bulk=saint_venant_kirchhoff, **options, **apart)
+    problem.gf.components[0].Set(CF((0, IfPos(y, -2 * y, 0))))
+    with pytest.raises(ContactConvergenceError, match="turn inside out"):
+        solve(problem.solver())
