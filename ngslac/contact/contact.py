@@ -107,7 +107,8 @@ class LACContact(metaclass=Distributable):
         slip, and for ``finite=True`` no normal. A method ``Commit(places)`` is called once for each
         accepted step: the dict of arrays (n) or (n, k) that it returns, such as a wear or a damage,
         is in `Table`, among the places from then on, and in saved states (attributes of the law are
-        not); `Update` without a solution forgets it. Solved by Newton's method alone.
+        not); `Update` without a solution forgets it. Solved by Newton's method alone, and
+        refused by `TimeStepper`.
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions, from
         1e-6 to 1e6. The solution does not depend on it.

@@ -42,6 +42,16 @@ MOST_WON, MOST_OWED = 0.02, 1e-3
 CHANGED, MOST_SOLVES = 1e-4, 3
 
 
+def CheckLaws(solver):
+    """Raise where a contact has a law of the user's own, of which the impacts here do not know."""
+    if solver.system.own_law:
+        raise ValueError(
+            "solver has a contact with law=, which TimeStepper does not know: it stops the "
+            "velocities across each closed contact, and the energy that such a law stores would be "
+            "lost; use LoadStepper, or in place of the law a spring in the bulk form"
+        )
+
+
 class TimeStepper(metaclass=Distributable):
     """Integrate the motion of bodies in contact; halve a step that fails, and grow again.
 
@@ -95,7 +105,8 @@ class TimeStepper(metaclass=Distributable):
     Raises
     ------
     TypeError, ValueError
-        A step or density that is not positive, `rho_inf` out of range, or another kind of object.
+        A step or density that is not positive, `rho_inf` out of range, another kind of object, or a
+        contact with a law of your own.
 
     Notes
     -----
@@ -118,6 +129,7 @@ class TimeStepper(metaclass=Distributable):
     ):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver, of the static problem")
         solver.system.CheckSpace()
+        CheckLaws(solver)
         self.dt, self.scheme = CheckPositive("dt", dt), Scheme(rho_inf)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
         self.time = Parameter(0.0) if time is None else time

@@ -372,12 +372,10 @@ def test_steps_that_fail_leave_nothing(monkeypatch):
     assert set(contact.Table()["steps"]) == {len(steps)} == {law.calls - 1}
 
 
-def test_steps_in_time():
-    solver = pressed(law := Counting(), finite=True)
-    stepper = TimeStepper(solver, 1.0, dt=0.05)
-    steps = stepper.Integrate(0.3, printing=False)
-    assert set(solver.contacts[0].Table()["steps"]) == {len(steps)}
-    assert law.calls >= len(steps)
+@pytest.mark.parametrize("tied", [False, True])
+def test_dynamics_refuse_it(tied):
+    with pytest.raises(ValueError, match=r"law=, which TimeStepper does not know: .* LoadStepper"):
+        TimeStepper(pressed(soft_along if tied else LimitedSpring(), tied=tied), 1.0, dt=0.05)
 
 
 @pytest.mark.parametrize("finite", [False, True])
