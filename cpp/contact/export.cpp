@@ -34,25 +34,53 @@ py::dict ToTable(const NamedNumbers & numbers, size_t macros) {
   return result;
 }
 
-/// What a function of a law has returned: of all macro-elements.
-NamedNumbers FromLaw(const string & name, py::object found, size_t macros) {
+using Objects = std::map<string, py::object>;
+
+/// Numbers under a name that a function of a law has returned.
+Numbers<double> RealNumbers(const string & whose, const py::object & values) {
+  auto any = py::array::ensure(values);
+  if (any && any.dtype().kind() == 'c')
+    throw py::type_error("LACContact: " + whose + " with complex numbers; it must be real");
+  auto numbers = Numbers<double>::ensure(values);
+  if (!numbers)
+    throw py::type_error("LACContact: " + whose + " = " + Argument<int>::Text(values) +
+                         ", which must be an array of numbers");
+  return numbers;
+}
+
+/// Throws unless that can be kept without its shape: numbers or vectors.
+void CheckKept(const string & whose, const Numbers<double> & values) {
+  if (values.ndim() > 2 || (values.ndim() == 2 && values.shape(1) < 2))
+    throw py::value_error("LACContact: " + whose + " with the shape " +
+                          string(py::str(values.attr("shape"))) +
+                          "; it must be (n,) or (n, k) with k > 1");
+}
+
+/// What a function of a law has returned: of all macro-elements. keeps: until the next step ends.
+NamedNumbers FromLaw(const string & name, py::object found, size_t macros, bool keeps) {
+  Objects objects;
   NamedArrays arrays;
   try {
-    arrays = found.cast<NamedArrays>();
+    objects = found.cast<Objects>();
   } catch (py::cast_error &) {
     throw py::type_error("LACContact: " + name + " must return a dict of arrays of numbers, not " +
                          Argument<int>::Text(found));
   }
-  for (auto & [key, values] : arrays)
+  for (auto & [key, object] : objects) {
+    string whose = name + " has given '" + key + "'";
+    auto & values = arrays[key] = RealNumbers(whose, object);
     if (!values.ndim() || size_t(values.shape(0)) != macros)
-      throw py::value_error("LACContact: " + name + " has given '" + key + "' with the shape " +
+      throw py::value_error("LACContact: " + whose + " with the shape " +
                             string(py::str(values.attr("shape"))) + ", which must begin with " +
                             ToString(macros) + ", a row for each macro-element");
+    if (keeps)
+      CheckKept(whose, values);
+  }
   return FromDict(arrays);
 }
 
 /// A function in Python, called and released with the lock of the interpreter, whoever has it.
-ContactLaw LawOf(const string & name, py::object function) {
+ContactLaw LawOf(const string & name, py::object function, bool keeps) {
   if (function.is_none())
     return {};
   auto release = [](py::object * held) {
@@ -60,10 +88,10 @@ ContactLaw LawOf(const string & name, py::object function) {
     delete held;
   };
   shared_ptr<py::object> law(new py::object(function), release);
-  return [law, name](const NamedNumbers & places) {
+  return [law, name, keeps](const NamedNumbers & places) {
     py::gil_scoped_acquire lock;
     size_t macros = places.at("area").Size();
-    return FromLaw(name, (*law)(ToTable(places, macros)), macros);
+    return FromLaw(name, (*law)(ToTable(places, macros)), macros, keeps);
   };
 }
 } // namespace
@@ -90,8 +118,8 @@ void ExportContact(py::module & m) {
                        double maxdist, double penetration, bool active, py::object law) {
              return ContactForm::Create(ContactSetup{
                  u, lam, master, obstacle, friction, tresca, offset, tool, tied, bilateral, finite,
-                 edges, adjust, maxdist, penetration, active, LawOf("law", law),
-                 LawOf("law.Commit", py::getattr(law, "Commit", py::none()))});
+                 edges, adjust, maxdist, penetration, active, LawOf("law", law, false),
+                 LawOf("law.Commit", py::getattr(law, "Commit", py::none()), true)});
            }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,

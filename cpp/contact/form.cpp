@@ -173,11 +173,7 @@ public:
       if (!numbers.count(name) || numbers.at(name).Size() != values.Size())
         throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
                         ToString(values.Size()) + " numbers");
-    NamedNumbers of_law;
-    for (auto & [name, values] : numbers)
-      if (name.rfind(KEPT, 0) == 0)
-        of_law[name.substr(KEPT.size())] = values;
-    kept = std::move(of_law);
+    kept = KeptFrom(numbers);
     auto saved = StatesFrom(numbers.at("states")), committed = StatesFrom(numbers.at("accepted"));
     Exchange({numbers, true});
     states = std::move(saved);
@@ -433,6 +429,21 @@ private:
     for (auto & s : accepted.states)
       AppendState(numbers["accepted"], s);
     return numbers;
+  }
+
+  /// What a law keeps, of a saved history.
+  NamedNumbers KeptFrom(const NamedNumbers & numbers) const {
+    NamedNumbers of_law;
+    size_t macros = states.Size();
+    for (auto & [name, values] : numbers)
+      if (name.rfind(KEPT, 0) == 0) {
+        if (macros ? !values.Size() || values.Size() % macros : values.Size())
+          throw Exception("LACContact: the saved history does not fit: '" + name + "' has " +
+                          ToString(values.Size()) + " numbers of " + ToString(macros) +
+                          " macro-elements");
+        of_law[name.substr(KEPT.size())] = values;
+      }
+    return of_law;
   }
 
   /// Everything as it is now is that of a committed step.

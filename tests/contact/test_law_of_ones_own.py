@@ -450,6 +450,12 @@ WRONG = {
         traction=itself, by_slip=itself
     ),
     r"law has given nan as 'traction' where the jump is ": answers(traction=lambda n: np.nan * n),
+    r"law has given 'traction' with complex numbers; it must be real": answers(
+        traction=lambda n: n + 0j
+    ),
+    r"law has given 'traction' = 'a', which must be an array of numbers": answers(
+        traction=lambda n: "a"
+    ),
     r"7 is no status": answers(traction=itself, status=lambda n: 7 + 0 * n[:, 0]),
 }
 
@@ -465,15 +471,40 @@ def test_wrong_answers(words):
         pressed(WRONG[words]).Solve(printing=False)
 
 
-def test_wrong_names_to_keep():
+def after_a_step(keeps):
+    """A contact and its solution, after a step of which a law keeps what that returns."""
+
     class Keeps(Wearing):
         def Commit(self, places):
-            return {"gap": places["gap"]}
+            return keeps(places)
 
-    contact = (solver := pressed(Keeps())).contacts[0]
+    solver = pressed(Keeps())
     solver.Solve(printing=False)
-    with pytest.raises(ValueError, match=r"law.Commit has given 'gap', which is a place already"):
-        contact.Commit(solver.gf)
+    return solver.contacts[0], solver.gf
+
+
+@pytest.mark.parametrize(("keeps", "words"), [
+    (lambda places: {"gap": places["gap"]}, "'gap', which is a place already"),
+    (lambda places: {"wear": 1j * places["gap"]}, "'wear' with complex numbers; it must be real"),
+    (lambda places: {"wear": places["gap"][:, None]}, r"shape \(\d+, 1\); it must be \(n,\) or"),
+    (lambda places: {"wear": places["slip"][:, :0]}, r"shape \(\d+, 0\); it must be \(n,\) or"),
+    (lambda places: {"wear": outer(*[places["slip"]] * 2)}, r"shape \(\d+, 2, 2\); it must be"),
+])  # fmt: skip
+def test_wrong_answers_to_keep(keeps, words):
+    contact, gf = after_a_step(keeps)
+    with pytest.raises((ValueError, TypeError), match=r"law.Commit has given .*" + words):
+        contact.Commit(gf)
+
+
+@pytest.mark.parametrize("left", [0, -1])
+def test_a_saved_array_that_is_cut(left):
+    contact, gf = after_a_step(lambda places: {"way": places["slip"]})
+    contact.Commit(gf)
+    state = contact.State()
+    with pytest.raises(NgException, match=r"does not fit: 'law: way' has \d+ numbers of \d+ mac"):
+        contact.SetState(state | {"law: way": state["law: way"][:left]})
+    after = contact.State()
+    assert all(np.array_equal(state[name], after[name]) for name in state)
 
 
 def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):
