@@ -74,14 +74,22 @@ Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
   return InnerProduct(normal, vector) * Id<D>() - normal * Trans(vector);
 }
 
-/// That of a law that gives none: does the traction act, and does it resist slip?
+/// That of a law that gives none: does the traction act, and grow with slip in its own direction?
+///
+/// The direction is that of the tangential traction, else that of the slip, else any.
 template <int D>
-Status StatusOf(const Answer<D> & answer, const Vec<D> & normal) {
+Status StatusOf(const Answer<D> & answer, const Vec<D> & normal, const Vec<D> & slip) {
   if (L2Norm2(answer.traction) == 0)
     return Status::open;
+  const double small = 1e-10;
   Mat<D, D> across = Id<D>() - normal * Trans(normal);
   Mat<D, D> along = across * Mat<D, D>(answer.by_jump * across);
-  return L2Norm2(along) > sqr(1e-10) * L2Norm2(answer.by_jump) ? Status::stick : Status::slip;
+  Vec<D> friction = across * answer.traction;
+  bool pulls = L2Norm(friction) > small * L2Norm(answer.traction);
+  Vec<D> way = pulls ? friction : Vec<D>(across * slip);
+  double size = L2Norm(way);
+  double resistance = size > 0 ? L2Norm(Vec<D>(along * way)) / size : L2Norm(along);
+  return resistance > small * L2Norm(answer.by_jump) ? Status::stick : Status::slip;
 }
 
 /// Of one macro-element, from the derivatives by the places that a law looks at.
@@ -106,7 +114,7 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   if (found.Has("status"))
     answer.status = StatusFrom(found.Number("status"));
   else
-    answer.status = tied ? Status::stick : StatusOf(answer, n);
+    answer.status = tied ? Status::stick : StatusOf(answer, n, place.Vector("slip"));
   return answer;
 }
 

@@ -239,6 +239,59 @@ def test_coulomb_in_numpy_is_the_compiled_law(finite):
     assert forces[0].FV().NumPy() == pytest.approx(forces[1].FV().NumPy(), rel=1e-12, abs=1e-14)
 
 
+def quiet(law):
+    """A law without its status."""
+    return lambda places: {n: a for n, a in law(places).items() if n != "status"}
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_status_of_coulomb_is_known_without_it(dim, finite):
+    """Friction that slides turns with the slip, but does not grow with it."""
+    tables = []
+    for law in (Coulomb(), quiet(Coulomb())):
+        form = Form(with_law(dim, finite, law))
+        form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+        form.follow()
+        form.contact.form.SetConstant(C)
+        form.impose(0.3)
+        tables.append(form.table()["status"])
+    assert set(tables[0]) == {0, 1, 2}
+    assert np.array_equal(*tables)
+
+
+def saturated(scale):
+    """Friction of 0.3 times a pressure that grows with the overlap, full where slip is far."""
+
+    def law(places):
+        normal, slip = places["normal"], places["slip"]
+        pressure = 20 * np.maximum(1 - places["gap"], 0)[:, None]
+        size = np.maximum(np.linalg.norm(slip, axis=1), 1e-300)[:, None]
+        way, part = slip / size, np.tanh(size / scale)
+        ww, eye = outer(way, way), np.eye(normal.shape[1])
+        rate = (1 - part**2)[:, :, None] / scale * ww + (part / size)[:, :, None] * (eye - ww)
+        friction = 0.3 * part * way
+        return {
+            "traction": -pressure * (normal + friction),
+            "by_gap": 20 * (pressure > 0) * (normal + friction),
+            "by_slip": -0.3 * pressure[:, :, None] * rate,
+        }
+
+    return law
+
+
+@pytest.mark.parametrize(("scale", "status"), [(1e-4, 2), (1.0, 1)])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_full_friction_slips(dim, scale, status):
+    form = Form(with_law(dim, False, saturated(scale)))
+    form.bend(0.02, 0.0)
+    form.commit()
+    form.bend(0.02, 0.05)
+    form.follow()
+    table = form.table()
+    assert set(table["status"][table["area"] > 0]) == {status}
+
+
 @pytest.mark.parametrize("limit", [np.inf, 4e-4])
 @pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("make", [lambda: TwoBlocks(0.3), lambda: TwoBlocks3D("hex", "tet", 3, 2)],
