@@ -178,7 +178,7 @@ SCREENS = 2700  # pixels: three screens, for the pages about benchmarks
 LONGEST = 8000  # pixels; tutorials and theory are read from the beginning to the end
 
 
-ALIKE = "api", "tutorials", "validation"  # folders of 108 pages, each made like the others there
+ALIKE = "api", "howto", "tutorials", "validation"  # folders whose pages are made like each other
 
 
 # Dark pages have the same boxes in other colours: each week, as are most of the pages that are
