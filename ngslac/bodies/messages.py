@@ -10,6 +10,7 @@ __all__ = [
     "IdleMessage",
     "LostMessage",
     "OverloadMessage",
+    "OwnLawMessage",
     "SlidingMessage",
 ]
 
@@ -66,6 +67,13 @@ def OverloadMessage(bodies):
         "nearly all closed macro-elements slip: the load seems to exceed what friction can carry"
         + (f" on body {' or '.join(names)}" if names else "")
         + ". Prescribe a displacement in place of a force to follow the sliding"
+    )
+
+
+def OwnLawMessage():
+    return (
+        ". A law of your own needs right derivatives (compare them with differences of its "
+        "traction), a traction without jumps, and small steps"
     )
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What is known of a solve that fails: whether the loads have a balance at all."""
 
-from ngslac.bodies.messages import DrivenMessage, FloatingMessage
+from ngslac.bodies.messages import DrivenMessage, FloatingMessage, OwnLawMessage
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.linear.solver import LinearSolveError
@@ -51,7 +51,8 @@ class Failure:
         """An error with all that is known: which body is carried off, first of all."""
         if isinstance(error, LinearSolveError):
             kind = FloatingBodyError if floating else ContactConvergenceError
-            error = kind(FloatingMessage(floating) if floating else str(error))
+            hint = OwnLawMessage() if self.system.own_law else ""
+            error = kind(FloatingMessage(floating) if floating else str(error) + hint)
         loose = isinstance(error, MechanismError)
         if loose:
             error = FloatingBodyError(str(error))

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ngslac.bodies.messages import OwnLawMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
@@ -210,6 +211,7 @@ class Newton:
             + (", the contact status cycles" if self.globalization.cycles else "")
             + "; take smaller steps"
             + self.system.scheme.advice
+            + (OwnLawMessage() if self.system.own_law else "")
         )
 
     # --- one step ------------------------------------------------------------------------------
@@ -329,7 +331,7 @@ class Newton:
             failure.LookAt(start, error, lost=True)
             raise error
         failure.slides = "" if found is not None else self.holding.WhatSlides(self.history)
-        held = bool(system.bodies.floating) and system.rubs  # by contact alone, with friction
+        held = bool(system.bodies.floating) and system.HasFriction()  # by contact alone
         if held and len(self.history) > RUBBED and MostlySlips(self.history):
             failure.reason |= Reason.SLIPS
         if failure.slides or Reason.SLIPS in failure.reason:

@@ -32,6 +32,8 @@ IDLE = 1e-9
 ROCKS = 1e-5
 # Work of stress along turns of round bodies that their space does not know, where it is nonlinear.
 FALSE_TURN = 1e-3
+# Of a traction: what its direction is known by.
+ROUNDING = 1e-8
 # Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
@@ -120,6 +122,10 @@ class System:
     def rubs(self):
         """Does a contact hold surfaces in tangential direction?"""
         return any(contact.holds_tangentially for contact in self.contacts)
+
+    def HasFriction(self):
+        """May friction be at its limit? Of a law of the user's own: does it pull aside now?"""
+        return any(PullsAside(c) if c.own_law else c.holds_tangentially for c in self.contacts)
 
     @property
     def own_law(self):
@@ -556,6 +562,16 @@ class System:
         others = InvertedMessage(form, self.gf, ~self._turning) if self.finite else ""
         known = InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
         return known, others
+
+
+def PullsAside(contact):
+    """Has a traction a tangential part, beyond rounding, where surfaces may slide?"""
+    if contact.tied:
+        return False
+    table = contact.Table()
+    traction, normal = (table[name][table["area"] > 0] for name in ("traction", "normal"))
+    aside = traction - np.sum(traction * normal, axis=1)[:, None] * normal
+    return bool(np.linalg.norm(aside) > ROUNDING * np.linalg.norm(traction))
 
 
 def Approach(contact, motion):

@@ -423,7 +423,7 @@ class LoadStepper(metaclass=Distributable):
             return f"the step from load {begin} to {tried:g} fails: {error}" + balanced
         if limit.known and not isinstance(error, FloatingBodyError):
             return f"no step beyond load {begin} converges: {limit}"
-        reason = str(error).removesuffix("; take smaller steps")  # they were taken
+        reason = str(error).replace("; take smaller steps", "")  # they were taken
         message = f"no step beyond load {begin} converges: {reason}"
         if isinstance(error, FloatingBodyError):
             return message
@@ -431,7 +431,7 @@ class LoadStepper(metaclass=Distributable):
         status = np.concatenate([c.Table()["status"] for c in contacts])
         closed = int(np.sum(status > 0))
         if MostlySlips(error.history) or (closed and np.all(status[status > 0] == 2)):
-            if self.solver.system.rubs:
+            if self.solver.system.HasFriction():
                 message += "; " + OverloadMessage(self.solver.system.bodies)
         elif closed == 0 and Reason.EXHAUSTED not in error.reason:
             message += "; all macro-elements are open"

@@ -367,6 +367,31 @@ def test_a_body_that_nothing_else_holds(finite):
             assert contact.Force() == pytest.approx([0, 0.01], abs=1e-10)
 
 
+def pushed_by_a_limited_force(places):
+    """Without friction: the traction leaps where contact begins."""
+    closed = (places["gap"] < 0)[:, None]
+    return {"traction": -0.01 * closed * places["normal"], "by_gap": 0 * places["normal"]}
+
+
+def pulled_the_wrong_way(places):
+    """The derivative has the wrong sign."""
+    found = Wearing()(places)
+    return found | {"by_gap": -found["by_gap"]}
+
+
+@pytest.mark.parametrize("law", [pushed_by_a_limited_force, pulled_the_wrong_way])
+def test_what_to_look_at_where_newtons_method_fails(law):
+    """Not at friction, of which there is none."""
+    stepper = pressed(law, load=Parameter(0), down=5e-3 * y)
+    stepper.maxcuts = 1
+    words = r"A law of your own needs right derivatives .* traction without jumps"
+    with pytest.raises(ContactConvergenceError, match=words) as found:
+        stepper.Integrate(1, steps=1, printing=False)
+    assert "friction" not in str(found.value)
+    with pytest.raises(ContactConvergenceError, match="take smaller steps. " + words):
+        pressed(law, down=2.5e-3).Solve(maxit=20, printing=False)
+
+
 @pytest.mark.parametrize("finite", [False, True])
 def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
     stepper = pressed(Wearing(), finite=finite, load=Parameter(0))
