@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from howtos import Execute, Pages, Printed, Script
+from ngsolve import Parameter
+from press import press, same
 from test_snippets import Fences
+
+from ngslac import LoadStepper
 
 HOWTO = Path(__file__).parents[2] / "docs" / "howto"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
@@ -89,6 +93,85 @@ def test_own_law(run):
     assert table["pressure"].max() == pytest.approx(names["Coating"].limit, rel=1e-12)
     grows = (table["pressure"] > 0) & (table["pressure"] < 29.9)
     assert table["pressure"][grows] == pytest.approx(-300 * table["gap"][grows], rel=1e-6)
+
+
+@pytest.fixture
+def laws():
+    """The laws on the page of laws of one's own that its script does not use."""
+    names = {}
+    for code, _ in Fences(HOWTO / "own_law.md", {"python"}):
+        exec(code, names)
+    return names
+
+
+def places_at_random(d, n=40):
+    """Made up as the page says, of every branch."""
+    random = np.random.default_rng(d)
+    normal = random.normal(size=(n, d))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    trial = random.normal(size=(n, d)) - 2 * random.normal(size=(n, 1)) * normal
+    jump = 0.004 * random.normal(size=(n, d))
+    farthest = np.where(np.arange(n) % 2, 1e-3, 5e-3)
+    return {"normal": normal, "trial": trial, "jump": jump, "farthest": farthest}
+
+
+@pytest.mark.parametrize(("law", "place"), [("Coulomb", "trial"), ("Glue", "jump")])
+@pytest.mark.parametrize("d", [2, 3])
+def test_derivatives_of_laws(laws, law, place, d):
+    law, places, size = laws[law](), places_at_random(d), 1e-8
+    derivative = law(places)["by_" + place]
+    for k, way in enumerate(size * np.eye(d)):
+        ahead, behind = (law(places | {place: places[place] + s * way}) for s in (1, -1))
+        found = (ahead["traction"] - behind["traction"]) / (2 * size)
+        assert found == pytest.approx(derivative[:, :, k], rel=1e-5, abs=1e-5)
+
+
+@pytest.mark.parametrize("size", [0.01, 0.02, 0.04])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_coulomb_on_the_page_is_friction(laws, dim, size):
+    """Pressed first, then pushed: the macro-elements stick, some of them or all slide."""
+    problems = []
+    for law in ({"friction": 0.3}, {"law": laws["Coulomb"]()}):
+        aside = Parameter(0.0)
+        push = (*(size * aside, size / 2 * aside)[: dim - 1], -0.02)
+        problems.append(press(dim=dim, push=push, **law))
+        solver = problems[-1].solver()
+        solver.Solve(printing=False)
+        LoadStepper(solver, aside).Integrate(1, steps=1, printing=False)
+    same(*problems, tol=1e-8)
+    one, other = (problem.contact.Table()["status"] for problem in problems)
+    assert np.array_equal(one, other)
+    assert set(one) <= {1, 2}
+
+
+def test_glue_on_the_page_goes_back_on_a_line(laws):
+    law, jump = laws["Glue"](), np.array([[0.0, 5.5e-3]])
+    pull = law({"jump": jump})["traction"]
+    assert pull == pytest.approx(np.array([[0.0, -0.025]]))  # half of the strength
+    kept = law.Commit({"jump": jump})
+    assert law({"jump": jump / 2} | kept)["traction"] == pytest.approx(pull / 2)
+    assert law.Commit({"jump": jump / 2} | kept) == kept
+    assert np.all(law({"jump": 2 * jump} | kept)["traction"] == 0)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_glue_on_the_page_is_torn(laws, finite):
+    """The pull rises to the strength, and falls to nothing."""
+    problem = press(law=laws["Glue"](), tied=True, finite=finite, push=(0, 0.014))
+    problem.load.Set(0)
+    steps = LoadStepper(problem.solver(), problem.load).Integrate(1, steps=14, printing=False)
+    pull = -np.array([step.forces[0][1] for step in steps])
+    assert pull.max() == pytest.approx(0.05, rel=0.1)
+    assert 0 < np.argmax(pull) < 5
+    assert pull[-1] == pytest.approx(0, abs=1e-10)
+    assert np.all(problem.contact.Table()["farthest"] > 0.01)
+
+
+def test_wearing_on_the_page(laws):
+    problem = press(law=laws["Wearing"]())
+    problem.solver().Solve(printing=False)
+    problem.contact.Commit(problem.gf)
+    assert problem.contact.Table()["worn"].max() > 0
 
 
 def test_preload_force(run):
