@@ -423,7 +423,8 @@ class LoadStepper(metaclass=Distributable):
             return f"the step from load {begin} to {tried:g} fails: {error}" + balanced
         if limit.known and not isinstance(error, FloatingBodyError):
             return f"no step beyond load {begin} converges: {limit}"
-        reason = str(error).replace("; take smaller steps", "")  # they were taken
+        small = "; take smaller steps"  # they were taken
+        reason = str(error).replace(small + ".", ".").removesuffix(small)
         message = f"no step beyond load {begin} converges: {reason}"
         if isinstance(error, FloatingBodyError):
             return message
