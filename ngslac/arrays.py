@@ -2,6 +2,7 @@
 """Dofs and products of matrices as numpy arrays of scalar entries."""
 
 import numpy as np
+import scipy
 from ngsolve import BaseVector, BitArray
 from ngsolve.la import SparseMatrixd
 
@@ -14,6 +15,7 @@ __all__ = [
     "SameEntries",
     "SameMatrix",
     "ScalarDofs",
+    "ToCSR",
 ]
 
 
@@ -75,3 +77,16 @@ def SameEntries(ones, others):
         for one, other in zip(ones, others, strict=True)
         for pair in zip(one, other, strict=True)
     )
+
+
+def ToCSR(mat):
+    """A sparse NGSolve matrix with scalar or square block entries as scipy matrix."""
+    block = mat.entrysizes[0]
+    # CSR() shows memory of the matrix: copy, the matrix may be a temporary.
+    values, columns, starts = (np.array(a) for a in mat.CSR())
+    if block == 1:
+        return scipy.sparse.csr_matrix((values, columns, starts), shape=mat.shape)
+    shape = block * mat.height, block * mat.width
+    return scipy.sparse.bsr_matrix(
+        (values.reshape(-1, block, block), columns, starts), shape=shape
+    ).tocsr()

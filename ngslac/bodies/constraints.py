@@ -5,6 +5,7 @@ import numpy as np
 import scipy
 
 from ngslac._ngslac import Side
+from ngslac.arrays import ToCSR
 
 __all__ = [
     "COARSE",
@@ -17,7 +18,6 @@ __all__ = [
     "AllJumps",
     "JumpRows",
     "Sight",
-    "ToCSR",
     "ToolDofs",
     "ToolRows",
     "ToolsSlipFar",
@@ -36,19 +36,6 @@ SAME_NORMAL, SMOOTH = 1e-6, 0.5
 # Normals that may tell what slides: those of contact, or of one side, along which this slides
 # whatever the gap between both.
 CONTACT, SLAVE, MASTER = "normal", "slave_normal", "facing"
-
-
-def ToCSR(mat):
-    """A sparse NGSolve matrix with scalar or square block entries as scipy matrix."""
-    block = mat.entrysizes[0]
-    # CSR() shows memory of the matrix: copy, the matrix may be a temporary.
-    values, columns, starts = (np.array(a) for a in mat.CSR())
-    if block == 1:
-        return scipy.sparse.csr_matrix((values, columns, starts), shape=mat.shape)
-    shape = block * mat.height, block * mat.width
-    return scipy.sparse.bsr_matrix(
-        (values.reshape(-1, block, block), columns, starts), shape=shape
-    ).tocsr()
 
 
 def ActiveRows(contact, holds="now"):

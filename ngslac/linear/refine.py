@@ -22,7 +22,7 @@ def FirstGood(attempts):
     for name, solve, tolerance in attempts:
         try:
             x, error = solve()
-        except (LinearSolveError, NgException) as failure:
+        except (RuntimeError, NgException) as failure:  # LinearSolveError, or a library's own
             errors.append(f"{name}: {failure}")
             continue
         if error <= tolerance:

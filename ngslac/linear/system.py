@@ -41,8 +41,8 @@ class Options:
 class Method:
     """One way to solve linear systems; `chain.METHODS` has a line for each.
 
-    Where it raises a LinearSolveError or an NgException, or its residual is large, the next method
-    of the chain solves the system.
+    Where it raises a RuntimeError or an NgException, or its residual is large, the next method of
+    the chain solves the system.
 
     Attributes
     ----------

@@ -10,8 +10,7 @@ from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
-from ngslac.arrays import AsBits, AsNumPy
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import AsBits, AsNumPy, ToCSR
 from ngslac.bodies.parts import PartsOf
 from ngslac.bulkforms import BulkForm, Elastic, ScaleMatrix, WithDiagonal, WithMass
 from ngslac.parallel.plain import Reference

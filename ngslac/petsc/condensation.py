@@ -6,8 +6,7 @@ import scipy
 from netgen.meshing import NgException
 
 from ngslac._ngslac import Condensation
-from ngslac.arrays import AsBits, Exported
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import AsBits, Exported, ToCSR
 from ngslac.linear.factor import LinearSolveError
 from ngslac.petsc.library import LoadPETSc
 

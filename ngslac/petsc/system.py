@@ -4,7 +4,7 @@
 import numpy as np
 import scipy
 
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import ToCSR
 from ngslac.linear.factor import LinearSolveError
 from ngslac.petsc.condensation import Contacts
 from ngslac.petsc.direct import PetscDirect

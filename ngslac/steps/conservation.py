@@ -4,7 +4,7 @@
 import numpy as np
 import scipy
 
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import ToCSR
 from ngslac.bodies.freedom import NullSpace
 from ngslac.bodies.parts import ConnectedParts
 from ngslac.bodies.rigidmotions import RigidMotions, Turned

@@ -20,8 +20,7 @@ from ngsolve import (
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
-from ngslac.arrays import Multiply, SameMatrix
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import Multiply, SameMatrix, ToCSR
 from ngslac.bulkforms import Elastic, Integrand, ScaleMatrix, WithMass
 from ngslac.linear.parts import PartsInverse
 

@@ -14,7 +14,7 @@ from ngslac import (
     LoadStepper,
 )
 from ngslac._ngslac import MergeMatrices
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import ToCSR
 
 SMOOTH = {"friction": None}
 CASES = {

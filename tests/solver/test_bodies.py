@@ -30,9 +30,8 @@ from ngsolve import (
 from press import linear, numpy, press
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
+from ngslac.arrays import AsBits, AsNumPy, ScalarDofs, ToCSR
 from ngslac.bodies.bodies import Bodies
-from ngslac.bodies.constraints import ToCSR
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
 
 PLANE = ["translation in x", "translation in y", "rotation"]

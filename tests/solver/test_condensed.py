@@ -22,8 +22,7 @@ from ngslac._ngslac import (
     StarSweeps,
     TwoLevelProduct,
 )
-from ngslac.arrays import AsNumPy, Multiply
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import AsNumPy, Multiply, ToCSR
 from ngslac.linear.direct import Merged
 from ngslac.linear.factor import (
     LU,

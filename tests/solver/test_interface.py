@@ -8,8 +8,7 @@ from press import linear, mixed_press, press, same, solved
 from scipy.sparse import csc_matrix, random
 
 from ngslac._ngslac import EquilibrationScale, MergeMatrices, SchurComplement
-from ngslac.arrays import AddToDiagonal, AsBits
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import AddToDiagonal, AsBits, ToCSR
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.linear.factor import Factor
 from ngslac.linear.grounded import Grounded

@@ -8,8 +8,7 @@ import scipy.sparse.linalg
 from press import press, solved
 
 from ngslac import ContactSolver, LoadState, SaveState
-from ngslac.arrays import AsNumPy, Multiply
-from ngslac.bodies.constraints import ToCSR
+from ngslac.arrays import AsNumPy, Multiply, ToCSR
 from ngslac.linear import chain
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.refine import Refine
@@ -28,10 +27,7 @@ class SciPyLU(Method):
     def Solve(self, system, b):
         mat, free = self.parts.merged.Of(system), AsNumPy(self.parts.bits)
         self.factorisations += 1
-        try:
-            factors = scipy.sparse.linalg.splu(ToCSR(mat)[free][:, free].tocsc())
-        except RuntimeError as error:
-            raise LinearSolveError(str(error)) from error
+        factors = scipy.sparse.linalg.splu(ToCSR(mat)[free][:, free].tocsc())
 
         def Step(left):
             x = 0 * left
