@@ -17,6 +17,7 @@ __all__ = [
     "ScaleMatrix",
     "WithDiagonal",
     "WithMass",
+    "WithoutMass",
 ]
 
 
@@ -28,8 +29,14 @@ BulkForm.register(BilinearForm)
 
 
 @singledispatch
+def WithoutMass(form):
+    """The form without inertia."""
+    return form
+
+
+@singledispatch
 def Elastic(form):
-    """The form without inertia, or a matrix with its diagonal."""
+    """A form without inertia itself, or a matrix with its diagonal."""
     return form
 
 

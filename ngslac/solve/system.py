@@ -11,7 +11,7 @@ from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
 from ngslac.bodies.freedom import EXACT, Ground
-from ngslac.bulkforms import Elastic
+from ngslac.bulkforms import WithoutMass
 from ngslac.errors import Warn
 from ngslac.linear.system import LinearSystem
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
@@ -558,7 +558,7 @@ class System:
         if self._turning is None and self.bulk.islinear:
             self._turning = np.zeros(len(self.gf.space.mesh.GetMaterials()), dtype=bool)
         elif self._turning is None:
-            self._turning = TurningMaterials(Elastic(self.bulk.a), form, self.gf)
+            self._turning = TurningMaterials(WithoutMass(self.bulk.a), form, self.gf)
         others = InvertedMessage(form, self.gf, ~self._turning) if self.finite else ""
         known = InvertedMessage(form, self.gf, self._turning) if np.any(self._turning) else ""
         return known, others

@@ -21,7 +21,7 @@ from ngsolve import (
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import Multiply, SameMatrix, ToCSR
-from ngslac.bulkforms import Elastic, Integrand, ScaleMatrix, WithMass
+from ngslac.bulkforms import Integrand, ScaleMatrix, WithMass, WithoutMass
 from ngslac.linear.parts import PartsInverse
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
@@ -253,9 +253,9 @@ class DynamicForm:
         )
 
 
-@Elastic.register
+@WithoutMass.register
 def _(form: DynamicForm):
-    return Elastic(form.elastic)
+    return form.elastic
 
 
 def CheckScalar(name, value, wanted):
