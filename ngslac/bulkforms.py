@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What solvers ask of a bulk form and its matrix besides the verbs that NGSolve gives them.
+"""Verbs of a bulk form and its matrix besides those that NGSolve gives them.
 
-These are the answers in one process. A class that has others registers them beside itself.
+They are for one process here. A class that needs others registers them beside itself.
 """
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from functools import singledispatch
 
 from ngsolve import BilinearForm, InnerProduct, Integrate, dx
 
 __all__ = [
     "BulkForm",
-    "Elastic",
     "Integral",
     "Integrand",
     "ScaleMatrix",
@@ -35,12 +34,6 @@ def WithoutMass(form):
 
 
 @singledispatch
-def Elastic(form):
-    """A form without inertia itself, or a matrix with its diagonal."""
-    return form
-
-
-@singledispatch
 def WithMass(form, factor, density, u, v):
     """The form plus ``factor * density * u.v``."""
     heavy = BilinearForm(form.space, condense=form.condense)
@@ -57,17 +50,17 @@ def ScaleMatrix(form, factor):
 
 
 @singledispatch
-def WithDiagonal(mat):
-    """A sparse matrix with the same diagonal."""
-    return mat
+def WithDiagonal(operator):
+    """A form or a matrix itself, or a sparse matrix that has its diagonal."""
+    return operator
 
 
-class Integrand:
+class Integrand(ABC):
     """A function of which nothing but the integral is known here."""
 
+    @abstractmethod
     def Integrate(self):
         """The integral over the mesh."""
-        raise NotImplementedError
 
 
 def Integral(function, mesh):

@@ -56,7 +56,8 @@ void CheckKept(const string & whose, const Numbers<double> & values) {
                           "; it must be (n,) or (n, k) with k > 1");
 }
 
-/// What a function of a law has returned: of all macro-elements. keeps: until the next step ends.
+/// The arrays that a function of a law has returned for all macro-elements. keeps: until the next
+/// step ends.
 NamedNumbers FromLaw(const string & name, py::object found, size_t macros, bool keeps) {
   Objects objects;
   NamedArrays arrays;

@@ -419,7 +419,7 @@ private:
     return place;
   }
 
-  /// What the form remembers, without what a law keeps.
+  /// The memory of the form, without that of a law.
   NamedNumbers OwnHistory() {
     CheckPaired();
     NamedNumbers numbers;
@@ -431,7 +431,7 @@ private:
     return numbers;
   }
 
-  /// What a law keeps, of a saved history.
+  /// The memory of a law, out of a saved history.
   NamedNumbers KeptFrom(const NamedNumbers & numbers) const {
     NamedNumbers of_law;
     size_t macros = states.Size();
@@ -552,7 +552,7 @@ private:
     return places;
   }
 
-  /// What a law keeps of the step that ends at x, under names of its own.
+  /// The memory of a law after the step that ends at x, under names of its own.
   NamedNumbers KeptAt(FlatVector<> x) const {
     auto places = Places(x);
     auto fresh = setup.commit(WithKept(places));

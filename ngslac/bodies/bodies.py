@@ -51,8 +51,8 @@ class Placed:
     found: dict = field(default_factory=dict)
     _contacts: list = field(default_factory=list)
 
-    def Look(self, contacts):
-        """Forget what was found with other states of contacts."""
+    def Forget(self, contacts):
+        """Forget what was found with other states of contacts than these."""
         if self._contacts != contacts:
             self._contacts, self.found = contacts, {}
 
@@ -147,7 +147,7 @@ class Bodies:
         """The motions that contact leaves, as a Freedom."""
         placed = self._Placed(contacts, displacement)
         sights = [self._sights.setdefault(contact, Sight(contact)) for contact in contacts]
-        placed.Look([sight.State() for sight in sights])
+        placed.Forget([sight.Look() for sight in sights])
         key = holds, normals, slides
         if key not in placed.found:
             placed.found[key] = self._Free(placed, sights, *key)
@@ -208,12 +208,10 @@ class Bodies:
 
     def Columns(self, motions):
         """The free rigid motions of all bodies as columns of a sparse matrix (count, k)."""
-        values, none = (
-            [(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns],
-            np.zeros(0),
-        )
+        values = [(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns]
         shape = self.count, sum(own.shape[1] for _, own in self.floating)
-        return scipy.sparse.csr_matrix((np.concatenate([none, *values]), self._entries), shape)
+        values = np.concatenate([np.zeros(0), *values])
+        return scipy.sparse.csr_matrix((values, self._entries), shape)
 
     @cached_property
     def _entries(self):

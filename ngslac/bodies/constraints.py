@@ -73,42 +73,47 @@ class Sight:
     """How the macro-elements of a contact see motions; kept as long as neither of them changes."""
 
     def __init__(self, contact):
-        self.contact, self._place, self._motions = contact, None, None
+        self.contact, self._place, self._motions, self._curved = contact, None, None, None
 
-    def State(self):
-        """What tells whether anything has changed but the motions."""
-        contact, table = self.contact, self.contact.Table()
-        values = [table[name] for name in ("status", "area", "normal")] + [contact.form.ToolRows()]
-        tells = *(value.tobytes() for value in values), contact.holds_tangentially
-        return contact.form.JumpNumber(), *tells
+    def Look(self):
+        """Look at the contact as it is now; returns a key that changes with what it prevents."""
+        contact = self.contact
+        self._table = table = contact.Table()
+        place = contact.form.JumpNumber(), contact.form.ToolRows().tobytes()
+        if place != self._place:
+            self._place, self._motions, self._curved = place, None, None
+        tells = (*(table[name].tobytes() for name in ("status", "area", "normal")),)
+        return *place, *tells, contact.holds_tangentially
 
     def Resistances(self, motions, holds, normals=CONTACT):
-        """What contact prevents of the columns of a sparse matrix (n, k).
+        """Resistance to the columns of a sparse matrix (n, k), as the last look has shown it.
 
-        Arrays: (r, k) the parts that it prevents; (r,) how much of a motion along the surface the
-        mesh makes one across it; (s, k) all relative motion of the macro-elements at work.
+        Arrays: (r, k) the parts that contact prevents; (r,) how much of a motion along the surface
+        the mesh makes one across it; (s, k) all relative motion of the macro-elements at work.
         """
-        contact = self.contact
-        table, none = contact.Table(), np.zeros((0, motions.shape[1]))
-        stick, slip = _AtWork(contact, table, holds)
+        table, none = self._table, np.zeros((0, motions.shape[1]))
+        stick, slip = _AtWork(self.contact, table, holds)
         if not len(slip) and not np.any(stick):
             return none, np.zeros(0), none
-        self._Look(motions, table)
-        across = np.einsum("md,mdk->mk", _Normals(contact, table, normals)[slip], self._seen[slip])
-        held, sliding = (np.concatenate([none, *self._seen[own]]) for own in (stick, slip))
-        coarse = np.concatenate([np.full(len(held), TIGHT), self._coarse[slip]])
+        seen, mesh = self._Seen(motions), self._Coarse()
+        across = np.einsum("md,mdk->mk", _Normals(self.contact, table, normals)[slip], seen[slip])
+        held, sliding = (np.concatenate([none, *seen[own]]) for own in (stick, slip))
+        coarse = np.concatenate([np.full(len(held), TIGHT), mesh[slip]])
         return np.concatenate([held, across]), coarse, np.concatenate([held, sliding])
 
-    def _Look(self, motions, table):
-        contact = self.contact
-        place = contact.form.JumpNumber(), contact.form.ToolRows().tobytes()
-        turned = table["normal"].tobytes()
-        if self._place != (place, turned):
-            self._coarse = _Coarseness(contact, table)
-        if self._motions is not motions or self._place[0] != place:
-            seen = (AllJumps(contact) @ motions).toarray() / table["fullarea"].mean()
-            self._seen = seen.reshape(len(table["area"]), contact.mesh.dim, motions.shape[1])
-        self._place, self._motions = (place, turned), motions
+    def _Seen(self, motions):
+        """The relative motions (m, d, k) of macro-elements, of their mean size."""
+        if self._motions is not motions:
+            shape = *self._table["normal"].shape, motions.shape[1]
+            seen = (AllJumps(self.contact) @ motions).toarray() / self._table["fullarea"].mean()
+            self._motions, self._seen = motions, seen.reshape(shape)
+        return self._seen
+
+    def _Coarse(self):
+        turned = self._table["normal"].tobytes()
+        if self._curved != turned:
+            self._curved, self._coarse = turned, _Coarseness(self.contact, self._table)
+        return self._coarse
 
 
 def _Normals(contact, table, kind):

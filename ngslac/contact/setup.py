@@ -38,15 +38,14 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
     if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
-            "a law of your own says all: drop law, or what is given of bilateral, edges, friction "
-            "and tresca"
+            "a law of your own says all: drop law, or bilateral, edges, friction and tresca"
         )
     if tied and (offset is not None or bilateral):
         raise ValueError("tied surfaces keep their distance: drop offset and bilateral, or tied")
     if edges and (finite or tied or bilateral or master is None):
         raise ValueError(
-            "edges need small sliding on a master: drop edges, or what is given of finite, tied, "
-            "bilateral and obstacle"
+            "edges need small sliding on a master: drop edges, or finite, tied, bilateral and "
+            "obstacle"
         )
     if tied and lengths["adjust"] is not None:
         raise ValueError(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A linear system, what users choose for its solution, and what solves it."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,14 +32,14 @@ class LinearSystem:
 
 @dataclass(frozen=True)
 class Options:
-    """What users choose, see `ContactSolver`."""
+    """The choices of users, see `ContactSolver`."""
 
     solver: str | None = None
     inverse: str | None = None
     preconditioner: object = None
 
 
-class Method:
+class Method(ABC):
     """One way to solve linear systems; `chain.METHODS` has a line for each.
 
     Where it raises a RuntimeError or an NgException, or its residual is large, the next method of
@@ -60,18 +61,18 @@ class Method:
     inverse = None
     is_iteration = serves_alone = False
 
+    @abstractmethod
     def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """Scaled solution for a scaled right hand side, and its relative residual."""
-        raise NotImplementedError
 
-    def NewBulk(self) -> None:
+    def NewBulk(self) -> None:  # noqa: B027
         """Keep nothing: the matrix of the bulk has got other values."""
 
     def State(self) -> dict:
-        """What was learnt."""
+        """A record of what was learnt, to go on with."""
         return {}
 
-    def SetState(self, state: dict) -> None:
+    def SetState(self, state: dict) -> None:  # noqa: B027
         """Go on with a `State`."""
 
 

@@ -12,7 +12,7 @@ from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 from ngslac._ngslac import FormDiagonal, ProxyPath
 from ngslac.arrays import AsBits, AsNumPy, ToCSR
 from ngslac.bodies.parts import PartsOf
-from ngslac.bulkforms import BulkForm, Elastic, ScaleMatrix, WithDiagonal, WithMass
+from ngslac.bulkforms import BulkForm, ScaleMatrix, WithDiagonal, WithMass
 from ngslac.parallel.plain import Reference
 from ngslac.parallel.team import Team
 from ngslac.petsc.nodes import Nodes
@@ -216,7 +216,7 @@ def _(form: RemoteForm, factor, density, u, _):
     return RemoteForm(ensemble, number, ensemble.things[number].form)
 
 
-@Elastic.register
+@WithDiagonal.register
 def _(form: RemoteForm):
     return Diagonal(form.Sum(form.Ask("ElasticDiagonal")))
 

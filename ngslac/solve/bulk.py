@@ -7,7 +7,7 @@ import numpy as np
 from ngsolve import BaseMatrix, BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
-from ngslac.bulkforms import Elastic, WithDiagonal, WithoutMass
+from ngslac.bulkforms import WithDiagonal, WithoutMass
 from ngslac.loads import CheckRhs, LoadVector
 from ngslac.solve.probe import AssembleLinear, Probe
 from ngslac.solve.problem import AssembleBulk
@@ -72,7 +72,7 @@ class Bulk:
     @property
     def elastic(self):
         """The BilinearForm without inertia, or a matrix with its diagonal; None: unknown."""
-        form = Elastic(WithoutMass(self.a))
+        form = WithDiagonal(WithoutMass(self.a))
         return form if isinstance(form, (BilinearForm, BaseMatrix)) else None
 
     @property

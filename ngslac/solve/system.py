@@ -447,10 +447,9 @@ class System:
         Those of a linear system balance the bulk's false work, too.
         """
         bulk, contact = self.residual.parts
-        pushed = self._WorksOf(freedom, contact) != 0 if freedom else np.zeros(0)
-        return bool(np.any(pushed)) and bool(
-            np.any(pushed & (self._WorksOf(freedom, contact, bulk) != 0))
-        )
+        if not freedom or not np.any(pushed := self._WorksOf(freedom, contact)):
+            return False
+        return bool(np.any((pushed != 0) & (self._WorksOf(freedom, contact, bulk) != 0)))
 
     def DrivenMotion(self, freedom, holds="now"):
         """Description of the free motion along which the forces measured last do work."""
