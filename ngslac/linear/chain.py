@@ -4,12 +4,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ngsolve import BitArray
-
 from ngslac.arguments import CheckChoice, CheckFunction
-from ngslac.arrays import AsNumPy
 from ngslac.errors import Warn
-from ngslac.linear.direct import Direct, Merged
+from ngslac.linear.direct import Direct
 from ngslac.linear.inner import InnerDofs
 from ngslac.linear.interface import Interface
 from ngslac.linear.iterative import Iterative
@@ -48,23 +45,19 @@ def CheckSolver(name):
 
 @dataclass
 class Parts:
-    """What the methods of a chain are made of."""
+    """The parts of which the methods of a chain are made."""
 
-    bits: BitArray  # free scalar dofs that are not eliminated
     dim: int
     options: Options
     motions: Callable  # returns the rigid motions (n, k) of all bodies
     multigrid: Multigrid | None  # where iterations are of use
-    merged: Merged  # the whole matrix, which methods share
 
 
-# What users choose, and how it is made. One that no chain begins with has to be asked for.
+# The methods that users choose by name. One that no chain begins with has to be asked for.
 METHODS = {
-    "interface": lambda parts: Interface(AsNumPy(parts.bits), parts.dim, parts.motions),
-    "direct": lambda parts: Direct(parts.bits, parts.merged, parts.options.inverse),
-    "iterative": lambda parts: Iterative(
-        parts.bits, parts.merged, parts.dim, parts.multigrid, parts.options.preconditioner
-    ),
+    "interface": lambda parts: Interface(parts.dim, parts.motions),
+    "direct": lambda parts: Direct(parts.options.inverse),
+    "iterative": lambda parts: Iterative(parts.dim, parts.multigrid, parts.options.preconditioner),
 }
 
 
@@ -93,11 +86,9 @@ def MakeLinearSolver(a, contacts, freedofs, options, motions):
         if not preconditioner:
             inner = InnerDofs.Of(form.fes, freedofs, form.offset, form.component)
 
-    def Make(bits):
-        parts = Parts(bits, dim, options, motions, multigrid, Merged())
-        return [Link(name, METHODS[name](parts), why) for name in names]
-
-    return LinearSolver(freedofs, Make, inner)
+    parts = Parts(dim, options, motions, multigrid)
+    links = [Link(name, METHODS[name](parts), why) for name in names]
+    return LinearSolver(freedofs, links, inner)
 
 
 def _Names(wanted, inverse, iterates, factors):

@@ -30,8 +30,8 @@ class Interface(Method):
 
     most = 3000  # multipliers: the dense matrix of more costs as much as factors of the bulk
 
-    def __init__(self, free, dim, motions):
-        self.free, self.dim, self.motions = free, dim, motions
+    def __init__(self, dim, motions):
+        self.dim, self.motions = dim, motions
         self.factorisations = self._systems = 0
         self.once = False  # did the last matrix of the bulk serve for one system only?
         self.NewBulk()
@@ -61,17 +61,14 @@ class Interface(Method):
         self._systems += 1
         if self._fails or (self.once and self._systems == 1):
             raise LinearSolveError("the bulk is not factored")
-        blocks = Blocks(system, self.free)
-        try:
-            kept = self._Kept(system, blocks)
-            interface = InterfaceSystem(kept, blocks, self.dim)
-        except np.linalg.LinAlgError as error:
-            raise LinearSolveError(str(error)) from error
+        blocks = Blocks(system, system.free)
+        kept = self._Kept(system, blocks)
+        interface = InterfaceSystem(kept, blocks, self.dim)
         return Refine(interface.Solve, lambda x: b - blocks.Times(x) - kept.Times(x), b)
 
     def _Kept(self, system, blocks):
         """The GroundedBulk; where bodies slip, systems with and without a shift take turns."""
-        displacements = self.free.copy()
+        displacements = system.free
         displacements[blocks.multipliers] = False
         key = system.shift is not None
         if key not in self._kept or not self._kept[key].Fits(system, displacements):

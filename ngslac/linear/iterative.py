@@ -10,7 +10,7 @@ from ngslac._ngslac import (
     TwoLevel,
     TwoLevelProduct,
 )
-from ngslac.arrays import AsNumPy, Multiply
+from ngslac.arrays import Multiply
 from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.refine import EXACT, Refine
 from ngslac.linear.system import Method
@@ -35,9 +35,8 @@ class Iterative(Method):
 
     is_iteration = True
 
-    def __init__(self, bits, merged, dim, multigrid, preconditioner=None):
-        self.bits, self.merged, self.dim = bits, merged, dim
-        self.multigrid, self.preconditioner = multigrid, preconditioner
+    def __init__(self, dim, multigrid, preconditioner=None):
+        self.dim, self.multigrid, self.preconditioner = dim, multigrid, preconditioner
         self.krylov, self._single = 0, True  # do products in single precision serve?
         self.NewBulk()
 
@@ -46,19 +45,18 @@ class Iterative(Method):
 
     def NewBulk(self):
         """The bulk matrix has got other values."""
-        self.merged.Forget()
         self._number = self._condensed = self._inverse = None
         if self.multigrid:
             self.multigrid.Forget()
 
     def Solve(self, system, b):
         """See Method."""
-        mat, free = self.merged.Of(system), AsNumPy(self.bits)
-        if self._number != self.merged.number:
+        mat, free = system.matrix, system.free
+        if self._number != system.number:
             self._number = self._inverse = None
             dofs = np.asarray(system.multipliers).tolist()
-            self._condensed = Condensation(mat, dofs, self.dim, self.bits)
-            self._number = self.merged.number
+            self._condensed = Condensation(mat, dofs, self.dim, system.bits)
+            self._number = system.number
         exact, size = max(system.accuracy, EXACT), np.linalg.norm(b)
 
         def Residual(x):

@@ -22,7 +22,8 @@ def FirstGood(attempts):
     for name, solve, tolerance in attempts:
         try:
             x, error = solve()
-        except (RuntimeError, NgException) as failure:  # LinearSolveError, or a library's own
+        # LinearSolveError, or a library's own.
+        except (RuntimeError, NgException, np.linalg.LinAlgError) as failure:
             errors.append(f"{name}: {failure}")
             continue
         if error <= tolerance:

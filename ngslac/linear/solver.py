@@ -9,6 +9,7 @@ from ngsolve import BitArray
 from ngslac.arrays import AsNumPy
 from ngslac.linear.factor import LinearSolveError, OneBLASThread
 from ngslac.linear.refine import FirstGood
+from ngslac.linear.system import Merged
 
 __all__ = ["LinearSolveError", "LinearSolver"]
 
@@ -29,17 +30,11 @@ class LinearSolver:
     most_failures = 2  # of an iteration in a row where another method serves: it is given up
     shown = "method", "factorisations", "krylov"  # on all processes
 
-    def __init__(self, freedofs, chain, inner=None):
+    def __init__(self, freedofs, links, inner=None):
         self.freedofs, self.free, self.inner = BitArray(freedofs), AsNumPy(freedofs), inner
+        self.bits = self.freedofs & ~inner.dofs if inner else self.freedofs
         self.shifts, self.failures = 0, {}  # in a row: singular systems, iterations that failed
-        self.nearly_singular, self._chain, self._all = False, chain, []
-        self._MakeMethods()
-
-    def _MakeMethods(self):
-        """Those for the free dofs that are not eliminated."""
-        self.bits = self.freedofs & ~self.inner.dofs if self.inner else self.freedofs
-        self._used = self._chain(self.bits)
-        self._all += self._used  # also those of before count
+        self.nearly_singular, self._all, self._merged = False, links, Merged()
 
     def __str__(self):
         return f"linear systems: {self._links[0].method} ({self._links[0].why})"
@@ -48,7 +43,7 @@ class LinearSolver:
     def _links(self):
         """Those that are not given up."""
         failures = self.failures
-        return [link for link in self._used if failures.get(link.name, 0) < self.most_failures]
+        return [link for link in self._all if failures.get(link.name, 0) < self.most_failures]
 
     @property
     def method(self):
@@ -58,7 +53,7 @@ class LinearSolver:
     @property
     def inverse(self):
         """The NGSolve solver that factors whole systems; None: PETSc's."""
-        return next(filter(None, (link.method.inverse for link in self._used)), None)
+        return next(filter(None, (link.method.inverse for link in self._all)), None)
 
     @property
     def factorisations(self):
@@ -71,8 +66,8 @@ class LinearSolver:
         return sum(link.method.krylov for link in self._all)
 
     def State(self):
-        """What has been learnt about the methods, as a dict."""
-        methods = {link.name: link.method.State() for link in self._used}
+        """A dict of what has been learnt about the methods."""
+        methods = {link.name: link.method.State() for link in self._all}
         return {"failures": dict(self.failures), "methods": methods}
 
     def SetState(self, state):
@@ -81,7 +76,7 @@ class LinearSolver:
         if isinstance(methods, list):  # of an older file
             methods, failures = dict.fromkeys(methods, state), {"iterative": failures}
         self.failures = dict(failures)
-        for link in self._used:
+        for link in self._all:
             if link.name in methods:
                 link.method.SetState(methods[link.name])
 
@@ -89,7 +84,8 @@ class LinearSolver:
         """The bulk matrix that was used last has got other values."""
         if self.inner:
             self.inner.Forget()
-        for link in self._used:
+        self._merged.Forget()
+        for link in self._all:
             link.method.NewBulk()
 
     @OneBLASThread()
@@ -106,15 +102,13 @@ class LinearSolver:
         try:
             return self.inner and self.inner.Eliminate(bulk)
         except LinearSolveError:
-            state, self.inner = self.State(), None
-            self._MakeMethods()
-            self.SetState(state)
+            self.inner, self.bits = None, self.freedofs
+            self.NewBulk()
 
     def _Solve(self, system):
         self.nearly_singular = True
-        b = system.scale * system.rhs * self.free
-        if system.alone:
-            b[system.multipliers] = 0
+        system = replace(system, bits=self.bits, merged=self._merged)
+        b = system.scale * system.rhs * system.free
         attempts = [
             (link.name, partial(link.method.Solve, system, b), self._Tolerance(link, system))
             for link in self._links

@@ -3,11 +3,15 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from ngsolve import BaseMatrix
+from ngsolve import BaseMatrix, BitArray
 
-__all__ = ["LinearSystem", "Link", "Method", "Options"]
+from ngslac._ngslac import MergeMatrices
+from ngslac.arrays import AddToDiagonal, AsNumPy, SameEntries
+
+__all__ = ["LinearSystem", "Link", "Merged", "Method", "Options"]
 
 
 @dataclass(frozen=True)
@@ -23,11 +27,67 @@ class LinearSystem:
     accuracy: float = 0.0  # relative residual that is enough of an iteration
     alone: bool = False  # are the displacements solved for alone? Then the multipliers stay zero
 
+    # A LinearSolver adds them for its methods.
+    bits: BitArray | None = None  # free dofs that are not eliminated
+    merged: "Merged | None" = None  # keeps the matrix until the next system
+
+    @cached_property
+    def _made(self):
+        return self.merged.Of(self), self.merged.number
+
+    @property
+    def matrix(self):
+        """The scaled matrix of bulk and contacts, sparse; it changes with the next system."""
+        return self._made[0]
+
+    @property
+    def number(self):
+        """The number of the values of `matrix`: others have another one."""
+        return self._made[1]
+
+    @property
+    def free(self):
+        """The dofs (n,) bool that are solved for."""
+        free = AsNumPy(self.bits)
+        if self.alone:
+            free[self.multipliers] = False
+        return free
+
     def Entries(self):
         """A list of lists of arrays, which with `mat` make the scaled matrix."""
         shift = np.zeros(0) if self.shift is None else np.array(self.shift)
         contacts = [[np.array(part) for part in contact.CSR()] for contact in self.contacts]
         return [*contacts, [np.array(self.scale), shift, np.array(self.alone)]]
+
+
+class Merged:
+    """The scaled matrix of bulk and contacts, changed where contacts change."""
+
+    def __init__(self):
+        self.number = 0  # of the matrix: another one where it has got other values
+        self.Forget()
+
+    def Forget(self):
+        """Make another matrix the next time, as where the bulk has got other values."""
+        self._mat = self._bulk = self._scale = self._entries = None
+        self._plain = False  # may it be changed in place?
+
+    def Of(self, system):
+        """The matrix of a LinearSystem."""
+        entries = system.Entries()
+        same = system.mat is self._bulk and np.array_equal(system.scale, self._scale)
+        if same and SameEntries(entries, self._entries):
+            return self._mat
+        plain = system.shift is None and not system.alone
+        former = self._mat if same and plain and self._plain else None
+        self.Forget()  # half changed, if that raises an error
+        self._mat = MergeMatrices(system.mat, system.contacts, system.scale, former)
+        if system.shift is not None:
+            AddToDiagonal(self._mat, system.shift)
+        self._bulk, self._scale = system.mat, np.array(system.scale)
+        self._entries, self._plain = entries, plain
+        self.number += 1
+        return self._mat
 
 
 @dataclass(frozen=True)

@@ -107,12 +107,9 @@ def PetscLinearSolver(team, freedofs, nodes, wanted=None):
     names = dict.fromkeys((wanted, "direct"))
     taken, most = Taken(team), np.inf if wanted == "direct" else MOST_DIRECT
 
-    def Make(_):
-        return [
-            Link(n, PetscMethod(taken, n, most if n == "direct" else np.inf), why) for n in names
-        ]
-
-    return LinearSolver(freedofs, Make)
+    methods = (PetscMethod(taken, n, most if n == "direct" else np.inf) for n in names)
+    links = [Link(*link, why) for link in zip(names, methods, strict=True)]
+    return LinearSolver(freedofs, links)
 
 
 @singledispatch

@@ -15,6 +15,7 @@ from ngslac import (
 )
 from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import ToCSR
+from ngslac.solve.augmented import Soften
 
 SMOOTH = {"friction": None}
 CASES = {
@@ -193,13 +194,25 @@ def test_matrix_is_symmetric_positive_definite(problem):
     assert np.linalg.eigvalsh(bulk + penalty)[0] > 0
 
 
-@pytest.mark.full
 def test_penalty_is_that_of_the_augmentation():
     """c/A B^T B where the surfaces are tied, with c in multiples of the stiffness."""
-    for stiffness in (1.0, 0.01):
-        solver = augmented(press(tied=True, stiffness=stiffness), augmentation=40.0)
-        _, penalty, G = parts(solver)
-        assert penalty == pytest.approx(40.0 / stiffness * G @ G.T, abs=1e-10)
+    solver = augmented(press(tied=True, stiffness=0.01, n=(3, 2)), augmentation=40.0)
+    _, penalty, G = parts(solver)
+    assert penalty == pytest.approx(40.0 / 0.01 * G @ G.T, abs=1e-10)
+
+
+def test_multipliers_follow_the_projection_but_for_the_penalty():
+    """Their block is 1 - 1/c of what it was, less the compliance of the penalty."""
+    problem = mixed_press()
+    solver, form = solved(problem), problem.contact.form
+    scale, dofs = solver.system.scale, np.asarray(form.MultiplierDofs())
+    form.AssembleStep(problem.gf.vec, problem.gf.vec.CreateVector())
+    before = ToCSR(form.mat)[dofs][:, dofs].toarray()
+    Soften(form, 5.0, scale)
+    after = ToCSR(form.mat)[dofs][:, dofs].toarray()
+    assert np.abs(before).max() > 0
+    expected = 0.8 * before - np.diag(scale[dofs] ** -2 / 5.0)
+    assert after == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 def test_friction_that_slips_is_not_symmetric():

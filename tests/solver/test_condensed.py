@@ -12,6 +12,7 @@ from ngsolve import (
     SetNumThreads,
     TaskManager,
 )
+from ngsolve.la import SparseMatrixd
 from press import numpy, press, press3d, solved
 from refused import calls, check_refused
 
@@ -20,10 +21,10 @@ from ngslac._ngslac import (
     Condensation,
     MergeMatrices,
     StarSweeps,
+    TwoLevel,
     TwoLevelProduct,
 )
 from ngslac.arrays import AsNumPy, Multiply, ToCSR
-from ngslac.linear.direct import Merged
 from ngslac.linear.factor import (
     LU,
     Cholesky,
@@ -32,7 +33,8 @@ from ngslac.linear.factor import (
     LinearSolveError,
 )
 from ngslac.linear.iterative import SINGLE
-from ngslac.linear.system import LinearSystem
+from ngslac.linear.multigrid import Stars
+from ngslac.linear.system import LinearSystem, Merged
 
 
 def system(problem):
@@ -81,9 +83,9 @@ def test_wrong_solutions_are_not_taken(monkeypatch):
     direct = linear._links[0].method
     exact, factor, safe = linear.Solve(system), direct._Factors, "umfpack"
 
-    def Wrong(mat, free, inverse, symmetric):
+    def Wrong(system, inverse, symmetric):
         right = inverse == safe
-        return factor(mat, free, inverse, symmetric) if right else IdentityMatrix(mat.height)
+        return factor(system, inverse, symmetric) if right else IdentityMatrix(len(system.rhs))
 
     direct.inverse = "wrong"
     monkeypatch.setattr(direct, "_Factors", Wrong)
@@ -148,6 +150,16 @@ def random_vectors(system, number):
     return vectors
 
 
+def ErrorLeft(condensed, inverse):
+    """Energy of the error that one application leaves of one, over that of this."""
+    error, force = condensed.CreateRowVector(), condensed.CreateRowVector()
+    error.FV().NumPy()[:] = AsNumPy(condensed.freedofs)
+    force.data = Projector(condensed.freedofs, True) * (condensed * error).Evaluate()
+    left = (error - inverse * force).Evaluate()
+    energies = [e.InnerProduct((condensed * e).Evaluate()) for e in (left, error)]
+    return energies[0] / energies[1]
+
+
 def test_two_level_preconditioner_is_symmetric_and_positive_in_any_number_of_threads():
     """To single precision, in which it computes."""
     before, images = GetNumThreads(), []
@@ -166,6 +178,25 @@ def test_two_level_preconditioner_is_symmetric_and_positive_in_any_number_of_thr
     finally:
         SetNumThreads(before)
     assert np.array_equal(*images)
+
+
+def test_an_exact_coarse_correction_leaves_no_error():
+    """Where contact is open, so that nothing but the matrix of the bulk is left."""
+    problem = press3d()
+    solver, vec = solved(problem, solver="direct"), problem.gf.vec
+    vec.FV().NumPy()[:] *= -1  # apart
+    form = problem.contact.form
+    form.AssembleStep(vec, vec.CreateVector())
+    mat = MergeMatrices(problem.a.mat, [form.mat], solver.system.scale)
+    condensed = Condensation(mat, form.MultiplierDofs().tolist(), 3, solver.linear.bits)
+    dofs = np.flatnonzero(AsNumPy(condensed.freedofs))
+    part = ToCSR(condensed.Part())[dofs][:, dofs].tocoo()
+    entries = part.row, part.col, part.data, *part.shape
+    exact = SparseMatrixd.CreateFromCOO(*entries).Inverse(inverse="umfpack")
+    space = problem.a.space
+    sweeps = StarSweeps(condensed, condensed.freedofs, Stars(space), space.dim)
+    left = ErrorLeft(condensed, TwoLevel(condensed, sweeps, exact, dofs))
+    assert left < 1e-9
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.05, 5.0])

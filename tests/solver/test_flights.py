@@ -35,6 +35,9 @@ CONSERVATIVE = {  # motion, end
 }
 
 
+# Of the energy, at the end: where pressures do no work along the surfaces no more is lost.
+LEFT = {"the slab is the slave": 0.95, "order 1": 0.88, "turning": 0.98}
+
 # Each week; in 3D, by default, the bowl.
 LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "stiff", "3D")
 
@@ -48,7 +51,7 @@ def test_a_frictionless_impact_wins_no_energy(name):
     table = flight.stepper.Table()
     assert max(flight.closed) > 0
     assert flight.closed[-1] == 0
-    assert max(flight.total) <= MOST
+    assert LEFT.get(name, 0) < flight.total[-1] <= max(flight.total) <= MOST
     assert np.all(np.diff(table["impact"]) > -1e-12 * flight.start)
     assert np.all(table["friction"] == 0)
     assert table["kinetic"][-1] > 0.5 * flight.start or "dissipative" in name

@@ -97,6 +97,19 @@ def test_the_side_of_a_point_is_right_beyond_edges_and_vertices():
     assert np.all(spike.Distance(np.array([(t, 0, -0.01 * t) for t in (0.3, 0.9)])) < 0)
 
 
+def test_the_side_of_a_point_is_right_beyond_a_sharp_edge():
+    """Of a wedge: whichever of both facets is found, its normal alone tells one point wrongly."""
+    corners = np.array([[a, b, c] for c in (-1, 1) for a, b in ((0, 0), (1, -0.1), (1, 0.1))])
+    ends = [(0, 2, 1), (3, 4, 5)]
+    sides = [(0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
+    triangles = ends + [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
+    wedge = _Facets(corners, np.array(triangles), True)
+    points = [(-0.012, side * 0.1, height) for side in (-1, 1) for height in (-0.31, 0.27)]
+    assert wedge.Distance(points) == pytest.approx(np.hypot(0.012, 0.1), abs=1e-12)
+    inside = wedge.Distance([(0.5, side * 0.049, 0.1) for side in (-1, 1)])
+    assert np.all((inside > -1.1e-3) & (inside < -0.9e-3))
+
+
 def test_finer_facets_come_nearer_to_a_ball():
     exact = np.linalg.norm(POINTS, axis=1) - 1
     mesh = Mesh(OCCGeometry(Sphere((0, 0, 0), 1)).GenerateMesh(maxh=0.5)).Curve(4)
