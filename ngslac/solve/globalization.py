@@ -97,22 +97,6 @@ class Globalization:
         self._tiny = self._tiny + 1 if best[1] <= self.TINY else 0
         return best
 
-    def SearchStart(self, move, closed):
-        """The first step of a body that a few macro-elements hold: as Search, None if none fits.
-
-        ``closed(damping)`` takes a part of the step and returns the share of macro-elements that
-        are closed there, NaN where surfaces cannot be paired.
-
-        The full step pushes the body far through the master: it closes nearly everything, and it
-        takes an iteration for each ring of macro-elements to open again. The longest part, down to
-        an eighth, that leaves half of them open is a better start.
-        """
-        for halving in range(4):
-            damping = 0.5**halving
-            if closed(damping) <= 0.5 and (trial := move(damping)).finite:
-                return trial, damping
-        return None
-
     def _Last(self):
         return self._merits[-1] if self._merits else np.inf
 

@@ -20,8 +20,9 @@ __all__ = ["Newton"]
 LEAST = 10
 # Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
 STRAYED = 0.5
-# Most iterations of another method where loads carry a body off or nearly all slips; Newton's
-# iterations from which on nearly all has slipped for long.
+# Most iterations of another method where loads carry a body off, nearly all slips, or the bulk is
+# nonlinear, where a smaller step may be the better way; Newton's iterations from which on nearly
+# all has slipped for long.
 SEARCH, RUBBED = 30, 10
 # Most iterations in which loose bodies come to rest, for each of them, and for all.
 RELAX, MOST_RELAX = 120, 500
@@ -224,23 +225,12 @@ class Newton:
         start.data = vec
         longest = system.Sight(correction)
 
-        def go(part):
+        def move(part):
             vec.data = start
             vec.FV().NumPy()[:] -= part * longest * correction
-
-        def move(part):
-            go(part)
             return system.Trial(state, part * longest)
 
-        def closed(part):
-            go(part)
-            return system.residual.Closed()
-
-        found = None
-        if self.holding.closings and len(self.history) == 1:
-            found = self.globalization.SearchStart(move, closed)
-        elif system.loose and system.motion is None:
-            found = self._Stick(state, move)
+        found = self._Stick(state, move) if system.loose and system.motion is None else None
         moving = system.motion is not None
         trial, part = found or self.globalization.Search(move, moving)
         damping = part * longest
@@ -334,7 +324,7 @@ class Newton:
         held = bool(system.bodies.floating) and system.HasFriction()  # by contact alone
         if held and len(self.history) > RUBBED and MostlySlips(self.history):
             failure.reason |= Reason.SLIPS
-        if failure.slides or Reason.SLIPS in failure.reason:
+        if failure.slides or Reason.SLIPS in failure.reason or not system.islinear:
             maxit = min(maxit, len(self.history) + SEARCH)
         failure.LookAt(start, error, lost=found is None)
         system.restless = system.restless or bool(failure.unbalanced)

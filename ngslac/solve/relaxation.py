@@ -15,7 +15,7 @@ FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
 # The least of these factors, where bodies hardly move.
 SOFTEST = 1e-3
 # Newton steps of a stage, the residual at its end, and how many stages in a row may fail.
-STEPS, ENDS, MOST_FAILURES = 10, 1e-3, 4
+STEPS, ENDS, MOST_FAILURES = 10, 3e-2, 4
 # Stages after one that failed until the drag falls again.
 WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many

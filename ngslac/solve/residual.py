@@ -133,16 +133,6 @@ class Residual:
         for contact in self.contacts:
             contact.Follow(self.gf)
 
-    def Closed(self):
-        """Share of the macro-elements that are closed, NaN where surfaces cannot be paired."""
-        try:
-            self.Follow()
-            for contact in self.contacts:
-                contact.form.Evaluate(self.gf.vec)
-        except NgException:
-            return np.nan
-        return np.mean(np.concatenate([contact.Table()["status"] for contact in self.contacts]) > 0)
-
     def Accept(self):
         """The state measured last has converged."""
         self.converged = max(self.forces, self.converged)

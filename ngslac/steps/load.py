@@ -29,10 +29,9 @@ from ngslac.table import Columns
 
 __all__ = ["LoadStepper", "Step"]
 
-# Cuts after which an interior point method is tried where a smaller step was the better way, and
-# steps in which everything was tried, or nearly all slipped, until a load counts as one without
+# Steps in which everything was tried, or nearly all slipped, until a load counts as one without
 # equilibrium.
-PATIENCE, MOST_HOPELESS = 2, 3
+MOST_HOPELESS = 3
 BISECTIONS = 14  # of the loads up to one that has no balance
 STILL = 1e-12  # relative to the size of the mesh: solutions that are one
 SAME = 1e-12  # relative difference of loads that are the same
@@ -275,7 +274,7 @@ class LoadStepper(metaclass=Distributable):
         while not control.done:
             goal = control.goal
             start = "last" if control.cuts else "predicted"
-            path = not limit.suspected and (control.cuts == PATIENCE or control.smallest)
+            path = not limit.suspected and (control.smallest or not (control.cuts or hopeless))
             try:
                 last = self._Attempt(goal, maxit, tol, start, path)
             except ContactConvergenceError as error:

@@ -58,6 +58,14 @@ def test_a_random_problem_is_the_same_each_time():
     assert np.array_equal(*points)
 
 
+@pytest.mark.parametrize("name", ["largeleaf-0.0-2", "largeleaf-0.3-2"])
+def test_a_leaf_that_bends_far_needs_no_smaller_steps(name):
+    """Newton's method fails in the first step, and the path finds the contact status."""
+    result = RunProblem(name)
+    assert result["right"]
+    assert (result["steps"], result["cuts"]) == (2, 0)
+
+
 def test_what_comes_loose_all_around_is_held_where_it_is():
     """Curved elements make false stiffness of a turn, by which nothing rocks."""
     assert RunProblem("coolsloose-0.3-0.15")["iterations"] <= 8
