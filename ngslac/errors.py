@@ -13,6 +13,7 @@ __all__ = [
     "ContactConvergenceError",
     "ContactWarning",
     "FloatingBodyError",
+    "LinearSolveError",
     "Portable",
     "Reason",
     "RefuseCopy",
@@ -32,6 +33,10 @@ class Reason(Flag):
     """
 
     CERTAIN, UNHELD, EXHAUSTED, SLIDES, SLIPS = (auto() for _ in range(5))
+
+
+class LinearSolveError(RuntimeError):
+    """No linear solver found a solution with a small residual."""
 
 
 # Attributes of errors before 0.3, by what they are now.

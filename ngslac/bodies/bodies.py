@@ -315,13 +315,9 @@ class Bodies:
         if not weights.shape[1]:
             return []
         # Any basis is as good as another: name the motions that a pivoted elimination finds.
-        place = self._Places()
-        coordinates = np.zeros((len(self.floating), len(self.names), len(place)))
-        for at, (body, own) in enumerate(zip(place, self._Weights(), strict=True)):
-            coordinates[body, :, at] = own
-        coordinates = coordinates.reshape(len(self.floating) * len(self.names), len(place))
-        of_bodies = coordinates @ weights[: len(place)]
-        wanted = np.concatenate([of_bodies, weights[len(place) :]])
+        blocks = scipy.linalg.block_diag(np.zeros((0, 0)), *(own for _, own in self.floating))
+        count = blocks.shape[1]
+        wanted = np.concatenate([blocks @ weights[:count], weights[count:]])
         # Of two that are as good, as where bodies float together, the first and not what rounds up.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = scipy.linalg.qr(wanted.T, pivoting=True)
@@ -334,15 +330,6 @@ class Bodies:
             return f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
         number = (body - len(self.floating)) * len(self.names) + k
         return f"the tool floats (unknown {number + 1} of its motion)"
-
-    def _Weights(self):
-        """All combinations, one after the other."""
-        return [weights for _, motions in self.floating for weights in motions.T]
-
-    def _Places(self):
-        """Which of the floating bodies each of all combinations belongs to."""
-        counts = [motions.shape[1] for _, motions in self.floating]
-        return np.repeat(np.arange(len(counts)), counts)
 
     def Lost(self, values):
         """Descriptions of the bodies that displacements (n,) carry off like rigid ones.

@@ -86,14 +86,8 @@ class RigidBalance:
 
     def _Translations(self):
         """The motions without rotation, as columns of weights of all combinations."""
-        blocks = [combinations[self.dim :] for _, combinations in self.bodies.floating]
-        turning = np.zeros((sum(map(len, blocks)), sum(block.shape[1] for block in blocks)))
-        row = column = 0
-        for block in blocks:
-            rows, columns = block.shape
-            turning[row : row + rows, column : column + columns] = block
-            row, column = row + rows, column + columns
-        _, singular, vectors = np.linalg.svd(turning)
+        turning = (combinations[self.dim :] for _, combinations in self.bodies.floating)
+        _, singular, vectors = np.linalg.svd(scipy.linalg.block_diag(*turning))
         return vectors[np.sum(singular > 1e-8) :].T
 
     def _Along(self, motion, within):
@@ -114,10 +108,11 @@ class RigidBalance:
 
     def _Says(self, motion, words):
         """The same words of each body that a motion (m,) moves."""
-        found, at = [], 0
-        for part, combinations in self.bodies.floating:
-            weights = combinations @ motion[at : at + combinations.shape[1]]
-            at += combinations.shape[1]
+        found = []
+        for (part, combinations), (*_, rows) in zip(
+            self.bodies.floating, self.bodies.unknowns, strict=True
+        ):
+            weights = combinations @ motion[rows]
             found.append((np.linalg.norm(weights), part, weights))
         most = max(size for size, *_ in found)
         told = [

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from ngslac.arrays import Multiply
+from ngslac.errors import LinearSolveError
 from ngslac.linear.quiet import Quiet
 
-__all__ = ["LU", "Cholesky", "Factor", "HasEqualWorks", "IsSymmetric", "LinearSolveError"]
+__all__ = ["LU", "Cholesky", "Factor", "HasEqualWorks", "IsSymmetric"]
 
 # Pardiso's own ordering is no match for nested dissection in three dimensions, and its own
 # refinement, of every solution, costs more than ours.
@@ -25,10 +26,6 @@ CHOLESKY = ("pardisospd", "sparsecholesky")
 # Difference of works, relative to what they can be, that is rounding.
 SYMMETRIC = 1e-13
 LOUD = ("umfpack",)  # tell of a singular matrix on the screen, with each solution
-
-
-class LinearSolveError(RuntimeError):
-    """No linear solver found a solution with a small residual."""
 
 
 def HasMKL():

@@ -6,7 +6,8 @@ import scipy
 
 from ngslac._ngslac import MergeMatrices, SchurComplement
 from ngslac.arrays import AddToDiagonal, AsBits, Multiply, SameMatrix
-from ngslac.linear.factor import Factor, IsSymmetric, LinearSolveError
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import Factor, IsSymmetric
 
 __all__ = ["SPRING", "Grounded", "GroundedBulk", "Spread", "UnitColumns"]
 

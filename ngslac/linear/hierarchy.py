@@ -11,7 +11,7 @@ from pyamg.util.utils import get_block_diag
 from scipy.sparse import bsr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 
 __all__ = ["Hierarchy", "VCycle"]
 

@@ -5,7 +5,7 @@ from netgen.meshing import NgException
 
 from ngslac._ngslac import InnerElimination
 from ngslac.arrays import AsBits, AsNumPy
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 
 __all__ = ["InnerDofs"]
 

@@ -4,7 +4,7 @@
 import numpy as np
 import scipy
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.linear.grounded import SPRING, GroundedBulk, UnitColumns
 from ngslac.linear.refine import Refine
 from ngslac.linear.system import Method

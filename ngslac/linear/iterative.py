@@ -11,7 +11,7 @@ from ngslac._ngslac import (
     TwoLevelProduct,
 )
 from ngslac.arrays import Multiply
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.linear.refine import EXACT, Refine
 from ngslac.linear.system import Method
 

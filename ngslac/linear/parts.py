@@ -7,7 +7,8 @@ from netgen.meshing import NgException
 
 from ngslac._ngslac import SchurComplement
 from ngslac.arrays import AsBits, Exported
-from ngslac.linear.factor import Factor, LinearSolveError
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import Factor
 
 __all__ = ["PartsInverse"]
 

@@ -4,7 +4,7 @@
 import numpy as np
 from netgen.meshing import NgException
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 
 __all__ = ["EXACT", "FirstGood", "Refine"]
 

@@ -7,11 +7,12 @@ from functools import partial
 from ngsolve import BitArray
 
 from ngslac.arrays import AsNumPy
-from ngslac.linear.factor import LinearSolveError, OneBLASThread
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import OneBLASThread
 from ngslac.linear.refine import FirstGood
 from ngslac.linear.system import Merged
 
-__all__ = ["LinearSolveError", "LinearSolver"]
+__all__ = ["LinearSolver"]
 
 # Of the diagonal of the scaled matrix where that is singular, and how often in a row.
 SHIFT, MOST_SHIFTS = 1e-4, 5

@@ -7,7 +7,7 @@ from netgen.meshing import NgException
 
 from ngslac._ngslac import Condensation
 from ngslac.arrays import AsBits, Exported, ToCSR
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.petsc.library import LoadPETSc
 
 __all__ = ["CondensedSystem", "Contacts"]

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ngslac.linear.factor import HasEqualWorks, LinearSolveError
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import HasEqualWorks
 from ngslac.linear.refine import Refine
 from ngslac.petsc.library import Checked, LoadPETSc
 

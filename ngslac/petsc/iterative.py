@@ -8,7 +8,7 @@ from ngsolve import CreateVVector
 
 from ngslac._ngslac import GMRes, PreconditionedProduct
 from ngslac.arrays import AsBits
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.linear.refine import EXACT, Refine
 from ngslac.petsc.condensation import CondensedSystem
 from ngslac.petsc.library import Checked

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from functools import cache
 from glob import glob
 
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 
 __all__ = ["Checked", "LoadPETSc", "Options"]
 

@@ -8,8 +8,8 @@ import numpy as np
 from ngslac.arrays import AsNumPy, SameEntries
 from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.distributable import WarnOfCopies
+from ngslac.errors import LinearSolveError
 from ngslac.linear.chain import IsLarge, MakeLinearSolver
-from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Link, Method
 from ngslac.petsc.nodes import Nodes

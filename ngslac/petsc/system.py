@@ -5,7 +5,7 @@ import numpy as np
 import scipy
 
 from ngslac.arrays import ToCSR
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.petsc.condensation import Contacts
 from ngslac.petsc.direct import PetscDirect
 from ngslac.petsc.iterative import PetscIterative

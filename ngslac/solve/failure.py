@@ -3,8 +3,7 @@
 
 from ngslac.bodies.messages import DrivenMessage, FloatingMessage, OwnLawMessage
 from ngslac.bodies.rigidbalance import RigidBalance
-from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
-from ngslac.linear.solver import LinearSolveError
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError, Reason
 from ngslac.solve.look import MechanismError
 
 __all__ = ["CarriedOff", "Failure"]

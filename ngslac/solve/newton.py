@@ -65,7 +65,7 @@ class Newton:
         start, found = system.Place(), None
         self.falls = self._Falls()
         try:
-            if self._CloseWhatFloats(start=True):
+            if self.holding.Close(start=True):
                 state = system.Measure()
             self.Record(state)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
@@ -230,14 +230,18 @@ class Newton:
             vec.FV().NumPy()[:] -= part * longest * correction
             return system.Trial(state, part * longest)
 
-        found = self._Stick(state, move) if system.loose and system.motion is None else None
+        found = None
+        if self.holding.closings and len(self.history) == 1:
+            found = self.globalization.SearchStart(move)
+        elif system.loose and system.motion is None:
+            found = self._Stick(state, move)
         moving = system.motion is not None
         trial, part = found or self.globalization.Search(move, moving)
         damping = part * longest
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
         system.Moved(state, trial, -correction, damping)
-        if self._CloseWhatFloats():
+        if self.holding.Close(guess=not self.onpath):
             return system.Measure(), damping
         return trial, damping
 
@@ -284,9 +288,6 @@ class Newton:
         enough = 0.03 * self.tol / size
         final = self.system.bulk.islinear and not (last.slip and self.system.rubs)
         return min(most, max(enough if final else max(enough, 0.1 * size), scheme.accuracy))
-
-    def _CloseWhatFloats(self, start=False):
-        return self.holding.Close(start, guess=not self.onpath)
 
     # --- where it does not get there -----------------------------------------------------------
 

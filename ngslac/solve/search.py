@@ -4,8 +4,7 @@
 import numpy as np
 
 from ngslac.bodies.messages import LostMessage
-from ngslac.errors import ContactConvergenceError, FloatingBodyError
-from ngslac.linear.solver import LinearSolveError
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError
 from ngslac.solve.interior import EvenPressures, InteriorPoint
 from ngslac.solve.look import MechanismError
 

@@ -18,9 +18,9 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.contact.contact import LACContact
 from ngslac.dirichlet import Blame
 from ngslac.distributable import Distributable
-from ngslac.errors import ContactConvergenceError, RefuseCopy
+from ngslac.errors import ContactConvergenceError, LinearSolveError, RefuseCopy
 from ngslac.linear.chain import CheckSolver
-from ngslac.linear.solver import LinearSolveError, LinearSolver
+from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Options
 from ngslac.petsc.solver import LinearSolverFor
 from ngslac.progress import Progress

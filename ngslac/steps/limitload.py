@@ -4,8 +4,7 @@
 import numpy as np
 from ngsolve import VOL, ElementId, Grad, GridFunction, InnerProduct, Integrate, Sym
 
-from ngslac.errors import ContactConvergenceError
-from ngslac.linear.solver import LinearSolveError
+from ngslac.errors import ContactConvergenceError, LinearSolveError
 
 __all__ = ["LimitLoad"]
 

@@ -23,6 +23,7 @@ from ngsolve import (
     x,
     y,
 )
+from press import press
 
 from ngslac import (
     ContactConvergenceError,
@@ -38,6 +39,7 @@ from ngslac import (
 )
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
+from ngslac.solve.system import PullsAside
 
 
 class LimitedSpring:
@@ -601,3 +603,7 @@ def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):
     LoadState(tmp_path / "state", solvers[0])
     with pytest.raises(ValueError, match=r"another .*: .*a law of its own there"):
         LoadState(tmp_path / "state", solvers[1])
+
+
+def test_what_is_tied_pulls_nothing_aside():
+    assert not PullsAside(press(tied=True).contact)

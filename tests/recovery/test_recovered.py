@@ -10,6 +10,7 @@ from obstacles import block_on_obstacle
 from press import mixed_press, press, solved
 
 from ngslac import LACContact, LACSpace, SplitSlaveFaces
+from ngslac.recovery.directions import FitMeans
 from ngslac.recovery.surface import SlaveSurface
 
 PAIRS3D = [("hex", "prism"), ("prism", "hex"), ("tet", "hex")]
@@ -185,6 +186,15 @@ def test_gaps_of_points_have_the_means_of_contact(dim, law, again):
 
 
 # --- odd cases -----------------------------------------------------------------------------------
+
+
+def test_nothing_is_fitted_where_nothing_touches():
+    problem = press()
+    solved(problem)
+    surface, weights = SlaveSurface(problem.contact), np.ones(problem.contact.space.nmacros)
+    density = np.ones(len(surface.weight))
+    values = FitMeans(surface, None, density, weights[:, None], np.zeros(len(weights), bool))
+    assert not np.any(values)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

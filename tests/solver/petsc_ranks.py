@@ -16,7 +16,7 @@ sys.path.append(str(Path(__file__).parents[1] / "problems"))
 from press import mixed_press3d
 
 from ngslac.arrays import ToCSR
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
 

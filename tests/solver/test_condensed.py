@@ -25,13 +25,8 @@ from ngslac._ngslac import (
     TwoLevelProduct,
 )
 from ngslac.arrays import AsNumPy, Multiply, ToCSR
-from ngslac.linear.factor import (
-    LU,
-    Cholesky,
-    Factor,
-    HasMKL,
-    LinearSolveError,
-)
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import LU, Cholesky, Factor, HasMKL
 from ngslac.linear.iterative import SINGLE
 from ngslac.linear.multigrid import Stars
 from ngslac.linear.system import LinearSystem, Merged

@@ -129,6 +129,22 @@ def test_loads_are_balanced_up_to_the_limit(law, balanced, beyond, words):
         assert words in told(*beyond, dim=len(beyond), **law)
 
 
+def test_bodies_that_are_held_are_balanced_whatever_pulls():
+    assert told(0, 5, spring=1000.0) == ""
+
+
+def test_a_body_is_lost_when_it_goes_far_as_a_rigid_one():
+    problem = loaded(0, -1)
+    problem.a.AssembleLinearization(problem.gf.vec)
+    free = AsNumPy(ScalarDofs(problem.gf.space.FreeDofs(), problem.gf.space))
+    bodies, values = Bodies(problem.a.mat, problem.contact, free), np.zeros(len(free))
+    [(part, _)] = bodies.floating
+    own = bodies.first + np.flatnonzero(bodies.part == part)
+    values[own] = 3 * bodies.size * bodies.motions[bodies.part == part, 0]
+    assert bodies.Lost(values) == ["body 'upper' moves off (translation in x)"]
+    assert not bodies.Lost(0.1 * values)
+
+
 # --- steps to the limit --------------------------------------------------------------------------
 
 

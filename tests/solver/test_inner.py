@@ -8,7 +8,7 @@ from press import press3d, same, solved
 
 from ngslac._ngslac import InnerElimination
 from ngslac.arrays import AsBits, AsNumPy
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.linear.inner import InnerDofs
 
 

@@ -8,7 +8,7 @@ from ngsolve import Grad, Id, InnerProduct, Parameter, Variation, ds, dx
 from press import linear, numpy, press
 
 from ngslac import ContactConvergenceError, LoadStepper
-from ngslac.linear.factor import LinearSolveError
+from ngslac.errors import LinearSolveError
 from ngslac.steps.limitload import LimitLoad
 
 LIMIT = 2 / (3 * np.sqrt(3))  # of F - F^3, a stress over mu, where F^2 = 1/3

@@ -10,8 +10,9 @@ from press import mixed_press, mixed_press3d, press, press3d, same, solved
 
 from ngslac import BubbleVectorH1
 from ngslac.arrays import Multiply
+from ngslac.errors import LinearSolveError
 from ngslac.linear import chain
-from ngslac.linear.factor import LinearSolveError
+from ngslac.linear.grounded import Spread
 from ngslac.linear.refine import Refine
 from ngslac.linear.system import LinearSystem
 from ngslac.petsc import library
@@ -129,6 +130,11 @@ def test_systems(method, monkeypatch):
     own.NewBulk()
     own.SetState(own.State())
     assert np.linalg.norm(own.Solve(held, b)[0] - x) < 1e-7 * np.linalg.norm(x)
+
+
+def test_springs_where_no_dof_is_free():
+    none = np.zeros(0, dtype=int)
+    assert not len(Spread(none, np.zeros((0, 3))))
 
 
 @pytest.mark.parametrize("method", ["direct", *ALL])

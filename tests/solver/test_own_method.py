@@ -9,8 +9,8 @@ from press import press, solved
 
 from ngslac import ContactSolver, LoadState, SaveState
 from ngslac.arrays import Multiply, ToCSR
+from ngslac.errors import LinearSolveError
 from ngslac.linear import chain
-from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.refine import Refine
 from ngslac.linear.system import Method
 

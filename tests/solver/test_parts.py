@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix, diags
 
+from ngslac.errors import LinearSolveError
 from ngslac.linear import parts
-from ngslac.linear.factor import LinearSolveError
 from ngslac.linear.parts import PartsInverse
 
 

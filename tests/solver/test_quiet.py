@@ -11,7 +11,8 @@ from ngsolve.la import SparseMatrixd
 from press import press, two_blocks
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace
-from ngslac.linear.factor import Factor, LinearSolveError
+from ngslac.errors import LinearSolveError
+from ngslac.linear.factor import Factor
 from ngslac.linear.quiet import Quiet
 
 SINGULAR = [

@@ -11,7 +11,7 @@ from refused import check_refused
 
 from ngslac import ContactConvergenceError, ContactSolver, LoadStepper
 from ngslac.bodies.bodies import Bodies
-from ngslac.linear.solver import LinearSolveError
+from ngslac.errors import LinearSolveError
 
 
 def prescribed():
