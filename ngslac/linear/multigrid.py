@@ -105,13 +105,17 @@ def Blocks(system, nodes):
     """
     dofs, free = nodes.ravel(), AsNumPy(system.freedofs)
     used = (dofs >= 0) & free[dofs]
-    chosen = np.zeros(len(free), dtype=bool)
-    chosen[dofs[used]] = True
+    chosen = np.isin(np.arange(len(free)), dofs[used])
     part = system.Part(AsBits(chosen))  # whose memory the views below are
-    values, columns, starts = map(np.asarray, part.CSR())
-    places, others = np.flatnonzero(used)[np.argsort(dofs[used])], np.flatnonzero(~used)
-    rows = np.repeat(places, np.diff(starts.astype(int)))
-    where = np.append(rows, others), np.append(places[columns], others)
-    values = np.append(values, np.ones(len(others)))
-    mat = scipy.sparse.csr_matrix((values, where), shape=(nodes.size, nodes.size))
-    return mat.tobsr(2 * (nodes.shape[1],)).sorted_indices()
+    rows = scipy.sparse.csr_matrix(tuple(map(np.asarray, part.CSR())), shape=part.shape)
+    order = np.argsort(dofs[used])
+    rows, places = rows[np.argsort(order)], np.flatnonzero(used)[order]
+    starts = np.zeros(1 + nodes.size, dtype=int)
+    starts[1:][used] = np.diff(rows.indptr)
+    mat = rows.data, places[rows.indices], np.cumsum(starts)
+    mat = scipy.sparse.csr_matrix(mat, shape=2 * (nodes.size,)).tobsr(2 * (nodes.shape[1],))
+    mat.sort_indices()
+    diagonal = np.flatnonzero(mat.indices == np.arange(len(nodes)).repeat(np.diff(mat.indptr)))
+    node, number = np.nonzero(~used.reshape(nodes.shape))
+    mat.data[diagonal[node], number, number] = 1
+    return mat

@@ -22,8 +22,7 @@ def FirstGood(attempts):
     for name, solve, tolerance in attempts:
         try:
             x, error = solve()
-        # LinearSolveError, or a library's own.
-        except (RuntimeError, NgException, np.linalg.LinAlgError) as failure:
+        except (RuntimeError, NgException, np.linalg.LinAlgError) as failure:  # or a library's
             errors.append(f"{name}: {failure}")
             continue
         if error <= tolerance:

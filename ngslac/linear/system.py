@@ -26,10 +26,8 @@ class LinearSystem:
     shift: np.ndarray | None = None  # (n,): added to the diagonal of the scaled matrix
     accuracy: float = 0.0  # relative residual that is enough of an iteration
     alone: bool = False  # are the displacements solved for alone? Then the multipliers stay zero
-
-    # A LinearSolver adds them for its methods.
-    bits: BitArray | None = None  # free dofs that are not eliminated
-    merged: "Merged | None" = None  # keeps the matrix until the next system
+    bits: BitArray | None = None  # for methods: free dofs that are not eliminated
+    merged: "Merged | None" = None  # for methods: keeps the matrix until the next system
 
     @cached_property
     def _made(self):
