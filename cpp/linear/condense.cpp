@@ -247,29 +247,25 @@ void Condensation::SumRow(int row, RowSum & sum) const {
   }
 }
 
-shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const {
-  size_t n = mat->Height();
-  if (bits && bits->Size() != n)
-    throw Exception("Condensation: " + ToString(bits->Size()) + " bits for " + ToString(n) +
-                    " rows");
-  Array<int> number(n), dofs;
+shared_ptr<SparseMatrix<double>> Condensation::Part(FlatArray<int> dofs) const {
+  Array<int> number(mat->Height()), sizes(dofs.Size());
   number = -1;
-  for (int i : Range(n))
-    if (!bits || bits->Test(i)) {
-      number[i] = dofs.Size();
-      dofs.Append(i);
+  for (int i : Range(dofs))
+    if (int dof = dofs[i]; dof >= 0) {
+      if (dof >= int(number.Size()) || number[dof] >= 0)
+        throw Exception("Condensation: dof " + ToString(dof) + " is not there, or listed twice");
+      number[dof] = i;
     }
   auto each = [&](auto f) {
     ForEachSum(dofs.Size(), [&](size_t i, RowSum & sum) {
       sum.Clear();
-      if (!ismultiplier[dofs[i]])
+      if (dofs[i] >= 0 && !ismultiplier[dofs[i]])
         SumRow(dofs[i], sum);
       f(i, sum);
     });
   };
-  Array<int> sizes(dofs.Size());
   each([&](size_t i, const RowSum & sum) {
-    sizes[i] = 0;
+    sizes[i] = dofs[i] < 0;
     for (int j : sum.Columns())
       sizes[i] += number[j] >= 0;
   });
@@ -277,15 +273,18 @@ shared_ptr<SparseMatrix<double>> Condensation::Part(const BitArray * bits) const
   each([&](size_t i, const RowSum & sum) {
     auto columns = part->GetRowIndices(i);
     auto values = part->GetRowValues(i);
+    if (dofs[i] < 0) {
+      columns[0] = i;
+      values(0) = 1;
+      return;
+    }
     int size = 0;
     for (int j : sum.Columns())
       if (number[j] >= 0)
-        columns[size++] = j;
+        columns[size++] = number[j];
     QuickSort(columns);
-    for (int k : Range(size)) {
-      values(k) = sum[columns[k]];
-      columns[k] = number[columns[k]];
-    }
+    for (int k : Range(size))
+      values(k) = sum[dofs[columns[k]]];
   });
   return part;
 }

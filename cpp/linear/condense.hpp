@@ -93,9 +93,8 @@ public:
 
   /// y += s A x
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
-  /// Rows and columns of K + T of some dofs, numbered anew; of all with their own numbers without
-  /// bits.
-  shared_ptr<SparseMatrix<double>> Part(const BitArray * bits) const;
+  /// Rows and columns of K + T of some dofs in this order; those of -1 are of the identity.
+  shared_ptr<SparseMatrix<double>> Part(FlatArray<int> dofs) const;
   /// Of K + T.
   Array<double> Diagonal() const;
   /// Of each macro-element; without columns where it adds nothing.

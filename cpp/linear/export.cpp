@@ -85,12 +85,13 @@ void ExportLinear(py::module & m) {
            py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"))
       .def(
           "Part",
-          [](const Condensation & self, shared_ptr<BitArray> dofs) -> shared_ptr<BaseMatrix> {
+          [](const Condensation & self, const Numbers<int> & dofs) -> shared_ptr<BaseMatrix> {
+            auto list = FromNumPy(dofs);
             py::gil_scoped_release release;
-            return self.Part(dofs.get());
+            return self.Part(list);
           },
-          py::arg("dofs") = nullptr,
-          "Sparse matrix of some dofs, numbered anew; of all with their own numbers by default.")
+          py::arg("dofs"),
+          "Sparse matrix of some dofs in this order; rows and columns of -1 are of the identity.")
       .def_property_readonly(
           "constraints", [](const Condensation & self) { return ToNumPy(self.Constraints()); },
           "(n,) int: eliminated directions of each macro-element")

@@ -104,7 +104,7 @@ class Iterative(Method):
         if self.preconditioner is None:
             self._inverse = self.multigrid.Preconditioner(system, scale)
             return
-        self._part = system.Part()
+        self._part = system.Part(np.arange(system.height))
         inverse = self.preconditioner(self._part, system.freedofs)
         if getattr(inverse, "shape", None) != self._part.shape:
             raise ValueError(

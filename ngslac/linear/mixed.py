@@ -62,7 +62,7 @@ class Mixed(BaseMatrix):
 
 def Compliance(system, pressures):
     """Diagonal of C + B B^T on the rows of pressures (n,); that of K is 1."""
-    mat = system.Part()  # whose memory the views below are
+    mat = system.Part(np.arange(system.height))  # whose memory the views below are
     values, columns, starts = map(np.asarray, mat.CSR())
     rows = np.repeat(np.arange(system.height), np.diff(starts.astype(int)))
     own = rows == columns

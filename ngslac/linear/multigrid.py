@@ -103,19 +103,7 @@ def Blocks(system, nodes):
 
     What is not free, or no dof, is a row of the identity.
     """
-    dofs, free = nodes.ravel(), AsNumPy(system.freedofs)
-    used = (dofs >= 0) & free[dofs]
-    chosen = np.isin(np.arange(len(free)), dofs[used])
-    part = system.Part(AsBits(chosen))  # whose memory the views below are
-    rows = scipy.sparse.csr_matrix(tuple(map(np.asarray, part.CSR())), shape=part.shape)
-    order = np.argsort(dofs[used])
-    rows, places = rows[np.argsort(order)], np.flatnonzero(used)[order]
-    starts = np.zeros(1 + nodes.size, dtype=int)
-    starts[1:][used] = np.diff(rows.indptr)
-    mat = rows.data, places[rows.indices], np.cumsum(starts)
-    mat = scipy.sparse.csr_matrix(mat, shape=2 * (nodes.size,)).tobsr(2 * (nodes.shape[1],))
-    mat.sort_indices()
-    diagonal = np.flatnonzero(mat.indices == np.arange(len(nodes)).repeat(np.diff(mat.indptr)))
-    node, number = np.nonzero(~used.reshape(nodes.shape))
-    mat.data[diagonal[node], number, number] = 1
-    return mat
+    used = (nodes >= 0) & AsNumPy(system.freedofs)[nodes]
+    part = system.Part(np.where(used, nodes, -1).ravel())  # whose memory the views below are
+    mat = scipy.sparse.csr_matrix(tuple(map(np.asarray, part.CSR())), shape=part.shape)
+    return mat.tobsr(2 * (nodes.shape[1],)).sorted_indices()

@@ -101,7 +101,7 @@ class LocalContact:
             self.system = Condensation(local, numbers, dim, AsBits(np.ones(size)))
         except NgException as error:
             raise LinearSolveError(str(error)) from error
-        self.terms = ToCSR(self.system.Part())
+        self.terms = ToCSR(self.system.Part(np.arange(self.system.height)))
         self.terms.eliminate_zeros()
 
 

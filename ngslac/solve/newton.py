@@ -332,7 +332,8 @@ class Newton:
         try:
             floats = isinstance(error, FloatingBodyError)
             loose = found is not None or floats or self.falls
-            suits = not system.own_law and (loose or self.path or system.islinear)
+            path = self.path and any(entry.changed for entry in self.history)
+            suits = not system.own_law and (loose or path or system.islinear)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)

@@ -14,7 +14,7 @@ from unittest.mock import patch
 from benchmark_elastic import SolveForm
 from ngsolve import BilinearForm, TaskManager
 
-import ngslac.linear.direct
+import ngslac.linear.system
 from ngslac import ContactSolver, LoadStepper
 from ngslac._ngslac import ContactForm
 from ngslac.bodies.bodies import Bodies
@@ -27,7 +27,7 @@ CALLS = {
     "pairing": [(ContactForm, "Update")],
     "contact": [(ContactForm, name) for name in FORM],
     "bulk": [(BilinearForm, name) for name in ("Assemble", "AssembleLinearization", "Apply")],
-    "merge": [(ngslac.linear.direct, "MergeMatrices")],
+    "merge": [(ngslac.linear.system, "MergeMatrices")],
     "solve": [(LinearSolver, "Solve")],
     "floating": [(Bodies, "__init__"), (Bodies, "Freedom")],  # is a body held by nothing?
 }

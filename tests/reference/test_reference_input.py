@@ -155,3 +155,7 @@ def test_names_that_moved_say_where_they_are(name):
         exec(f"from ngslac.reference import {name}", {})
     assert hasattr(import_module(file.removesuffix(".py")), name)
     assert not hasattr(reference, f"{name}s")
+
+
+def test_a_number_may_be_an_array_without_dimensions():
+    assert HertzLine(force=np.array(120.0), **PAIR) == LINE

@@ -115,6 +115,7 @@ def test_augmentation_finds_its_size(case, first, monkeypatch):
     solved(other)
     same(problem, other, 1e-7)
     assert (solver.factor > first) if first < 1 else (solver.factor <= first)
+    assert solver.augmentation is None
     outer = solver.outer
     problem.gf.vec[:] = 0
     solver.system.residual.converged = 0.0

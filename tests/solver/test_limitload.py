@@ -91,3 +91,8 @@ def test_an_estimate_that_fails_tells_nothing_and_leaves_no_trace(monkeypatch):
     assert not limit.suspected
     assert np.all(numpy(stepper.solver.gf) == before)
     assert stepper.load.Get() == 0.5 * LIMIT
+
+
+def test_a_motion_that_pushes_nothing_has_no_limit():
+    none = np.zeros(3)
+    assert LimitLoad._Peak(None, none, none, np.ones(3)) == np.inf

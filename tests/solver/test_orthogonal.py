@@ -96,7 +96,7 @@ def test_condition_number_does_not_see_the_ratio(ratio, law):
     inner = condensed.freedofs
     bulk = condition(dense(given[0], inner))
     assert np.sum(condensed.constraints) > 0
-    assert condition(dense(condensed.Part(), inner)) < 10 * bulk
+    assert condition(dense(condensed.Part(np.arange(condensed.height)), inner)) < 10 * bulk
 
 
 @pytest.mark.parametrize("friction", [None, 0.1, 5.0])

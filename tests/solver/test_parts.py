@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from netgen.meshing import NgException
 from scipy.sparse import block_diag, csr_matrix, diags
 
 from ngslac.errors import LinearSolveError
 from ngslac.linear import parts
-from ngslac.linear.parts import PartsInverse
+from ngslac.linear.parts import AreNear, PartsInverse
 
 
 def banded(n, seed=0):
@@ -90,4 +91,20 @@ def test_a_complement_that_is_too_large_is_not_made(monkeypatch):
     rows = csr_matrix(np.eye(30))
     assert inverse.Complement(rows) is not None
     monkeypatch.setattr(parts, "MOST_ROWS", 29)
+    assert inverse.Complement(rows) is None
+
+
+def test_other_places_are_other_parts():
+    one, other = ([[1, 1, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 1], [0, 1, 0], [0, 0, 1]])
+    assert not AreNear(csr_matrix(one), csr_matrix(other))
+
+
+def test_no_complement_where_it_cannot_be_made(monkeypatch):
+    def Fails(*_):
+        raise NgException("no memory")
+
+    inverse = PartsInverse(banded(10), np.ones(10, dtype=bool))
+    rows = csr_matrix(np.eye(10)[:2])
+    assert inverse.Complement(rows) is not None
+    monkeypatch.setattr(parts, "SchurComplement", Fails)
     assert inverse.Complement(rows) is None

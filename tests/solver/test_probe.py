@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from motions import on_ground, values
+from netgen.meshing import NgException
 from ngsolve import (
     CF,
     L2,
@@ -276,3 +277,11 @@ def assemble(bulk):
     bulk.islinear = False
     AssembleBulk(bulk.a, bulk.gf.vec)
     return True
+
+
+def test_a_form_that_cannot_be_assembled_is_not_taken_for_linear():
+    class Form:
+        def Assemble(self):
+            raise NgException("no matrix")
+
+    assert not AssembleLinear(Form())
