@@ -14,8 +14,10 @@ __all__ = ["Relaxation"]
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
 # The least of these factors, where bodies hardly move.
 SOFTEST = 1e-3
-# Newton steps of a stage, the residual at its end, and how many stages in a row may fail.
-STEPS, ENDS, MOST_FAILURES = 10, 3e-2, 4
+# Newton steps of a stage, and how many stages in a row may fail.
+STEPS, MOST_FAILURES = 10, 4
+# The residual at the end of a stage; where bodies turn, or roll on each other, that has to be less.
+ENDS, TURNED = 3e-2, 1e-3
 # Stages after one that failed until the drag falls again.
 WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
@@ -135,6 +137,7 @@ class Relaxation:
         rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
         system.SetDrag(Drag(size, system.values.copy(), rows))
         newton.globalization.Begin()
+        ends = ENDS if system.islinear else TURNED
         try:
             system.residual.Follow()
             state = system.Measure()
@@ -142,7 +145,7 @@ class Relaxation:
                 system.Assemble()
                 state, damping = newton._Step(state)
                 newton.Record(state, damping)
-                if max(state.equilibrium, state.constraint) < ENDS:
+                if max(state.equilibrium, state.constraint) < ends:
                     return step if system.motion is None else 0
                 newton.Watch(state)
         except FAILURES:
