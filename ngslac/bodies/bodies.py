@@ -337,17 +337,26 @@ class Bodies:
         Farther than the size of the mesh, and far more than they deform.
         """
         lost = []
+        for part, weights, rigid, moved in self._Rigid(values):
+            if rigid > FAR * self.size and moved < 0.2 * rigid:
+                most = np.argmax(np.abs(weights))
+                lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
+        return lost
+
+    def Way(self, values):
+        """How far displacements (n,) carry any of the bodies like a rigid one."""
+        return max((rigid for _, _, rigid, _ in self._Rigid(values)), default=0.0)
+
+    def _Rigid(self, values):
+        """Of each body its number, rigid motion, how far that takes it, and how far the rest."""
         for part, combinations in self.floating:
             own = np.flatnonzero(self.part == part)
             motions = self.motions[own] @ combinations
             moved = values[self.first + own]
             weights = np.linalg.lstsq(motions, moved)[0]
             rigid = motions @ weights
-            far = np.max(np.abs(rigid)) > FAR * self.size
-            if far and np.max(np.abs(moved - rigid)) < 0.2 * np.max(np.abs(rigid)):
-                most = np.argmax(np.abs(combinations @ weights))
-                lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
-        return lost
+            far, rest = np.max(np.abs(rigid)), np.max(np.abs(moved - rigid))
+            yield part, combinations @ weights, far, rest
 
 
 class NoBodies(Bodies):

@@ -189,12 +189,11 @@ class System:
         return np.abs(self.values - before)[~self.residual.multipliers].max()
 
     def Flight(self):
-        """How much farther free dofs have moved than driven ones, over the largest macro."""
-        moved = np.abs(self.values - self._start)
-        free, displacements = self.residual.free, ~self.residual.multipliers
-        driven = np.max(moved[displacements & ~free], initial=0)
+        """How much farther a body has moved than what is driven, over the largest macro-element."""
+        moved = self.values - self._start
+        driven = ~self.residual.multipliers & ~self.residual.free
         size = max(np.max(contact._Sizes()) for contact in self.contacts)
-        return (np.max(moved[displacements & free]) - driven) / size
+        return (self.bodies.Way(moved) - np.max(np.abs(moved[driven]), initial=0)) / size
 
     def Passed(self):
         """How far the slave has gone through its master since the start, and where; or None.
