@@ -32,6 +32,18 @@ void AddTimes(double s, const SparseMatrix<double> & mat, FlatVector<> x, FlatVe
   });
 }
 
+shared_ptr<SparseMatrix<double>> FromRows(FlatArray<SparseRow> rows, size_t width) {
+  Array<int> sizes(rows.Size());
+  for (size_t i : Range(rows))
+    sizes[i] = rows[i].columns.Size();
+  auto mat = make_shared<SparseMatrix<double>>(sizes, width);
+  ParallelFor(rows.Size(), [&](size_t i) {
+    mat->GetRowIndices(i) = rows[i].columns;
+    std::copy(rows[i].values.begin(), rows[i].values.end(), mat->GetRowValues(i).Data());
+  });
+  return mat;
+}
+
 Vector<> Times(const BaseMatrix & mat, FlatVector<> r) {
   Vector<> y(r.Size());
   VFlatVector<double> in(r.Size(), r.Data()), out(y.Size(), y.Data());
@@ -184,18 +196,11 @@ Condensation::Stacked(const function<const Matrix<>(int)> & rows) const {
           local[m][q].values.Append(values(q, j));
         }
   });
-  Array<int> sizes;
+  Array<SparseRow> all;
   for (auto & part : local)
     for (auto & row : part)
-      sizes.Append(row.columns.Size());
-  auto stacked = make_shared<SparseMatrix<double>>(sizes, mat->Height());
-  size_t i = 0;
-  for (auto & part : local)
-    for (auto & row : part) {
-      stacked->GetRowIndices(i) = row.columns;
-      std::copy(row.values.begin(), row.values.end(), stacked->GetRowValues(i++).Data());
-    }
-  return stacked;
+      all.Append(std::move(row));
+  return FromRows(all, mat->Height());
 }
 
 void Condensation::FillLifts() {
@@ -247,8 +252,9 @@ void Condensation::SumRow(int row, RowSum & sum) const {
   }
 }
 
-shared_ptr<SparseMatrix<double>> Condensation::Part(FlatArray<int> dofs) const {
-  Array<int> number(mat->Height()), sizes(dofs.Size());
+shared_ptr<SparseMatrix<double>> Condensation::Part(FlatArray<int> dofs,
+                                                    const BitArray * wanted) const {
+  Array<int> number(mat->Height());
   number = -1;
   for (int i : Range(dofs))
     if (int dof = dofs[i]; dof >= 0) {
@@ -256,37 +262,29 @@ shared_ptr<SparseMatrix<double>> Condensation::Part(FlatArray<int> dofs) const {
         throw Exception("Condensation: dof " + ToString(dof) + " is not there, or listed twice");
       number[dof] = i;
     }
-  auto each = [&](auto f) {
-    ForEachSum(dofs.Size(), [&](size_t i, RowSum & sum) {
-      sum.Clear();
-      if (dofs[i] >= 0 && !ismultiplier[dofs[i]])
-        SumRow(dofs[i], sum);
-      f(i, sum);
-    });
-  };
-  each([&](size_t i, const RowSum & sum) {
-    sizes[i] = dofs[i] < 0;
-    for (int j : sum.Columns())
-      sizes[i] += number[j] >= 0;
-  });
-  auto part = make_shared<SparseMatrix<double>>(sizes, dofs.Size());
-  each([&](size_t i, const RowSum & sum) {
-    auto columns = part->GetRowIndices(i);
-    auto values = part->GetRowValues(i);
-    if (dofs[i] < 0) {
-      columns[0] = i;
-      values(0) = 1;
+  Array<SparseRow> rows(dofs.Size());
+  ForEachSum(dofs.Size(), [&](size_t i, RowSum & sum) {
+    if (wanted && !wanted->Test(i))
       return;
-    }
-    int size = 0;
-    for (int j : sum.Columns())
-      if (number[j] >= 0)
-        columns[size++] = number[j];
-    QuickSort(columns);
-    for (int k : Range(size))
-      values(k) = sum[dofs[columns[k]]];
+    ArrayMem<std::pair<int, double>, 300> entries;
+    auto take = [&](FlatArray<int> columns, auto values) {
+      for (int j : Range(columns))
+        if (int column = columns[j]; number[column] >= 0 && !ismultiplier[column])
+          entries.Append({number[column], values[j]});
+    };
+    int dof = dofs[i];
+    if (dof < 0)
+      entries.Append({int(i), 1.0});
+    else if (touching[dof].Size()) {
+      sum.Clear();
+      SumRow(dof, sum);
+      take(sum.Columns(), sum.Values());
+    } else if (!ismultiplier[dof])
+      take(mat->GetRowIndices(dof), mat->GetRowValues(dof));
+    QuickSort(entries);
+    rows[i].SetEntries(entries);
   });
-  return part;
+  return FromRows(rows, dofs.Size());
 }
 
 Array<double> Condensation::Diagonal() const {

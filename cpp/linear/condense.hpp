@@ -93,8 +93,10 @@ public:
 
   /// y += s A x
   void MultAdd(double s, const BaseVector & x, BaseVector & y) const override;
-  /// Rows and columns of K + T of some dofs in this order; those of -1 are of the identity.
-  shared_ptr<SparseMatrix<double>> Part(FlatArray<int> dofs) const;
+  /// Rows and columns of K + T of some dofs in this order; those of -1 are of the identity. Rows
+  /// that are not wanted are empty.
+  shared_ptr<SparseMatrix<double>> Part(FlatArray<int> dofs,
+                                        const BitArray * wanted = nullptr) const;
   /// Of K + T.
   Array<double> Diagonal() const;
   /// Of each macro-element; without columns where it adds nothing.

@@ -85,13 +85,27 @@ void ExportLinear(py::module & m) {
            py::arg("mat"), py::arg("multipliers"), py::arg("dim"), py::arg("freedofs"))
       .def(
           "Part",
-          [](const Condensation & self, const Numbers<int> & dofs) -> shared_ptr<BaseMatrix> {
+          [](const Condensation & self, const Numbers<int> & dofs,
+             const BitArray * rows) -> shared_ptr<BaseMatrix> {
             auto list = FromNumPy(dofs);
+            if (rows && rows->Size() != list.Size())
+              throw Exception("Condensation: " + ToString(rows->Size()) + " bits of rows for " +
+                              ToString(list.Size()) + " dofs");
             py::gil_scoped_release release;
-            return self.Part(list);
+            return self.Part(list, rows);
           },
-          py::arg("dofs"),
-          "Sparse matrix of some dofs in this order; rows and columns of -1 are of the identity.")
+          py::arg("dofs"), py::arg("rows") = nullptr,
+          "Sparse matrix of some dofs in this order; rows and columns of -1 are of the identity. "
+          "Only\n`rows` (BitArray) are filled.")
+      .def_property_readonly(
+          "changed",
+          [](const Condensation & self) {
+            Array<bool> changed(self.Height());
+            for (size_t i : Range(changed))
+              changed[i] = self.Changes(i);
+            return ToNumPy(changed);
+          },
+          "(n,) bool: rows that macro-elements may add to")
       .def_property_readonly(
           "constraints", [](const Condensation & self) { return ToNumPy(self.Constraints()); },
           "(n,) int: eliminated directions of each macro-element")

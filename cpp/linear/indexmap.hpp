@@ -100,6 +100,13 @@ public:
 struct SparseRow {
   Array<int> columns;
   Array<double> values;
+
+  void SetEntries(FlatArray<std::pair<int, double>> entries) {
+    columns.SetSize(entries.Size());
+    values.SetSize(entries.Size());
+    for (size_t j : Range(entries))
+      std::tie(columns[j], values[j]) = entries[j];
+  }
 };
 
 /// Calls f(i, sum) for all i, in parallel, with one RowSum per range.

@@ -12,7 +12,7 @@ class TwoLevel : public SquareOperator {
 public:
   using Node = BlockedRows::Node;
 
-  /// The coarse operator takes the residual on some dofs, and returns their correction.
+  /// The coarse operator takes the residual on some dofs, 0 at -1, and returns their correction.
   TwoLevel(const Condensation & system, shared_ptr<StarSweeps> asweeps,
            shared_ptr<BaseMatrix> acoarse, FlatArray<int> dofs)
       : SquareOperator(system), sweeps(asweeps), coarse(acoarse) {
@@ -21,7 +21,9 @@ public:
                       " dofs for a coarse operator of size " + ToString(coarse->VHeight()));
     auto & slot = sweeps->Order().slot;
     for (int i : Range(dofs))
-      if (dofs[i] < 0 || size_t(dofs[i]) >= slot.Size() || slot[dofs[i]] < 0)
+      if (dofs[i] == -1)
+        continue;
+      else if (dofs[i] < 0 || size_t(dofs[i]) >= slot.Size() || slot[dofs[i]] < 0)
         throw Exception("TwoLevel: dof " + ToString(dofs[i]) + " of the coarse system is not free");
       else
         places.Append({slot[dofs[i]], i});
@@ -56,6 +58,7 @@ private:
   void Correct(FlatArray<Node> b, FlatArray<Node> z) const {
     auto left = coarse->CreateColVector(), correction = coarse->CreateRowVector();
     auto node = [&](size_t i) { return size_t(places[i].first) / width; };
+    left = 0;
     ParallelFor(places.Size(), [&](size_t i) {
       if (i && node(i - 1) == node(i))
         return; // the first dof of a node does it for all
@@ -113,7 +116,8 @@ void ExportTwoLevel(py::module & m) {
   py::class_<TwoLevel, shared_ptr<TwoLevel>, BaseMatrix>(
       m, "TwoLevel",
       "Preconditioner: a sweep forward, a correction of some free dofs, a sweep backward. The\n"
-      "operator `coarse` makes the correction from the residual on these dofs.")
+      "operator `coarse` makes the correction from the residual on these `dofs`, which is 0 where\n"
+      "they are -1.")
       .def(py::init([](const Condensation & system, shared_ptr<StarSweeps> sweeps,
                        shared_ptr<BaseMatrix> coarse, const Numbers<int> & dofs) {
              return make_shared<TwoLevel>(system, sweeps, coarse, FromNumPy(dofs));

@@ -51,11 +51,12 @@ class Hierarchy:
         """To each level but the last from the one below."""
         return [product.prolongation for product in self._products]
 
-    def Matrices(self, mat):
-        """Of all levels, the finest one first."""
+    def Matrices(self, mat, rows=None):
+        """Of all levels, the finest one first, which has to hold only the `rows` that changed."""
         matrices = [mat]
         for product in self._products:
-            matrices.append(product.Coarse(matrices[-1]))
+            matrices.append(product.Coarse(matrices[-1], rows))
+            rows = None
         return matrices
 
 
@@ -70,14 +71,18 @@ class Galerkin:
         self._image, self._product = self._Image(mat), mat @ prolongation
         self._coarse = Restricted(prolongation, self._product)
 
-    def Coarse(self, mat):
+    def Coarse(self, mat, rows=None):
         """P^T A P, with a unit where an aggregate is too small for all of the modes."""
-        coarse, change = self._coarse, np.abs(self._Image(mat) - self._image).max(axis=1)
-        rows = np.flatnonzero(change > ROUNDING * np.abs(self._image).max(initial=0.0))
+        coarse, rows = self._coarse, self._Changed(mat) if rows is None else rows
         if len(rows):
             change = Rows(mat, rows) @ self.prolongation - Rows(self._product, rows)
             coarse = coarse + Restricted(Rows(self.prolongation, rows), change)
         return Filled(coarse)
+
+    def _Changed(self, mat):
+        """The rows that are not those of the first matrix."""
+        change = np.abs(self._Image(mat) - self._image).max(axis=1)
+        return np.flatnonzero(change > ROUNDING * np.abs(self._image).max(initial=0.0))
 
     def _Image(self, mat):
         return (mat @ self._probe).reshape(-1, mat.blocksize[0])
@@ -145,7 +150,7 @@ class VCycle(BaseMatrix):
 
     def __init__(self, prolongations, matrices, onto):
         super().__init__()
-        self.size, self._onto, self._from = onto.shape[0], onto, onto.T.tocsr()
+        self.size, self._onto, self._from = onto.shape[0], onto, onto.T.asformat(onto.format)
         self._transfers = [(prolongation, prolongation.T.tocsr()) for prolongation in prolongations]
         self.Take(matrices)
 

@@ -51,11 +51,17 @@ class Multigrid:
             self._sweeps = StarSweeps(system, which, Stars(self.space), self.space.dim)
         else:
             self._sweeps.Update(system)
-        mat, self.learnt = Blocks(system, self.nodes.dofs), self._hierarchy is None
+        self.learnt, nodes = self._hierarchy is None, self.nodes.dofs
+        changed = np.any((nodes >= 0) & system.changed[nodes], axis=1)
         if self.learnt:
-            self._Learn(system, mat, self.nodes.Modes(scale))
+            self._changed = changed
+            self._Learn(system, Blocks(system, nodes), self.nodes.Modes(scale))
+        elif self._skipped:  # nobody needs the rows that are as they were
+            self._changed |= changed
+            mat, rows = Blocks(system, nodes, self._changed), np.flatnonzero(self._changed)
+            self._cycle.Take(self._hierarchy.Matrices(mat, rows)[1:])
         else:
-            self._cycle.Take(self._hierarchy.Matrices(mat)[self._skipped :])
+            self._cycle.Take(self._hierarchy.Matrices(Blocks(system, nodes)))
         mixed = np.any(self._pressures)
         return Mixed(system, self._inverse, self._pressures) if mixed else self._inverse
 
@@ -70,11 +76,10 @@ class Multigrid:
 
         self._hierarchy = Hierarchy(mat, modes, fewest=int(self.most))
         prolongations, skipped = self._hierarchy.prolongations, self._skipped
-        same = scipy.sparse.eye_array(mat.shape[0], format="csr")
-        first = prolongations[0].tocsr() if skipped else same
-        matrices, free = self._hierarchy.Matrices(mat)[skipped:], self.nodes.free.ravel()
-        self._cycle = VCycle(prolongations[skipped:], matrices, first[free])
-        dofs = self.nodes.dofs.ravel()[free]
+        onto = prolongations[0] if skipped else scipy.sparse.eye_array(mat.shape[0], format="csr")
+        matrices = self._hierarchy.Matrices(mat)[skipped:]
+        self._cycle = VCycle(prolongations[skipped:], matrices, onto)
+        dofs = np.where(self.nodes.free, self.nodes.dofs, -1).ravel()
         self._inverse = TwoLevel(system, self._sweeps, self._cycle, dofs)
 
     def Watch(self, iterations):
@@ -98,12 +103,15 @@ def Stars(space):
     return space.CreateSmoothingBlocks(blocktype=["vertexedge", "edgepatch"])
 
 
-def Blocks(system, nodes):
-    """The part of nodes (n, d) of dofs of a Condensation, as bsr_matrix.
+def Blocks(system, nodes, rows=None):
+    """The part of nodes (n, d) of dofs of a Condensation, or some `rows` (n,) bool, as bsr_matrix.
 
     What is not free, or no dof, is a row of the identity.
     """
     used = (nodes >= 0) & AsNumPy(system.freedofs)[nodes]
-    part = system.Part(np.where(used, nodes, -1).ravel())  # whose memory the views below are
+    rows = None if rows is None else AsBits(np.repeat(rows, nodes.shape[1]))
+    part = system.Part(np.where(used, nodes, -1).ravel(), rows)  # whose memory the views below are
     mat = scipy.sparse.csr_matrix(tuple(map(np.asarray, part.CSR())), shape=part.shape)
-    return mat.tobsr(2 * (nodes.shape[1],)).sorted_indices()
+    blocks = mat.tobsr(2 * (nodes.shape[1],))
+    blocks.sort_indices()
+    return blocks

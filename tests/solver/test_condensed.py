@@ -320,7 +320,7 @@ REFUSED = [
         (f"TwoLevel(whole, sweeps, {coarse}, {dofs})", message, error)
         for coarse, dofs, message, error in (
             ("part", "[inner]", "1 dofs for a coarse operator", NgException),
-            ("IdentityMatrix(1)", "[-1]", "dof -1 .* is not free", NgException),
+            ("IdentityMatrix(1)", "[-2]", "dof -2 .* is not free", NgException),
             ("IdentityMatrix(1)", "[multipliers[0]]", "is not free", NgException),
             ("IdentityMatrix(1)", "[2**31 - 1]", "is not free", NgException),
             ("None", "[inner]", "None", TypeError),

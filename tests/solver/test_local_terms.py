@@ -76,6 +76,20 @@ def test_blocks_of_nodes_are_a_part_of_the_rows(case):
     assert found.blocksize == (width, width)
     assert found.has_sorted_indices
     assert found.toarray() == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+    wanted = np.arange(len(nodes)) % 3 == 0
+    some = Blocks(condensed, nodes, wanted).toarray()
+    assert np.array_equal(some, found.toarray() * np.repeat(wanted, width)[:, None])
+
+
+@pytest.mark.parametrize("case", SMALL)
+def test_rows_that_macro_elements_add_to_are_known(case):
+    given, _ = system(made(case))
+    condensed = Condensation(*given)
+    others = np.setdiff1d(np.arange(condensed.height), given[1])
+    differs = np.any(dense(condensed.Part(others)) != dense(given[0])[np.ix_(others, others)], 1)
+    assert np.any(differs)
+    assert np.all(condensed.changed[others][differs])
+    assert not np.all(condensed.changed)
 
 
 # --- sweeps --------------------------------------------------------------------------------------
