@@ -347,6 +347,17 @@ class Bodies:
         """How far displacements (n,) carry any of the bodies like a rigid one."""
         return max((rigid for _, _, rigid, _ in self._Rigid(values)), default=0.0)
 
+    def Drift(self, forces, stiffness):
+        """How far forces (n,) carry any of the bodies against springs (n,) at all of its dofs."""
+        way = 0.0
+        for part, combinations in self.floating:
+            own = np.flatnonzero(self.part == part)
+            motions, rows = self.motions[own] @ combinations, self.first + own
+            against = motions.T @ (stiffness[rows, None] * motions)
+            weights = np.linalg.lstsq(against, motions.T @ forces[rows])[0]
+            way = max(way, np.max(np.abs(motions @ weights)))
+        return way
+
     def _Rigid(self, values):
         """Of each body its number, rigid motion, how far that takes it, and how far the rest."""
         for part, combinations in self.floating:

@@ -53,6 +53,15 @@ class Holding:
         few = FewMessage(system.contacts)
         raise FloatingBodyError(FloatingMessage(system.WhatFloats()) + few)
 
+    def Reaches(self):
+        """Are there closed macro-elements that do not touch?"""
+        for contact in self.system.contacts:
+            table = contact.Table()
+            gapes = table["gap"] > TOUCHING * contact._Sizes()
+            if contact.active and np.any(gapes[table["status"] > 0]):
+                return True
+        return False
+
     def MayHold(self):
         """Would contact hold all bodies that loads move, if all of it were closed?"""
         system = self.system

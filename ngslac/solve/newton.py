@@ -26,6 +26,10 @@ STRAYED = 0.5
 SEARCH, RUBBED = 30, 10
 # Most iterations in which loose bodies come to rest, for each of them, and for all.
 RELAX, MOST_RELAX = 120, 500
+# Several loose bodies with friction fly about where Newton's method carries them so far, relative
+# to the largest macro-element, after so many steps. Then they come to rest first, within so many
+# iterations.
+SEVERAL, FLOWN, TRIES, SETTLE = 2, 20.0, 3, 60
 # Relative residual of an iterative solution while the contact status still changes: without and
 # with tangential forces, whose direction has to be found, too.
 LOOSE, FIRM = 0.1, 1e-2
@@ -39,6 +43,10 @@ LET_TURN, TURNED = 8, 1e-2
 TURN, MOST_TURNS = 1e-6, 3
 
 
+class FlightError(ContactConvergenceError):
+    """Loose bodies are carried far off."""
+
+
 class Newton:
     """The way of a System to its solution, once."""
 
@@ -47,6 +55,7 @@ class Newton:
         self.globalization, self.holding = Globalization(), Holding(system, initial)
         self.failure = Failure(system, self.holding)
         self.onpath = False  # another method looks for the status: none is guessed
+        self.reach = None  # values (n,), and how far from there bodies may fly
         self.stuck = None  # the solution where the residual has a minimum that is not zero
 
     @property
@@ -68,6 +77,7 @@ class Newton:
             if self.holding.Close(start=True):
                 state = system.Measure()
             self.Record(state)
+            self.reach = self._Reach(start)
             last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
             if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
                 return last
@@ -177,6 +187,9 @@ class Newton:
         """Note an iterate, which a part of a step led to."""
         self.system.Evaluate()
         self.log.Add(state, damping)
+        late = self.onpath or len(self.history) > TRIES
+        if self.reach and late and self.system.Flight(self.reach[0]) > self.reach[1]:
+            raise FlightError("bodies fly about")
 
     def Converged(self, state):
         """Is it the solution?"""
@@ -298,7 +311,7 @@ class Newton:
         """
         if not self.system.bodies.floating:
             return False
-        if self.system.finite and self.system.Flight() > STRAYED:
+        if self.system.finite and self.system.Flight() > STRAYED * np.max(self.system.Sizes()):
             return True
         contacts = [c for c in self.system.contacts if not c.finite]
         slips = [np.linalg.norm(c.Table()["slip"], axis=1) / c._Sizes() for c in contacts]
@@ -313,9 +326,17 @@ class Newton:
         self.system.Measure()
         return bool(carried)
 
+    def _Reach(self, start):
+        """How far from the start Newton's method may carry several loose bodies that rub."""
+        system = self.system
+        if not (system.islinear and system.rubs and len(system.bodies.floating) >= SEVERAL):
+            return None
+        farthest = STRAYED if self.holding.Reaches() else FLOWN
+        return start[0], farthest * np.max(system.Sizes())
+
     def _Otherwise(self, error, maxit, start, found):
         """The last line of another method, from the start again; else what Newton's found."""
-        system, failure = self.system, self.failure
+        system, failure, self.reach = self.system, self.failure, None
         if not system.scheme.searches:
             if found is not None and not system.bodies.Lost(found[0]):
                 return self.Accept()
@@ -349,6 +370,12 @@ class Newton:
     def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
+        if isinstance(error, FlightError):
+            try:
+                return Relaxation(self, len(self.history) + SETTLE).Run()
+            except FAILURES:
+                system.GoTo(start)
+                self.onpath = False
         if self.falls and not system.restless:
             return self._Relax(error, start)
         try:

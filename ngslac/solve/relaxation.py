@@ -9,8 +9,9 @@ from ngslac.solve.search import FAILURES
 
 __all__ = ["Relaxation"]
 
-# Diagonal that holds bodies where they were, relative to that of the scaled bulk: the first one,
-# the last one, and by what factor it falls after a stage that ends, and grows after one that fails.
+# Diagonal that holds bodies where they were, relative to that of the scaled bulk: the largest first
+# one, the last one, and by what factor it falls after a stage that ends, and grows after one that
+# fails.
 FIRST, LAST, SOFTER, HARDER = 1.0, 1e-9, 0.2, 5.0
 # The least of these factors, where bodies hardly move.
 SOFTEST = 1e-3
@@ -23,6 +24,8 @@ WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
+# Way on which something flies about, relative to the smallest macro-element: no stage goes so far.
+FLIES = 0.5
 # The same where Newton's method needs a few steps only, and how many these are.
 EASILY_FAR, EASY = 0.5, 2
 # Forces without balance, relative to those at work, from which Newton's method may end it, and how
@@ -84,10 +87,11 @@ class Relaxation:
         """The last line of the table, or an error if bodies do not come to rest."""
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
-        newton.onpath, size, failures, wait, self._stages = True, FIRST, 0, 0, []
+        newton.onpath, failures, wait, self._stages = True, 0, 0, []
         start = system.values.copy()
-        smallest = min(np.min(contact._Sizes()) for contact in system.contacts)
-        balanced = BALANCED
+        smallest = np.min(system.Sizes())
+        self._flies, balanced = FLIES * smallest, BALANCED
+        size = self._FirstDrag(FAR * smallest)
         try:
             while size > LAST and failures <= MOST_FAILURES and len(newton.history) < self.maxit:
                 before = system.Place()
@@ -114,7 +118,17 @@ class Relaxation:
                     failures, size, wait = failures + 1, size * HARDER, WAIT
         finally:
             system.SetDrag(None)
+            newton.reach = None
         raise newton.NotConverged(system.Measure())
+
+    def _FirstDrag(self, way):
+        """The size with which forces carry bodies about so far at first."""
+        system = self.system
+        system.Measure()
+        forces, stiffness = -system.residual.scaled / system.scale, 1 / system.scale**2
+        forces = np.where(system.residual.multipliers, 0.0, forces)
+        drift = system.bodies.Drift(forces, stiffness)
+        return np.clip(drift / way, LAST, FIRST) if drift else FIRST
 
     def _SlidesOn(self, moved):
         """Do bodies slide steadily and far, against a force that does not fall?
@@ -136,6 +150,7 @@ class Relaxation:
         newton, system = self.newton, self.system
         rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
         system.SetDrag(Drag(size, system.values.copy(), rows))
+        newton.reach = system.values.copy(), self._flies
         newton.globalization.Begin()
         ends = ENDS if system.islinear else TURNED
         try:
@@ -160,5 +175,6 @@ class Relaxation:
     def _Polish(self):
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         self.system.SetDrag(None)
+        self.newton.reach = self.system.values.copy(), self._flies
         self.system.Assemble()
         return self.newton.Polish(self.system.Measure(), POLISH)

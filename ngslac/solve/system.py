@@ -188,12 +188,15 @@ class System:
         """How far anything has moved since other values (n,)."""
         return np.abs(self.values - before)[~self.residual.multipliers].max()
 
-    def Flight(self):
-        """How much farther a body has moved than what is driven, over the largest macro-element."""
-        moved = self.values - self._start
+    def Flight(self, before=None):
+        """How much farther a body has moved than what is driven, since values (n,) or the start."""
+        moved = self.values - (self._start if before is None else before)
         driven = ~self.residual.multipliers & ~self.residual.free
-        size = max(np.max(contact._Sizes()) for contact in self.contacts)
-        return (self.bodies.Way(moved) - np.max(np.abs(moved[driven]), initial=0)) / size
+        return self.bodies.Way(moved) - np.max(np.abs(moved[driven]), initial=0)
+
+    def Sizes(self):
+        """Of all macro-elements."""
+        return np.concatenate([contact._Sizes() for contact in self.contacts])
 
     def Passed(self):
         """How far the slave has gone through its master since the start, and where; or None.
