@@ -41,6 +41,10 @@ Numbers<double> RealNumbers(const string & whose, const py::object & values) {
   auto any = py::array::ensure(values);
   if (any && any.dtype().kind() == 'c')
     throw py::type_error("LACContact: " + whose + " with complex numbers; it must be real");
+  if (any && any.dtype().kind() == 'f' && any.itemsize() < 8)
+    throw py::type_error("LACContact: " + whose + " in single precision; it must be double");
+  if (py::hasattr(values, "mask"))
+    throw py::type_error("LACContact: " + whose + " as a masked array; fill it");
   auto numbers = Numbers<double>::ensure(values);
   if (!numbers)
     throw py::type_error("LACContact: " + whose + " = " + Argument<int>::Text(values) +

@@ -552,7 +552,9 @@ private:
     return places;
   }
 
-  /// The memory of a law after the step that ends at x, under names of its own.
+  /// The memory of a law after the step that ends at x, under names of its own, the same each time.
+  ///
+  /// What has no partner remembers what it did.
   NamedNumbers KeptAt(FlatVector<> x) const {
     auto places = Places(x);
     auto fresh = setup.commit(WithKept(places));
@@ -561,6 +563,19 @@ private:
       if (places.count(name) || table.count(name))
         throw py::value_error("LACContact: law.Commit has given '" + name +
                               "', which is a place already: take another name");
+    for (auto & [name, values] : kept)
+      if (!fresh.count(name) || fresh.at(name).Size() != values.Size())
+        throw py::value_error(
+            "LACContact: law.Commit has given no '" + name +
+            "', or another size of it, which it kept before: return it each time");
+    for (size_t m : Range(states)) {
+      if (places.at("area")[m] > 0)
+        CheckFinite<D>("law.Commit", fresh, places, m);
+      else
+        for (auto & [name, values] : fresh)
+          for (size_t size = values.Size() / states.Size(), k = size * m; k < size * (m + 1); k++)
+            values[k] = kept.count(name) ? kept.at(name)[k] : 0.0;
+    }
     return fresh;
   }
 

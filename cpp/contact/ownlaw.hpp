@@ -48,10 +48,14 @@ std::map<string, size_t> SizesOfAnswer() {
           {"by_trial", D * D}, {"by_normal", D * D}};
 }
 
-/// Throws unless a law has given a traction and nothing but what is known, all of its size.
+/// Throws unless a law has given a traction, derivatives, and nothing but what is known, all of its
+/// size. A tied one has no gap and no slip.
 template <int D>
-void CheckAnswer(const NamedNumbers & found, size_t macros) {
+void CheckAnswer(const NamedNumbers & found, size_t macros, bool tied) {
   auto sizes = SizesOfAnswer<D>();
+  if (tied)
+    sizes.erase("by_gap"), sizes.erase("by_slip");
+  bool derived = false;
   if (!found.count("traction"))
     throw py::value_error("LACContact: law must return a dict with 'traction', (n, " + ToString(D) +
                           ") numbers");
@@ -65,7 +69,12 @@ void CheckAnswer(const NamedNumbers & found, size_t macros) {
       throw py::value_error("LACContact: law has given " + ToString(values.Size()) +
                             " numbers as '" + name + "' of " + ToString(macros) +
                             " macro-elements, of which each needs " + ToString(sizes[name]));
+    derived = derived || name.starts_with("by_");
   }
+  if (!derived)
+    throw py::value_error(string("LACContact: law has given no derivative of the traction by what "
+                                 "it looks at, such as ") +
+                          (tied ? "'by_jump'" : "'by_gap'") + " or 'by_trial'");
 }
 
 /// The derivative of a vector that turns with the normal by that.
@@ -87,8 +96,8 @@ Status StatusOf(const Answer<D> & answer, const Vec<D> & normal, const Vec<D> & 
   Vec<D> friction = across * answer.traction;
   bool pulls = L2Norm(friction) > small * L2Norm(answer.traction);
   Vec<D> way = pulls ? friction : Vec<D>(across * slip);
-  double size = L2Norm(way);
-  double resistance = size > 0 ? L2Norm(Vec<D>(along * way)) / size : L2Norm(along);
+  double size = L2Norm2(way);
+  double resistance = size > 0 ? -InnerProduct(way, along * way) / size : L2Norm(along);
   return resistance > small * L2Norm(answer.by_jump) ? Status::stick : Status::slip;
 }
 
@@ -118,14 +127,15 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   return answer;
 }
 
-/// Throws where a law has given no numbers.
+/// Throws where what a law has given, or keeps, is no number.
 template <int D>
-void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m) {
+void CheckFinite(const string & whose, const NamedNumbers & found, const NamedNumbers & places,
+                 size_t m) {
   for (auto & [name, values] : found) {
     size_t size = values.Size() / places.at("area").Size();
     for (double value : values.Range(m * size, (m + 1) * size))
       if (!std::isfinite(value))
-        throw Exception("LACContact: law has given " + ToString(value) + " as '" + name +
+        throw Exception("LACContact: " + whose + " has given " + ToString(value) + " as '" + name +
                         "' where the jump is " + ToString(TableRow<D>(places, m).Vector("jump")) +
                         "; it needs a finite answer to any place");
   }
@@ -136,11 +146,11 @@ template <int D>
 Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places, bool tied) {
   auto & area = places.at("area");
   auto found = law(places);
-  CheckAnswer<D>(found, area.Size());
+  CheckAnswer<D>(found, area.Size(), tied);
   Array<Answer<D>> answers(area.Size());
   for (size_t m : Range(answers))
     if (area[m] > 0) {
-      CheckFinite<D>(found, places, m);
+      CheckFinite<D>("law", found, places, m);
       answers[m] = AnswerFrom<D>({found, m}, {places, m}, tied);
     }
   return answers;

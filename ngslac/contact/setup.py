@@ -36,6 +36,8 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
     CheckFunction("law", law, "a function from places to tractions")
     CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
+    if hasattr(law, "commit") and not hasattr(law, "Commit"):
+        raise ValueError("law.commit is never called: its name is Commit")
     if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
             "a law of your own says all: drop law, or bilateral, edges, friction and tresca"

@@ -506,6 +506,10 @@ def test_refused():
     law.Commit = 3
     with pytest.raises(TypeError, match=r"law.Commit = 3 must be a function of places"):
         contact_form(block_mesh(2), law=law)
+    law = LimitedSpring()
+    law.commit = Wearing.Commit
+    with pytest.raises(ValueError, match=r"law.commit is never called: its name is Commit"):
+        contact_form(block_mesh(2), law=law)
 
 
 def answers(**columns):
@@ -529,14 +533,23 @@ WRONG = {
     r"law has given \d+ numbers as 'by_slip' of \d+ macro-elements, of which each needs 4": answers(
         traction=itself, by_slip=itself
     ),
-    r"law has given nan as 'traction' where the jump is ": answers(traction=lambda n: np.nan * n),
+    r"law has given nan as 'traction' where the jump is ": answers(
+        traction=lambda n: np.nan * n, by_gap=itself
+    ),
+    r"law has given no derivative of the traction .* 'by_gap'": answers(traction=itself),
+    r"law has given 'traction' in single precision; it must be double": answers(
+        traction=lambda n: n.astype(np.float32), by_gap=itself
+    ),
+    r"law has given 'by_gap' as a masked array; fill it": answers(
+        traction=itself, by_gap=lambda n: np.ma.masked_less(n, 0)
+    ),
     r"law has given 'traction' with complex numbers; it must be real": answers(
         traction=lambda n: n + 0j
     ),
     r"law has given 'traction' = 'a', which must be an array of numbers": answers(
         traction=lambda n: "a"
     ),
-    r"7 is no status": answers(traction=itself, status=lambda n: 7 + 0 * n[:, 0]),
+    r"7 is no status": answers(traction=itself, by_gap=itself, status=lambda n: 7 + 0 * n[:, 0]),
 }
 
 
@@ -549,6 +562,45 @@ def test_wrong_answers(words):
         contact.Evaluate(GridFunction(contact.form.fes))
     with pytest.raises((*kinds, ContactConvergenceError), match=words):
         pressed(WRONG[words]).Solve(printing=False)
+
+
+@pytest.mark.parametrize("name", ["by_gap", "by_slip"])
+def test_tied_surfaces_have_no_gap_and_no_slip(name):
+    contact = contact_form(block_mesh(2), tied=True, law=answers(**{name: itself}, traction=itself))
+    with pytest.raises(ValueError, match=f"law has given '{name}', which is none of by_jump"):
+        contact.Evaluate(GridFunction(contact.form.fes))
+
+
+class Softening:
+    """A pressure, and a force against the slip that falls as that grows."""
+
+    stiffness, first, loss = 3.0, 0.5, 10.0
+
+    def __call__(self, places):
+        gap, slip, normal = places["gap"], places["slip"], places["normal"]
+        pressure = np.maximum(-self.stiffness * gap, 0)[:, None]
+        size = np.maximum(np.linalg.norm(slip, axis=1), 1e-99)[:, None]
+        rubs, way = self.first * np.exp(-self.loss * size), slip / size
+        turn = np.eye(normal.shape[1]) - normal[:, :, None] * normal[:, None]
+        along = way[:, :, None] * way[:, None]
+        turns, falls = (rubs / size)[:, :, None], (self.loss * rubs)[:, :, None]
+        by_slip = turns * (turn - along) - falls * along
+        return {
+            "traction": -pressure * (normal + rubs * way),
+            "by_gap": self.stiffness * (pressure > 0) * (normal + rubs * way),
+            "by_slip": -pressure[:, :, None] * by_slip,
+        }
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_softens_slips(dim):
+    contact = with_law(dim, False, Softening())
+    gf = GridFunction(contact.form.fes)
+    upper = gf.space.mesh.Materials("upper")
+    gf.components[0].Set(CF((0.02, *(dim - 2) * [0], -0.05)), definedon=upper)
+    contact.Evaluate(gf)
+    status = contact.Table()["status"]
+    assert set(status[status > 0]) == {2}
 
 
 def after_a_step(keeps):
@@ -569,11 +621,28 @@ def after_a_step(keeps):
     (lambda places: {"wear": places["gap"][:, None]}, r"shape \(\d+, 1\); it must be \(n,\) or"),
     (lambda places: {"wear": places["slip"][:, :0]}, r"shape \(\d+, 0\); it must be \(n,\) or"),
     (lambda places: {"wear": outer(*[places["slip"]] * 2)}, r"shape \(\d+, 2, 2\); it must be"),
+    (lambda places: {"wear": np.nan * places["area"]}, "nan as 'wear' where the jump is"),
 ])  # fmt: skip
 def test_wrong_answers_to_keep(keeps, words):
     contact, gf = after_a_step(keeps)
-    with pytest.raises((ValueError, TypeError), match=r"law.Commit has given .*" + words):
+    kinds = ValueError, TypeError, NgException
+    with pytest.raises(kinds, match=r"law.Commit has given .*" + words):
         contact.Commit(gf)
+
+
+def test_what_was_kept_once_is_kept_each_time():
+    seen = []
+
+    def keeps(places):
+        seen.append("wear" in places)
+        return {"wear": places["area"]} if len(seen) == 1 else {}
+
+    contact, gf = after_a_step(keeps)
+    contact.Commit(gf)
+    with pytest.raises(ValueError, match=r"law.Commit has given no 'wear', .* return it each time"):
+        contact.Commit(gf)
+    assert seen == [False, True]
+    assert contact.Table()["wear"] == pytest.approx(contact.Table()["area"])
 
 
 @pytest.mark.parametrize("left", [0, -1])
