@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from ngsolve import CoefficientFunction, Det, Id, Trace, log
 
-from ngslac.arguments import CheckChoice, CheckNumber, CheckPositive, Coefficient, Wrong
+from ngslac.arguments import (
+    CheckChoice,
+    CheckInstance,
+    CheckNumber,
+    CheckPositive,
+    Coefficient,
+    Wrong,
+)
 
 __all__ = ["NeoHooke", "Stress"]
 
@@ -68,13 +75,17 @@ def Stress(strain, young, nu, *, plane="strain") -> CoefficientFunction:
     return young / (1 + nu) * (strain + share * Trace(strain) * Id(dim))
 
 
-def NeoHooke(F, young, nu) -> CoefficientFunction:
+def NeoHooke(F, young, nu, *, pressure=None) -> CoefficientFunction:
     """Strain energy of a neo-Hookean body, in 3D or in plane strain.
 
     ``mu/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F (all of its three
     stretches), J = det F, the shear modulus mu = E/(2 (1+nu)) and the bulk modulus
     K = E/(3 (1-2 nu)) (J. C. Simo, C. Miehe, Comput. Methods Appl. Mech. Engrg. 98 (1992) 41-104,
     without plasticity).
+
+    Rubber hardly changes its volume: from nu = 0.49 on Newton's method takes many small steps, and
+    elements lock. With a pressure p as unknown the second part is ``-p (J - 1) - p^2 / (2 K)``,
+    which is stationary at p = -K (J - 1), for nu = 1/2 at J = 1.
 
     Parameters
     ----------
@@ -83,7 +94,11 @@ def NeoHooke(F, young, nu) -> CoefficientFunction:
     young : float or ngsolve.CoefficientFunction
         Young's modulus E > 0 at small strains, force per area.
     nu : float or ngsolve.CoefficientFunction
-        Poisson's ratio at small strains, between -1 and 1/2, both excluded.
+        Poisson's ratio at small strains, between -1 and 1/2, both excluded; with a pressure 1/2,
+        too.
+    pressure : ngsolve.CoefficientFunction, optional
+        Trial function of a scalar space, one order below that of the displacement if both are
+        continuous (H1); force per area, > 0 compression.
 
     Returns
     -------
@@ -113,12 +128,16 @@ def NeoHooke(F, young, nu) -> CoefficientFunction:
     True
     """
     dim = _Order("F", F)
-    young, nu = _Moduli(young, nu)
-    shear, bulk = young / (2 * (1 + nu)), young / (3 * (1 - 2 * nu))
-    J = Det(F)
+    young, nu = _Moduli(young, nu, incompressible=pressure is not None)
+    shear, J = young / (2 * (1 + nu)), Det(F)
     # In plane strain the third stretch is 1.
-    distortion = J ** (-2 / 3) * (Trace(F.trans * F) + 3 - dim) - 3
-    return shear / 2 * distortion + bulk / 4 * (J * J - 1 - 2 * log(J))
+    distortion = shear / 2 * (J ** (-2 / 3) * (Trace(F.trans * F) + 3 - dim) - 3)
+    if pressure is None:
+        return distortion + young / (12 * (1 - 2 * nu)) * (J * J - 1 - 2 * log(J))
+    CheckInstance("pressure", pressure, CoefficientFunction, "a scalar trial function")
+    if pressure.dim != 1:
+        raise ValueError(f"pressure must be a scalar, got {pressure.dim} components")
+    return distortion - pressure * (J - 1) - 3 * (1 - 2 * nu) / (2 * young) * pressure**2
 
 
 def _Order(name, tensor):
@@ -131,13 +150,18 @@ def _Order(name, tensor):
     return tensor.dims[0]
 
 
-def _Moduli(young, nu):
+def _Moduli(young, nu, *, incompressible=False):
     """Both constants, checked: a number for its range, a function for its values' kind."""
-    return _Constant("young", young, CheckPositive), _Constant("nu", nu, _CheckPoisson)
+    check = _CheckAnyPoisson if incompressible else _CheckPoisson
+    return _Constant("young", young, CheckPositive), _Constant("nu", nu, check)
 
 
 def _CheckPoisson(name, value):
     return CheckNumber(name, value, "a number between -1 and 1/2", lambda nu: -1 < nu < 0.5)
+
+
+def _CheckAnyPoisson(name, value):
+    return CheckNumber(name, value, "a number from -1 to 1/2, 1/2 too", lambda nu: -1 < nu <= 0.5)
 
 
 def _Constant(name, value, check):

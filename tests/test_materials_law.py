@@ -1,13 +1,33 @@
 """Linear elasticity against the textbook's formulas, the neo-Hooke energy by differences."""
 
 import math
+import re
+import warnings
 
 import numpy as np
 import pytest
 from netgen.occ import unit_cube, unit_square
-from ngsolve import CF, Grad, GridFunction, Id, Integrate, Mesh, Parameter, VectorH1, x, y, z
+from ngsolve import (
+    CF,
+    H1,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    Id,
+    Integrate,
+    Mesh,
+    Parameter,
+    Variation,
+    VectorH1,
+    dx,
+    x,
+    y,
+    z,
+)
 from refused import calls, check_refused
+from scipy.optimize import brentq
 
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke, Stress
 
 YOUNG, NU = 210.0, 0.3
@@ -98,6 +118,70 @@ def test_the_derivative_of_neo_hooke(dim):
     assert along == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)
 
 
+def test_neo_hooke_with_a_pressure(dim):
+    """At the pressure where the energy is stationary it is that of K/2 (J - 1)^2."""
+    F = np.eye(dim) + 0.5 * STRAIN[dim]
+    J, bulk = np.linalg.det(F), YOUNG / (3 * (1 - 2 * NU))
+    shape = value(NeoHooke, F) - bulk / 4 * (J * J - 1 - 2 * math.log(J))
+    stationary = -bulk * (J - 1)
+    for off in (0.0, 5.0):
+        found = value(NeoHooke, F, pressure=CF(stationary + off))
+        wanted = shape + bulk / 2 * (J - 1) ** 2 - off**2 / (2 * bulk)
+        assert found == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.4999, 0.5])
+def test_rubber_on_a_rigid_floor(nu):
+    """Evenly pressed by contact without friction: all of it in closed form."""
+    mesh, young, depth = Mesh(unit_square.GenerateMesh(maxh=0.3)), 3.0, 0.15
+    V = VectorH1(mesh, order=2, dirichletx="left", dirichlety="top")
+    fes = V * H1(mesh, order=1) * LACSpace(V, slave="bottom")
+    u, p, lam = fes.TrialFunction()
+    a = BilinearForm(fes)
+    a += Variation(NeoHooke(Id(2) + Grad(u), young, nu, pressure=p) * dx)
+    contact, load = LACContact(u, lam, obstacle=y), Parameter(0)
+    solver = ContactSolver(a, GridFunction(fes), contact)
+    down = {"top": load * CF((0, -depth))}
+    steps = LoadStepper(solver, load, prescribe=down).Integrate(1, steps=1, printing=False)
+    assert steps[0].iterations <= 8
+    along, mu, softness = 1 - depth, young / (2 * (1 + nu)), 3 * (1 - 2 * nu) / young
+
+    def Pressed(across):
+        """The pressure at which nothing pulls across, and the force, of this stretch."""
+        J = across * along
+        shear, squares = mu * J ** (-2 / 3), across**2 + along**2 + 1
+        pressure = shear * (across**2 - squares / 3) / J
+        return pressure, shear * (along - squares / 3 / along) - pressure * across
+
+    wide = brentq(lambda across: Pressed(across)[0] * softness + across * along - 1, 0.9, 1.4)
+    assert contact.Force()[1] == pytest.approx(-Pressed(wide)[1], rel=1e-8)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.499])
+def test_a_long_first_solve_of_rubber_names_the_pressure(nu):
+    """A ContactWarning with the ratio of Poisson; none where the volume changes easily."""
+    mesh = Mesh(unit_square.GenerateMesh(maxh=0.12))
+    V = VectorH1(mesh, order=2, dirichlet="top")
+    fes = V * LACSpace(V, slave="bottom")
+    u, lam = fes.TrialFunction()
+    a = BilinearForm(fes)
+    a += Variation(NeoHooke(Id(2) + Grad(u), 3.0, nu) * dx)
+    contact, load = LACContact(u, lam, obstacle=y), Parameter(0)
+    solver = ContactSolver(a, GridFunction(fes), contact)
+    stepper = LoadStepper(solver, load, prescribe={"top": load * CF((0, -0.12))})
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        steps = stepper.Integrate(1, steps=1, printing=False)
+    said = " ".join(str(warning.message) for warning in caught)
+    if nu == 0.3:
+        assert "volume" not in said
+    else:
+        assert steps[0].iterations > 20
+        found = re.search(r"taken (\d+) iter.* ratio about (\S+)\): .* pressure=p", said)
+        assert int(found[1]) == steps[0].iterations
+        assert float(found[2]) == pytest.approx(nu, abs=1e-3)
+
+
 CONSTANTS = [
     ("0, NU", "young = 0 must be a finite number > 0", ValueError),
     ("-1.0, NU", "young = -1.0", ValueError),
@@ -119,6 +203,13 @@ REFUSED = [
         for shape in ((), (3,), (2, 3))
     ),
     ("Stress(STRAIN[2], YOUNG, NU)", "strain = array.* must be a coefficient function", TypeError),
+    ("NeoHooke(PLANE, YOUNG, 0.51, pressure=CF(0))", "nu = 0.51 must be .* 1/2 too", ValueError),
+    (
+        "NeoHooke(PLANE, YOUNG, 0.5, pressure=1.0)",
+        "pressure = 1.0 must be a scalar trial",
+        TypeError,
+    ),
+    ("NeoHooke(PLANE, YOUNG, 0.5, pressure=CF((1, 2)))", "pressure .* got 2 comp", ValueError),
     ("NeoHooke(STRAIN[2], YOUNG, NU)", "F = array.* must be a coefficient function", TypeError),
     (
         "Stress(PLANE, YOUNG, NU, plane='strains')",

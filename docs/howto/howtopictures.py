@@ -262,6 +262,7 @@ PICTURES = {
     "press_fit": ShowPlane(Elastic("E"), STRESS, factor=0, size=0.15),
     "reaction_forces": ShowPlane(Elastic(210e3), STRESS, factor=100),
     "rigid_tool": Punch,
+    "rubber": ShowPlane(lambda names, u: Strain(u), "strain", factor=1, size=0.12),
     "seal": Seal,
     "snap_fit": Snap,
     "stack": ShowPlane(Elastic(1e3), "equivalent stress", factor=20),

@@ -11,6 +11,7 @@ __all__ = [
     "LostMessage",
     "OverloadMessage",
     "OwnLawMessage",
+    "RubberMessage",
     "SlidingMessage",
 ]
 
@@ -74,6 +75,15 @@ def OwnLawMessage():
     return (
         ". A law of your own needs right derivatives (compare them with differences of its "
         "traction), a traction without jumps, and small steps"
+    )
+
+
+def RubberMessage(iterations, nu):
+    """Of a first solve of a material that hardly changes its volume."""
+    return (
+        f"the first solve has taken {iterations} iterations, as a material hardly changes its "
+        f"volume (Poisson's ratio about {nu:.4g}): take its pressure as another unknown, as "
+        "NeoHooke(F, young, nu, pressure=p) does, see the how-to on rubber"
     )
 
 

@@ -26,6 +26,7 @@ __all__ = [
     "DofsOfMaterials",
     "MotionIntegrals",
     "MotionsOf",
+    "PoissonRatio",
     "RigidMotions",
     "StrainIntegrals",
     "Turned",
@@ -74,6 +75,23 @@ def StrainIntegrals(space, motions):
         gf.vec.FV().NumPy()[:] = values
         strains.append(Sym(Grad(gf)))
     return Integrals(space, strains, lambda v: Sym(Grad(v)))
+
+
+def PoissonRatio(space, part, forces):
+    """The largest one of parts (n,) of the dofs, from what `forces` a dilation and a shear make."""
+    arms, *_ = Arms(space.mesh)
+
+    def Modulus(field):
+        gf = GridFunction(space)
+        gf.Set(CoefficientFunction(tuple(field)), VOL)
+        values = gf.vec.FV().NumPy().copy()
+        strains = StrainIntegrals(space, values[:, None])[:, 0]
+        of = part - part.min()
+        work, squares = (np.bincount(of, values * dual) for dual in (forces(values), strains))
+        return work[squares > 0] / squares[squares > 0]
+
+    stiffer = (Modulus(arms) / Modulus((arms[1], *([0] * (len(arms) - 1)))) - 1) / len(arms)
+    return np.max((stiffer / (1 + 2 * stiffer))[stiffer > 0], initial=0.0)
 
 
 def Integrals(space, fields, of):

@@ -3,7 +3,9 @@
 
 import numpy as np
 
-from ngslac.bodies.messages import OwnLawMessage
+from ngslac.bodies.messages import OwnLawMessage, RubberMessage
+from ngslac.bodies.parts import Forces
+from ngslac.bodies.rigidmotions import PoissonRatio
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
@@ -16,6 +18,8 @@ from ngslac.solve.search import FAILURES, StatusSearch
 
 __all__ = ["Newton"]
 
+# Iterations of a first solve that are many, and the ratio of Poisson from which on that is why.
+LONG, RUBBER = 20, 0.485
 # Linear solves that have to be left for another method to be tried.
 LEAST = 10
 # Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
@@ -211,6 +215,8 @@ class Newton:
     def Accept(self):
         """The last line, if the state that it tells of is possible."""
         Look(self.system)()
+        if advice := self._RubberAdvice():
+            self.system.notes["rubber"] = advice
         self.system.restless = self.system.slid = False
         for contact in self.system.contacts:
             contact._ClearOpen(self.system.gf)
@@ -226,7 +232,18 @@ class Newton:
             + "; take smaller steps"
             + self.system.scheme.advice
             + (OwnLawMessage() if self.system.own_law else "")
+            + (advice and "; " + advice if (advice := self._RubberAdvice()) else "")
         )
+
+    def _RubberAdvice(self):
+        """What helps where a first solve takes long, as its material hardly changes its volume."""
+        system, count = self.system, len(self.history) - 1
+        bulk, bodies = system.bulk, system.bodies
+        if system.residual.converged or count <= LONG or bulk.islinear or bulk.a.condense:
+            return ""
+        forces = Forces(bulk.mat, bodies.first, bodies.count)
+        nu = PoissonRatio(bodies.space, bodies.part, forces)
+        return RubberMessage(count, nu) if nu > RUBBER else ""
 
     # --- one step ------------------------------------------------------------------------------
 
