@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from howtos import Execute, Pages, Printed, Script
-from ngsolve import Parameter
+from ngsolve import Det, Grad, Id, Integrate, Parameter
 from press import press, same
 from test_snippets import Fences
 
@@ -63,6 +63,14 @@ def test_seal(run):
     low, high = run("seal")["contacts"]
     assert low.Force() == pytest.approx(-high.Force(), rel=1e-6)
     assert low.Force()[1] == pytest.approx(2.33, rel=0.02)
+
+
+def test_rubber(run):
+    names = run("rubber")
+    u, mesh = names["gf"].components[0], names["mesh"]
+    area = Integrate(Det(Id(2) + Grad(u)), mesh, definedon=mesh.Materials("rubber"))
+    assert area == pytest.approx(20 * 12, rel=1e-9)
+    assert names["contact"].Force()[1] == pytest.approx(11.8, rel=0.01)
 
 
 def test_stack(run):
