@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact in equilibrium: the solver that users call."""
 
+import weakref
+
 import numpy as np
 from ngsolve import CF, GridFunction
 
@@ -50,7 +52,7 @@ class Equilibrium:
     def __init__(self, system, constrained, initial):
         self.system, self.constrained, self.initial = system, constrained, initial
         self.history, self.stuck = [], None
-        self._running, self._silent = False, True
+        self._running, self._silent = lambda: None, True
 
     def __repr__(self):
         contacts = ", ".join(map(repr, self.contacts))
@@ -123,7 +125,7 @@ class Equilibrium:
         CheckFunction("callback", callback)
         CheckMotion(motion, self.constrained)
         CheckFlag("path", path)
-        if self._running:
+        if self._running():
             raise ValueError(
                 "Solve was called in the middle of Solve, by its callback or in another thread: "
                 "call it after that ends"
@@ -144,7 +146,8 @@ class Equilibrium:
     def _Run(self, newton, maxit, before):
         """The last line; after any error all is as before, but for what tells of the failure."""
         try:
-            self._running, self.history = True, newton.history
+            # No flag: an interrupt of the last line below would leave it set.
+            self._running, self.history = weakref.ref(newton), newton.history
             last = newton.Run(maxit)
             self.system.Tell()
             return last
@@ -163,7 +166,7 @@ class Equilibrium:
                 raise  # with what it came from, such as the error of the other method
             raise known from error
         finally:
-            self._running, self.stuck = False, newton.stuck
+            self._running, self.stuck = lambda: None, newton.stuck
 
     def Reaction(self, region, *, motion=None) -> np.ndarray | float:
         """Force of a support on the bodies: the work of the bulk's residual in a motion of it.
