@@ -12,7 +12,7 @@ from ngslac.bodies.falsestiffness import FalseStiffness
 from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, Forces, PartsOf
-from ngslac.bodies.rigidmotions import MotionIntegrals, RigidMotions, Turned
+from ngslac.bodies.rigidmotions import MotionIntegrals, PoissonRatio, RigidMotions, Turned
 from ngslac.bodies.slides import SlidesOf
 from ngslac.rigid import Tables
 
@@ -358,6 +358,10 @@ class Bodies:
             way = max(way, np.max(np.abs(motions @ weights)))
         return way
 
+    def PoissonRatio(self, mat):
+        """The largest one of all bodies, as the matrix of the bulk tells."""
+        return PoissonRatio(self.space, self.part, Forces(mat, self.first, self.count))
+
     def _Rigid(self, values):
         """Of each body its number, rigid motion, how far that takes it, and how far the rest."""
         for part, combinations in self.floating:
@@ -375,6 +379,10 @@ class NoBodies(Bodies):
 
     def __init__(self):
         self.names, self.motions = ["unknown"], np.zeros((0, 0))
+
+    def PoissonRatio(self, _):
+        """Not known: the matrix is that of the mass, too."""
+        return 0.0
 
 
 def Norm(matrix):

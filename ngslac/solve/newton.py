@@ -4,8 +4,6 @@
 import numpy as np
 
 from ngslac.bodies.messages import OwnLawMessage, RubberMessage
-from ngslac.bodies.parts import Forces
-from ngslac.bodies.rigidmotions import PoissonRatio
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
@@ -238,11 +236,10 @@ class Newton:
     def _RubberAdvice(self):
         """What helps where a first solve takes long, as its material hardly changes its volume."""
         system, count = self.system, len(self.history) - 1
-        bulk, bodies = system.bulk, system.bodies
+        bulk = system.bulk
         if system.residual.converged or count <= LONG or bulk.islinear or bulk.a.condense:
             return ""
-        forces = Forces(bulk.mat, bodies.first, bodies.count)
-        nu = PoissonRatio(bodies.space, bodies.part, forces)
+        nu = system.bodies.PoissonRatio(bulk.mat)
         return RubberMessage(count, nu) if nu > RUBBER else ""
 
     # --- one step ------------------------------------------------------------------------------

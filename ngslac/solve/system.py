@@ -341,7 +341,7 @@ class System:
             system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
             held = self.ground.Shift() if self.ground else 0.0
             if drag or self.idle:
-                shift = drag.Shift() + held if drag else IDLE_SHIFT * displacements
+                shift = drag.Shift() if drag else IDLE_SHIFT * displacements
                 return self.linear.Solve(replace(system, shift=shift))
             if self.ground:
                 held = replace(system, shift=held)
@@ -509,7 +509,9 @@ class System:
         With the matrices of contacts in the next linear system: nor their weight, as of a ball in a
         bowl, or weak springs.
         """
-        freedom = self.Freedom(holds) if self.MayFloat() else None
+        # A drag holds them all, with forces along their motions, and two of these do not agree.
+        held = not self.residual.drag and self.MayFloat()
+        freedom = self.Freedom(holds) if held else None
         if not freedom:
             self.SetGround(None)
             return
