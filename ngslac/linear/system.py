@@ -121,7 +121,7 @@ class Method(ABC):
 
     @abstractmethod
     def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
-        """Scaled solution for a scaled right hand side, and its relative residual."""
+        """Scaled solution (n,), 0 where not free, and its relative residual, which is believed."""
 
     def NewBulk(self) -> None:  # noqa: B027
         """Keep nothing: the matrix of the bulk has got other values."""
