@@ -6,6 +6,8 @@ Numbers are checked. The values of coefficient functions are not: a law has no m
 
 from __future__ import annotations
 
+from functools import partial
+
 from ngsolve import CoefficientFunction, Det, Id, Trace, log
 
 from ngslac.arguments import (
@@ -152,16 +154,14 @@ def _Order(name, tensor):
 
 def _Moduli(young, nu, *, incompressible=False):
     """Both constants, checked: a number for its range, a function for its values' kind."""
-    check = _CheckAnyPoisson if incompressible else _CheckPoisson
+    check = partial(_CheckPoisson, incompressible=incompressible)
     return _Constant("young", young, CheckPositive), _Constant("nu", nu, check)
 
 
-def _CheckPoisson(name, value):
-    return CheckNumber(name, value, "a number between -1 and 1/2", lambda nu: -1 < nu < 0.5)
-
-
-def _CheckAnyPoisson(name, value):
-    return CheckNumber(name, value, "a number from -1 to 1/2, 1/2 too", lambda nu: -1 < nu <= 0.5)
+def _CheckPoisson(name, value, *, incompressible):
+    wanted = "a number between -1 and 1/2" + ", 1/2 too" * incompressible
+    fits = (lambda nu: -1 < nu <= 0.5) if incompressible else (lambda nu: -1 < nu < 0.5)
+    return CheckNumber(name, value, wanted, fits)
 
 
 def _Constant(name, value, check):

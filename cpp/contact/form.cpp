@@ -554,7 +554,7 @@ private:
 
   /// The memory of a law after the step that ends at x, under names of its own, the same each time.
   ///
-  /// What has no partner remembers what it did.
+  /// A macro-element without a partner keeps what it remembered.
   NamedNumbers KeptAt(FlatVector<> x) const {
     auto places = Places(x);
     auto fresh = setup.commit(WithKept(places));

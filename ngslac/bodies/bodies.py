@@ -350,13 +350,17 @@ class Bodies:
     def Drift(self, forces, stiffness):
         """How far forces (n,) carry any of the bodies against springs (n,) at all of its dofs."""
         way = 0.0
-        for part, combinations in self.floating:
-            own = np.flatnonzero(self.part == part)
-            motions, rows = self.motions[own] @ combinations, self.first + own
+        for _, _, rows, motions in self._Loose():
             against = motions.T @ (stiffness[rows, None] * motions)
             weights = np.linalg.lstsq(against, motions.T @ forces[rows])[0]
             way = max(way, np.max(np.abs(motions @ weights)))
         return way
+
+    def _Loose(self):
+        """Of each body that floats its number and combinations, its rows, and its motions there."""
+        for part, combinations in self.floating:
+            own = np.flatnonzero(self.part == part)
+            yield part, combinations, self.first + own, self.motions[own] @ combinations
 
     def PoissonRatio(self, mat):
         """The largest one of all bodies, as the matrix of the bulk tells."""
@@ -364,10 +368,8 @@ class Bodies:
 
     def _Rigid(self, values):
         """Of each body its number, rigid motion, how far that takes it, and how far the rest."""
-        for part, combinations in self.floating:
-            own = np.flatnonzero(self.part == part)
-            motions = self.motions[own] @ combinations
-            moved = values[self.first + own]
+        for part, combinations, rows, motions in self._Loose():
+            moved = values[rows]
             weights = np.linalg.lstsq(motions, moved)[0]
             rigid = motions @ weights
             far, rest = np.max(np.abs(rigid)), np.max(np.abs(moved - rigid))

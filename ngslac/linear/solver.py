@@ -21,7 +21,7 @@ ENOUGH = 3
 
 
 class LinearSolver:
-    """Solves linear systems and looks at the residual that a method tells of its solution.
+    """Solves linear systems and checks the residual that each method returns.
 
     Whatever the method, the residual of the whole system must be small, or the next method of the
     chain takes over.

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """One solve by a generalised Newton method with active set."""
 
+from functools import cached_property
+
 import numpy as np
 
 from ngslac.bodies.messages import OwnLawMessage, RubberMessage
@@ -234,13 +236,16 @@ class Newton:
         )
 
     def _RubberAdvice(self):
-        """What helps where a first solve takes long, as its material hardly changes its volume."""
-        system, count = self.system, len(self.history) - 1
-        bulk = system.bulk
-        if system.residual.converged or count <= LONG or bulk.islinear or bulk.a.condense:
+        """Advice for a first solve that is long because a material hardly changes its volume."""
+        bulk, count = self.system.bulk, len(self.history) - 1
+        if self.system.residual.converged or count <= LONG or bulk.islinear or bulk.a.condense:
             return ""
-        nu = system.bodies.PoissonRatio(bulk.mat)
-        return RubberMessage(count, nu) if nu > RUBBER else ""
+        return RubberMessage(count, self._poisson) if self._poisson > RUBBER else ""
+
+    @cached_property
+    def _poisson(self):
+        """Poisson's ratio, once for all errors of a solve."""
+        return self.system.bodies.PoissonRatio(self.system.bulk.mat)
 
     # --- one step ------------------------------------------------------------------------------
 
@@ -389,7 +394,6 @@ class Newton:
                 return Relaxation(self, len(self.history) + SETTLE).Run()
             except FAILURES:
                 system.GoTo(start)
-                self.onpath = False
         if self.falls and not system.restless:
             return self._Relax(error, start)
         try:

@@ -24,10 +24,10 @@ WAIT = 3
 # Ways of a stage, relative to the smallest macro-element: Newton's method may end it, for so many
 # steps, and the drag stays as it is.
 REST, FAR, POLISH = 1e-2, 0.05, 8
-# Way on which something flies about, relative to the smallest macro-element: no stage goes so far.
-FLIES = 0.5
 # The same where Newton's method needs a few steps only, and how many these are.
 EASILY_FAR, EASY = 0.5, 2
+# Way on which something flies about, relative to the smallest macro-element: no stage goes so far.
+FLIES = 0.5
 # Forces without balance, relative to those at work, from which Newton's method may end it, and how
 # much smaller they have to be where it did not before.
 BALANCED, LESS = 0.1, 0.3
@@ -125,9 +125,7 @@ class Relaxation:
         """The size with which forces carry bodies about so far at first."""
         system = self.system
         system.Measure()
-        forces, stiffness = -system.residual.scaled / system.scale, 1 / system.scale**2
-        forces = np.where(system.residual.multipliers, 0.0, forces)
-        drift = system.bodies.Drift(forces, stiffness)
+        drift = system.bodies.Drift(system.residual.scaled / system.scale, 1 / system.scale**2)
         return np.clip(drift / way, LAST, FIRST) if drift else FIRST
 
     def _SlidesOn(self, moved):
@@ -149,8 +147,9 @@ class Relaxation:
         """In how many steps Newton's method comes to the end of a stage; 0 if it does not."""
         newton, system = self.newton, self.system
         rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
-        system.SetDrag(Drag(size, system.values.copy(), rows))
-        newton.reach = system.values.copy(), self._flies
+        place = system.values.copy()
+        system.SetDrag(Drag(size, place, rows))
+        newton.reach = place, self._flies
         newton.globalization.Begin()
         ends = ENDS if system.islinear else TURNED
         try:

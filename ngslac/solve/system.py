@@ -339,12 +339,11 @@ class System:
         def Solve(residual):
             displacements = ~self.residual.multipliers
             system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
-            held = self.ground.Shift() if self.ground else 0.0
             if drag or self.idle:
                 shift = drag.Shift() if drag else IDLE_SHIFT * displacements
                 return self.linear.Solve(replace(system, shift=shift))
             if self.ground:
-                held = replace(system, shift=held)
+                held = replace(system, shift=self.ground.Shift())
                 found = self.linear.SolveShifted(held, displacements)
                 self.loose = bool(self.linear.shifts)
                 return found

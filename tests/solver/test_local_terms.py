@@ -83,10 +83,12 @@ def test_blocks_of_nodes_are_a_part_of_the_rows(case):
 
 @pytest.mark.parametrize("case", SMALL)
 def test_rows_that_macro_elements_add_to_are_known(case):
-    given, _ = system(made(case))
-    condensed = Condensation(*given)
-    others = np.setdiff1d(np.arange(condensed.height), given[1])
-    differs = np.any(dense(condensed.Part(others)) != dense(given[0])[np.ix_(others, others)], 1)
+    arguments, _ = system(made(case))
+    condensed = Condensation(*arguments)
+    others = np.setdiff1d(np.arange(condensed.height), arguments[1])
+    differs = np.any(
+        dense(condensed.Part(others)) != dense(arguments[0])[np.ix_(others, others)], 1
+    )
     assert np.any(differs)
     assert np.all(condensed.changed[others][differs])
     assert not np.all(condensed.changed)
