@@ -10,7 +10,7 @@ namespace ngslac {
 using NamedNumbers = std::map<string, Array<double>>;
 
 /// A function of the places of all macro-elements: `normal`, `gap`, `slip`, `jump`, `x`, `area`,
-/// `multiplier`, `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
+/// `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
 using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
 /// What a contact form needs besides the two fields.
@@ -31,7 +31,7 @@ struct ContactSetup {
   double penetration = 0; // 0: chosen from the size of the surfaces
   bool active = true;     // off: no partners, no forces
   ContactLaw law;         // in place of the compiled one: tractions and derivatives, see ownlaw.hpp
-  ContactLaw commit;      // what that keeps of a step; none: nothing
+  NamedNumbers kept;      // what that remembers of a macro-element, before the first step
 };
 
 /// Values of one macro-element after an evaluation.

@@ -36,7 +36,7 @@ py::dict ToTable(const NamedNumbers & numbers, size_t macros) {
 
 using Objects = std::map<string, py::object>;
 
-/// Numbers under a name that a function of a law has returned.
+/// Numbers under a name that a law has returned.
 Numbers<double> RealNumbers(const string & whose, const py::object & values) {
   auto any = py::array::ensure(values);
   if (any && any.dtype().kind() == 'c')
@@ -52,40 +52,29 @@ Numbers<double> RealNumbers(const string & whose, const py::object & values) {
   return numbers;
 }
 
-/// Throws unless that can be kept without its shape: numbers or vectors.
-void CheckKept(const string & whose, const Numbers<double> & values) {
-  if (values.ndim() > 2 || (values.ndim() == 2 && values.shape(1) < 2))
-    throw py::value_error("LACContact: " + whose + " with the shape " +
-                          string(py::str(values.attr("shape"))) +
-                          "; it must be (n,) or (n, k) with k > 1");
-}
-
-/// The arrays that a function of a law has returned for all macro-elements. keeps: until the next
-/// step ends.
-NamedNumbers FromLaw(const string & name, py::object found, size_t macros, bool keeps) {
+/// The arrays that a law has returned for all macro-elements.
+NamedNumbers FromLaw(py::object found, size_t macros) {
   Objects objects;
   NamedArrays arrays;
   try {
     objects = found.cast<Objects>();
   } catch (py::cast_error &) {
-    throw py::type_error("LACContact: " + name + " must return a dict of arrays of numbers, not " +
+    throw py::type_error("LACContact: law must return a dict of arrays of numbers, not " +
                          Argument<int>::Text(found));
   }
   for (auto & [key, object] : objects) {
-    string whose = name + " has given '" + key + "'";
+    string whose = "law has given '" + key + "'";
     auto & values = arrays[key] = RealNumbers(whose, object);
     if (!values.ndim() || size_t(values.shape(0)) != macros)
       throw py::value_error("LACContact: " + whose + " with the shape " +
                             string(py::str(values.attr("shape"))) + ", which must begin with " +
                             ToString(macros) + ", a row for each macro-element");
-    if (keeps)
-      CheckKept(whose, values);
   }
   return FromDict(arrays);
 }
 
 /// A function in Python, called and released with the lock of the interpreter, whoever has it.
-ContactLaw LawOf(const string & name, py::object function, bool keeps) {
+ContactLaw LawOf(py::object function) {
   if (function.is_none())
     return {};
   auto release = [](py::object * held) {
@@ -93,10 +82,10 @@ ContactLaw LawOf(const string & name, py::object function, bool keeps) {
     delete held;
   };
   shared_ptr<py::object> law(new py::object(function), release);
-  return [law, name, keeps](const NamedNumbers & places) {
+  return [law](const NamedNumbers & places) {
     py::gil_scoped_acquire lock;
     size_t macros = places.at("area").Size();
-    return FromLaw(name, (*law)(ToTable(places, macros)), macros, keeps);
+    return FromLaw((*law)(ToTable(places, macros)), macros);
   };
 }
 } // namespace
@@ -114,25 +103,25 @@ void ExportContact(py::module & m) {
       py::arg("proxy"), py::arg("name"),
       "Numbers of components that lead from a product space to that of a trial function.");
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
-      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
-                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
-                       shared_ptr<CoefficientFunction> friction,
-                       shared_ptr<CoefficientFunction> tresca,
-                       shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool,
-                       bool tied, bool bilateral, bool finite, bool edges, double adjust,
-                       double maxdist, double penetration, bool active, py::object law) {
-             return ContactForm::Create(ContactSetup{
-                 u, lam, master, obstacle, friction, tresca, offset, tool, tied, bilateral, finite,
-                 edges, adjust, maxdist, penetration, active, LawOf("law", law, false),
-                 LawOf("law.Commit", py::getattr(law, "Commit", py::none()), true)});
-           }),
+      .def(py::init(
+               [](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                  optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                  shared_ptr<CoefficientFunction> friction, shared_ptr<CoefficientFunction> tresca,
+                  shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool, bool tied,
+                  bool bilateral, bool finite, bool edges, double adjust, double maxdist,
+                  double penetration, bool active, py::object law, const NamedArrays & kept) {
+                 return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
+                                                         offset, tool, tied, bilateral, finite,
+                                                         edges, adjust, maxdist, penetration,
+                                                         active, LawOf(law), FromDict(kept)});
+               }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
            py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
            py::arg("tool") = nullptr, py::arg("tied") = false, py::arg("bilateral") = false,
            py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
            py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true,
-           py::arg("law") = py::none())
+           py::arg("law") = py::none(), py::arg("kept") = NamedArrays())
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf,

@@ -5,8 +5,6 @@
 
 namespace ngslac {
 namespace {
-const string KEPT = "law: "; // before the names of what a law keeps, in a saved history
-
 template <int D>
 unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
   if (parts.setup.finite && parts.setup.obstacle)
@@ -147,8 +145,8 @@ public:
   void Commit(const BaseVector & bx) override {
     Follow(bx);
     Evaluate(bx);
-    if (setup.active && setup.commit)
-      kept = KeptAt(bx.FV<double>());
+    if (setup.active && kept.size())
+      kept = KeptAfter<D>(setup.law, WithKept(Places(bx.FV<double>())), kept, setup.tied);
     if (setup.active)
       kinematics->Commit(bx.FV<double>(), accepted.states, states);
     Accept();
@@ -162,18 +160,21 @@ public:
   }
 
   NamedNumbers GetHistory() override {
-    auto numbers = OwnHistory();
-    for (auto & [name, values] : kept)
-      numbers[KEPT + name] = values;
+    CheckPaired();
+    NamedNumbers numbers;
+    Exchange({numbers, false});
+    for (auto & s : states)
+      AppendState(numbers["states"], s);
+    for (auto & s : accepted.states)
+      AppendState(numbers["accepted"], s);
     return numbers;
   }
 
   void SetHistory(NamedNumbers numbers) override {
-    for (auto & [name, values] : OwnHistory())
+    for (auto & [name, values] : GetHistory())
       if (!numbers.count(name) || numbers.at(name).Size() != values.Size())
         throw Exception("LACContact: the saved history does not fit: '" + name + "' needs " +
                         ToString(values.Size()) + " numbers");
-    kept = KeptFrom(numbers);
     auto saved = StatesFrom(numbers.at("states")), committed = StatesFrom(numbers.at("accepted"));
     Exchange({numbers, true});
     states = std::move(saved);
@@ -404,6 +405,8 @@ private:
       auto place = Place(m);
       normal[m] = place.normal;
       states[m] = {0, place.gap, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+      for (auto & [name, start] : setup.kept)
+        kept[name] += start;
     }
     Accept();
   }
@@ -419,33 +422,6 @@ private:
     return place;
   }
 
-  /// The memory of the form, without that of a law.
-  NamedNumbers OwnHistory() {
-    CheckPaired();
-    NamedNumbers numbers;
-    Exchange({numbers, false});
-    for (auto & s : states)
-      AppendState(numbers["states"], s);
-    for (auto & s : accepted.states)
-      AppendState(numbers["accepted"], s);
-    return numbers;
-  }
-
-  /// The memory of a law, out of a saved history.
-  NamedNumbers KeptFrom(const NamedNumbers & numbers) const {
-    NamedNumbers of_law;
-    size_t macros = states.Size();
-    for (auto & [name, values] : numbers)
-      if (name.rfind(KEPT, 0) == 0) {
-        if (macros ? !values.Size() || values.Size() % macros : values.Size())
-          throw Exception("LACContact: the saved history does not fit: '" + name + "' has " +
-                          ToString(values.Size()) + " numbers of " + ToString(macros) +
-                          " macro-elements");
-        of_law[name.substr(KEPT.size())] = values;
-      }
-    return of_law;
-  }
-
   /// Everything as it is now is that of a committed step.
   void Accept() {
     accepted.normal = normal;
@@ -459,6 +435,8 @@ private:
     history.Exchange("reference", kinematics->Reference());
     history.Exchange("normal", normal);
     history.Exchange("accepted_normal", accepted.normal);
+    for (auto & [name, values] : kept)
+      history.Exchange("law: " + name, values);
   }
 
   /// Throws unless these are the entries of a vector on the space that was paired.
@@ -521,7 +499,7 @@ private:
   /// The answers of the law at x, in a step with its memory of the last one.
   Array<Answer<D>> Answers(FlatVector<> x, bool step) {
     if (setup.law)
-      return AnswersOf<D>(setup.law, WithKept(Places(x)), setup.tied);
+      return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -537,7 +515,6 @@ private:
     SaveVectors<D>(places["x"], kinematics->Jump().center);
     for (size_t m : Range(states)) {
       auto place = Place(m);
-      auto multiplier = law->Multiplier(m, x);
       if (!setup.tied) { // else the whole jump counts
         places["gap"].Append(place.gap);
         AppendVector<D>(places["slip"], place.slip);
@@ -546,37 +523,9 @@ private:
         AppendVector<D>(places["normal"], place.normal);
       places["area"].Append(place.area);
       AppendVector<D>(places["jump"], place.jump);
-      AppendVector<D>(places["multiplier"], multiplier);
-      AppendVector<D>(places["trial"], multiplier - law->c[m] * place.jump);
+      AppendVector<D>(places["trial"], law->Multiplier(m, x) - law->c[m] * place.jump);
     }
     return places;
-  }
-
-  /// The memory of a law after the step that ends at x, under names of its own, the same each time.
-  ///
-  /// A macro-element without a partner keeps what it remembered.
-  NamedNumbers KeptAt(FlatVector<> x) const {
-    auto places = Places(x);
-    auto fresh = setup.commit(WithKept(places));
-    auto table = Table();
-    for (auto & [name, values] : fresh)
-      if (places.count(name) || table.count(name))
-        throw py::value_error("LACContact: law.Commit has given '" + name +
-                              "', which is a place already: take another name");
-    for (auto & [name, values] : kept)
-      if (!fresh.count(name) || fresh.at(name).Size() != values.Size())
-        throw py::value_error(
-            "LACContact: law.Commit has given no '" + name +
-            "', or another size of it, which it kept before: return it each time");
-    for (size_t m : Range(states)) {
-      if (places.at("area")[m] > 0)
-        CheckFinite<D>("law.Commit", fresh, places, m);
-      else
-        for (auto & [name, values] : fresh)
-          for (size_t size = values.Size() / states.Size(), k = size * m; k < size * (m + 1); k++)
-            values[k] = kept.count(name) ? kept.at(name)[k] : 0.0;
-    }
-    return fresh;
   }
 
   NamedNumbers WithKept(NamedNumbers places) const {

@@ -43,16 +43,21 @@ public:
 /// How many numbers a law may give of a macro-element, by name.
 template <int D>
 std::map<string, size_t> SizesOfAnswer() {
-  return {{"traction", D},     {"status", 1},       {"by_gap", D},
-          {"by_slip", D * D},  {"by_jump", D * D},  {"by_multiplier", D * D},
-          {"by_trial", D * D}, {"by_normal", D * D}};
+  return {{"traction", D},    {"status", 1},       {"by_gap", D},       {"by_slip", D * D},
+          {"by_jump", D * D}, {"by_trial", D * D}, {"by_normal", D * D}};
 }
 
-/// Throws unless a law has given a traction, derivatives, and nothing but what is known, all of its
-/// size. A tied one has no gap and no slip.
+/// Throws unless a law has given a traction, derivatives, what it keeps, and nothing but what is
+/// known, all of its size. A tied one has no gap and no slip.
 template <int D>
-void CheckAnswer(const NamedNumbers & found, size_t macros, bool tied) {
+void CheckAnswer(const NamedNumbers & found, const NamedNumbers & kept, size_t macros, bool tied) {
   auto sizes = SizesOfAnswer<D>();
+  for (auto & [name, values] : kept) {
+    sizes[name] = values.Size() / max(macros, size_t(1));
+    if (!found.count(name))
+      throw py::value_error("LACContact: law has not given '" + name +
+                            "', which law.kept has: return it each time");
+  }
   if (tied)
     sizes.erase("by_gap"), sizes.erase("by_slip");
   bool derived = false;
@@ -112,14 +117,14 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   Mat<D, D> by_jump = found.Matrix("by_jump") - place.Number("c") * by_trial;
   Answer<D> answer;
   answer.traction = found.Vector("traction");
-  answer.by_multiplier = found.Matrix("by_multiplier") + by_trial;
+  answer.by_multiplier = by_trial;
   answer.by_jump = by_jump + by_slip - by_slip * n * Trans(n) - by_gap * Trans(n);
   answer.by_normal = place.Number("gap") * by_slip - by_gap * Trans(jump);
   if (found.Has("by_normal"))
     answer.by_normal += found.Matrix("by_normal") - by_slip * n * Trans(jump);
   else
-    answer.by_normal += Turn(n, answer.traction) - by_jump * Turn(n, jump) -
-                        answer.by_multiplier * Turn(n, place.Vector("multiplier"));
+    answer.by_normal += Turn(n, answer.traction) - found.Matrix("by_jump") * Turn(n, jump) -
+                        by_trial * Turn(n, place.Vector("trial"));
   if (found.Has("status"))
     answer.status = StatusFrom(found.Number("status"));
   else
@@ -127,32 +132,55 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   return answer;
 }
 
-/// Throws where what a law has given, or keeps, is no number.
+/// Throws where what a law has given is no number.
 template <int D>
-void CheckFinite(const string & whose, const NamedNumbers & found, const NamedNumbers & places,
-                 size_t m) {
+void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m) {
   for (auto & [name, values] : found) {
     size_t size = values.Size() / places.at("area").Size();
     for (double value : values.Range(m * size, (m + 1) * size))
       if (!std::isfinite(value))
-        throw Exception("LACContact: " + whose + " has given " + ToString(value) + " as '" + name +
+        throw Exception("LACContact: law has given " + ToString(value) + " as '" + name +
                         "' where the jump is " + ToString(TableRow<D>(places, m).Vector("jump")) +
                         "; it needs a finite answer to any place");
   }
 }
 
-/// The answers of a law to places; macro-elements without a partner are open.
+/// What a law has given, checked where there is a partner.
 template <int D>
-Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places, bool tied) {
+NamedNumbers AnswerTo(const ContactLaw & law, const NamedNumbers & places,
+                      const NamedNumbers & kept, bool tied) {
   auto & area = places.at("area");
   auto found = law(places);
-  CheckAnswer<D>(found, area.Size(), tied);
+  CheckAnswer<D>(found, kept, area.Size(), tied);
+  for (size_t m : Range(area))
+    if (area[m] > 0)
+      CheckFinite<D>(found, places, m);
+  return found;
+}
+
+/// The answers of a law to places; macro-elements without a partner are open.
+template <int D>
+Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places,
+                           const NamedNumbers & kept, bool tied) {
+  auto & area = places.at("area");
+  auto found = AnswerTo<D>(law, places, kept, tied);
   Array<Answer<D>> answers(area.Size());
   for (size_t m : Range(answers))
-    if (area[m] > 0) {
-      CheckFinite<D>("law", found, places, m);
+    if (area[m] > 0)
       answers[m] = AnswerFrom<D>({found, m}, {places, m}, tied);
-    }
   return answers;
+}
+
+/// The memory of a law after a step; a macro-element without a partner keeps what it remembered.
+template <int D>
+NamedNumbers KeptAfter(const ContactLaw & law, const NamedNumbers & places, NamedNumbers kept,
+                       bool tied) {
+  auto & area = places.at("area");
+  auto found = AnswerTo<D>(law, places, kept, tied);
+  for (auto & [name, values] : kept)
+    for (size_t i : Range(values))
+      if (area[i * area.Size() / values.Size()] > 0)
+        values[i] = found[name][i];
+  return kept;
 }
 } // namespace ngslac

@@ -101,13 +101,13 @@ class LACContact(metaclass=Distributable):
         that by the places that it looks at: ``by_gap`` (n, d), ``by_slip``, ``by_jump`` (n, d, d).
         ``by_normal`` follows if a rotation of the places turns the traction; else give it, with all
         else fixed. ``status`` (n) as below; by default 0 without a traction, 1 where its tangential
-        part grows with slip in its own direction, else 2. For laws that stick: ``multiplier`` (n,
-        d), the traction now, its scale ``c`` (n), and ``trial`` = multiplier - c jump, with
-        ``by_multiplier`` and ``by_trial``. With `tied`, of glue or heat, the jump counts from the
-        last `Update`, there is no gap and no slip, and for ``finite=True`` no normal. A method
-        ``Commit(places)`` is called once for each accepted step: the dict of arrays (n) or (n, k)
-        that it returns, such as a wear or a damage, is in `Table`, among the places from then on,
-        and in saved states (attributes of the law are not); `Update` without a solution forgets it.
+        part grows with slip in its own direction, else 2. For laws that stick: ``trial`` (n, d),
+        the traction now less ``c`` (n), its scale, times the jump, with ``by_trial``. With `tied`,
+        of glue or heat, the jump counts from the last `Update`, there is no gap and no slip, and
+        for ``finite=True`` no normal. What it remembers, such as a wear or a damage, has its start
+        value in a dict ``kept``, an attribute of the law: a number or a vector (k) by name. It is
+        a place, as at the end of the last step, and part of each answer, as now. It is in `Table`
+        and in saved states; `Update` without a solution forgets it.
         Solved by Newton's method alone, and refused by `TimeStepper`.
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions, from

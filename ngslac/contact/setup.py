@@ -3,6 +3,7 @@
 
 import math
 
+import numpy as np
 from ngsolve import CoefficientFunction
 from ngsolve.comp import ProxyFunction
 
@@ -20,6 +21,10 @@ from ngslac.tools import SignedDistance, Tool
 
 __all__ = ["CheckedSetup"]
 
+# Names of places, of columns of a table, and of answers, which a law can keep nothing under.
+TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
+TAKEN |= {"pressure", "friction", "fullarea"}
+
 
 def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
@@ -35,9 +40,6 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
     CheckFunction("law", law, "a function from places to tractions")
-    CheckFunction("law.Commit", getattr(law, "Commit", None), "a function of places")
-    if hasattr(law, "commit") and not hasattr(law, "Commit"):
-        raise ValueError("law.commit is never called: its name is Commit")
     if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
             "a law of your own says all: drop law, or bilateral, edges, friction and tresca"
@@ -69,8 +71,22 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     compiled = None if tool is None else tool.compiled
-    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law}
+    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law, "kept": _Kept(law)}
     return tool, setup | functions | flags | lengths
+
+
+def _Kept(law):
+    """What a law remembers of a macro-element before the first step: arrays by name."""
+    kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
+    for name, start in kept.items():
+        if not isinstance(name, str) or name in TAKEN or name.startswith("by_"):
+            raise ValueError(f"law.kept has {name!r}, which means something else: rename it")
+        values = np.asarray(start)
+        if values.ndim > 1 or not values.size or values.dtype.kind not in "fiu":
+            raise Wrong(ValueError, f"law.kept[{name!r}]", start, "a number, or a vector (k)")
+        if not np.all(np.isfinite(values)):
+            raise Wrong(ValueError, f"law.kept[{name!r}]", start, "finite")
+    return {name: np.atleast_1d(np.asarray(start, dtype=float)) for name, start in kept.items()}
 
 
 def _ToolOf(obstacle, dim, flags):

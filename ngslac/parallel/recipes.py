@@ -157,8 +157,7 @@ def OfFunction(thing, ensemble):
         return LoadOf(replica, parts)
 
     ensemble.Need(number, Call)
-    if commit := getattr(thing, "Commit", None):  # of a law
-        Call.Commit = OfFunction(commit, ensemble)()
+    Call.kept = getattr(thing, "kept", {})  # of a law
     return lambda: Call
 
 

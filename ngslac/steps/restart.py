@@ -228,7 +228,7 @@ def _Kind(contact):
     sides = {"master": "a master", "tool": "a tool", "obstacle": "an obstacle"}
     words = [words for name, words in sides.items() if setup[name] is not None]
     words += [name for name in ("tied", "bilateral", "edges") if setup[name]]
-    words += ["a law of its own"] * contact.own_law
+    words += ["a law of its own"] * contact.own_law + [f"its {name}" for name in setup["kept"]]
     return f"{sliding} sliding of {contact.space.nmacros} macro-elements on {', '.join(words)}"
 
 

@@ -3,6 +3,9 @@
 The pressure grows with the overlap up to a limit, the tangential traction against the slip.
 """
 
+import math
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form
@@ -89,14 +92,14 @@ def outer(a, b):
 
 
 def stiff_jump(places):
-    """Glue that gives way, by the jump alone, and by the multiplier."""
-    jump, multiplier = places["jump"], places["multiplier"]
+    """Glue that gives way, by the jump alone, and by the trial."""
+    jump, trial = places["jump"], places["trial"]
     eye = np.broadcast_to(np.eye(jump.shape[1]), (*jump.shape, jump.shape[1]))
     size = np.sum(jump**2, axis=1)[:, None]
     return {
-        "traction": 0.3 * multiplier - (5 + size) * jump,
+        "traction": 0.3 * trial - (5 + size) * jump,
         "by_jump": -(5 + size)[:, :, None] * eye - 2 * outer(jump, jump),
-        "by_multiplier": 0.3 * eye,
+        "by_trial": 0.3 * eye,
     }
 
 
@@ -124,17 +127,17 @@ class Damaged:
     """Glue, of which the part that is torn in a step has gone in the next one."""
 
     stiffness, strength = 20.0, 1.8e-3
+    kept: ClassVar = {"damage": 0.0}
 
     def __call__(self, places):
-        whole = 1 - places.get("damage", np.zeros(len(places["jump"])))
-        k = (self.stiffness * whole)[:, None]
-        eye = np.eye(places["jump"].shape[1])
-        return {"traction": -k * places["jump"], "by_jump": -k[:, :, None] * eye}
-
-    def Commit(self, places):
-        pull = np.linalg.norm(places["multiplier"], axis=1)
-        torn = np.clip(pull / self.strength - 1, 0, 1)
-        return {"damage": np.maximum(torn, places.get("damage", 0))}
+        k = (self.stiffness * (1 - places["damage"]))[:, None]
+        traction = -k * places["jump"]
+        torn = np.clip(np.linalg.norm(traction, axis=1) / self.strength - 1, 0, 1)
+        return {
+            "traction": traction,
+            "by_jump": -k[:, :, None] * np.eye(traction.shape[1]),
+            "damage": np.maximum(torn, places["damage"]),
+        }
 
 
 class Wearing:
@@ -142,17 +145,18 @@ class Wearing:
 
     k, rate = 3.0, 0.5
 
-    def __call__(self, places):
-        pressure = np.maximum(-self.k * (places["gap"] + places.get("wear", 0)), 0)[:, None]
-        return {
-            "traction": -pressure * places["normal"],
-            "by_gap": self.k * (pressure > 0) * places["normal"],
-        }
+    def __init__(self, dim=2):
+        self.kept = {"wear": 0.0, "last": np.zeros(dim)}
 
-    def Commit(self, places):
-        pressure = -np.sum(places["multiplier"] * places["normal"], axis=1)
+    def __call__(self, places):
+        pressure = np.maximum(-self.k * (places["gap"] + places["wear"]), 0)
         rubbed = self.rate * pressure * np.linalg.norm(places["slip"], axis=1)
-        return {"wear": places.get("wear", 0) + rubbed, "last": places["slip"]}
+        return {
+            "traction": -pressure[:, None] * places["normal"],
+            "by_gap": self.k * (pressure > 0)[:, None] * places["normal"],
+            "wear": places["wear"] + rubbed,
+            "last": places["slip"],
+        }
 
 
 def with_law(dim, finite, law):
@@ -340,6 +344,9 @@ def dragging(places):
     return found | {"traction": found["traction"] - slip, "by_slip": drag}
 
 
+dragging.kept = Wearing().kept
+
+
 @pytest.mark.parametrize(("law", "status"), [(Wearing(), 2), (dragging, 1)])
 def test_force_without_a_status(law, status):
     contact = (solver := pressed(law)).contacts[0]
@@ -381,6 +388,9 @@ def pulled_the_wrong_way(places):
     return found | {"by_gap": -found["by_gap"]}
 
 
+pulled_the_wrong_way.kept = Wearing().kept
+
+
 @pytest.mark.parametrize("law", [pushed_by_a_limited_force, pulled_the_wrong_way])
 def test_what_to_look_at_where_newtons_method_fails(law):
     """Not at friction, of which there is none."""
@@ -416,21 +426,22 @@ def test_wear_is_kept_of_accepted_steps(finite, tmp_path):
     contact.Update(stepper.solver.gf)
     assert contact.Table()["wear"] == pytest.approx(worn, rel=1e-9)
     contact.Update()
-    assert "wear" not in contact.Table()
+    assert np.all(contact.Table()["wear"] == 0)
 
 
 class Counting(Wearing):
-    """Counts its calls, and what is left of them."""
+    """Counts the steps."""
 
-    calls = 0
+    def __init__(self):
+        super().__init__()
+        self.kept |= {"steps": 0}
 
-    def Commit(self, places):
-        self.calls += 1
-        return {"steps": places.get("steps", np.zeros(len(places["gap"]))) + 1}
+    def __call__(self, places):
+        return super().__call__(places) | {"steps": places["steps"] + 1}
 
 
 def test_steps_that_fail_leave_nothing(monkeypatch):
-    stepper = pressed(law := Counting(), load=Parameter(0))
+    stepper = pressed(Counting(), load=Parameter(0))
     contact, solve, fails = stepper.solver.contacts[0], stepper.solver.Solve, [True]
 
     def hard(**options):
@@ -445,11 +456,11 @@ def test_steps_that_fail_leave_nothing(monkeypatch):
     monkeypatch.setattr(stepper.solver, "Solve", hard)
     steps = stepper.Integrate(1, steps=1, printing=False)
     assert steps[0].cuts == 1
-    assert set(contact.Table()["steps"]) == {len(steps)} == {law.calls}
+    assert set(contact.Table()["steps"]) == {len(steps)}
     monkeypatch.setattr(stepper, "_Forces", interrupted)  # after the commit
     with pytest.raises(KeyboardInterrupt):
         stepper.Integrate(2, steps=1, printing=False)
-    assert set(contact.Table()["steps"]) == {len(steps)} == {law.calls - 1}
+    assert set(contact.Table()["steps"]) == {len(steps)}
 
 
 @pytest.mark.parametrize("tied", [False, True])
@@ -473,23 +484,26 @@ def test_glue_is_torn(finite):
     assert damage > 0.05
 
 
-def test_nothing_is_kept_of_a_commit_that_fails():
+@pytest.mark.parametrize("left", [0, 1])
+def test_nothing_is_kept_of_a_commit_that_fails(left):
     class Failing(Wearing):
-        fails = False
+        left = math.inf
 
-        def Commit(self, places):
-            if self.fails:
+        def __call__(self, places):
+            self.left -= 1
+            if self.left < 0:
                 raise KeyboardInterrupt
-            return super().Commit(places)
+            return super().__call__(places)
 
     law = Failing()
     contact = (solver := pressed(law)).contacts[0]
     solver.Solve(printing=False)
     contact.Commit(solver.gf)
     before = contact.State()
-    law.fails = True
+    law.left = left
     with pytest.raises(KeyboardInterrupt):
         contact.Commit(solver.gf)
+    assert law.left < 0
     after = contact.State()
     assert "law: wear" in before
     assert before.keys() == after.keys()
@@ -502,14 +516,35 @@ def test_refused():
         contact_form(block_mesh(2), law=LimitedSpring(), friction=0.3)
     with pytest.raises(TypeError, match="law = 3 must be a function from places"):
         contact_form(block_mesh(2), law=3)
+
+
+@pytest.mark.parametrize(("kept", "words"), [
+    (3, r"law.kept = 3 must be a dict of numbers or vectors"),
+    ({"gap": 0.0}, "law.kept has 'gap', which means something else: rename it"),
+    ({"by_worn": 0.0}, "law.kept has 'by_worn', which means something else"),
+    ({"worn": 1j}, r"law.kept\['worn'\] = 1j must be a number, or a vector \(k\)"),
+    ({"worn": []}, r"law.kept\['worn'\] = \[\] must be a number"),
+    ({"worn": "much"}, r"law.kept\['worn'\] = 'much' must be a number"),
+    ({"worn": np.nan}, r"law.kept\['worn'\] = nan must be finite"),
+    ({"worn": np.eye(2)}, r"law.kept\['worn'\] = .* must be a number"),
+    ({3: 0.0}, "law.kept has 3, which"),
+])  # fmt: skip
+def test_refused_memories(kept, words):
     law = LimitedSpring()
-    law.Commit = 3
-    with pytest.raises(TypeError, match=r"law.Commit = 3 must be a function of places"):
+    law.kept = kept
+    with pytest.raises((TypeError, ValueError), match=words):
         contact_form(block_mesh(2), law=law)
-    law = LimitedSpring()
-    law.commit = Wearing.Commit
-    with pytest.raises(ValueError, match=r"law.commit is never called: its name is Commit"):
-        contact_form(block_mesh(2), law=law)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_no_column_of_a_table_is_kept(dim):
+    contact = with_law(dim, False, LimitedSpring())
+    contact.Update()
+    for name in contact.Table():
+        law = LimitedSpring()
+        law.kept = {name: 0.0}
+        with pytest.raises(ValueError, match=f"law.kept has '{name}', which means something"):
+            with_law(dim, False, law)
 
 
 def answers(**columns):
@@ -603,55 +638,51 @@ def test_what_softens_slips(dim):
     assert set(status[status > 0]) == {2}
 
 
-def after_a_step(keeps):
-    """A contact and its solution, after a step of which a law keeps what that returns."""
+class Keeps(Wearing):
+    """Gives other names and values of what it keeps."""
 
-    class Keeps(Wearing):
-        def Commit(self, places):
-            return keeps(places)
+    def __init__(self, answer):
+        super().__init__()
+        self.answer = answer
 
-    solver = pressed(Keeps())
-    solver.Solve(printing=False)
-    return solver.contacts[0], solver.gf
+    def __call__(self, places):
+        told = super().__call__(places)
+        for name in self.kept:
+            del told[name]
+        return told | self.answer(places)
 
 
-@pytest.mark.parametrize(("keeps", "words"), [
-    (lambda places: {"gap": places["gap"]}, "'gap', which is a place already"),
-    (lambda places: {"wear": 1j * places["gap"]}, "'wear' with complex numbers; it must be real"),
-    (lambda places: {"wear": places["gap"][:, None]}, r"shape \(\d+, 1\); it must be \(n,\) or"),
-    (lambda places: {"wear": places["slip"][:, :0]}, r"shape \(\d+, 0\); it must be \(n,\) or"),
-    (lambda places: {"wear": outer(*[places["slip"]] * 2)}, r"shape \(\d+, 2, 2\); it must be"),
-    (lambda places: {"wear": np.nan * places["area"]}, "nan as 'wear' where the jump is"),
+@pytest.mark.parametrize(("answer", "words"), [
+    ({}, "law has not given 'last', which law.kept has: return it each time"),
+    ({"wear": 1j * np.zeros(9)}, "law has given 'wear' with complex numbers; it must be real"),
+    ({"wear": "slip"}, r"law has given \d+ numbers as 'wear' of .*, of which each needs 1"),
+    ({"last": "area", "wear": "area"}, r"law has given .* as 'last' of .*, of which each needs 2"),
+    ({"last": "normal", "wear": "area", "way": "area"}, "law has given 'way', which is none of"),
+    ({"last": "normal", "wear": "none"}, "law has given nan as 'wear' where the jump is"),
 ])  # fmt: skip
-def test_wrong_answers_to_keep(keeps, words):
-    contact, gf = after_a_step(keeps)
-    kinds = ValueError, TypeError, NgException
-    with pytest.raises(kinds, match=r"law.Commit has given .*" + words):
-        contact.Commit(gf)
+def test_wrong_answers_to_keep(answer, words):
+    def given(places):
+        places = places | {"none": np.nan * places["area"]}
+        told = {"last": places["slip"]} if answer else {}
+        return told | {
+            name: places[value] if isinstance(value, str) else value
+            for name, value in answer.items()
+        }
 
-
-def test_what_was_kept_once_is_kept_each_time():
-    seen = []
-
-    def keeps(places):
-        seen.append("wear" in places)
-        return {"wear": places["area"]} if len(seen) == 1 else {}
-
-    contact, gf = after_a_step(keeps)
-    contact.Commit(gf)
-    with pytest.raises(ValueError, match=r"law.Commit has given no 'wear', .* return it each time"):
-        contact.Commit(gf)
-    assert seen == [False, True]
-    assert contact.Table()["wear"] == pytest.approx(contact.Table()["area"])
+    contact = with_law(2, False, Keeps(given))
+    with pytest.raises((ValueError, TypeError, NgException), match=words):
+        contact.Evaluate(GridFunction(contact.form.fes))
 
 
 @pytest.mark.parametrize("left", [0, -1])
 def test_a_saved_array_that_is_cut(left):
-    contact, gf = after_a_step(lambda places: {"way": places["slip"]})
-    contact.Commit(gf)
+    solver = pressed(Wearing())
+    solver.Solve(printing=False)
+    contact = solver.contacts[0]
+    contact.Commit(solver.gf)
     state = contact.State()
-    with pytest.raises(NgException, match=r"does not fit: 'law: way' has \d+ numbers of \d+ mac"):
-        contact.SetState(state | {"law: way": state["law: way"][:left]})
+    with pytest.raises(NgException, match=r"does not fit: 'law: last' needs \d+ numbers"):
+        contact.SetState(state | {"law: last": state["law: last"][:left]})
     after = contact.State()
     assert all(np.array_equal(state[name], after[name]) for name in state)
 

@@ -37,11 +37,12 @@ def Lawful(w, law):
     return Solve(w, contacts=w.Contact(law=law))
 
 
-def Keeping(w, commit):
+def Keeping(w, worn, start=0.0):
     def Spring(places):
-        return {"traction": places["gap"][:, None] * places["normal"], "by_gap": places["normal"]}
+        pull = {"traction": places["gap"][:, None] * places["normal"], "by_gap": places["normal"]}
+        return pull | {"worn": worn(places)}
 
-    Spring.Commit = commit
+    Spring.kept = {"worn": start}
     contact = w.Contact(law=Spring)
     Solve(w, contacts=contact)
     return contact.Commit(w.gf)
@@ -201,8 +202,8 @@ a law without a traction | Lawful(w, lambda places: {"by_gap": places["normal"]}
 a law of one number | Lawful(w, lambda places: {"traction": 1.0})
 a law of infinite size | Lawful(w, lambda places: {"traction": np.inf * places["normal"]})
 a law with a misspelt derivative | Lawful(w, lambda places: {"traction": places["slip"], "by": 1})
-a law that keeps a place | Keeping(w, lambda places: {"gap": places["gap"]})
-a law that keeps one number | Keeping(w, lambda places: {"worn": 1.0})
+a law that keeps a matrix | Keeping(w, lambda places: 0 * places["gap"], [[1, 0], [0, 1]])
+a law that keeps one number | Keeping(w, lambda places: 1.0)
 a law that keeps nothing | Keeping(w, lambda places: None)
 [dev/null]
 SaveState into a device | SaveState("/dev/null", w.solver)

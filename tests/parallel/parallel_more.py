@@ -1,6 +1,7 @@
 """Cases of what else a user may write: other spaces, functions, options and queries."""
 
 import inspect
+from typing import ClassVar
 
 import numpy as np
 from ngsolve import (
@@ -126,17 +127,16 @@ def parameter_as_friction(world):
 class Wearing:
     """A stiff spring in place of contact, whose gap grows by pressure times slip."""
 
-    def __call__(self, places):
-        depth = -places["gap"] - places.get("worn", 0)
-        return {
-            "traction": -1000 * np.maximum(depth, 0)[:, None] * places["normal"],
-            "by_gap": 1000 * (depth > 0)[:, None] * places["normal"],
-        }
+    kept: ClassVar = {"worn": 0.0}
 
-    def Commit(self, places):
-        pressure = -np.sum(places["multiplier"] * places["normal"], axis=1)
+    def __call__(self, places):
+        pressure = 1000 * np.maximum(-places["gap"] - places["worn"], 0)
         slip = np.linalg.norm(places["slip"], axis=1)
-        return {"worn": places.get("worn", 0) + 0.05 * pressure * slip}
+        return {
+            "traction": -pressure[:, None] * places["normal"],
+            "by_gap": 1000 * (pressure > 0)[:, None] * places["normal"],
+            "worn": places["worn"] + 0.05 * pressure * slip,
+        }
 
 
 @case
