@@ -4,12 +4,10 @@
 import numpy as np
 from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, exp, sqrt
 
-from ngslac.recovery.directions import FitMeans
-from ngslac.recovery.patches import Patches
 from ngslac.recovery.pressure import PressureFit
 from ngslac.recovery.resultants import Balance
-from ngslac.recovery.stencils import SecondDifferences
-from ngslac.recovery.surface import SlaveSurface
+from ngslac.recovery.stencils import FitMeans, SecondDifferences
+from ngslac.recovery.surface import Patches, SlaveSurface
 
 __all__ = ["Recovered"]
 

@@ -27,8 +27,7 @@ from ngslac.linear.system import Options
 from ngslac.petsc.solver import LinearSolverFor
 from ngslac.progress import Progress
 from ngslac.solve.bulk import Bulk
-from ngslac.solve.iteration import Iteration
-from ngslac.solve.log import Log
+from ngslac.solve.iteration import Iteration, Log
 from ngslac.solve.newton import Newton
 from ngslac.solve.problem import (
     CheckBulk,

@@ -10,7 +10,7 @@ from obstacles import block_on_obstacle
 from press import mixed_press, press, solved
 
 from ngslac import LACContact, LACSpace, SplitSlaveFaces
-from ngslac.recovery.directions import FitMeans
+from ngslac.recovery.stencils import FitMeans
 from ngslac.recovery.surface import SlaveSurface
 
 PAIRS3D = [("hex", "prism"), ("prism", "hex"), ("tet", "hex")]
