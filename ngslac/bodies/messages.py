@@ -15,10 +15,18 @@ __all__ = [
     "SlidingMessage",
 ]
 
+MOST = 6  # motions that a message names
+
+
+def _Listed(motions, verb="floats"):
+    """The first of many motions, with another verb."""
+    more = [f"and {len(motions) - MOST} motions more"] if len(motions) > MOST else []
+    return "; ".join([*motions[:MOST], *more]).replace(" floats (", f" {verb} (")
+
 
 def FloatingMessage(floating):
     return (
-        "; ".join(floating)
+        _Listed(floating)
         + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
         "contact, or prescribe a displacement in place of a force"
     )
@@ -27,7 +35,7 @@ def FloatingMessage(floating):
 def DrivenMessage(floating):
     return (
         "no equilibrium: "
-        + "; ".join(floating)
+        + _Listed(floating)
         + " under the loads: no Dirichlet condition and no contact resists this motion. Constrain "
         "it, add friction, or prescribe a displacement in place of a force"
     )
@@ -35,7 +43,7 @@ def DrivenMessage(floating):
 
 def IdleMessage(floating):
     return (
-        "; ".join(floating).replace(" floats (", " is free (")
+        _Listed(floating, "is free")
         + ": nothing holds it and nothing drives it, so that it stays where it was. Constrain it "
         "if that is not meant"
     )
@@ -56,7 +64,7 @@ def FewMessage(contacts):
 def SlidingMessage(floating):
     return (
         "no equilibrium is found: "
-        + "; ".join(floating).replace(" floats (", " slides away (")
+        + _Listed(floating, "slides away")
         + ": friction is at its limit wherever contact holds it. Constrain it, or prescribe a "
         "displacement in place of a force"
     )
@@ -96,7 +104,7 @@ def FarMessage():
 
 def LostMessage(lost):
     return (
-        "; ".join(lost)
+        _Listed(lost)
         + ": the loads exceed what contact and friction can carry. Constrain it, or prescribe a "
         "displacement in place of a force"
     )

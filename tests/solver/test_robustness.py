@@ -16,6 +16,7 @@ from ngslac import (
     LACSpace,
     LoadStepper,
 )
+from ngslac.bodies.messages import FloatingMessage
 
 MOTIONS = [f"{kind} {c}" for kind in ("translation in", "rotation about") for c in "xyz"]
 GUIDED = {"dirichletx": "left_upper", "dirichlety": "front_upper"}
@@ -135,6 +136,13 @@ def test_what_a_plane_without_friction_leaves_free_is_said():
     (message,) = (str(one.message).split(":")[0] for one in said)
     assert message.split("; ") == [f"body 'upper' is free ({MOTIONS[k]})" for k in (0, 1, 5)]
     assert problem.contact.Force() == pytest.approx([0, 0, 1], abs=1e-9)
+
+
+def test_the_first_of_many_motions_are_named():
+    motions = [f"body {k} floats (rotation)" for k in range(40)]
+    for count, rest in ((6, 0), (7, 1), (40, 34)):
+        found = FloatingMessage(motions[:count]).split(":")[0].split("; ")
+        assert found == motions[:6] + [f"and {rest} motions more"] * (rest > 0)
 
 
 def test_both_bodies_may_float():
