@@ -160,6 +160,8 @@ def CheckFunction(name, value, wanted="a function, or None"):
     """A Python function or None."""
     if value is not None and not IsFunction(value):
         raise Wrong(TypeError, name, value, wanted)
+    if isinstance(value, type):
+        raise Wrong(TypeError, name, value, f"{wanted}, not a class: give an object of it")
     return value
 
 

@@ -311,7 +311,7 @@ void Condensation::MultAdd(double s, const BaseVector & x, BaseVector & y) const
   Vector<> w = x.FV<double>();
   ClearFixed(w);
   Project(w);
-  Vector<> image = Image(w);
+  Vector<> image = Times(*mat, w);
   ToImage(w, image);
   y.FV<double>() += s * image;
 }
@@ -356,8 +356,16 @@ void Condensation::ToImage(FlatVector<> w, FlatVector<> image) const {
   Test(image);
 }
 
-Vector<> Condensation::Image(FlatVector<> u) const {
-  return Times(*mat, u);
+Vector<> Condensation::NearImage(FlatVector<> u) const {
+  Array<bool> near(u.Size());
+  near = false;
+  for (size_t i : Range(near))
+    if (Changes(i))
+      for (int j : mat->GetRowIndices(i))
+        near[j] = true;
+  Vector<> image(u.Size());
+  ParallelFor(near.Size(), [&](size_t i) { image(i) = near[i] ? mat->RowTimesVector(i, u) : 0; });
+  return image;
 }
 
 Vector<> Condensation::Left(FlatVector<> rhs, FlatVector<> u, FlatVector<> image) const {

@@ -119,8 +119,8 @@ public:
   void ToImage(FlatVector<> w, FlatVector<> image) const;
   /// The displacements of a solution from that of A; without it, those that fulfil the constraints.
   Vector<> Displacements(FlatVector<> rhs, FlatVector<> w) const;
-  /// K u
-  Vector<> Image(FlatVector<> u) const;
+  /// K u, at the dofs that macro-elements touch and their neighbours; the others are 0.
+  Vector<> NearImage(FlatVector<> u) const;
   /// Right hand side of A, with the image K u of the u that fulfil the constraints.
   Vector<> Reduce(FlatVector<> rhs, FlatVector<> u, FlatVector<> image) const;
   /// Adds the multipliers to the displacements of a solution, with their image K x.

@@ -30,6 +30,15 @@ Numbers<double> Changed(const Condensation & system, const Numbers<double> & num
   return ToNumPy(FlatVector<>(values));
 }
 
+/// The bulk's forces, as given, or of these displacements where they matter.
+Vector<> Forces(const Condensation & self, FlatVector<> u,
+                const optional<Numbers<double>> & image) {
+  if (image)
+    return View(*image, self.VHeight());
+  py::gil_scoped_release release;
+  return self.NearImage(u);
+}
+
 /// Products that Python makes of arrays, of which each process may have a part.
 class FunctionProduct : public PreconditionedProduct {
   size_t size;
@@ -130,25 +139,22 @@ void ExportLinear(py::module & m) {
           "Those of the solution from one of `mat`; from zero: what fulfils the constraints.")
       .def(
           "Reduce",
-          [](const Condensation & self, Values rhs, Values u, Values image) {
+          [](const Condensation & self, Values rhs, Values u, optional<Values> image) {
+            auto moved = View(u, self.VHeight());
+            Vector<> bulk = Forces(self, moved, image);
             return Changed(self, rhs,
-                           [&, displacements = View(u, self.VHeight()),
-                            forces = View(image, self.VHeight())](FlatVector<> x) {
-                             x = self.Reduce(Vector<>(x), displacements, forces);
-                           });
+                           [&](FlatVector<> x) { x = self.Reduce(Vector<>(x), moved, bulk); });
           },
-          py::arg("rhs"), py::arg("u"), py::arg("image"),
+          py::arg("rhs"), py::arg("u"), py::arg("image") = nullopt,
           "Right hand side of `mat`, with the bulk's forces of what fulfils the constraints.")
       .def(
           "Complete",
-          [](const Condensation & self, Values rhs, Values u, Values image) {
-            return Changed(self, u,
-                           [&, from = View(rhs, self.VHeight()),
-                            forces = View(image, self.VHeight())](FlatVector<> x) {
-                             self.Complete(from, forces, x);
-                           });
+          [](const Condensation & self, Values rhs, Values u, optional<Values> image) {
+            auto from = View(rhs, self.VHeight());
+            Vector<> bulk = Forces(self, View(u, self.VHeight()), image);
+            return Changed(self, u, [&](FlatVector<> x) { self.Complete(from, bulk, x); });
           },
-          py::arg("rhs"), py::arg("u"), py::arg("image"),
+          py::arg("rhs"), py::arg("u"), py::arg("image") = nullopt,
           "Displacements and multipliers, with the bulk's forces of the first.");
   py::class_<PreconditionedProduct, shared_ptr<PreconditionedProduct>>(
       m, "PreconditionedProduct", "Products with a matrix A after a preconditioner M.")

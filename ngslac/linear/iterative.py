@@ -66,23 +66,23 @@ class Iterative(Method):
             return left
 
         def Step(left):
-            return self._Step(mat, left, 0.9 * exact * size, system.scale)
+            return self._Step(left, 0.9 * exact * size, system.scale)
 
         return Refine(Step, Residual, b, exact=exact)
 
-    def _Step(self, mat, rhs, residual, scale):
+    def _Step(self, rhs, residual, scale):
         """Solution of the whole system, up to a residual, from that of the condensed one."""
         system = self._condensed
         u = system.Displacements(rhs, 0 * rhs)
         reduced = system.CreateColVector()
-        reduced.FV().NumPy()[:] = system.Reduce(rhs, u, Multiply([mat], u))
+        reduced.FV().NumPy()[:] = system.Reduce(rhs, u)
         size = reduced.Norm()
         tol = min(max(residual / size, BEST), 0.1) if size else 1.0
         for inverse in self._Preconditioners(scale):
             found, converged = self._Iterate(inverse, reduced, tol)
             if converged:
                 u = system.Displacements(rhs, found.FV().NumPy())
-                return system.Complete(rhs, u, Multiply([mat], u))
+                return system.Complete(rhs, u)
         raise LinearSolveError("the condensed system could not be solved")
 
     def _Preconditioners(self, scale):

@@ -21,11 +21,7 @@ ENOUGH = 3
 
 
 class LinearSolver:
-    """Solves linear systems and checks the residual that each method returns.
-
-    Whatever the method, the residual of the whole system must be small, or the next method of the
-    chain takes over.
-    """
+    """Solves linear systems by the first method of a chain that returns a small residual."""
 
     tolerance = 1e-9
     most_failures = 2  # of an iteration in a row where another method serves: it is given up

@@ -100,8 +100,8 @@ class Options:
 class Method(ABC):
     """One way to solve linear systems; `chain.METHODS` has a line for each.
 
-    Where it raises a RuntimeError or an NgException, or its residual is large, the next method of
-    the chain solves the system.
+    Where it raises a RuntimeError, an NgException or a LinAlgError, or its residual is large, the
+    next method of the chain solves the system.
 
     Attributes
     ----------
@@ -118,6 +118,9 @@ class Method(ABC):
     factorisations = krylov = 0
     inverse = None
     is_iteration = serves_alone = False
+
+    def __str__(self):
+        return type(self).__name__
 
     @abstractmethod
     def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
