@@ -2,9 +2,9 @@
 """What a webgui scene of a contact consists of: a function, objects, patches and a legend."""
 
 import numpy as np
+import scipy
 from ngsolve import InnerProduct
 
-from ngslac.output.camera import View
 from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.glyphs import Arrows, Bands, BarAreas, Bars, Lines, Ticks
 from ngslac.output.shapes import Creases, Patch, Triangles
@@ -20,6 +20,11 @@ HUES = 32  # of macro-elements
 # Colours nearly as in the legend, with a little shade on curved faces.
 LIGHT = {"ambient": 0.75, "diffuse": 0.25, "shininess": 10, "specularity": 0.05}
 PALE = ([0.86, 0.89, 0.93], [0.94, 0.91, 0.85])  # of bodies side by side
+# Towards the camera from a face that closes on itself.
+ANYWHERE = np.array([0.6, -1.0, 0.5])
+SIDEWAYS = 0.7  # of the direction to the camera, beside the normal
+ROUND = 0.3  # mean of unit normals below which the face closes on itself
+AROUND = 1.6  # radius of what is seen, by that of the slave face
 
 
 class Marks:
@@ -130,3 +135,33 @@ def _RGB(colour):
 def _Pale(count):
     """Colours of `count` materials."""
     return [PALE[k % len(PALE)] for k in range(count)]
+
+
+def View(points, normals):
+    """Options euler_angles, center, radius of a scene that looks at a face with these `points`."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    turn = scipy.spatial.transform.Rotation.from_matrix(_Axes(_Towards(normals)))
+    return {
+        "euler_angles": turn.as_euler("XYZ", degrees=True).round(3).tolist(),
+        "center": ((low + high) / 2).tolist(),
+        "radius": float(AROUND * np.linalg.norm(high - low) / 2),
+    }
+
+
+def _Towards(normals):
+    """The direction from the faces to the camera."""
+    mean = normals.mean(axis=0)
+    if np.linalg.norm(mean) < ROUND:
+        return ANYWHERE / np.linalg.norm(ANYWHERE)
+    mean /= np.linalg.norm(mean)
+    side = ANYWHERE - (ANYWHERE @ mean) * mean
+    towards = mean + SIDEWAYS * side / np.linalg.norm(side)
+    return towards / np.linalg.norm(towards)
+
+
+def _Axes(towards):
+    """Rows: what the picture has to its right, above, and towards the camera; z goes up."""
+    up = np.eye(3)[2 if abs(towards[2]) < 0.95 else 1]
+    right = np.cross(up, towards)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(towards, right), towards])

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems of contact, distributed, as matrices of PETSc."""
 
+from functools import partial
+
 import numpy as np
 import scipy
+from ngsolve import CreateVVector
 
-from ngslac.arrays import ToCSR
+from ngslac._ngslac import GMRes, PreconditionedProduct
+from ngslac.arrays import AsBits, ToCSR
 from ngslac.errors import LinearSolveError
-from ngslac.petsc.condensation import Contacts
+from ngslac.linear.refine import EXACT, Refine
+from ngslac.petsc.condensation import CondensedSystem, Contacts
 from ngslac.petsc.direct import PetscDirect
-from ngslac.petsc.iterative import PetscIterative
-from ngslac.petsc.matrices import Assembled, Sum
+from ngslac.petsc.library import Checked, LoadPETSc
 from ngslac.petsc.multigrid import PetscMultigrid
 from ngslac.petsc.numbering import Numbering
 
@@ -143,3 +147,101 @@ class PetscSystem:
         if error is not None:
             raise LinearSolveError(error)
         return found
+
+
+class PetscIterative:
+    """Solves one system after the other; collective."""
+
+    best = 1e-12  # relative residual that GMRES can reach
+    most, patience = 150, 60
+
+    def __init__(self, numbering, mat, contact, preconditioner):
+        self.numbering, self.krylov = numbering, 0
+        self._system = CondensedSystem(numbering, mat, contact)
+        self._preconditioner = preconditioner
+
+    def Solve(self, b, accuracy):
+        """The solution, a new vector, and its relative residual."""
+        exact, size = max(accuracy, EXACT), b.norm()
+
+        def Step(left):
+            return self._Step(left, 0.9 * exact * size)
+
+        def Residual(x):
+            return self._system.Residual(b, x)
+
+        return Refine(Step, Residual, b, exact=exact, norm=lambda vec: vec.norm())
+
+    def _Step(self, b, residual):
+        """A solution up to a residual, a new vector."""
+        reduced = self._system.Reduce(b)
+        size, w = reduced.norm(), b.duplicate()
+        tol = min(max(residual / size, self.best), 0.1) if size else 1.0
+        work = b.duplicate(), b.duplicate(), b.duplicate()
+        product = PreconditionedProduct(
+            b.local_size, partial(self._Apply, *work), self.numbering.Total
+        )
+        rhs, every = CreateVVector(b.local_size), AsBits(np.ones(b.local_size))
+        rhs.FV().NumPy()[:] = reduced.array
+        found, residuals, converged = GMRes(product, rhs, every, tol, self.most, self.patience)
+        self.krylov += len(residuals) - 1
+        if not converged:
+            left = residuals[-1] / residuals[0]
+            raise LinearSolveError(f"no convergence in {len(residuals) - 1} iterations: {left:.1e}")
+        w.array[:] = found.FV().NumPy()
+        return self._system.Expand(b, w)
+
+    def _Apply(self, before, moved, product, x, z, image):
+        """Fill arrays: z = M^-1 x and image = A z, with the work of three vectors."""
+        before.array[:] = x
+        with Checked():
+            self._preconditioner.apply(before, moved)
+        self._system.Mult(moved, product)
+        z[:], image[:] = moved.array, product.array
+
+
+def Assembled(numbering, part, rows, diagonal=None):
+    """The sum over all ranks of square parts; collective."""
+    PETSc = LoadPETSc()
+    if part is None:
+        part, rows = scipy.sparse.csr_matrix((0, 0)), []
+    rows = np.asarray(rows, dtype=np.int64)
+    if diagonal is not None:
+        part, rows = WithDiagonal(part, rows, numbering.start + np.arange(len(diagonal)), diagonal)
+    local = PETSc.Mat().createAIJ(part.shape, csr=CSR(part), comm=PETSc.COMM_SELF)
+    mapping = PETSc.LGMap().create(rows.astype(PETSc.IntType), comm=numbering.comm)
+    mat = PETSc.Mat().createIS(numbering.sizes, lgmapr=mapping, lgmapc=mapping, comm=numbering.comm)
+    mat.setISLocalMat(local)
+    mat.assemble()
+    mat.convert("aij")
+    mat.setBlockSize(numbering.width)
+    return mat
+
+
+def CSR(part):
+    """Starts, columns and values as PETSc wants them."""
+    PETSc = LoadPETSc()
+    part.sort_indices()
+    return (
+        part.indptr.astype(PETSc.IntType),
+        part.indices.astype(PETSc.IntType),
+        part.data.astype(PETSc.ScalarType),
+    )
+
+
+def WithDiagonal(part, rows, own, diagonal):
+    """A part and its rows, with a diagonal on rows `own`."""
+    every = np.union1d(rows, own)
+    at, on = np.searchsorted(every, rows), np.searchsorted(every, own)
+    part = part.tocoo()
+    row = np.concatenate([at[part.row], on])
+    column = np.concatenate([at[part.col], on])
+    values = np.concatenate([part.data, diagonal])
+    return scipy.sparse.csr_matrix((values, (row, column)), shape=(len(every),) * 2), every
+
+
+def Sum(mat, other):
+    """A new matrix."""
+    total = mat.copy()
+    total.axpy(1.0, other, structure=LoadPETSc().Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return total
