@@ -32,6 +32,10 @@ class LACSpace(ngsolve.comp.FESpace):
         Numbers per macro-element; default: the space dimension, as `LACContact` needs it.
     autoupdate : bool
         Update with `mesh.Refine()`. Default: as V does.
+    axisymmetric : bool
+        The mesh in 2D is half of a section through bodies of revolution, x the distance from the axis,
+        y along it. Means, areas and forces are those of the whole circumference, so that the bulk form
+        has the factor ``2*pi*x``, as `AxisymmetricGrad` shows.
 
     Raises
     ------
@@ -94,7 +98,11 @@ class LACSpace(ngsolve.comp.FESpace):
         macros: Sequence[int] | None = None,
         components: int | None = None,
         autoupdate: bool = False,
+        axisymmetric: bool = False,
     ) -> None: ...
+    @property
+    def axisymmetric(self) -> bool:
+        """Are areas those of the whole circumference about the axis x = 0?"""
     @property
     def displacement(self) -> ngsolve.comp.FESpace:
         """The displacement space (FESpace) that the macro-elements are made for."""

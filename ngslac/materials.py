@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ngsolve import CoefficientFunction, Det, Id, Trace, log
+from ngsolve import CoefficientFunction, Det, Grad, Id, IfPos, Trace, log, x
 
 from ngslac.arguments import (
     CheckChoice,
@@ -19,7 +19,7 @@ from ngslac.arguments import (
     Wrong,
 )
 
-__all__ = ["NeoHooke", "Stress"]
+__all__ = ["AxisymmetricGrad", "NeoHooke", "Stress"]
 
 
 def Stress(strain, young, nu, *, plane="strain") -> CoefficientFunction:
@@ -140,6 +140,48 @@ def NeoHooke(F, young, nu, *, pressure=None) -> CoefficientFunction:
     if pressure.dim != 1:
         raise ValueError(f"pressure must be a scalar, got {pressure.dim} components")
     return distortion - pressure * (J - 1) - 3 * (1 - 2 * nu) / (2 * young) * pressure**2
+
+
+def AxisymmetricGrad(u) -> CoefficientFunction:
+    """Gradient of a displacement of a body of revolution, in components r, z and circumferential.
+
+    The mesh in 2D is half of a section with ``x = r >= 0``, and forms have the factor ``2*pi*x``.
+    On the axis ``u_r/r`` is the derivative of ``u_r``.
+
+    Parameters
+    ----------
+    u : ngsolve.CoefficientFunction, shape (2,)
+        A trial or test function or a GridFunction of a displacement space on a mesh in 2D.
+
+    Returns
+    -------
+    ngsolve.CoefficientFunction, shape (3, 3)
+
+    Raises
+    ------
+    TypeError, ValueError
+        `u` is no coefficient function, or has no two components.
+
+    Examples
+    --------
+    A tube under internal pressure, for `LACSpace` with ``axisymmetric=True``:
+
+    >>> from netgen.occ import unit_square
+    >>> from ngsolve import BilinearForm, InnerProduct, Mesh, Sym, VectorH1, dx, pi, x
+    >>> from ngslac.materials import AxisymmetricGrad, Stress
+    >>> V = VectorH1(Mesh(unit_square.GenerateMesh(maxh=0.5)), order=2)
+    >>> u, v = V.TnT()
+    >>> strain, virtual = Sym(AxisymmetricGrad(u)), Sym(AxisymmetricGrad(v))
+    >>> a = BilinearForm(V)
+    >>> a += 2 * pi * x * InnerProduct(Stress(strain, 200e3, 0.3), virtual) * dx
+    """
+    CheckInstance("u", u, CoefficientFunction, "a displacement with 2 components")
+    if tuple(u.dims) != (2,):
+        raise ValueError(f"u must have 2 components, on a mesh in 2D; it has the shape {u.dims}")
+    grad = Grad(u)
+    hoop = IfPos(x, u[0] / IfPos(x, x, 1), grad[0, 0])
+    rows = (grad[0, 0], grad[0, 1], 0), (grad[1, 0], grad[1, 1], 0), (0, 0, hoop)
+    return CoefficientFunction(sum(rows, ()), dims=(3, 3))
 
 
 def _Order(name, tensor):

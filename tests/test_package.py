@@ -50,7 +50,7 @@ def test_public_names():
 
 
 def test_signatures_are_known():
-    wanted = "(V, *, slave, macros=None, components=None, autoupdate=False)"
+    wanted = "(V, *, slave, macros=None, components=None, autoupdate=False, axisymmetric=False)"
     assert str(inspect.signature(ngslac.LACSpace)) == wanted
     assert "friction" in inspect.signature(ngslac.LACContact).parameters
 

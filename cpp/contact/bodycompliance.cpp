@@ -17,7 +17,7 @@ void AddIntegrals(const FaceShapes<D> & shapes, const Surface<D> & surface, int 
     Vec<D> x;
     Mat<D, D - 1> dx;
     surface.Evaluate(face, xi, x, dx);
-    shapes.AddValues(face, xi, ip.Weight() * Measure(dx), functions, lh);
+    shapes.AddValues(face, xi, ip.Weight() * surface.AreaElement(x, dx), functions, lh);
   }
   auto dofs = shapes.Dofs(face);
   for (int i : Range(functions))

@@ -221,7 +221,7 @@ public:
       if (!macros.Test(m) || place.area == 0)
         continue;
       // just enough for a positive trial pressure
-      double size = pow(kinematics->Jump().fullarea[m], 1.0 / (D - 1));
+      double size = kinematics->Jump().Size(m);
       double c = max(law->c[m], law->end_c[m]);
       double pressure = c * (fabs(place.gap) + 1e-6 * size);
       Vec<D> compliance = law->ComplianceOf(m).At(place.normal) * place.normal;
@@ -285,6 +285,7 @@ public:
       auto place = kinematics->Place(m);
       AppendVector<D>(table["facing"], place.facing);
       table["ends"].Append(place.end);
+      table["size"].Append(jump.Size(m));
       table["prescribed"].Append(D - Trace(space->ReachOf(m)));
       table["pressure"].Append(state.pressure);
       table["gap"].Append(state.gap);

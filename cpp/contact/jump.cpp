@@ -158,7 +158,7 @@ MacroJump<D>::MacroJump(const LACSpace & space, const Surface<D> & slave,
   RegionTimer reg(timer);
   size_t n = space.NMacros();
   area.SetSize(n), fullarea.SetSize(n), normal.SetSize(n), center.SetSize(n), moment.SetSize(n);
-  flatness.SetSize(n);
+  flatness.SetSize(n), way.SetSize(n);
   TableCreator<int> creator(n);
   for (; !creator.Done(); creator++)
     for (int f : Range(slave.Size()))
@@ -266,7 +266,7 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
       Vec<D> x;
       Mat<D, D - 1> dx;
       slave.Evaluate(f, ReferencePoint<D - 1>(ip), x, dx);
-      double w = ip.Weight() * Measure(dx);
+      double w = ip.Weight() * slave.AreaElement(x, dx);
       full += w;
       centers += w * x;
       normals += w * slave.Normal(f, dx);
@@ -283,6 +283,7 @@ void MacroJump<D>::Geometry(size_t macro, const Surface<D> & slave, const Pairin
   normal[macro] = (1 / L2Norm(normals)) * normals;
   flatness[macro] = L2Norm(normals) / full;
   center[macro] = slave.Origin() + (1 / full) * centers;
+  way[macro] = slave.Way((1 / full) * centers);
   moment[macro] = moments;
 }
 

@@ -61,6 +61,8 @@ public:
   }
   /// Factor of a multiplier's rows: the paired area, and where there is none that of all faces.
   double RowArea(size_t macro) const { return area[macro] > 0 ? area[macro] : fullarea[macro]; }
+  /// A length: how large a macro-element is.
+  double Size(size_t macro) const { return pow(fullarea[macro] / way[macro], 1.0 / (D - 1)); }
   /// mean of u1 - u2 over the paired part
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
   /// How the rows give way where each dof has a spring of its own, a mean over the components.
@@ -70,6 +72,7 @@ public:
 
   Array<double> area;     // paired
   Array<double> fullarea; // of all faces
+  Array<double> way;      // how far each turns in a body of revolution, else 1
   Array<Vec<D>> normal;   // unit, mean of the outward slave normals
   Array<double> flatness; // length of that mean: 1 where the macro-element is plane
   Array<Vec<D>> center;   // of all faces

@@ -162,7 +162,7 @@ Array<double> Parallels(const LACSpace & space, const Surface<D> & slave,
       least[m] = min(least[m], p.gap), most[m] = max(most[m], p.gap);
   }
   for (size_t m : Range(least)) {
-    double slope = (most[m] - least[m]) / pow(jump.fullarea[m], 1.0 / (D - 1));
+    double slope = (most[m] - least[m]) / jump.Size(m);
     least[m] = max(0.0, min(1.0, 2 - slope / parting_slope));
   }
   return least;
@@ -206,7 +206,7 @@ Array<double> EndShares(const LACSpace & space, const Surface<D> & slave, const 
   auto sharp = AreSharp<D>(slave_ends, slave, ma);
   Array<double> beyond(slave_ends.Size());
   ParallelFor(slave_ends.Size(), [&](size_t i) {
-    double size = pow(jump.fullarea[macro(slave_ends[i].face)], 1.0 / (D - 1));
+    double size = jump.Size(macro(slave_ends[i].face));
     beyond[i] = SlaveEnd<D>(slave, slave_ends[i]).Beyond(master_ends, size) / size;
   });
   for (size_t i : Range(slave_ends))

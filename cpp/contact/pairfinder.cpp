@@ -63,9 +63,11 @@ unique_ptr<Surface<D>>
 PairFinder<D>::SurfaceOf(const Region & region,
                          shared_ptr<CoefficientFunction> displacement) const {
   auto surface = make_unique<Surface<D>>(region, nullptr, 1);
-  if (!displacement && !setup.finite)
-    return surface;
-  return make_unique<Surface<D>>(region, displacement, u.Order(*surface));
+  if (displacement || setup.finite)
+    surface = make_unique<Surface<D>>(region, displacement, u.Order(*surface));
+  if (space->IsAxisymmetric())
+    surface->Turn();
+  return surface;
 }
 
 template <int D>

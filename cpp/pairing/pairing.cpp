@@ -31,8 +31,8 @@ Pairing<D> PairWithObstacle(const Surface<D> & slave, int order) {
       Vec<D> x;
       Mat<D, D - 1> dx;
       slave.Evaluate(f, xi, x, dx);
-      points.Append(
-          PairPoint<D>{xi, Vec<D - 1>(0.0), weight * Measure(dx), 0.0, slave.Normal(f, dx)});
+      points.Append(PairPoint<D>{xi, Vec<D - 1>(0.0), weight * slave.AreaElement(x, dx), 0.0,
+                                 slave.Normal(f, dx)});
     };
     for (int f : faces) {
       part.segments.Append(Segment{f, -1, part.points.Size(), part.corners.Size()});

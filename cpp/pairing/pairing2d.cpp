@@ -282,7 +282,7 @@ private:
     Mat<2, 1> dx;
     slave.Evaluate(face, xi, x, dx);
     auto hit = FindHit(partner, xi).value_or(Hit{0, numeric_limits<double>::quiet_NaN()});
-    return {xi, hit.eta, weight * L2Norm(dx), hit.gap, slave.Normal(face, dx)};
+    return {xi, hit.eta, weight * slave.AreaElement(x, dx), hit.gap, slave.Normal(face, dx)};
   }
 
   /// The end of the last segment on one side is one of the master, unless it is one of the search.

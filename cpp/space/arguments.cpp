@@ -56,9 +56,9 @@ int CheckedComponents(const Argument<int> & components) {
 
 /// The macro-elements of a distributed mesh, which one process knows.
 MacroPartition Distributed(shared_ptr<FESpace> V, py::object slave, py::object macros,
-                           Flags & flags) {
+                           py::object axisymmetric, Flags & flags) {
   auto [count, numbers, replica] = py::module_::import("ngslac.parallel.space")
-                                       .attr("MacroElements")(V, slave, macros)
+                                       .attr("MacroElements")(V, slave, macros, axisymmetric)
                                        .cast<std::tuple<size_t, Numbers<int>, int>>();
   flags.SetFlag("replica", double(replica));
   MacroPartition partition;
@@ -66,6 +66,22 @@ MacroPartition Distributed(shared_ptr<FESpace> V, py::object slave, py::object m
   partition.cores.SetSize(count), partition.reach.SetSize(count);
   partition.reach = Mat<3, 3>(0.0);
   return partition;
+}
+
+/// Throws unless a mesh is a half of a section through the axis x = 0.
+void CheckHalfPlane(const MeshAccess & mesh) {
+  if (mesh.GetDimension() != 2)
+    throw py::value_error("LACSpace: axisymmetric=True needs a mesh in 2D, of the half of a "
+                          "section with x > 0; this one is in " +
+                          ToString(mesh.GetDimension()) + "D");
+  double least = 0, size = 0;
+  for (size_t v : Range(mesh.GetNV())) {
+    double x = mesh.GetPoint<2>(v)(0);
+    least = min(least, x), size = max(size, fabs(x));
+  }
+  if (least < -1e-8 * size)
+    throw py::value_error("LACSpace: axisymmetric=True, but the mesh reaches to x = " +
+                          ToString(least) + ": the axis is x = 0, and bodies lie at x >= 0");
 }
 
 shared_ptr<LACSpace> MakeSpace(shared_ptr<FESpace> displacement, const Flags & flags,
@@ -85,7 +101,7 @@ shared_ptr<LACSpace> SpaceArguments::Make() const {
   Flags flags;
   optional<MacroPartition> taken;
   if (mesh->GetCommunicator().Size() > 1)
-    taken = Distributed(V, slave.value, macros.value, flags);
+    taken = Distributed(V, slave.value, macros.value, axisymmetric.value, flags);
   auto region = taken ? BoundaryRegion(mesh, "LACSpace: slave", slave.value)
                       : RegionWithFaces(mesh, "LACSpace: slave", slave.value);
   flags.SetFlag("slave", NumbersOf(region));
@@ -95,6 +111,10 @@ shared_ptr<LACSpace> SpaceArguments::Make() const {
     flags.SetFlag("components", double(CheckedComponents(components)));
   bool follows = autoupdate.As("LACSpace: autoupdate", "True or False");
   flags.SetFlag("autoupdate", follows || V->DoesAutoUpdate());
+  if (axisymmetric.As("LACSpace: axisymmetric", "True or False")) {
+    CheckHalfPlane(*mesh);
+    flags.SetFlag("axisymmetric");
+  }
   return MakeSpace(V, flags, taken);
 }
 } // namespace ngslac

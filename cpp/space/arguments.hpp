@@ -11,6 +11,7 @@ struct SpaceArguments {
   Argument<std::vector<int>> macros;
   Argument<int> components;
   Argument<bool> autoupdate;
+  Argument<bool> axisymmetric;
 
   shared_ptr<LACSpace> Make() const;
 };

@@ -28,6 +28,10 @@ components : int, optional
     Numbers per macro-element; default: the space dimension, as `LACContact` needs it.
 autoupdate : bool
     Update with `mesh.Refine()`. Default: as V does.
+axisymmetric : bool
+    The mesh in 2D is half of a section through bodies of revolution, x the distance from the axis,
+    y along it. Means, areas and forces are those of the whole circumference, so that the bulk form
+    has the factor ``2*pi*x``, as `AxisymmetricGrad` shows.
 
 Raises
 ------
@@ -56,17 +60,21 @@ True
 void ExportSpace(py::module & m) {
   py::class_<LACSpace, shared_ptr<LACSpace>, FESpace> space(m, "LACSpace", space_doc);
   space.attr("__signature__") = py::module_::import("inspect").attr("signature")(
-      py::eval("lambda V, *, slave, macros=None, components=None, autoupdate=False: None"));
+      py::eval("lambda V, *, slave, macros=None, components=None, autoupdate=False, "
+               "axisymmetric=False: None"));
   space
       .def(py::init([](const Argument<shared_ptr<FESpace>> & V, const py::args & more,
                        const Argument<std::variant<Region, string>> & slave,
                        const Argument<std::vector<int>> & macros, const Argument<int> & components,
-                       const Argument<bool> & autoupdate, const py::kwargs & others) {
-             CheckNoMore("LACSpace", more, others, "V, slave=, macros=, components=, autoupdate=");
-             return SpaceArguments{V, slave, macros, components, autoupdate}.Make();
+                       const Argument<bool> & autoupdate, const Argument<bool> & axisymmetric,
+                       const py::kwargs & others) {
+             CheckNoMore("LACSpace", more, others,
+                         "V, slave=, macros=, components=, autoupdate=, axisymmetric=");
+             return SpaceArguments{V, slave, macros, components, autoupdate, axisymmetric}.Make();
            }),
            py::arg("V") = py::none(), py::arg("slave") = py::none(), py::arg("macros") = py::none(),
-           py::arg("components") = py::none(), py::arg("autoupdate") = false)
+           py::arg("components") = py::none(), py::arg("autoupdate") = false,
+           py::arg("axisymmetric") = false)
       .def(py::pickle(
           [](const LACSpace & self) {
             return py::make_tuple(self.Displacement(), self.GetFlags());
@@ -90,6 +98,8 @@ void ExportSpace(py::module & m) {
           "number",
           [](const LACSpace & self) { return int(self.GetFlags().GetNumFlag("replica", -1)); },
           "Of its replica where the mesh is distributed, else -1.")
+      .def_property_readonly("axisymmetric", &LACSpace::IsAxisymmetric,
+                             "Are areas those of the whole circumference about the axis x = 0?")
       .def_property_readonly("slave", &LACSpace::SlaveRegion, "The slave surface (Region).")
       .def(
           "WithComponents",

@@ -11,7 +11,7 @@ namespace ngslac {
 class LACSpace : public FESpace {
 public:
   /// flags: "slave" (see NumbersOf), "macros" (optional partition of the first mesh),
-  /// "components" (default: the space dimension)
+  /// "components" (default: the space dimension), "axisymmetric"
   LACSpace(shared_ptr<FESpace> displacement, const Flags & flags);
 
   string GetClassName() const override { return "LACSpace"; }
@@ -37,6 +37,8 @@ public:
   /// Projection on the directions in which free displacements inside of the macro-element move the
   /// mean; 0 where they do not reach the normal.
   const Mat<3, 3> & ReachOf(size_t macro) const { return partition.reach[macro]; }
+  /// Is the axis of the bodies x = 0?
+  bool IsAxisymmetric() const { return flags.GetDefineFlag("axisymmetric"); }
   Region SlaveRegion() const { return Region(ma, BND, slave); }
 
 private:

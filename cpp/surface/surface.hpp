@@ -25,6 +25,10 @@ public:
   size_t BaseSize() const { return base; }
   /// Appends the faces of the mesh once more, moved.
   void Repeat(const Vec<D> & shift);
+  /// Areas are from now on those that faces sweep as they turn about the axis x = 0.
+  void Turn() { turns = true; }
+  /// How far a point turns, a factor of areas; 1 for what is no body of revolution.
+  double Way(const Vec<D> & x) const { return turns ? 2 * M_PI * fabs(origin(0) + x(0)) : 1; }
   /// the faces of the mesh that these are
   const Faces & MeshFaces() const { return faces; }
   /// Positions count from there: near 0 unless the mesh is far away, where displacements that are
@@ -63,6 +67,10 @@ public:
   Vec<D> Point(size_t face, Vec<D - 1> xi) const;
   /// point and derivative with respect to the reference coordinates
   void Evaluate(size_t face, Vec<D - 1> xi, Vec<D> & x, Mat<D, D - 1> & dx) const;
+  /// Factor of the area element, for a point and derivative that Evaluate gave.
+  double AreaElement(const Vec<D> & x, const Mat<D, D - 1> & dx) const {
+    return Measure(dx) * Way(x);
+  }
   /// second derivatives of the component of the point in a direction
   Mat<D - 1, D - 1> Hessian(size_t face, Vec<D - 1> xi, Vec<D> direction) const;
   /// unit normal out of the body, for a derivative that Evaluate gave
@@ -72,6 +80,7 @@ private:
   void AddFace(size_t face, MeshAccess & ma, CoefficientFunction * displacement, LocalHeap & lh);
 
   Vec<D> origin;
+  bool turns = false; // about the axis of an axisymmetric problem
   Faces faces;
   size_t base;
   Array<ELEMENT_TYPE> types;

@@ -174,7 +174,8 @@ def _ToolWay(contact, values):
     rows = contact.form.ToolRows().reshape(*normal.shape, len(dofs))
     rows = rows - normal[:, :, None] * np.einsum("md,mdt->mt", normal, rows)[:, None, :]
     lengths = np.linalg.norm(rows, axis=1).sum(axis=0)
-    size = table["fullarea"].sum() ** (1 / (contact.mesh.dim - 1))
+    d = contact.mesh.dim
+    size = np.sum(contact._Sizes() ** (d - 1)) ** (1 / (d - 1))
     return np.max(np.abs(values[dofs]) * lengths) / (area * size)
 
 

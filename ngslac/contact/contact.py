@@ -351,7 +351,7 @@ class LACContact(metaclass=Distributable):
 
     def _Sizes(self):
         """How large macro-elements are (m,): lengths."""
-        return self.Table()["fullarea"] ** (1 / (self.mesh.dim - 1))
+        return self.form.Table()["size"]
 
     def _Slid(self):
         """How far macro-elements (m, d) moved along the master since they were paired.

@@ -72,6 +72,8 @@ def Force(self, *, on=None) -> np.ndarray:
     Returns
     -------
     (d,) array
+        Where the problem is axisymmetric that of the whole circumference: the sum of the radial
+        forces, of which opposite ones balance each other, and the axial force.
 
     Raises
     ------
@@ -116,7 +118,7 @@ def Moment(self, point=None) -> float | np.ndarray:
     Returns
     -------
     float in 2D, (3,) array in 3D
-        Force times length.
+        Force times length; 0 where the problem is axisymmetric.
 
     Raises
     ------
@@ -125,6 +127,8 @@ def Moment(self, point=None) -> float | np.ndarray:
     """
     d = self.mesh.dim
     point = np.zeros(d) if point is None else CheckPoint("point", point, d)
+    if self.space.axisymmetric:
+        return 0.0
     total = self.form.Resultants()["moment"].sum(axis=0)
     arm, force = np.zeros(3), np.zeros(3)
     arm[:d], force[:d] = point, self.Force()

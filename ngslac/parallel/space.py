@@ -10,7 +10,7 @@ from ngslac.parallel.ensemble import Ensemble
 __all__ = ["MacroElements"]
 
 
-def MacroElements(V, slave, macros):
+def MacroElements(V, slave, macros, axisymmetric):
     """What a LACSpace on a distributed mesh has to know."""
     ensemble = Ensemble.Of(V.mesh)
     replica = ensemble.SpaceOf(V)
@@ -24,7 +24,7 @@ def MacroElements(V, slave, macros):
         mesh = ensemble.mesh.Gather()
         space = ensemble.Space(replica)
         region = Region(mesh, slave.VB(), slave.Mask()) if isinstance(slave, Region) else slave
-        home = LACSpace(space, slave=region)
+        home = LACSpace(space, slave=region, axisymmetric=axisymmetric)
         numbers = np.array(list(home.macros), dtype=np.int32)
         ensemble.crew.Order("macros", own, each=[numbers[f] for f in ensemble.mesh.faces])
         ensemble.homes[own] = home

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 import scipy
 from ngsolve import CF, ET, IntegrationRule, x, y, z
-from scipy.sparse.csgraph import connected_components
 
 from ngslac._ngslac import BoundaryVertices
 
@@ -144,7 +143,7 @@ class Patches:
         self._neighbours, touches = surface.neighbours, surface.touches
         self.touched = touches.T @ closed > 0  # vertices of those that transmit forces
         mine = touches[closed]
-        _, labels = connected_components(mine @ mine.T, directed=False)
+        _, labels = scipy.sparse.csgraph.connected_components(mine @ mine.T, directed=False)
         self.count = int(labels.max()) + 1 if len(labels) else 0
         # The patch of each macro-element, open ones included where they touch one; -1 for none.
         self.macro = np.full(len(closed), -1)

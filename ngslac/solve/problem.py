@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BitArray, GridFunction
+from ngsolve import CF, VOL, BitArray, GridFunction, Integrate, x, y
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
@@ -14,10 +14,11 @@ from ngslac.arrays import AsNumPy, Multiply
 from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.bulkforms import BulkForm
 from ngslac.contact.contact import LACContact
-from ngslac.errors import ContactConvergenceError
+from ngslac.errors import ContactConvergenceError, Warn
 
 __all__ = [
     "AssembleBulk",
+    "CheckAxis",
     "CheckBodies",
     "CheckBulk",
     "CheckContacts",
@@ -31,6 +32,10 @@ __all__ = [
     "MultiplierRows",
 ]
 
+# Forces against a shift off the axis, relative to those against a stretch: less are none.
+RESISTS = 1e-13
+# By what factor the resistance differs from that of hoop strains where it may be one.
+ALIKE = 3.0
 # Flags of a BilinearForm that leave no matrix, or not enough of it, with what to do instead.
 REFUSED = {
     "nonassemble": "it has no matrix then",
@@ -253,6 +258,62 @@ def CheckBodies(mat, contact, free, *, rests):
                 "there a name that is missing in a MaterialCF, a modulus of 0, or an integral that "
                 "leaves a body out?"
             )
+
+
+def CheckAxis(mat, contacts):
+    """Refuse a bulk without hoop strain beside axisymmetric contact; warn of the opposite.
+
+    A shift away from the axis strains a body of revolution, but nothing in a plane.
+    """
+    flags = [contact.space.axisymmetric for contact in contacts]
+    if len(set(flags)) > 1:
+        raise ValueError(
+            f"contact number {flags.index(True)} is axisymmetric and number {flags.index(False)} "
+            "is not: make each LACSpace with axisymmetric=True, or none"
+        )
+    mesh = contacts[0].mesh
+    if mesh.dim > 2 or np.asarray(mesh.ngmesh.Coordinates())[:, 0].min() < 0:
+        return
+    found = list(_HoopStiffness(mat, contacts[0].form))
+    without = [repr(name) for name, resists, _ in found if not resists]
+    if flags[0] and without:
+        raise ValueError(
+            f"a, the bulk form, has no hoop strain in {', '.join(without)}, but contact is "
+            "axisymmetric: take 2*pi*x*dx and AxisymmetricGrad of ngslac.materials"
+        )
+    alike = [1 / ALIKE < ratio < ALIKE for *_, ratio in found]
+    if not flags[0] and alike and all(alike) and not without:
+        Warn(
+            "a, the bulk form, resists a shift along x as that of an axisymmetric problem does, "
+            "but contact is that of a plane: if x is the distance from an axis, make the LACSpace "
+            "with axisymmetric=True"
+        )
+
+
+def _HoopStiffness(mat, form):
+    """Of each material: its name, does it resist a shift along x, and how much.
+
+    1 is what hoop strains make, by the modulus that a stretch along y tells. Materials all of whose
+    dofs lie on boundaries are left out.
+    """
+    space, block, mesh = form.component, form.fes.dim, form.component.mesh
+    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    pushed, works = [], []
+    for field in ((1, 0), (0, y)):
+        gf, values = GridFunction(space), np.zeros(form.fes.ndof * block)
+        gf.Set(CF(field), VOL)
+        values[own] = gf.vec.FV().NumPy()
+        forces = Multiply([mat], values)
+        pushed.append(np.abs(forces[own]).reshape(-1, block).max(axis=1))
+        works.append((values * forces)[own].reshape(-1, block).sum(axis=1))
+    inside = ~AsNumPy(space.GetDofs(mesh.Boundaries(".*")))
+    rings, areas = (Integrate(f, mesh, order=4, region_wise=True) for f in (1 / x, x))
+    for k, name in enumerate(mesh.GetMaterials()):
+        dofs = AsNumPy(DofsOfMaterials(space, np.arange(len(rings)) == k))
+        if np.any(dofs & inside):
+            resists = pushed[0][dofs & inside].max() > RESISTS * pushed[1][dofs].max()
+            shift, stretch = (work[dofs].sum() for work in works)
+            yield name, resists, shift / stretch * areas[k] / rings[k] if stretch > 0 else 0.0
 
 
 def _MaterialsOf(space, dofs):

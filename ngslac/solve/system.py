@@ -15,7 +15,7 @@ from ngslac.bulkforms import WithoutMass
 from ngslac.errors import Warn
 from ngslac.linear.system import LinearSystem
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
-from ngslac.solve.problem import CheckBodies, CheckMatrix, MultiplierRows
+from ngslac.solve.problem import CheckAxis, CheckBodies, CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
 
 __all__ = ["Saddle", "System"]
@@ -267,6 +267,7 @@ class System:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             free, rests = self.linear.free & ~bulk.inner, not np.any(self.values)
             CheckBodies(bulk.mat, self.contacts[0], free, rests=rests)
+            CheckAxis(bulk.mat, self.contacts)
             self._apart = True
         self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs

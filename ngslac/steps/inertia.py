@@ -17,6 +17,8 @@ from ngsolve import (
     Parameter,
     Region,
     dx,
+    pi,
+    x,
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
@@ -79,8 +81,10 @@ class Mass:
         space = form.fes
         self.u, self.v = Displacement(space, form)
         self._changes = isinstance(density, CoefficientFunction)  # may hold a Parameter
-        self.wanted = density
         self.density = CheckScalar("density", density, "mass per reference volume, > 0")
+        if contact.space.axisymmetric:
+            self.density = density = 2 * pi * x * self.density
+        self.wanted = density
         self._bodies = DefinedOn(form.component)
         self._masses = self._CheckPositive(2 * form.component.globalorder)
         self.rows = np.zeros(contact.nscalars, dtype=bool)

@@ -516,7 +516,7 @@ def test_refused():
         contact_form(block_mesh(2), law=LimitedSpring(), friction=0.3)
     with pytest.raises(TypeError, match="law = 3 must be a function from places"):
         contact_form(block_mesh(2), law=3)
-    with pytest.raises(TypeError, match="law = .*LimitedSpring.*, not a class: give an object"):
+    with pytest.raises(TypeError, match=r"law = .*LimitedSpring.*, not a class: give an object"):
         contact_form(block_mesh(2), law=LimitedSpring)
 
 

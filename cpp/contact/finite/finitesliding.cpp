@@ -12,7 +12,7 @@ double MeasureAt(const Surface<D> & surface, int face, const PairPoint<D> & p) {
   Vec<D> x;
   Mat<D, D - 1> dx;
   surface.Evaluate(face, p.slave, x, dx);
-  return Measure(dx);
+  return surface.AreaElement(x, dx);
 }
 
 /// Makes the weights of a pairing in the current configuration those of areas in the reference one.
