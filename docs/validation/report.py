@@ -19,7 +19,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).resolve().parents[2]
-TESTS = ("validation", "solver", "contact", "problems")
+TESTS = ("validation", "solver", "contact", "problems", "reference")
 FOLDERS = (ROOT / "tutorials/examples", *(ROOT / "tests" / n for n in TESTS))
 for folder in FOLDERS:
     if str(folder) not in sys.path:

@@ -42,7 +42,9 @@ def HalfSection(h):
         body.faces.name = name
         for edge in body.edges:
             r, z = edge.center.x, edge.center.y
-            if name == "punch":
+            if abs(r) < 1e-9:
+                edge.name = "axis"
+            elif name == "punch":
                 edge.name = "slave" if z < 9 else "top" if z > 99 else "side"
                 edge.maxh = 3 if edge.name == "slave" and r > 1 else 25
             else:

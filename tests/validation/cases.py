@@ -23,6 +23,7 @@ case_spheres
 case_sphere
 case_directions
 case_punch
+case_axisymmetric
 case_pin
 case_halfring
 case_rubber
