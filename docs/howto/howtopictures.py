@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tutorials" / "examples"))
 from deformed import Smooth
 
 from ngslac import ContactSolver, LACContact, LoadStepper
-from ngslac.materials import Stress
+from ngslac.materials import AxisymmetricGrad, Stress
 
 __all__ = ["Show"]
 
@@ -150,6 +150,11 @@ def Elastic(young, nu=0.3):
     return lambda names, u: Mises(Stress(Sym(Grad(u)), names.get(young, young), nu))
 
 
+def Turning(names, u):
+    """Equivalent stress of bodies of revolution."""
+    return Mises(Stress(Sym(AxisymmetricGrad(u)), names["young"], 0.3))
+
+
 def Curves(draw, size=(6, 3.6)):
     """A picture of curves, drawn by `draw(axes, names)`."""
 
@@ -248,6 +253,7 @@ def Punch(names, path):
 
 STRESS = "equivalent stress [MPa]"
 PICTURES = {
+    "axisymmetric": ShowPlane(Turning, STRESS, factor=1, size=0.15),
     "bolt_preload": ShowSolid(Elastic("E"), STRESS, 150, (-2, -3, 1.2)),
     "choosing_slave": Curves(Sides),
     "convergence_study": Curves(Convergence),

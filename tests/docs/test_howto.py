@@ -73,6 +73,17 @@ def test_rubber(run):
     assert names["contact"].Force()[1] == pytest.approx(11.8, rel=0.01)
 
 
+def test_axisymmetric(run):
+    """The axial force is the load; without friction tractions are normal to the cone."""
+    names = run("axisymmetric")
+    contact, (_, axial) = names["contact"], names["contact"].Force()
+    assert axial == pytest.approx(2e3, rel=1e-4)  # the ball is of curved triangles
+    table = contact.Table()
+    along = table["traction"] + table["pressure"][:, None] * table["normal"]
+    assert np.all(np.linalg.norm(along, axis=1) <= 0.2 * table["pressure"] * (1 + 1e-8))
+    assert np.any(table["status"] > 0)
+
+
 def test_stack(run):
     names = run("stack")
     carried = [contact.Force()[1] for contact in names["contacts"]]
