@@ -49,7 +49,9 @@ FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & 
   IntegrationRule rule(trafo.GetElementType(), 2);
   for (auto & ip : rule) {
     auto & mip = trafo(ip, lh);
-    double value = function.Evaluate(mip);
+    Vec<1> values;
+    function.Evaluate(mip, FlatVector<>(values)); // some derivatives have no other evaluation
+    double value = values(0);
     if (!isfinite(value) || value < least)
       throw Exception("LACContact: " + name + " is " + ToString(value) + " at " +
                       PointText(mip.GetPoint()) + " on boundary '" + string(ma.GetMaterial(ei)) +

@@ -13,6 +13,15 @@ using NamedNumbers = std::map<string, Array<double>>;
 /// `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
 using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
+/// Fields of a contact on which its coefficients may depend: numbers of the macro-elements.
+struct ContactFields {
+  std::vector<shared_ptr<GridFunction>> values; // slip, a component each, gap, pressure
+  /// Derivatives of "friction", "tresca" and "offset" by them; none of what does not depend.
+  std::map<string, std::vector<shared_ptr<CoefficientFunction>>> slopes;
+  /// What is remembered: as it was when the step began, and what it becomes at the end.
+  std::map<string, std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>> memory;
+};
+
 /// What a contact form needs besides the two fields.
 struct ContactSetup {
   shared_ptr<CoefficientFunction> u, lam; // trial functions
@@ -31,7 +40,8 @@ struct ContactSetup {
   double penetration = 0; // 0: chosen from the size of the surfaces
   bool active = true;     // off: no partners, no forces
   ContactLaw law;         // in place of the compiled one: tractions and derivatives, see ownlaw.hpp
-  NamedNumbers kept;      // what that remembers of a macro-element, before the first step
+  ContactFields fields;   // on which the coefficients depend
+  NamedNumbers kept;      // what is remembered of a macro-element, before the first step
 };
 
 /// Values of one macro-element after an evaluation.

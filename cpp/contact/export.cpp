@@ -109,11 +109,14 @@ void ExportContact(py::module & m) {
                   shared_ptr<CoefficientFunction> friction, shared_ptr<CoefficientFunction> tresca,
                   shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool, bool tied,
                   bool bilateral, bool finite, bool edges, double adjust, double maxdist,
-                  double penetration, bool active, py::object law, const NamedArrays & kept) {
-                 return ContactForm::Create(ContactSetup{u, lam, master, obstacle, friction, tresca,
-                                                         offset, tool, tied, bilateral, finite,
-                                                         edges, adjust, maxdist, penetration,
-                                                         active, LawOf(law), FromDict(kept)});
+                  double penetration, bool active, py::object law, const NamedArrays & kept,
+                  const std::vector<shared_ptr<GridFunction>> & fields,
+                  const std::map<string, std::vector<shared_ptr<CoefficientFunction>>> & slopes,
+                  const std::map<string, std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>> & memory) {
+                 return ContactForm::Create(
+                     ContactSetup{u, lam, master, obstacle, friction, tresca, offset, tool, tied,
+                                  bilateral, finite, edges, adjust, maxdist, penetration, active,
+                                  LawOf(law), ContactFields{fields, slopes, memory}, FromDict(kept)});
                }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
@@ -121,7 +124,8 @@ void ExportContact(py::module & m) {
            py::arg("tool") = nullptr, py::arg("tied") = false, py::arg("bilateral") = false,
            py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
            py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true,
-           py::arg("law") = py::none(), py::arg("kept") = NamedArrays())
+           py::arg("law") = py::none(), py::arg("kept") = NamedArrays(),
+           py::arg("fields") = py::list(), py::arg("slopes") = py::dict(), py::arg("memory") = py::dict())
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf,

@@ -90,19 +90,19 @@ public:
     Prepare(bx);
     CheckSize(by.FV<double>().Size());
     auto x = bx.FV<double>();
-    AddResidual(x, Answers(x, false), by.FV<double>());
+    AddResidual(x, Answers(x, Want::values), by.FV<double>());
   }
 
   void AssembleLinearization(const BaseVector & bx) override {
     Prepare(bx);
     auto x = bx.FV<double>();
-    Linearize(Answers(x, false), law->Multipliers(x), Rim::stays);
+    Linearize(Answers(x, Want::derivatives), law->Multipliers(x), Rim::stays);
   }
   void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
     Prepare(bx);
     CheckSize(residual.FV<double>().Size());
     auto x = bx.FV<double>();
-    auto answers = Answers(x, true);
+    auto answers = Answers(x, Want::step);
     Linearize(answers, law->Multipliers(x), Rim::moves);
     AddResidual(x, answers, residual.FV<double>());
   }
@@ -113,7 +113,7 @@ public:
     law->Reevaluate();
     auto x = bx.FV<double>();
     kinematics->At(x);
-    auto answers = Answers(x, false);
+    auto answers = Answers(x, Want::values);
     ParallelFor(states.Size(), [&](size_t m) {
       auto place = Place(m);
       auto & state = states[m];
@@ -146,7 +146,7 @@ public:
     Follow(bx);
     Evaluate(bx);
     if (setup.active && kept.size())
-      kept = KeptAfter<D>(setup.law, WithKept(Places(bx.FV<double>())), kept, setup.tied);
+      kept = KeptAfter(kinematics->Jump().area, kept, Remembered(bx.FV<double>()));
     if (setup.active)
       kinematics->Commit(bx.FV<double>(), accepted.states, states);
     Accept();
@@ -497,14 +497,20 @@ private:
     kinematics->At(x.FV<double>());
   }
 
-  /// The answers of the law at x, in a step with its memory of the last one.
-  Array<Answer<D>> Answers(FlatVector<> x, bool step) {
+  /// What of an answer: in a step with the memory of the last one.
+  enum class Want { values, derivatives, step };
+  /// The answers of the law at x.
+  Array<Answer<D>> Answers(FlatVector<> x, Want want) {
     if (setup.law)
       return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
+    if (law->Depends())
+      law->DependOn([&](size_t m) { return Place(m); }, x, kept, want != Want::values);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
-      answers[m] = step ? law->AtStep(m, place, x) : law->At(m, place, x);
+      answers[m] = want == Want::step ? law->AtStep(m, place, x) : law->At(m, place, x);
+      if (law->Depends() && want != Want::values)
+        law->AddSlopes(m, place, x, answers[m]);
     });
     return answers;
   }
@@ -527,6 +533,13 @@ private:
       AppendVector<D>(places["trial"], law->Multiplier(m, x) - law->c[m] * place.jump);
     }
     return places;
+  }
+
+  /// What is remembered of a step that ends at x.
+  NamedNumbers Remembered(FlatVector<> x) const {
+    if (law->Depends())
+      return law->Remembered();
+    return AnswerTo<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
   }
 
   NamedNumbers WithKept(NamedNumbers places) const {

@@ -34,6 +34,7 @@ struct Projection {
   Mat<D, D> derivative; // by the trial traction
   Mat<D, D> by_normal;  // where the normal moves, too
   Status status;
+  Vec<D> by_friction = Vec<D>(0.0), by_threshold = Vec<D>(0.0);
 };
 
 /// The answer of a law at a place: the traction that the multiplier should be, and its derivatives.
@@ -44,6 +45,7 @@ struct Answer {
   Vec<D> traction = Vec<D>(0.0);
   Mat<D, D> by_multiplier = Mat<D, D>(0.0);
   Mat<D, D> by_jump = Mat<D, D>(0.0), by_normal = Mat<D, D>(0.0);
+  Vec<D> by_friction = Vec<D>(0.0), by_threshold = Vec<D>(0.0);
   Status status = Status::open;
 };
 
@@ -74,6 +76,7 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
   Vec<D> tangential = trial + pressure * n;
   double size = L2Norm(tangential);
   auto [bound, slope] = data.Bound(pressure);
+  bool coulomb = data.friction >= 0 && (data.threshold < 0 || slope != 0 || bound == 0);
   if (size <= bound && bound > 0)
     return Sticking(trial);
 
@@ -82,6 +85,9 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
   result.traction = -pressure * n;
   result.derivative = nn;
   result.by_normal = n * Trans(trial) - pressure * identity;
+  if (size > 0)
+    (coulomb ? result.by_friction : result.by_threshold) =
+        (coulomb ? fabs(pressure) : 1) / size * tangential;
   if (bound > 0) {
     Vec<D> direction = (1 / size) * tangential;
     Mat<D, D> across = (bound / size) * (identity - direction * Trans(direction));

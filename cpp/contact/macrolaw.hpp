@@ -77,6 +77,10 @@ class MacroLaw {
   double adjust;
   Watch watch_friction, watch_threshold, watch_offset;
   Array<Vec<D>> direction; // of slip in the last Newton step
+  ContactFields fields;
+  bool looks = false; // do the fields have the values of a solution?
+  static constexpr int nfields = D + 2;
+  std::map<string, Array<Vec<nfields>>> slopes; // of the coefficients, at the last fields
 
 public:
   Array<double> c;                   // traction per displacement
@@ -92,7 +96,80 @@ public:
   MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam)
       : space(aspace), lam(alam), tied(setup.tied), bilateral(setup.bilateral),
         adjust(setup.adjust), watch_friction(setup.friction), watch_threshold(setup.threshold),
-        watch_offset(setup.offset), own(setup.law != nullptr) {}
+        watch_offset(setup.offset), fields(setup.fields), own(setup.law != nullptr) {}
+
+  /// Do coefficients depend on the fields of the contact?
+  bool Depends() const { return fields.values.size() > 0; }
+  /// Evaluates the coefficients at places, for a vector x and what is remembered, and their
+  /// derivatives if asked.
+  template <typename F>
+  void DependOn(F place, FlatVector<> x, const NamedNumbers & kept, bool derive) {
+    for (auto & field : fields.values)
+      FitMesh(*field);
+    for (auto & [name, memory] : fields.memory) {
+      FitMesh(*memory.first);
+      auto before = memory.first->GetVector().template FV<double>();
+      for (size_t m : Range(c))
+        before(m) = kept.at(name)[m];
+    }
+    for (size_t m : Range(c)) {
+      auto here = place(m);
+      Vec<nfields> numbers = 0.0;
+      for (int k : Range(D))
+        numbers(k) = here.slip(k);
+      if (L2Norm2(here.slip) == 0)
+        numbers(0) = 1e-150; // where its length has a derivative
+      numbers(D) = here.area > 0 ? here.gap : 0;
+      numbers(D + 1) = max(0.0, -InnerProduct(here.normal, Multiplier(m, x)));
+      for (int k : Range(nfields))
+        fields.values[k]->GetVector().template FV<double>()(m) = numbers(k);
+    }
+    looks = true;
+    Reevaluate();
+    looks = false;
+    for (auto & [name, functions] : fields.slopes) {
+      auto & found = slopes[name];
+      found.SetSize(c.Size());
+      for (int k : Range(derive ? nfields : 0)) {
+        auto means = MacroMeans(*functions[k], *space, "the derivative of " + name,
+                                -std::numeric_limits<double>::infinity());
+        for (size_t m : Range(found))
+          found[m](k) = means[m];
+      }
+    }
+  }
+  /// What is remembered of the step that ends at the fields of the last evaluation.
+  NamedNumbers Remembered() const {
+    NamedNumbers now;
+    for (auto & [name, memory] : fields.memory)
+      now[name] =
+          MacroMeans(*memory.second, *space, name, -std::numeric_limits<double>::infinity());
+    return now;
+  }
+  /// Adds to an answer how the coefficients change with the fields.
+  void AddSlopes(size_t m, const MacroPlace<D> & place, FlatVector<> x, Answer<D> & answer) const {
+    auto & n = place.normal;
+    Vec<D> lambda = Multiplier(m, x), by_offset = -1 * (answer.by_jump * n);
+    auto add = [&](const string & name, const Vec<D> & by) {
+      auto found = slopes.find(name);
+      if (found == slopes.end())
+        return;
+      Vec<nfields> slope = found->second[m];
+      Vec<D> by_slip;
+      for (int k : Range(D))
+        by_slip(k) = slope(k);
+      Vec<D> along = by_slip - InnerProduct(by_slip, n) * n;
+      double by_gap = slope(D), by_pressure = InnerProduct(n, lambda) < 0 ? slope(D + 1) : 0;
+      answer.by_jump += by * Trans(Vec<D>(along - by_gap * n));
+      answer.by_multiplier -= by_pressure * by * Trans(n);
+      answer.by_normal -= by * Trans(Vec<D>(InnerProduct(place.jump, n) * by_slip +
+                                            InnerProduct(by_slip, n) * place.jump +
+                                            by_gap * place.jump + by_pressure * lambda));
+    };
+    add("friction", answer.by_friction);
+    add("tresca", answer.by_threshold);
+    add("offset", by_offset);
+  }
 
   /// Finds the multipliers over the faces of a surface.
   void FindDofs(const Surface<D> & slave) {
@@ -125,6 +202,11 @@ public:
   void Reevaluate() {
     auto means = [&](Watch & watch, const char * name, Array<double> & values, double least,
                      double none) {
+      if (fields.slopes.count(name) && !looks) {
+        if (values.Size() != space->NMacros())
+          values.SetSize(space->NMacros()), values = 0.0;
+        return;
+      }
       watch.WhereChanged([&] {
         if (watch)
           values = MacroMeans(*watch, *space, name, least);
@@ -206,7 +288,7 @@ public:
   }
 
   /// Does it look at slip?
-  bool Slides(size_t m) const { return own || max(friction[m], threshold[m]) >= 0; }
+  bool Slides(size_t m) const { return own || Depends() || max(friction[m], threshold[m]) >= 0; }
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {
     if (own || ComplianceOf(m).IsRigid() || !(c[m] > 0))
@@ -216,6 +298,11 @@ public:
   }
 
 private:
+  /// Gives a field the size that its mesh asks for by now.
+  void FitMesh(GridFunction & field) const {
+    if (field.GetVector().Size() != c.Size())
+      field.GetFESpace()->Update(), field.Update();
+  }
   Answer<D> AnswerOf(size_t m, const MacroPlace<D> & place, const Projection<D> & p,
                      FlatVector<> x) const {
     auto & n = place.normal;
@@ -231,6 +318,7 @@ private:
     answer.by_multiplier = p.derivative * multiplier;
     answer.by_jump = -1 * (p.derivative * jump);
     answer.by_normal = p.by_normal - p.derivative * compliance.ByNormal(n, Multiplier(m, x));
+    answer.by_friction = p.by_friction, answer.by_threshold = p.by_threshold;
     answer.status = p.status;
     return answer;
   }

@@ -171,16 +171,13 @@ Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places,
   return answers;
 }
 
-/// The memory of a law after a step; a macro-element without a partner keeps what it remembered.
-template <int D>
-NamedNumbers KeptAfter(const ContactLaw & law, const NamedNumbers & places, NamedNumbers kept,
-                       bool tied) {
-  auto & area = places.at("area");
-  auto found = AnswerTo<D>(law, places, kept, tied);
+/// The memory after a step; a macro-element without a partner keeps what it remembered.
+inline NamedNumbers KeptAfter(FlatArray<double> area, NamedNumbers kept,
+                              const NamedNumbers & found) {
   for (auto & [name, values] : kept)
     for (size_t i : Range(values))
       if (area[i * area.Size() / values.Size()] > 0)
-        values[i] = found[name][i];
+        values[i] = found.at(name)[i];
   return kept;
 }
 } // namespace ngslac

@@ -2,7 +2,7 @@
 """Contact of a slave with a master surface, as a nonlinear form."""
 
 import numpy as np
-from ngsolve import BaseMatrix, BilinearForm, GridFunction
+from ngsolve import BaseMatrix, BilinearForm, GridFunction, Parameter
 
 from ngslac._ngslac import ContactForm, Side
 from ngslac.arguments import (
@@ -177,9 +177,10 @@ class LACContact(metaclass=Distributable):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
         functions = {"obstacle": obstacle, "friction": friction, "tresca": tresca, "offset": offset}
+        self.dt = Parameter(1.0)  # length of the step, for rates
         flags = {"tied": tied, "bilateral": bilateral, "finite": finite, "edges": edges}
         lengths = {"adjust": adjust, "maxdist": maxdist, "penetration": penetration}
-        self.tool, setup = CheckedSetup(u, lam, master, functions, flags, lengths, law)
+        self.tool, setup = CheckedSetup(u, lam, master, functions, flags, lengths, law, self.dt)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None

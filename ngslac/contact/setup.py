@@ -3,11 +3,10 @@
 
 import math
 
-import numpy as np
 from ngsolve import CoefficientFunction
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import RegionWithFaces
+from ngslac._ngslac import ContactForm, RegionWithFaces
 from ngslac.arguments import (
     CheckFlag,
     CheckFunction,
@@ -15,18 +14,16 @@ from ngslac.arguments import (
     CheckOnMesh,
     CheckPositive,
     Coefficient,
+    IsFunction,
     Wrong,
 )
+from ngslac.contact.fields import COEFFICIENTS, CheckedStarts, Dependent
 from ngslac.tools import SignedDistance, Tool
 
 __all__ = ["CheckedSetup"]
 
-# Names of places, of columns of a table, and of answers, which a law can keep nothing under.
-TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
-TAKEN |= {"pressure", "friction", "fullarea"}
 
-
-def CheckedSetup(u, lam, master, functions, flags, lengths, law):
+def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
     names = "obstacle", "friction", "tresca", "offset"
     obstacle, friction, tresca, offset = map(functions.get, names)
@@ -59,34 +56,28 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law):
         if value is not None:
             CheckPositive(name, value, "a positive length")
     mesh = u.space.mesh
+    dependent = {k: f for k, f in functions.items() if k in COEFFICIENTS and IsFunction(f)}
+    if dependent and edges:
+        raise ValueError(f"edges need a {next(iter(dependent))} that is no function of the contact")
+    functions = functions | dict.fromkeys(dependent)
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
     region = None if master is None else RegionWithFaces(mesh, "master", master)
     tool = _ToolOf(obstacle, mesh.dim, flags)
-    least = {"friction": 0, "tresca": 0}
     functions = functions | {"obstacle": None if tool else obstacle}
     functions = {
-        name: Coefficient(name, value, least.get(name, -math.inf))
+        name: Coefficient(name, value, COEFFICIENTS.get(name, -math.inf))
         for name, value in functions.items()
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     compiled = None if tool is None else tool.compiled
-    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law, "kept": _Kept(law)}
-    return tool, setup | functions | flags | lengths
-
-
-def _Kept(law):
-    """What a law remembers of a macro-element before the first step: arrays by name."""
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
-    for name, start in kept.items():
-        if not isinstance(name, str) or name in TAKEN or name.startswith("by_"):
-            raise ValueError(f"law.kept has {name!r}, which means something else: rename it")
-        values = np.asarray(start)
-        if values.ndim > 1 or not values.size or values.dtype.kind not in "fiu":
-            raise Wrong(ValueError, f"law.kept[{name!r}]", start, "a number, or a vector (k)")
-        if not np.all(np.isfinite(values)):
-            raise Wrong(ValueError, f"law.kept[{name!r}]", start, "finite")
-    return {name: np.atleast_1d(np.asarray(start, dtype=float)) for name, start in kept.items()}
+    kept = CheckedStarts("law.kept", kept)
+    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law, "kept": kept}
+    setup |= functions | flags | lengths
+    if dependent:
+        setup |= Dependent(ContactForm(**setup).space, dt, dependent)
+    return tool, setup
 
 
 def _ToolOf(obstacle, dim, flags):

@@ -347,6 +347,8 @@ class LoadStepper(metaclass=Distributable):
         if self.printing is True:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
             print(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
+        for contact in solver.contacts:
+            contact.dt.Set(abs(goal - begin))
         try:
             flags = self._Start(last, goal - begin, start) | {"path": path}
             result = solver.Solve(maxit=maxit, tol=tol, printing=self.printing is True, **flags)

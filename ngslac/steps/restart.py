@@ -184,7 +184,8 @@ def _Limits(contact):
     if form.paired:
         form.Reevaluate()
         table = form.Table()
-        limits |= {name: table[name] for name in ("friction", "tresca", "offset")}
+        plain = {"friction", "tresca", "offset"} - setup.get("slopes", {}).keys()
+        limits |= {name: table[name] for name in plain}
     return limits
 
 

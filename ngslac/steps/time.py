@@ -305,6 +305,8 @@ class TimeStepper(metaclass=Distributable):
         if self.form.SetStep(goal - now):
             self.solver.system.bulk.StartAfresh()
         dt, self.form.renewed = self.form.dt, False
+        for contact in self.solver.contacts:
+            contact.dt.Set(dt)
         inertial = start + dt * self._end.Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
         try:

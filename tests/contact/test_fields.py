@@ -1,0 +1,312 @@
+"""Coefficients that are functions of the contact's own fields: derivatives, laws, histories."""
+
+import math
+
+import numpy as np
+import pytest
+from blocks import C, block_mesh, contact_form
+from bricks import brick
+from form import Form
+from netgen.meshing import NgException
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Norm,
+    Parameter,
+    Sym,
+    VectorH1,
+    dx,
+    exp,
+    sin,
+    x,
+    y,
+)
+
+from ngslac import (
+    ContactConvergenceError,
+    ContactSolver,
+    LACContact,
+    LACSpace,
+    LoadState,
+    LoadStepper,
+    SaveState,
+    TimeStepper,
+    tools,
+)
+from ngslac.materials import Stress
+from ngslac.meshes import TwoBlocks
+
+
+def falling(fields):
+    return 0.2 + 0.2 * exp(-Norm(fields.rate) / 0.3)
+
+
+def hardening(fields):
+    return 0.25 + 0.05 * fields.pressure + 0.3 * fields.gap * fields.gap
+
+
+def placed(fields):
+    return 0.3 + 0.1 * sin(x + fields.slip[0])
+
+
+def remembering(fields):
+    return 0.2 + 0.1 * exp(-fields.History("way", lambda way: way + Norm(fields.slip)))
+
+
+def worn(fields):
+    return fields.History("worn", lambda w: w + 0.02 * fields.pressure * Norm(fields.slip))
+
+
+def bound(fields):
+    return 0.2 + 0.1 * fields.pressure + 0.1 * Norm(fields.slip)
+
+
+LAWS = {
+    "rate": {"friction": falling},
+    "pressure": {"friction": hardening},
+    "place": {"friction": placed},
+    "way": {"friction": remembering},
+    "bound": {"tresca": bound, "friction": 0.9},
+    "wear": {"offset": worn},
+    "wear with friction": {"offset": worn, "friction": falling},
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative(dim, finite, law):
+    """Against differences, in a state with slip and pressure of a step before."""
+    mesh = block_mesh(dim) if dim == 2 else block_mesh(dim, "hex", "tet", 2, 1)
+    form = Form(contact_form(mesh, finite=finite, **LAWS[law]))
+    form.bend(0.02, 0.0, degrees=20, noise=0.01, seed=1)
+    form.commit()
+    form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+    form.follow()
+    form.contact.form.SetConstant(C)
+    form.impose(0.3)
+    table = form.table()
+    assert 2 in table["status"][table["area"] > 0]
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative_on_a_tool(dim):
+    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
+    X = V * LACSpace(V, slave="bottom")
+    u, lam = X.TrialFunction()
+    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
+    laws = {"friction": falling, "offset": worn}
+    contact = LACContact(u, lam, obstacle=tool, finite=True, **laws)
+    contact.Update()
+    contact.form.SetConstant(C)
+    form = Form(contact)
+    form.commit()
+    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
+    form.follow()
+    form.values[form.multipliers] = -0.5
+    form.impose(0.3)
+    assert 2 in form.table()["status"]
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_constant_function_is_a_number(finite):
+    tables = []
+    for friction, offset in ((0.3, 0.01), (lambda _: CF(0.3), lambda _: 0.01 + 0 * x)):
+        form = Form(contact_form(block_mesh(2), finite=finite, friction=friction, offset=offset))
+        form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+        form.follow()
+        form.contact.form.SetConstant(C)
+        form.impose(0.3)
+        forces = form.gf.vec.CreateVector()
+        form.contact.Apply(form.gf.vec, forces)
+        tables.append((forces.FV().NumPy().copy(), form.table()))
+    assert tables[0][0] == pytest.approx(tables[1][0], rel=1e-12, abs=1e-14)
+    assert np.array_equal(tables[0][1]["status"], tables[1][1]["status"])
+
+
+def sheared(way=0.1, down=0.02, nu=0.3, order=2, mesh=None, **law):
+    """An upper block is pressed down and pushed aside; a LoadStepper up to 1."""
+    mesh = TwoBlocks(0.25) if mesh is None else mesh
+    V = VectorH1(mesh, order=order, dirichlet="bottom|top")
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 100, nu), Sym(Grad(v))) * dx
+    contact = LACContact(u, lam, master="master", **law)
+    load = Parameter(0)
+    held = {"top": CF((way * load, -down)), "bottom": CF((0, 0))}
+    return LoadStepper(ContactSolver(a, GridFunction(fes), contact), load, prescribe=held)
+
+
+@pytest.mark.filterwarnings("ignore:the slave has slid")
+@pytest.mark.parametrize("finite", [False, True])
+def test_the_law_holds_where_it_has_converged(finite):
+    """Friction of the slip per load, at the end of each step."""
+    law = lambda f: 0.1 + 0.02 * f.pressure + 0.05 * exp(-Norm(f.rate) / 0.2)  # noqa: E731
+    stepper = sheared(friction=law, finite=finite)
+    contact = stepper.solver.contacts[0]
+    for goal in (0.2, 0.5, 1.0):
+        before = stepper.load.Get()
+        stepper.Integrate(goal, steps=1, printing=False)
+        table = contact.Table()
+        rate = np.linalg.norm(table["slip"], axis=1) / (goal - before)
+        expected = 0.1 + 0.02 * table["pressure"] + 0.05 * np.exp(-rate / 0.2)
+        closed = table["status"] > 0
+        assert table["friction"][closed] == pytest.approx(expected[closed], rel=1e-7)
+        slips = table["status"] == 2
+        across = table["traction"] + table["pressure"][:, None] * table["normal"]
+        size = np.linalg.norm(across, axis=1)
+        assert np.any(slips)
+        assert size[slips] == pytest.approx(expected[slips] * table["pressure"][slips], rel=1e-6)
+
+
+# --- wear ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.filterwarnings("ignore:the slave has slid")
+@pytest.mark.parametrize("steps", [5, 20])
+def test_wear_of_a_rod_between_fixed_ends(steps):
+    """p = p0 exp(-E k s/L) as steps get shorter, by the implicit Euler method; FIELD.md C1."""
+    rate, young, length, way = 0.02, 100.0, 2.0, 0.5
+
+    def offset(fields):
+        return fields.History("worn", lambda w: w + rate * fields.pressure * Norm(fields.slip))
+
+    stepper = sheared(way=way, nu=0.0, offset=offset)
+    stepper.Integrate(1, steps=steps, printing=False)
+    table = stepper.solver.contacts[0].Table()
+    pressure = (1 + young * rate * way / steps / length) ** -steps  # p0 = 1
+    assert table["pressure"] == pytest.approx(pressure, rel=1e-8)
+    assert table["worn"] == pytest.approx((1 - pressure) * length / young, rel=1e-8)
+    assert pressure == pytest.approx(math.exp(-young * rate * way / length), rel=0.15 / steps)
+
+
+@pytest.mark.filterwarnings("ignore:the slave has slid")
+def test_a_history_is_part_of_the_state(tmp_path):
+    """Of saved files, of steps that fail, and forgotten by an Update of the reference."""
+    stepper = sheared(offset=worn, friction=remembering)
+    contact = stepper.solver.contacts[0]
+    stepper.Integrate(0.5, steps=2, printing=False)
+    middle = contact.Table()
+    assert middle["worn"].max() > 0
+    assert middle["way"].max() > 0
+    SaveState(tmp_path / "state", stepper)
+    stepper.Integrate(1, steps=1, printing=False)
+    last = contact.Table()
+    other = sheared(offset=worn, friction=remembering)
+    LoadState(tmp_path / "state", other)
+    again = other.solver.contacts[0]
+    for name in ("worn", "way"):
+        assert np.array_equal(again.Table()[name], middle[name])
+    other.Integrate(1, steps=1, printing=False)
+    for name in ("worn", "way", "pressure"):
+        assert again.Table()[name] == pytest.approx(last[name], rel=1e-9)
+    again.Update()
+    assert not np.any(again.Table()["worn"])
+
+
+@pytest.mark.filterwarnings("ignore:the slave has slid")
+def test_a_step_that_is_cut_wears_once(monkeypatch):
+    plain, cut = sheared(offset=worn), sheared(offset=worn)
+    solve, fails = cut.solver.Solve, [True]
+
+    def hard(**options):
+        last = solve(**options)
+        if fails:
+            fails.pop()
+            raise ContactConvergenceError("hard")
+        return last
+
+    monkeypatch.setattr(cut.solver, "Solve", hard)
+    steps = cut.Integrate(1, steps=1, printing=False)
+    assert sum(step.cuts for step in steps) == 1
+    ends = [step.time for step in steps]
+    for goal in ends:
+        plain.Integrate(goal, steps=1, printing=False)
+    found, expected = (s.solver.contacts[0].Table()["worn"] for s in (cut, plain))
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_friction_that_falls_with_speed_stops_a_block():
+    """FIELD.md E1: t = vc/(g muk) ln((muk e^(v0/vc) + mus - muk)/mus) = .730775."""
+    low, high, speed, start, gravity = 0.2, 0.4, 1.0, 2.0, 9.81
+    mesh = TwoBlocks(0.5)
+    V = VectorH1(mesh, order=2, dirichlet="bottom")
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1e6, 0.0), Sym(Grad(v))) * dx
+    a += gravity * v[1] * dx("upper")
+
+    def friction(fields):
+        return low + (high - low) * exp(-Norm(fields.rate) / speed)
+
+    gf = GridFunction(fes)
+    contact = LACContact(u, lam, master="master", friction=friction, finite=False)
+    solver = ContactSolver(a, gf, contact)
+    stepper = TimeStepper(solver, 1.0, dt=0.01, rho_inf=0.5)
+    stepper.velocity.components[0].Set((start, 0), definedon=mesh.Materials("upper"))
+    stop = speed / (gravity * low) * math.log((low * math.exp(start / speed) + high - low) / high)
+    assert stop == pytest.approx(0.730775, abs=1e-6)
+    moving = []
+    for goal in (0.5 * stop, 0.9 * stop, 1.1 * stop):
+        stepper.Integrate(goal, printing=False)
+        moving.append(np.abs(stepper.velocity.components[0](mesh(0.5, 0.5))[0]))
+    half = speed * math.log(
+        (
+            (low * math.exp(start / speed) + high - low)
+            * math.exp(-gravity * low * stop / 2 / speed)
+            - (high - low)
+        )
+        / low
+    )
+    assert moving[0] == pytest.approx(half, rel=0.02)
+    assert moving[2] < 0.05 * start
+
+
+# --- what does not fit ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("law", "words"), [
+    ({"friction": lambda f: f.slip}, r"friction\(z\) has 2 components"),
+    ({"friction": lambda f: "much"}, r"friction\(z\) = 'much' must be a finite number >= 0"),
+    ({"friction": lambda f: -1}, r"friction\(z\) = -1 must be a finite number >= 0"),
+    ({"friction": lambda f: None}, r"friction\(z\) = None must be"),
+    ({"offset": lambda f: f.History("gap", lambda w: w)}, "History has 'gap', which means"),
+    ({"offset": lambda f: f.History("worn", 3)}, "update = 3 must be a function of what"),
+    ({"offset": lambda f: f.History("w", lambda w: w, start=[1, 2])}, r"start = \[1, 2\] must be"),
+    ({"offset": lambda f: f.History("w", lambda w: CF((w, w)))}, "History of w has 2 comp"),
+    ({"offset": lambda f: f.History("w", lambda w: w) + f.History("w", lambda w: w)},
+     "'w' is kept already"),
+    ({"friction": falling, "edges": True}, "edges need a friction that is no function"),
+    ({"friction": falling, "tied": True}, "tied surfaces do not slide"),
+])  # fmt: skip
+def test_refused(law, words):
+    with pytest.raises((TypeError, ValueError), match=words):
+        contact_form(block_mesh(2), **law)
+
+
+@pytest.mark.parametrize(("law", "words"), [
+    (lambda f: f.gap - 100, "friction is -.* must be a number >= 0"),
+    (lambda f: 1 / (0 * f.pressure), "friction is (inf|nan)"),
+])  # fmt: skip
+def test_values_that_are_none(law, words):
+    contact = contact_form(block_mesh(2), friction=law)
+    with pytest.raises(NgException, match=words):  # at the pairing no field is known
+        contact.Evaluate(GridFunction(contact.form.fes))
+
+
+def test_after_a_refinement_the_fields_fit():
+    mesh = block_mesh(2)
+    contact = contact_form(mesh, friction=falling, offset=worn)
+    mesh.Refine()
+    contact.form.fes.Update()
+    contact.Update()
+    contact.form.SetConstant(C)
+    contact.Evaluate(GridFunction(contact.form.fes))
+    assert len(contact.Table()["worn"]) == contact.space.nmacros
