@@ -21,6 +21,7 @@ except ModuleNotFoundError as error:
     ) from error
 
 from ngslac.contact.contact import LACContact  # noqa: E402
+from ngslac.contact.fields import Law  # noqa: E402
 from ngslac.dirichlet import KeepPatterns as _KeepPatterns  # noqa: E402
 from ngslac.errors import ContactConvergenceError, ContactWarning, FloatingBodyError  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
@@ -44,6 +45,7 @@ __all__ = [
     "FormSum",
     "LACContact",
     "LACSpace",
+    "Law",
     "LoadMesh",
     "LoadState",
     "LoadStepper",

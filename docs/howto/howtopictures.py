@@ -261,6 +261,7 @@ PICTURES = {
     "from_calculix": ShowSolid(Elastic(210e3), STRESS, 500),
     "from_contactboundary": ShowPlane(Elastic(210e3), STRESS, factor=100),
     "heat_across_interface": Temperature,
+    "laws": ShowPlane(Elastic("young"), STRESS, factor=1, size=0.1),
     "many_bodies": ShowSolid(Elastic(210e3), STRESS, 3000),
     "on_many_cores": ShowSolid(Elastic(1.0), "equivalent stress", 5),
     "own_law": ShowPlane(Elastic(2e3), STRESS, factor=1, size=0.15),

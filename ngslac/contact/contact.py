@@ -55,13 +55,14 @@ class LACContact(metaclass=Distributable):
         the function holds a Parameter, such as the load or the time; in dynamics it hits with its
         velocity along the normal, relative to that of the slave. With ``finite=True``: a rigid tool
         in space, see `ngslac.tools`, or its signed distance as a function of x, y, z.
-    friction : float, CoefficientFunction or Parameter
-        Coulomb's coefficient, >= 0. None: frictionless.
-    tresca : float, CoefficientFunction or Parameter
+    friction : float, CoefficientFunction, Parameter or function
+        Coulomb's coefficient, >= 0. None: frictionless. A function gets the contact's own `Fields`,
+        such as slip, rate and pressure, and returns an expression of them.
+    tresca : float, CoefficientFunction, Parameter or function
         A bound of the tangential traction that does not depend on the pressure (stress units).
         Together with `friction`: Coulomb's law up to this bound. Alone it presumes contact that
         stays closed, since its traction jumps to zero where contact opens.
-    offset : float, CoefficientFunction or Parameter
+    offset : float, CoefficientFunction, Parameter or function
         Added to the gap (length; mean over each macro-element): > 0 a clearance, < 0 an
         interference, as of a press fit, without moving the meshes. A Parameter in it ramps it. The
         fields and limits of the search count with it; it is an arm between the frictions on both
@@ -92,8 +93,9 @@ class LACContact(metaclass=Distributable):
         ``finite=True``, bodies may be farther apart at first, or a tool behind the slave.
     penetration : float
         Deepest interpenetration that is seen as such. Default: a tenth of the slave's diameter.
-    law : callable, optional
-        A law of your own in place of that of Coulomb and Tresca. It gets a dict of arrays, the
+    law : Law or callable, optional
+        A law of your own in place of that of Coulomb and Tresca: an expression as `Law`, or a
+        function in NumPy. That gets a dict of arrays, the
         *places*, with a row for each of the n macro-elements: ``gap`` (n) > 0 open, ``slip`` (n, d)
         of this step, ``normal`` (n, d) out of the slave, ``jump`` (n, d) = slip - gap normal, ``x``
         (n, d) centroid of the reference, ``area`` (n), 0 without a partner, where answers do not

@@ -4,12 +4,14 @@
 import math
 
 import numpy as np
-from ngsolve import CF, GridFunction
+from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule
 
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 
-__all__ = ["COEFFICIENTS", "CheckedStarts", "Dependent", "Fields"]
+__all__ = ["COEFFICIENTS", "CheckedStarts", "Dependent", "Fields", "Law"]
 
+MIDDLES = {ET.SEGM: (0.5,), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
+TINY = 1e-150  # its square is a number, too
 # Names of places, of columns of a table, and of answers, which nothing is kept under.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
 TAKEN |= {"pressure", "friction", "fullarea"}
@@ -44,12 +46,21 @@ class Fields:
     >>> contact = LACContact(u, lam, master="master", friction=Falling)
     """
 
-    def __init__(self, space, dt):
+    def __init__(self, space, dt, names):
         self._numbers, d = space.WithComponents(1), space.mesh.dim
-        self.values = [GridFunction(self._numbers) for _ in range(d + 2)]
-        self.kept, self.memory = {}, {}
-        self.slip, self.rate = CF(tuple(self.values[:d])), CF(tuple(self.values[:d])) / dt
-        self.gap, self.pressure = self.values[d:]
+        self.kept, self.memory, self.symbols = {}, {}, {}
+        for name in names:
+            count = 1 if name in ("gap", "pressure") else d
+            found = self.symbols[name] = [GridFunction(self._numbers) for _ in range(count)]
+            setattr(self, name, found[0] if count == 1 else CF(tuple(found)))
+        if "slip" in names:
+            self.rate = self.slip / dt
+
+    def __getattr__(self, name):
+        raise AttributeError(
+            f"there is no field {name!r} here: there are {', '.join(self.symbols)}"
+            + (" and rate" if "slip" in self.symbols else "")
+        )
 
     def History(self, name, update, *, start=0.0):
         """What is remembered, such as a way, a wear or a damage, as it is now.
@@ -82,21 +93,119 @@ class Fields:
         self.memory[name] = before, now
         return now
 
-    def Slopes(self, expression):
-        """Its derivatives by the numbers of the fields."""
-        return [expression.Diff(value) for value in self.values]
+    @property
+    def values(self):
+        """All symbols in a row."""
+        return [symbol for symbols in self.symbols.values() for symbol in symbols]
 
 
 def Dependent(space, dt, functions):
     """Arguments of a ContactForm for coefficients that are Python's functions of the fields."""
-    fields = Fields(space, dt)
+    fields = Fields(space, dt, ("slip", "gap", "pressure"))
     found = {
-        name: _Expression(f"{name}(z)", function(fields), COEFFICIENTS[name])
+        name: _Expression(
+            f"{name}(z)", getattr(function, "expression", function)(fields), COEFFICIENTS[name]
+        )
         for name, function in functions.items()
     }
-    slopes = {name: fields.Slopes(expression) for name, expression in found.items()}
+    slopes = {name: [f.Diff(value) for value in fields.values] for name, f in found.items()}
     memory = {"kept": fields.kept, "memory": fields.memory}
     return found | {"fields": fields.values, "slopes": slopes} | memory
+
+
+class Law:
+    """A contact law as an expression of the contact's fields, for `LACContact` (``law=``).
+
+    NGSolve differentiates it. Contact is soft then: a traction needs a gap, a slip or a jump, or
+    for laws that stick a ``trial``, see the how-to "A law of your own".
+
+    Parameters
+    ----------
+    traction : callable
+        Gets the `Fields` and returns the traction on the slave, a CoefficientFunction with d
+        components: a pressure p is ``-p * z.normal``. Besides ``slip``, ``rate`` and ``gap`` they
+        have ``normal`` (d,) out of the slave, ``jump`` (d,) = slip - gap normal, and ``trial``
+        (d,); of tied surfaces ``jump``, and with small sliding ``normal``. Functions of the place,
+        Parameters and GridFunctions count, too.
+
+    Raises
+    ------
+    TypeError
+        No function.
+
+    Examples
+    --------
+    A layer whose pressure grows with the square of its compression:
+
+    >>> from ngsolve import IfPos
+    >>> from ngslac import Law
+    >>> (u, lam), _ = fes.TnT()
+    >>> layer = Law(lambda z: -IfPos(z.gap, 0, 1e3 * z.gap**2) * z.normal)
+    >>> contact = LACContact(u, lam, master="master", law=layer)
+    """
+
+    def __init__(self, traction):
+        if traction is None:
+            raise Wrong(TypeError, "traction", traction, "a function of fields")
+        self._traction = CheckFunction("traction", traction, "a function of fields")
+
+    def On(self, space, dt, *, tied, finite):
+        """The law of a contact, from places to arrays."""
+        names = ("slip", "gap", "normal", "jump", "trial")
+        if tied:
+            names = ("jump",) if finite else ("jump", "normal")
+        return _LawOnFaces(self._traction, space, Fields(space, dt, names))
+
+
+class _LawOnFaces:
+    """Evaluates an expression and its derivatives for all macro-elements at once."""
+
+    def __init__(self, traction, space, fields):
+        self._space, self._fields, d = space, fields, space.mesh.dim
+        found = traction(fields)
+        if not isinstance(found, CoefficientFunction) or tuple(found.dims) != (d,):
+            raise ValueError(f"the traction of a Law must have {d} components, such as z.normal")
+        self.kept, rows = fields.kept, [found[k] for k in range(d)]
+        self._parts, flat = [("traction", d)], list(rows)
+        for name, symbols in fields.symbols.items():
+            self._parts.append((f"by_{name}", d * len(symbols)))
+            flat += [row.Diff(symbol) for row in rows for symbol in symbols]
+        for name, (_, now) in fields.memory.items():
+            self._parts.append((name, 1))
+            flat.append(now)
+        self._expression, self._known = CF(tuple(flat)).Compile(), None
+
+    def __call__(self, places):
+        points, owner = self._Points()
+        for name, symbols in self._fields.symbols.items():
+            values = places[name].reshape(len(places["area"]), -1).copy()
+            if name in ("slip", "jump"):  # where the length of 0 has a derivative
+                values[~np.any(values, axis=1), 0] = TINY
+            for symbol, column in zip(symbols, values.T, strict=True):
+                symbol.vec.FV().NumPy()[:] = column
+        for name, (before, _) in self._fields.memory.items():
+            before.vec.FV().NumPy()[:] = places[name]
+        values = self._expression(points)
+        means = np.zeros((len(places["area"]), values.shape[1]))
+        np.add.at(means, owner, values)
+        means /= np.bincount(owner, minlength=len(means))[:, None]
+        ends = np.cumsum([size for _, size in self._parts])[:-1]
+        columns = np.split(means, ends, axis=1)
+        return {name: c for (name, _), c in zip(self._parts, columns, strict=True)}
+
+    def _Points(self):
+        """The middles of the slave's faces, and the macro-element of each."""
+        space, mesh = self._space, self._space.mesh
+        known = mesh.nv, mesh.ne, space.nmacros
+        if self._known != known:
+            for field in (*self._fields.values, *(f for f, _ in self._fields.memory.values())):
+                if len(field.vec) != space.nmacros:
+                    field.space.Update(), field.Update()
+            rules = {kind: IntegrationRule([middle], [1.0]) for kind, middle in MIDDLES.items()}
+            self._at = mesh.MapToAllElements(rules, space.slave)
+            macros = np.array(space.macros)
+            self._owner, self._known = macros[macros >= 0], known
+        return self._at, self._owner
 
 
 def _Expression(name, value, least=-math.inf):

@@ -158,6 +158,7 @@ def OfFunction(thing, ensemble):
 
     ensemble.Need(number, Call)
     Call.kept = getattr(thing, "kept", {})  # of a law
+    Call.expression = thing  # what makes an expression is the conductor's alone
     return lambda: Call
 
 

@@ -84,6 +84,18 @@ def test_axisymmetric(run):
     assert np.any(table["status"] > 0)
 
 
+def test_laws(run):
+    """Friction of the speed, and what is worn off by pressure and way."""
+    names = run("laws")
+    table = names["contact"].Table()
+    rate = np.linalg.norm(table["slip"], axis=1) / 1.0  # of the last step, of a second
+    closed = table["status"] == 2
+    expected = 0.2 + 0.2 * np.exp(-rate / 5)
+    assert table["friction"][closed] == pytest.approx(expected[closed], rel=1e-6)
+    work = 1e-4 * names["press"] * 10  # at most: the pressure falls
+    assert work < names["worn"] < 1.5 * work
+
+
 def test_stack(run):
     names = run("stack")
     carried = [contact.Force()[1] for contact in names["contacts"]]

@@ -10,14 +10,18 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
+    IfPos,
     InnerProduct,
     Integrate,
+    Norm,
     Parameter,
     Sym,
     Trace,
     VectorH1,
     ds,
     dx,
+    exp,
+    pi,
     x,
     y,
 )
@@ -29,10 +33,12 @@ from parallel_world import case
 from ngslac import (
     LACContact,
     LACSpace,
+    Law,
     LoadStepper,
     SplitSlaveFaces,
     TimeStepper,
 )
+from ngslac.materials import AxisymmetricGrad, Stress
 from ngslac.meshes import Distributed, SphereOnBlock, TwoBlocks3D
 
 
@@ -147,6 +153,47 @@ def own_law(world):
     worn = made.contacts[0].Table()["worn"]
     assert worn.max() > 1e-4
     return found | {"worn": (worn, None)}
+
+
+def softening(fields):
+    return 0.2 + 0.1 * exp(-fields.History("way", lambda way: way + Norm(fields.slip)) / 0.05)
+
+
+def worn(fields):
+    return fields.History("worn", lambda w: w + 0.01 * fields.pressure * Norm(fields.slip))
+
+
+@case
+def expressions(world):
+    """Coefficients that are functions of the contact's fields, with histories."""
+    law = {"friction": lambda load: softening, "offset": lambda load: worn}
+    made = problem(block_on_block(world.comm), **law)
+    found = press(made, (0.1, -0.03), steps=3)
+    table = made.contacts[0].Table()
+    assert table["worn"].max() > 1e-4
+    return found | {"worn": (table["worn"], None), "way": (table["way"], None)}
+
+
+@case
+def law_as_expression(world):
+    """A soft layer in place of contact."""
+    layer = Law(lambda z: -IfPos(z.gap, 0, -1000 * z.gap) * (z.normal + z.slip))
+    return press(problem(block_on_block(world.comm), law=layer), (0.1, -0.03), steps=2)
+
+
+def turning(u, v, young):
+    """The bulk form of bodies of revolution."""
+    strain, virtual = Sym(AxisymmetricGrad(u)), Sym(AxisymmetricGrad(v))
+    return 2 * pi * x * InnerProduct(Stress(strain, young, 0.3), virtual) * dx
+
+
+@case
+def axisymmetric(world):
+    """Half a section through bodies of revolution."""
+    made = problem(
+        block_on_block(world.comm, shift=1.0), bulk=turning, axisymmetric=True, friction=0.2
+    )
+    return press(made, (0.02, -0.03))
 
 
 @case

@@ -53,7 +53,16 @@ def rubber(u, v, young):
 
 
 def problem(
-    mesh, pairs=None, *, order=2, bulk=linear, young=None, flags=None, condense=False, **law
+    mesh,
+    pairs=None,
+    *,
+    order=2,
+    bulk=linear,
+    young=None,
+    flags=None,
+    condense=False,
+    axisymmetric=False,
+    **law,
 ):
     """Bodies that are held at "bottom" and "top"; `pairs` has the options of each slave.
 
@@ -65,7 +74,7 @@ def problem(
     V = VectorH1(mesh, order=order, **held)
     X = V
     for slave in pairs:
-        X = X * LACSpace(V, slave=slave)
+        X = X * LACSpace(V, slave=slave, axisymmetric=axisymmetric)
     (u, *lams), (v, *_) = X.TnT()
     a, load = BilinearForm(X, condense=condense), Parameter(0.0)
     a += bulk(u, v, mesh.MaterialCF(young or {}, default=100.0))

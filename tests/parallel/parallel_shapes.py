@@ -60,11 +60,12 @@ def two_discs_on_block(comm, h=0.06):
     return meshed(comm, *discs, block)
 
 
-def block_on_block(comm, h=0.12, gap=0.0):
+def block_on_block(comm, h=0.12, gap=0.0, shift=0.0):
     """Blocks that share no node: the lower one is wider and has other sizes."""
-    upper = rectangle((0, gap), (1, 1), h, "upper", top="top", bottom="slave")
+    upper = rectangle((shift, gap), (shift + 1, 1), h, "upper", top="top", bottom="slave")
     upper.edges.Min(Y).maxh = 0.45 * h
-    lower = rectangle((-0.5, -1), (1.6, 0), 1.37 * h, "lower", top="master", bottom="bottom")
+    ends = (shift - 0.5, -1), (shift + 1.6, 0)
+    lower = rectangle(*ends, 1.37 * h, "lower", top="master", bottom="bottom")
     return meshed(comm, upper, lower)
 
 

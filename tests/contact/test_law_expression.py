@@ -1,0 +1,207 @@
+"""Laws as expressions of the contact's fields: derivatives, and the same laws in NumPy."""
+
+import numpy as np
+import pytest
+from blocks import C, block_mesh, contact_form
+from bricks import brick
+from form import Form
+from ngsolve import (
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    IfPos,
+    InnerProduct,
+    Norm,
+    Parameter,
+    Sym,
+    VectorH1,
+    dx,
+    exp,
+    sin,
+    x,
+    y,
+)
+
+from ngslac import (
+    ContactSolver,
+    LACContact,
+    LACSpace,
+    Law,
+    LoadState,
+    LoadStepper,
+    SaveState,
+    tools,
+)
+from ngslac.materials import Stress
+from ngslac.meshes import TwoBlocks
+
+
+def soft(fields):
+    """A pressure by the square of the overlap, and a drag by the speed."""
+    return -IfPos(fields.gap, 0, 30 * fields.gap**2) * fields.normal - 2 * fields.rate
+
+
+def by_the_trial(fields):
+    size = InnerProduct(fields.jump, fields.jump)
+    return 0.3 * fields.trial - (5 + size) * fields.jump
+
+
+def coulomb(fields):
+    pressure = -InnerProduct(fields.trial, fields.normal)
+    along = fields.trial + pressure * fields.normal
+    slides = 0.3 * pressure / Norm(along) * along - pressure * fields.normal
+    held = IfPos(0.3 * pressure - Norm(along), fields.trial, slides)
+    return IfPos(pressure, held, 0 * fields.normal)
+
+
+def torn(fields):
+    """Glue that has the larger part of its stiffness lost where it was far apart once."""
+    size = Norm(fields.jump)
+    farthest = fields.History("farthest", lambda f: IfPos(size - f, size, f), start=1e-3)
+    return -50 * exp(-(farthest - 1e-3) / 0.05) * fields.jump
+
+
+@pytest.mark.parametrize("law", [soft, by_the_trial, coulomb])
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative(dim, finite, law):
+    mesh = block_mesh(dim) if dim == 2 else block_mesh(dim, "hex", "tet", 2, 1)
+    form = Form(contact_form(mesh, finite=finite, law=Law(law)))
+    form.bend(0.02, 0.0, degrees=20, noise=0.01, seed=1)
+    form.commit()
+    form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+    form.follow()
+    form.contact.form.SetConstant(C)
+    form.impose(0.3 if law is coulomb else 1.0)
+    assert form.table()["status"].max() > 0
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative_of_glue(dim, finite):
+    mesh = block_mesh(dim) if dim == 2 else block_mesh(dim, "hex", "tet", 2, 1)
+    form = Form(contact_form(mesh, finite=finite, tied=True, law=Law(torn)))
+    form.bend(0.02, 0.03, degrees=20, noise=0.01, seed=1)
+    form.commit()
+    assert form.table()["farthest"].max() > 0.01
+    form.bend(0.03, 0.04, degrees=20, noise=0.01, seed=1)
+    form.contact.form.SetConstant(C)
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_derivative_on_a_tool(dim):
+    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
+    X = V * LACSpace(V, slave="bottom")
+    u, lam = X.TrialFunction()
+    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
+    contact = LACContact(u, lam, obstacle=tool, finite=True, law=Law(soft))
+    contact.Update()
+    contact.form.SetConstant(C)
+    form = Form(contact)
+    form.commit()
+    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
+    form.follow()
+    assert 1 in form.table()["status"]
+    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_coulomb_as_an_expression_is_the_compiled_law(finite):
+    forces = []
+    for options in ({"friction": 0.3}, {"law": Law(coulomb)}):
+        form = Form(contact_form(block_mesh(2), finite=finite, **options))
+        form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
+        form.follow()
+        form.contact.form.SetConstant(C)
+        form.impose(0.3)
+        forces.append(form.gf.vec.CreateVector())
+        form.contact.Apply(form.gf.vec, forces[-1])
+    assert forces[0].FV().NumPy() == pytest.approx(forces[1].FV().NumPy(), rel=1e-12, abs=1e-14)
+
+
+def pulled(law, *, down=-5e-3, aside=0.0, tied=True, **options):
+    """Two blocks with nu = 0, of which the upper one is moved by a load up to 1; a stepper."""
+    mesh = TwoBlocks(0.3)
+    V = VectorH1(mesh, order=2, dirichlet="bottom|top")
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 100, 0.0), Sym(Grad(v))) * dx
+    contact = LACContact(u, lam, master="master", tied=tied, law=Law(law), **options)
+    load = Parameter(0)
+    held = {"top": CF((aside * load, -down * load)), "bottom": CF((0, 0))}
+    return LoadStepper(ContactSolver(a, GridFunction(fes), contact), load, prescribe=held)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_springs_in_series(finite):
+    """A soft layer between two blocks of stiffness 100 each: closed form, few iterations."""
+    stepper = pulled(lambda z: -20 * z.gap * z.normal * -1, down=5e-3, tied=False, finite=finite)
+    steps = stepper.Integrate(1, steps=1, printing=False)
+    contact = stepper.solver.contacts[0]
+    force = 5e-3 / (2 / 100 + 1 / 20)
+    assert contact.Force()[1] == pytest.approx(force, rel=2e-4 if finite else 1e-9)
+    assert steps[0].iterations <= (4 if finite else 2)
+
+
+def test_glue_softens_and_goes_back_on_a_line(tmp_path):
+    """Beyond its strength; what is unloaded knows how far apart it was."""
+    stepper = pulled(torn, down=-0.08)
+    stepper.Integrate(1, steps=20, printing=False)
+    contact = stepper.solver.contacts[0]
+    table = contact.Table()
+    far = table["farthest"]
+    stiffness = 50 * np.exp(-(far - 1e-3) / 0.05)
+    assert np.abs(table["traction"][:, 1]) == pytest.approx(stiffness * far, rel=1e-6)
+    SaveState(tmp_path / "state", stepper)
+    half = stepper.Integrate(0.5, steps=1, printing=False)
+    assert half[-1].iterations <= 2  # linear
+    after = contact.Table()
+    assert np.array_equal(after["farthest"], far)
+    jump = np.abs(after["traction"][:, 1]) / stiffness
+    assert np.all(jump < far)
+    other = pulled(torn, down=-0.08)
+    LoadState(tmp_path / "state", other)
+    assert np.array_equal(other.solver.contacts[0].Table()["farthest"], far)
+
+
+def test_the_tail_of_newtons_method_is_quadratic():
+    stepper = pulled(soft, down=0.02, aside=0.01, tied=False)
+    stepper.Integrate(1, steps=1, printing=False)
+    errors = [max(e.equilibrium, e.constraint) for e in stepper.solver.history]
+    errors = [e for e in errors if e > 1e-13]
+    rates = [np.log(b) / np.log(a) for a, b in zip(errors[-3:], errors[-2:], strict=False)]
+    assert max(rates) > 1.5
+
+
+def test_a_law_knows_the_place_and_parameters():
+    stiffness = Parameter(10.0)
+    stepper = pulled(lambda z: stiffness * (1 + x) * z.gap * z.normal, down=5e-3, tied=False)
+    stepper.Integrate(1, steps=1, printing=False)
+    contact = stepper.solver.contacts[0]
+    first = contact.Table()
+    expected = 10 * (1 + first["x"][:, 0]) * -first["gap"]
+    assert first["pressure"] == pytest.approx(expected, rel=1e-2)  # the law is evaluated in middles
+    stiffness.Set(20.0)
+    stepper.solver.Solve(printing=False)
+    assert contact.Force()[1] > 1.2 * (first["pressure"] * first["area"]).sum()
+
+
+@pytest.mark.parametrize(("law", "words"), [
+    (3, "traction = 3 must be a function of fields"),
+    (None, "traction = None must be a function of fields"),
+    (lambda z: z.gap, "the traction of a Law must have 2 components"),
+    (lambda z: None, "the traction of a Law must have 2 components"),
+    (lambda z: z.pressure * z.normal, "there is no field 'pressure' here: there are slip, gap"),
+])  # fmt: skip
+def test_refused(law, words):
+    with pytest.raises((TypeError, ValueError, AttributeError), match=words):
+        contact_form(block_mesh(2), law=Law(law))
+
+
+def test_glue_has_no_gap():
+    with pytest.raises(AttributeError, match="there is no field 'gap' here: there are jump"):
+        contact_form(block_mesh(2), tied=True, law=Law(soft))
