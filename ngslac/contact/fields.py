@@ -149,7 +149,7 @@ class Law:
             raise Wrong(TypeError, "traction", traction, "a function of fields")
         self._traction = CheckFunction("traction", traction, "a function of fields")
 
-    def On(self, space, dt, *, tied, finite):
+    def _On(self, space, dt, *, tied, finite):
         """The law of a contact, from places to arrays."""
         names = ("slip", "gap", "normal", "jump", "trial")
         if tied:

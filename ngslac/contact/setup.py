@@ -36,7 +36,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-    if not hasattr(law, "On"):
+    if not hasattr(law, "_On"):
         CheckFunction("law", law, "a function from places to tractions, or a Law")
     if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(
@@ -72,10 +72,10 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     compiled = None if tool is None else tool.compiled
-    if hasattr(law, "On"):
+    if hasattr(law, "_On"):
         plain = {"u": u, "lam": lam, "master": region, "obstacle": functions["obstacle"]}
         chosen = {"tied": flags["tied"], "finite": flags["finite"]}
-        law = law.On(ContactForm(**plain, **chosen, tool=compiled).space, dt, **chosen)
+        law = law._On(ContactForm(**plain, **chosen, tool=compiled).space, dt, **chosen)
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
     kept = CheckedStarts("law.kept", kept)
     setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law, "kept": kept}

@@ -100,13 +100,15 @@ TABLE = """
 materials.Stress | strain:tensor young:density nu:poisson plane:word
     | strain=Sym(Grad(w.u)), young=2.0, nu=0.3
 materials.NeoHooke | F:tensor young:density nu:poisson | F=Id(2) + Grad(w.u), young=2.0, nu=0.3
-LACSpace | V:space slave macros:state? components:count? autoupdate:flag | V=w.V, slave="slave"
+LACSpace | V:space slave macros:state? components:count? autoupdate:flag axisymmetric:flag
+    | V=w.V, slave="slave"
 LACSpace.WithComponents | components:count
 LACSpace.CoreDofs | macro:count
 BubbleVectorH1 | mesh slave order:count dirichlet:any-pattern? | mesh=w.mesh, slave="slave", order=1
 SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
 LACContact | u lam master friction tresca maxdist penetration stiffness:positive
     | u=w.u, lam=w.lam, master="master"
+Law | traction:function
 LACContact with another law | offset adjust tied bilateral finite edges law
 LACContact with obstacle | obstacle friction offset | obstacle=0.01
 LACContact.Update | gf:solution?

@@ -41,7 +41,7 @@ from ngslac.materials import AxisymmetricGrad, NeoHooke, Stress
 NU = 0.3
 MODULUS = 1 / (1 - NU**2)  # E* for E = 1 and a rigid indenter
 FAR = 20.0  # contact radii
-HERTZ = "K. L. Johnson, Contact Mechanics, sections 3.4, 4.2 and 5.2"
+HERTZ = "K. L. Johnson, Contact Mechanics, sections 3.4, 4.2 and 5.2."
 
 
 class Pair:

@@ -33,6 +33,7 @@ case_tools
 case_materials
 case_series
 case_dynamics
+case_laws
 case_restart
 """
 MODULES = [import_module(name) for name in NAMES.split()]
