@@ -51,7 +51,7 @@ def Distributed(make, comm=None) -> Mesh:
 
     In a script for several processes ``from mpi4py import MPI`` and ``comm=MPI.COMM_WORLD``.
     """
-    if comm is not None and not hasattr(comm, "size"):
+    if comm is not None and not (hasattr(comm, "size") and hasattr(comm, "rank")):
         raise Wrong(TypeError, "comm", comm, "a communicator of mpi4py, or None")
     if comm is None or comm.size == 1:
         return make()
