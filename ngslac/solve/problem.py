@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import CF, VOL, BitArray, GridFunction, Integrate, x, y
+from ngsolve import BND, CF, ET, VOL, BitArray, GridFunction, Integrate, IntegrationRule, x, y
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
@@ -34,6 +34,8 @@ __all__ = [
 
 # Forces against a shift off the axis, relative to those against a stretch: less are none.
 RESISTS = 1e-13
+# Distance from the axis over the farthest one: less is none.
+AXIS = 1e-9
 # By what factor the resistance differs from that of hoop strains where it may be one.
 ALIKE = 3.0
 # Flags of a BilinearForm that leave no matrix, or not enough of it, with what to do instead.
@@ -260,7 +262,7 @@ def CheckBodies(mat, contact, free, *, rests):
             )
 
 
-def CheckAxis(mat, contacts):
+def CheckAxis(mat, contacts, free):
     """Refuse a bulk without hoop strain beside axisymmetric contact; warn of the opposite.
 
     A shift away from the axis strains a body of revolution, but nothing in a plane.
@@ -272,7 +274,8 @@ def CheckAxis(mat, contacts):
             "is not: make each LACSpace with axisymmetric=True, or none"
         )
     mesh = contacts[0].mesh
-    if mesh.dim > 2 or np.asarray(mesh.ngmesh.Coordinates())[:, 0].min() < 0:
+    across = np.asarray(mesh.ngmesh.Coordinates())[:, 0]
+    if mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
         return
     found = list(_HoopStiffness(mat, contacts[0].form))
     without = [repr(name) for name, resists, _ in found if not resists]
@@ -281,6 +284,11 @@ def CheckAxis(mat, contacts):
             f"a, the bulk form, has no hoop strain in {', '.join(without)}, but contact is "
             "axisymmetric: take 2*pi*x*dx and AxisymmetricGrad of ngslac.materials"
         )
+    if flags[0] and _LeavesAxis(contacts[0].form, free):
+        Warn(
+            "the axis x = 0 of axisymmetric bodies is free to move across: give the displacement "
+            "space dirichletx with the name of the boundary there"
+        )
     alike = [1 / ALIKE < ratio < ALIKE for *_, ratio in found]
     if not flags[0] and alike and all(alike) and not without:
         Warn(
@@ -288,6 +296,18 @@ def CheckAxis(mat, contacts):
             "but contact is that of a plane: if x is the distance from an axis, make the LACSpace "
             "with axisymmetric=True"
         )
+
+
+def _LeavesAxis(form, free):
+    """Can some of the `free` (n,) bool dofs move a vertex on the axis across?"""
+    space, block = form.component, form.fes.dim
+    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    gf = GridFunction(space)
+    gf.vec.FV().NumPy()[:] = np.random.default_rng(0).uniform(1, 2, space.ndof * block) * free[own]
+    ends = IntegrationRule([(0.0,), (1.0,)], [0.5, 0.5])
+    points = space.mesh.MapToAllElements({ET.SEGM: ends}, BND)
+    away = x(points).ravel()
+    return np.any(gf(points)[away <= AXIS * away.max(), 0] != 0)
 
 
 def _HoopStiffness(mat, form):

@@ -267,7 +267,7 @@ class System:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             free, rests = self.linear.free & ~bulk.inner, not np.any(self.values)
             CheckBodies(bulk.mat, self.contacts[0], free, rests=rests)
-            CheckAxis(bulk.mat, self.contacts)
+            CheckAxis(bulk.mat, self.contacts, self.linear.free)
             self._apart = True
         self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs

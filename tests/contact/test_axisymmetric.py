@@ -339,6 +339,11 @@ def test_a_bulk_without_hoop_strain_is_refused():
         bulk(section(1.0), True, False).Solve(printing=False)
 
 
+def test_an_axis_that_is_free_is_told():
+    with pytest.warns(ContactWarning, match="the axis x = 0 of axisymmetric bodies is free to mov"):
+        bulk(section(0.0), True, True).Solve(printing=False)
+
+
 def test_the_flag_that_is_forgotten_is_told():
     with pytest.warns(ContactWarning, match="resists a shift along x as that of an axisymmetric"):
         bulk(section(1.0), False, True).Solve(printing=False)
@@ -349,7 +354,7 @@ def test_the_flag_that_is_forgotten_is_told():
 def test_a_plane_is_none(inner):
     """Without a word for a plane problem with springs along x, and for an axisymmetric one."""
     bulk(section(inner), False, False, spring=0.1).Solve(printing=False)
-    bulk(section(inner), True, True).Solve(printing=False)
+    bulk(section(1.0 + inner), True, True).Solve(printing=False)
 
 
 def test_contacts_have_to_agree():
