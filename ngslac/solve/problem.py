@@ -6,12 +6,12 @@ from itertools import combinations
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BND, CF, ET, VOL, BitArray, GridFunction, Integrate, IntegrationRule, x, y
+from ngsolve import BND, ET, BitArray, GridFunction, Integrate, IntegrationRule, x
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply
-from ngslac.bodies.rigidmotions import DofsOfMaterials
+from ngslac.bodies.rigidmotions import DofsOfMaterials, RigidMotions
 from ngslac.bulkforms import BulkForm
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, Warn
@@ -32,12 +32,14 @@ __all__ = [
     "MultiplierRows",
 ]
 
-# Forces against a shift off the axis, relative to those against a stretch: less are none.
+# Forces against a shift off the axis, relative to those against a shear: less are none.
 RESISTS = 1e-13
+# Stiffness against a strain in one direction over that against shear, of usual materials.
+STIFFER = 3.5
 # Distance from the axis over the farthest one: less is none.
 AXIS = 1e-9
 # By what factor the resistance differs from that of hoop strains where it may be one.
-ALIKE = 3.0
+ALIKE = 5.0
 # Flags of a BilinearForm that leave no matrix, or not enough of it, with what to do instead.
 REFUSED = {
     "nonassemble": "it has no matrix then",
@@ -313,16 +315,17 @@ def _LeavesAxis(form, free):
 def _HoopStiffness(mat, form):
     """Of each material: its name, does it resist a shift along x, and how much.
 
-    1 is what hoop strains make, by the modulus that a stretch along y tells. Materials all of whose
+    1 is about what hoop strains make, by the modulus that a shear tells. Materials all of whose
     dofs lie on boundaries are left out.
     """
     space, block, mesh = form.component, form.fes.dim, form.component.mesh
     own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    motions, _, size = RigidMotions(space)
+    shift, shear = motions[:, 0], size * motions[:, 2] * (motions[:, 1] != 0)
     pushed, works = [], []
-    for field in ((1, 0), (0, y)):
-        gf, values = GridFunction(space), np.zeros(form.fes.ndof * block)
-        gf.Set(CF(field), VOL)
-        values[own] = gf.vec.FV().NumPy()
+    for field in (shift, shear):
+        values = np.zeros(form.fes.ndof * block)
+        values[own] = field
         forces = Multiply([mat], values)
         pushed.append(np.abs(forces[own]).reshape(-1, block).max(axis=1))
         works.append((values * forces)[own].reshape(-1, block).sum(axis=1))
@@ -332,8 +335,9 @@ def _HoopStiffness(mat, form):
         dofs = AsNumPy(DofsOfMaterials(space, np.arange(len(rings)) == k))
         if np.any(dofs & inside):
             resists = pushed[0][dofs & inside].max() > RESISTS * pushed[1][dofs].max()
-            shift, stretch = (work[dofs].sum() for work in works)
-            yield name, resists, shift / stretch * areas[k] / rings[k] if stretch > 0 else 0.0
+            hoop, modulus = (work[dofs].sum() for work in works)
+            ratio = hoop / modulus * areas[k] / rings[k] / STIFFER if modulus > 0 else 0.0
+            yield name, resists, ratio
 
 
 def _MaterialsOf(space, dofs):
