@@ -36,7 +36,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     flags = {name: CheckFlag(name, value) for name, value in flags.items()}
     if tied and (friction is not None or tresca is not None):
         raise ValueError("tied surfaces do not slide: drop friction and tresca, or tied")
-    if not hasattr(law, "_On"):
+    if isinstance(law, type) or not hasattr(law, "_On"):
         CheckFunction("law", law, "a function from places to tractions, or a Law")
     if law is not None and (bilateral or edges or (friction, tresca) != (None, None)):
         raise ValueError(

@@ -202,6 +202,11 @@ def test_refused(law, words):
         contact_form(block_mesh(2), law=Law(law))
 
 
+def test_the_class_is_no_law():
+    with pytest.raises(TypeError, match="not a class: give an object of it"):
+        contact_form(block_mesh(2), law=Law)
+
+
 def test_glue_has_no_gap():
     with pytest.raises(AttributeError, match="there is no field 'gap' here: there are jump"):
         contact_form(block_mesh(2), tied=True, law=Law(soft))
