@@ -15,11 +15,13 @@ using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
 /// Fields of a contact on which its coefficients may depend: numbers of the macro-elements.
 struct ContactFields {
+  /// A number that the contact remembers: its field when the step begins, and its value at the end.
+  using History = std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>;
+
   std::vector<shared_ptr<GridFunction>> values; // slip, a component each, gap, pressure
-  /// Derivatives of "friction", "tresca" and "offset" by them; none of what does not depend.
+  /// Derivatives by them of those of "friction", "tresca" and "offset" that depend on them.
   std::map<string, std::vector<shared_ptr<CoefficientFunction>>> slopes;
-  /// What is remembered: as it was when the step began, and what it becomes at the end.
-  std::map<string, std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>> memory;
+  std::map<string, History> memory;
 };
 
 /// What a contact form needs besides the two fields.
@@ -41,7 +43,7 @@ struct ContactSetup {
   bool active = true;     // off: no partners, no forces
   ContactLaw law;         // in place of the compiled one: tractions and derivatives, see ownlaw.hpp
   ContactFields fields;   // on which the coefficients depend
-  NamedNumbers kept;      // what is remembered of a macro-element, before the first step
+  NamedNumbers kept;      // the memory of a macro-element before the first step
 };
 
 /// Values of one macro-element after an evaluation.

@@ -103,21 +103,21 @@ void ExportContact(py::module & m) {
       py::arg("proxy"), py::arg("name"),
       "Numbers of components that lead from a product space to that of a trial function.");
   py::class_<ContactForm, shared_ptr<ContactForm>>(m, "ContactForm")
-      .def(py::init(
-               [](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
-                  optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
-                  shared_ptr<CoefficientFunction> friction, shared_ptr<CoefficientFunction> tresca,
-                  shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool, bool tied,
-                  bool bilateral, bool finite, bool edges, double adjust, double maxdist,
-                  double penetration, bool active, py::object law, const NamedArrays & kept,
-                  const std::vector<shared_ptr<GridFunction>> & fields,
-                  const std::map<string, std::vector<shared_ptr<CoefficientFunction>>> & slopes,
-                  const std::map<string, std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>> & memory) {
-                 return ContactForm::Create(
-                     ContactSetup{u, lam, master, obstacle, friction, tresca, offset, tool, tied,
-                                  bilateral, finite, edges, adjust, maxdist, penetration, active,
-                                  LawOf(law), ContactFields{fields, slopes, memory}, FromDict(kept)});
-               }),
+      .def(py::init([](shared_ptr<CoefficientFunction> u, shared_ptr<CoefficientFunction> lam,
+                       optional<Region> master, shared_ptr<CoefficientFunction> obstacle,
+                       shared_ptr<CoefficientFunction> friction,
+                       shared_ptr<CoefficientFunction> tresca,
+                       shared_ptr<CoefficientFunction> offset, shared_ptr<RigidTool> tool,
+                       bool tied, bool bilateral, bool finite, bool edges, double adjust,
+                       double maxdist, double penetration, bool active, py::object law,
+                       const NamedArrays & kept, const decltype(ContactFields::values) & fields,
+                       const decltype(ContactFields::slopes) & slopes,
+                       const decltype(ContactFields::memory) & memory) {
+             return ContactForm::Create(
+                 ContactSetup{u, lam, master, obstacle, friction, tresca, offset, tool, tied,
+                              bilateral, finite, edges, adjust, maxdist, penetration, active,
+                              LawOf(law), ContactFields{fields, slopes, memory}, FromDict(kept)});
+           }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
            py::arg("friction") = nullptr, py::arg("tresca") = nullptr, py::arg("offset") = nullptr,
@@ -125,7 +125,8 @@ void ExportContact(py::module & m) {
            py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
            py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true,
            py::arg("law") = py::none(), py::arg("kept") = NamedArrays(),
-           py::arg("fields") = py::list(), py::arg("slopes") = py::dict(), py::arg("memory") = py::dict())
+           py::arg("fields") = py::list(), py::arg("slopes") = py::dict(),
+           py::arg("memory") = py::dict())
       .def(
           "Update",
           [](ContactForm & self, shared_ptr<GridFunction> gf,

@@ -497,7 +497,7 @@ private:
     kinematics->At(x.FV<double>());
   }
 
-  /// What of an answer: in a step with the memory of the last one.
+  /// How much of an answer is asked for; a step knows the slip directions of the last one.
   enum class Want { values, derivatives, step };
   /// The answers of the law at x.
   Array<Answer<D>> Answers(FlatVector<> x, Want want) {
@@ -535,7 +535,7 @@ private:
     return places;
   }
 
-  /// What is remembered of a step that ends at x.
+  /// The memory after a step that ends at x.
   NamedNumbers Remembered(FlatVector<> x) const {
     if (law->Depends())
       return law->Remembered();

@@ -7,6 +7,12 @@ using namespace ngbla;
 
 enum class Status : int { open = 0, stick = 1, slip = 2 };
 
+/// The largest tangential traction under a pressure.
+struct FrictionBound {
+  double size, by_pressure;
+  bool is_coulomb; // proportional to the pressure, else it is Tresca's
+};
+
 /// What the law needs to know of one macro-element.
 template <int D>
 struct LawData {
@@ -17,13 +23,13 @@ struct LawData {
   bool tied;
   bool bilateral; // pressures have any sign
 
-  /// Largest tangential traction under a pressure, of any sign, and its derivative. Friction with
-  /// both constants is Coulomb's up to the threshold.
-  pair<double, double> Bound(double pressure) const {
+  /// Under a pressure of any sign. Friction with both constants is Coulomb's up to the threshold.
+  FrictionBound Bound(double pressure) const {
     double coulomb = friction * fabs(pressure);
     if (threshold >= 0 && (friction < 0 || threshold < coulomb))
-      return {threshold, 0};
-    return friction >= 0 ? pair(coulomb, pressure < 0 ? -friction : friction) : pair(0.0, 0.0);
+      return {threshold, 0, false};
+    return friction >= 0 ? FrictionBound{coulomb, pressure < 0 ? -friction : friction, true}
+                         : FrictionBound{0, 0, false};
   }
 };
 
@@ -75,8 +81,7 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
 
   Vec<D> tangential = trial + pressure * n;
   double size = L2Norm(tangential);
-  auto [bound, slope] = data.Bound(pressure);
-  bool coulomb = data.friction >= 0 && (data.threshold < 0 || slope != 0 || bound == 0);
+  auto [bound, slope, is_coulomb] = data.Bound(pressure);
   if (size <= bound && bound > 0)
     return Sticking(trial);
 
@@ -86,8 +91,8 @@ Projection<D> Project(const LawData<D> & data, Vec<D> trial) {
   result.derivative = nn;
   result.by_normal = n * Trans(trial) - pressure * identity;
   if (size > 0)
-    (coulomb ? result.by_friction : result.by_threshold) =
-        (coulomb ? fabs(pressure) : 1) / size * tangential;
+    (is_coulomb ? result.by_friction : result.by_threshold) =
+        (is_coulomb ? fabs(pressure) : 1) / size * tangential;
   if (bound > 0) {
     Vec<D> direction = (1 / size) * tangential;
     Mat<D, D> across = (bound / size) * (identity - direction * Trans(direction));

@@ -100,10 +100,10 @@ public:
 
   /// Do coefficients depend on the fields of the contact?
   bool Depends() const { return fields.values.size() > 0; }
-  /// Evaluates the coefficients at places, for a vector x and what is remembered, and their
-  /// derivatives if asked.
+  /// Evaluates the coefficients at places, for a vector x and a memory; derives: their derivatives,
+  /// too.
   template <typename F>
-  void DependOn(F place, FlatVector<> x, const NamedNumbers & kept, bool derive) {
+  void DependOn(F place, FlatVector<> x, const NamedNumbers & kept, bool derives) {
     for (auto & field : fields.values)
       FitMesh(*field);
     for (auto & [name, memory] : fields.memory) {
@@ -130,7 +130,7 @@ public:
     for (auto & [name, functions] : fields.slopes) {
       auto & found = slopes[name];
       found.SetSize(c.Size());
-      for (int k : Range(derive ? nfields : 0)) {
+      for (int k : Range(derives ? nfields : 0)) {
         auto means = MacroMeans(*functions[k], *space, "the derivative of " + name,
                                 -std::numeric_limits<double>::infinity());
         for (size_t m : Range(found))
@@ -138,7 +138,7 @@ public:
       }
     }
   }
-  /// What is remembered of the step that ends at the fields of the last evaluation.
+  /// The memory after a step that ends with the fields of the last evaluation.
   NamedNumbers Remembered() const {
     NamedNumbers now;
     for (auto & [name, memory] : fields.memory)

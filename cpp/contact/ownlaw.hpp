@@ -145,7 +145,7 @@ void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t
   }
 }
 
-/// What a law has given, checked where there is a partner.
+/// The answer of a law, checked where there is a partner.
 template <int D>
 NamedNumbers AnswerTo(const ContactLaw & law, const NamedNumbers & places,
                       const NamedNumbers & kept, bool tied) {

@@ -15,12 +15,12 @@ TINY = 1e-150  # its square is a number, too
 # Names of places, of columns of a table, and of answers, which nothing is kept under.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
 TAKEN |= {"pressure", "friction", "fullarea"}
-# What may depend on the fields, with the least value.
+# The coefficients that may depend on the fields, with their least values.
 COEFFICIENTS = {"friction": 0, "tresca": 0, "offset": -math.inf}
 
 
 class Fields:
-    """What a coefficient of `LACContact` that is a function gets: fields of the contact as symbols.
+    """The fields of a contact as symbols: the argument of a coefficient that is a function.
 
     Numbers of the macro-elements, with which expressions are made and differentiated.
 
@@ -63,7 +63,7 @@ class Fields:
         )
 
     def History(self, name, update, *, start=0.0):
-        """What is remembered, such as a way, a wear or a damage, as it is now.
+        """Remember a number, such as a way, a wear or a damage; returns its present value.
 
         Parameters
         ----------

@@ -72,17 +72,14 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     }
     lengths = {name: value or 0.0 for name, value in lengths.items()}
     compiled = None if tool is None else tool.compiled
-    if hasattr(law, "_On"):
-        plain = {"u": u, "lam": lam, "master": region, "obstacle": functions["obstacle"]}
-        chosen = {"tied": flags["tied"], "finite": flags["finite"]}
-        law = law._On(ContactForm(**plain, **chosen, tool=compiled).space, dt, **chosen)
+    setup = {"u": u, "lam": lam, "master": region, "tool": compiled} | functions | flags | lengths
+    expression = hasattr(law, "_On")
+    space = ContactForm(**setup).space if dependent or expression else None
+    if expression:
+        law = law._On(space, dt, tied=flags["tied"], finite=flags["finite"])
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
-    kept = CheckedStarts("law.kept", kept)
-    setup = {"u": u, "lam": lam, "master": region, "tool": compiled, "law": law, "kept": kept}
-    setup |= functions | flags | lengths
-    if dependent:
-        setup |= Dependent(ContactForm(**setup).space, dt, dependent)
-    return tool, setup
+    setup |= {"law": law, "kept": CheckedStarts("law.kept", kept)}
+    return tool, setup | (Dependent(space, dt, dependent) if dependent else {})
 
 
 def _ToolOf(obstacle, dim, flags):

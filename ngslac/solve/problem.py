@@ -246,7 +246,7 @@ def CheckBodies(mat, contact, free, *, rests):
     """
     form = contact.form
     space, block = form.component, form.fes.dim
-    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    own = _Displacements(form)
     forces = Multiply([mat], np.random.default_rng(0).uniform(1, 2, len(free)))[own]
     undefined, none = ~np.isfinite(forces) & free[own], (forces == 0) & free[own]
     for wrong, what in ((undefined, "NaN or infinity"), (none, "nothing")):
@@ -303,7 +303,7 @@ def CheckAxis(mat, contacts, free):
 def _LeavesAxis(form, free):
     """Can some of the `free` (n,) bool dofs move a vertex on the axis across?"""
     space, block = form.component, form.fes.dim
-    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    own = _Displacements(form)
     gf = GridFunction(space)
     gf.vec.FV().NumPy()[:] = np.random.default_rng(0).uniform(1, 2, space.ndof * block) * free[own]
     ends = IntegrationRule([(0.0,), (1.0,)], [0.5, 0.5])
@@ -319,7 +319,7 @@ def _HoopStiffness(mat, form):
     dofs lie on boundaries are left out.
     """
     space, block, mesh = form.component, form.fes.dim, form.component.mesh
-    own = slice(form.offset * block, (form.offset + space.ndof) * block)
+    own = _Displacements(form)
     motions, _, size = RigidMotions(space)
     shift, shear = motions[:, 0], size * motions[:, 2] * (motions[:, 1] != 0)
     pushed, works = [], []
@@ -338,6 +338,12 @@ def _HoopStiffness(mat, form):
             hoop, modulus = (work[dofs].sum() for work in works)
             ratio = hoop / modulus * areas[k] / rings[k] / STIFFER if modulus > 0 else 0.0
             yield name, resists, ratio
+
+
+def _Displacements(form):
+    """The scalar dofs of the displacement among those of the product space."""
+    block = form.fes.dim
+    return slice(form.offset * block, (form.offset + form.component.ndof) * block)
 
 
 def _MaterialsOf(space, dofs):

@@ -3,8 +3,10 @@
 import numpy as np
 import scipy.sparse
 from blocks import C, macro_dofs, residual
-from ngsolve import CF, GridFunction, cos, sin, x, y, z
+from bricks import brick
+from ngsolve import CF, GridFunction, VectorH1, cos, sin, x, y, z
 
+from ngslac import LACContact, LACSpace, tools
 from ngslac.meshes.geometry3d import RotationMatrix
 
 POSITIONS = (x, y, z)
@@ -131,3 +133,18 @@ class Form:
         differences = [(R(state + eps * d) - R(state - eps * d)) / (2 * eps) for d in directions]
         deviations = [found - exact @ d for found, d in zip(differences, directions, strict=True)]
         return np.abs(deviations).max() / np.abs(exact).max()
+
+
+def on_a_sphere(dim, **law):
+    """A brick that has bent since its last step, on a rigid sphere; `law` is of LACContact."""
+    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
+    u, lam = (V * LACSpace(V, slave="bottom")).TrialFunction()
+    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
+    contact = LACContact(u, lam, obstacle=tool, finite=True, **law)
+    contact.Update()
+    contact.form.SetConstant(C)
+    form = Form(contact)
+    form.commit()
+    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
+    form.follow()
+    return form

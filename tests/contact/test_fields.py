@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form
-from bricks import brick
-from form import Form
+from form import Form, on_a_sphere
 from netgen.meshing import NgException
 from ngsolve import (
     CF,
@@ -22,7 +21,6 @@ from ngsolve import (
     exp,
     sin,
     x,
-    y,
 )
 
 from ngslac import (
@@ -34,7 +32,6 @@ from ngslac import (
     LoadStepper,
     SaveState,
     TimeStepper,
-    tools,
 )
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
@@ -95,18 +92,7 @@ def test_derivative(dim, finite, law):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_derivative_on_a_tool(dim):
-    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
-    X = V * LACSpace(V, slave="bottom")
-    u, lam = X.TrialFunction()
-    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
-    laws = {"friction": falling, "offset": worn}
-    contact = LACContact(u, lam, obstacle=tool, finite=True, **laws)
-    contact.Update()
-    contact.form.SetConstant(C)
-    form = Form(contact)
-    form.commit()
-    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
-    form.follow()
+    form = on_a_sphere(dim, friction=falling, offset=worn)
     form.values[form.multipliers] = -0.5
     form.impose(0.3)
     assert 2 in form.table()["status"]

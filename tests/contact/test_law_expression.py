@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form
-from bricks import brick
-from form import Form
+from form import Form, on_a_sphere
 from ngsolve import (
     CF,
     BilinearForm,
@@ -18,9 +17,7 @@ from ngsolve import (
     VectorH1,
     dx,
     exp,
-    sin,
     x,
-    y,
 )
 
 from ngslac import (
@@ -31,7 +28,6 @@ from ngslac import (
     LoadState,
     LoadStepper,
     SaveState,
-    tools,
 )
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
@@ -93,17 +89,7 @@ def test_derivative_of_glue(dim, finite):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_derivative_on_a_tool(dim):
-    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
-    X = V * LACSpace(V, slave="bottom")
-    u, lam = X.TrialFunction()
-    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
-    contact = LACContact(u, lam, obstacle=tool, finite=True, law=Law(soft))
-    contact.Update()
-    contact.form.SetConstant(C)
-    form = Form(contact)
-    form.commit()
-    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
-    form.follow()
+    form = on_a_sphere(dim, law=Law(soft))
     assert 1 in form.table()["status"]
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
 

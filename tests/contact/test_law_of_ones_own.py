@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form
-from bricks import brick
-from form import Form
+from form import Form, on_a_sphere
 from netgen.meshing import NgException
 from ngsolve import (
     CF,
@@ -22,8 +21,6 @@ from ngsolve import (
     VectorH1,
     ds,
     dx,
-    sin,
-    x,
     y,
 )
 from press import press
@@ -38,7 +35,6 @@ from ngslac import (
     LoadStepper,
     SaveState,
     TimeStepper,
-    tools,
 )
 from ngslac.meshes import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
@@ -215,17 +211,7 @@ def test_derivative_of_glue(dim, finite, law):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_derivative_on_a_tool(dim):
-    V = VectorH1(brick("trig" if dim == 2 else "tet", 5 - dim), order=2)
-    X = V * LACSpace(V, slave="bottom")
-    u, lam = X.TrialFunction()
-    tool = tools.Sphere((0.4, 0.45, -0.68)[3 - dim :], 0.7)
-    contact = LACContact(u, lam, obstacle=tool, finite=True, law=LimitedSpring(start=0.1))
-    contact.Update()
-    contact.form.SetConstant(C)
-    form = Form(contact)
-    form.commit()
-    form.u.Set(CF((0.03 * sin(3 * x), 0.05 * x * x - 0.02, 0.04 * x * y)[:dim]))
-    form.follow()
+    form = on_a_sphere(dim, law=LimitedSpring(start=0.1))
     form.values[form.multipliers] = np.random.default_rng(4).normal(size=form.multipliers.shape)
     assert 1 in form.table()["status"]
     assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
