@@ -409,6 +409,8 @@ class Newton:
         system = self.system
         try:
             most = min(RELAX * system.bodies.loose, MOST_RELAX)
+            if not system.islinear and system.residual.converged:
+                most = SEARCH  # a smaller step from there may be the better way
             return Relaxation(self, len(self.history) + most).Run()
         except FAILURES:
             system.restless = True
