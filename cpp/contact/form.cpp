@@ -618,8 +618,9 @@ private:
         for (int j : Range(dofs)) {
           int lam = law->dofs[D * m + k];
           forces(j, k) = from(dofs[j], lam);
-          rows(k, j) = law->c[m] / kinematics->Jump().RowArea(m) * from(lam, dofs[j]);
+          rows(k, j) = from(lam, dofs[j]);
         }
+      rows = ngbla::Matrix<>(Inv(law->RowFactor(m, kinematics->Place(m))) * rows);
       sum.Add(dofs, dofs, ngbla::Matrix<>(forces * rows));
     });
     return result;

@@ -80,7 +80,8 @@ class MacroLaw {
   ContactFields fields;
   bool looks = false; // do the fields have the values of a solution?
   static constexpr int nfields = D + 2;
-  std::map<string, Array<Vec<nfields>>> slopes; // of the coefficients, at the last fields
+  std::map<string, Array<Vec<nfields>>> slopes; // of the coefficients, at the last derivatives
+  Array<double> give; // of the offset under a pressure, >= 0; empty: not known in this solve
 
 public:
   Array<double> c;                   // traction per displacement
@@ -98,6 +99,8 @@ public:
         adjust(setup.adjust), watch_friction(setup.friction), watch_threshold(setup.threshold),
         watch_offset(setup.offset), fields(setup.fields), own(setup.law != nullptr) {}
 
+  /// May pressures be uneven where contact ends? Points do not know of an offset that depends.
+  bool HasEnds() const { return has_ends && !fields.slopes.count("offset"); }
   /// Do coefficients depend on the fields of the contact?
   bool Depends() const { return fields.values.size() > 0; }
   /// Evaluates the coefficients at places, for a vector x and a memory; derives: their derivatives,
@@ -127,17 +130,29 @@ public:
     looks = true;
     Reevaluate();
     looks = false;
+    if (derives || give.Size() != c.Size())
+      FindSlopes();
+  }
+
+private:
+  void FindSlopes() {
     for (auto & [name, functions] : fields.slopes) {
       auto & found = slopes[name];
       found.SetSize(c.Size());
-      for (int k : Range(derives ? nfields : 0)) {
+      for (int k : Range(nfields)) {
         auto means = MacroMeans(*functions[k], *space, "the derivative of " + name,
                                 -std::numeric_limits<double>::infinity());
         for (size_t m : Range(found))
           found[m](k) = means[m];
       }
     }
+    give.SetSize(c.Size());
+    auto found = slopes.find("offset");
+    for (size_t m : Range(give))
+      give[m] = found == slopes.end() ? 0 : max(0.0, found->second[m](D + 1));
   }
+
+public:
   /// The memory after a step that ends with the fields of the last evaluation.
   NamedNumbers Remembered() const {
     NamedNumbers now;
@@ -222,7 +237,7 @@ public:
   }
 
   /// Forgets the slip directions of the last iteration.
-  void BeginSolve() { direction = Vec<D>(0.0); }
+  void BeginSolve() { direction = Vec<D>(0.0), give.SetSize(0); }
 
   /// What is added to the gap between the surfaces.
   double Clearance(size_t m) const { return offset[m] + adjusted[m]; }
@@ -257,7 +272,7 @@ public:
   }
   /// How the pressure spreads over the points of a macro-element that contact ends in.
   EndPressure Spread(size_t m, const EndPoints & points) const {
-    return EndPressure::Of(points, end_c[m]);
+    return EndPressure::Of(points, NormalScale(m, true));
   }
   Compliance<D> ComplianceOf(size_t m) const { return Compliance<D>(space->ReachOf(m), tied); }
   /// The answer of the law at a place and the multiplier of x.
@@ -282,9 +297,16 @@ public:
   /// Factor of the multiplier's rows, which makes the matrix symmetric where contact ends, too.
   ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const {
     ngbla::Mat<D, D> factor = (place.rowarea / c[m]) * Id<D>();
-    if (place.ends)
-      factor += (place.rowarea / c[m]) * (c[m] / end_c[m] - 1) * place.normal * Trans(place.normal);
+    factor += place.rowarea * (1 / NormalScale(m, place.ends) - 1 / c[m]) * place.normal *
+              Trans(place.normal);
     return factor;
+  }
+
+  /// Traction per displacement along the normal. A surface that gives under a pressure is softer:
+  /// else a pressure that is too large would open the contact.
+  double NormalScale(size_t m, bool ends) const {
+    double scale = ends ? end_c[m] : c[m];
+    return give.Size() ? scale / (1 + scale * give[m]) : scale;
   }
 
   /// Does it look at slip?
@@ -307,22 +329,33 @@ private:
                      FlatVector<> x) const {
     auto & n = place.normal;
     auto compliance = ComplianceOf(m);
+    double scale = NormalScale(m, place.ends);
     ngbla::Mat<D, D> multiplier = Id<D>() - compliance.At(n), jump = c[m] * Id<D>();
+    jump += (scale - c[m]) * n * Trans(n);
     if (place.ends) { // the mean pressure of its points in place of the trial pressure
       double growth = Spread(m, *place.ends).by_multiplier - 1;
       multiplier += growth * n * Trans(Vec<D>(Trans(multiplier) * n));
-      jump += (end_c[m] - c[m]) * n * Trans(n);
     }
     Answer<D> answer;
     answer.traction = p.traction;
     answer.by_multiplier = p.derivative * multiplier;
     answer.by_jump = -1 * (p.derivative * jump);
     answer.by_normal = p.by_normal - p.derivative * compliance.ByNormal(n, Multiplier(m, x));
+    if (!place.ends && scale != c[m]) { // normals of ends do not turn
+      answer.by_normal -= (scale - c[m]) * (p.derivative * Turned(n, place.jump));
+      Mat<D, D> row = Turned(n, p.traction - Multiplier(m, x));
+      row += (scale / c[m] - 1) * n * Trans(Vec<D>(Trans(row) * n));
+      answer.by_normal += (c[m] / scale - 1) * row;
+    }
     answer.by_friction = p.by_friction, answer.by_threshold = p.by_threshold;
     answer.status = p.status;
     return answer;
   }
 
+  /// Derivative of  n (n.v)  by n.
+  static Mat<D, D> Turned(const Vec<D> & n, const Vec<D> & v) {
+    return n * Trans(v) + InnerProduct(n, v) * Id<D>();
+  }
   LawData<D> Data(size_t m, const MacroPlace<D> & place) const {
     bool paired = place.area > 0;
     return {place.normal, c[m], friction[m], threshold[m], tied && paired, bilateral && paired};
@@ -332,13 +365,14 @@ private:
     if (place.area == 0)
       return place.normal;
     Vec<D> traction = Multiplier(m, x);
-    Vec<D> trial = traction - ComplianceOf(m).At(place.normal) * traction - c[m] * place.jump;
+    auto & n = place.normal;
+    Vec<D> trial = traction - ComplianceOf(m).At(n) * traction - c[m] * place.jump;
     if (!place.ends)
-      return trial;
+      return trial - (NormalScale(m, place.ends) - c[m]) * InnerProduct(n, place.jump) * n;
     double mean = Spread(m, *place.ends).mean;
     if (mean <= 0)
-      return place.normal; // open, whatever rounding does
-    return trial - (InnerProduct(trial, place.normal) + mean) * place.normal;
+      return n; // open, whatever rounding does
+    return trial - (InnerProduct(trial, n) + mean) * n;
   }
 };
 

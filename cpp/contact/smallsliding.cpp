@@ -286,7 +286,7 @@ private:
     return blocks;
   }
 
-  const EndPoints * EndsOf(size_t m) const { return law->has_ends ? ends.PointsOf(m) : nullptr; }
+  const EndPoints * EndsOf(size_t m) const { return law->HasEnds() ? ends.PointsOf(m) : nullptr; }
 
   Vec<D> Across(size_t m, const Vec<D> & traction) const {
     return traction - InnerProduct(traction, direction[m]) * direction[m];

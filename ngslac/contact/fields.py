@@ -4,13 +4,14 @@
 import math
 
 import numpy as np
-from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule
+from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule, Parameter
 
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 
 __all__ = ["COEFFICIENTS", "CheckedStarts", "Dependent", "Fields", "Law"]
 
 MIDDLES = {ET.SEGM: (0.5,), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
+ZERO = str(CF(1).Diff(Parameter(0)))  # a derivative that is zero everywhere
 TINY = 1e-150  # its square is a number, too
 # Names of places, of columns of a table, and of answers, which nothing is kept under.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
@@ -34,6 +35,8 @@ class Fields:
         > 0 open; a length.
     pressure : CoefficientFunction
         >= 0 compression; stress units.
+    dt : CoefficientFunction
+        Length of the step, a Parameter; 1 before the first one.
 
     Examples
     --------
@@ -48,7 +51,7 @@ class Fields:
 
     def __init__(self, space, dt, names):
         self._numbers, d = space.WithComponents(1), space.mesh.dim
-        self.kept, self.memory, self.symbols = {}, {}, {}
+        self.kept, self.memory, self.symbols, self.dt = {}, {}, {}, dt
         for name in names:
             count = 1 if name in ("gap", "pressure") else d
             found = self.symbols[name] = [GridFunction(self._numbers) for _ in range(count)]
@@ -109,6 +112,8 @@ def Dependent(space, dt, functions):
         for name, function in functions.items()
     }
     slopes = {name: [f.Diff(value) for value in fields.values] for name, f in found.items()}
+    if "offset" in found and str(found["offset"].Diff(fields.gap)) != ZERO:
+        raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
     memory = {"kept": fields.kept, "memory": fields.memory}
     return found | {"fields": fields.values, "slopes": slopes} | memory
 

@@ -17,6 +17,7 @@ from ngsolve import (
     Parameter,
     Sym,
     VectorH1,
+    ds,
     dx,
     exp,
     sin,
@@ -255,7 +256,34 @@ def test_friction_that_falls_with_speed_stops_a_block():
     assert moving[2] < 0.05 * start
 
 
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize("give", [0.1, 10.0, 1e3])
+def test_a_surface_that_gives_more_than_the_body(give, finite):
+    """A block on a layer that is far softer: pressures on the way are much too large at times."""
+    mesh = TwoBlocks(0.5)
+    V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx=".*left.*|.*right.*")
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1.0, 0.0), Sym(Grad(v))) * dx
+    a += 1e-3 * v[1] * ds("top")
+    gf = GridFunction(fes)
+    given = {"finite": finite, "offset": lambda z: give * z.pressure}
+    contact = LACContact(u, lam, master="master", **given)
+    last = ContactSolver(a, gf, contact).Solve(printing=False)
+    assert last.number <= 12
+    table = contact.Table()
+    assert table["pressure"] == pytest.approx(np.full(len(table["gap"]), 1e-3), rel=0.05)
+    assert np.abs(table["gap"]).max() < 1e-9 * max(1, give * 1e-3)
+
+
 # --- what does not fit ---------------------------------------------------------------------------
+
+
+def test_an_offset_that_looks_at_the_gap():
+    """The gap holds the offset."""
+    with pytest.raises(ValueError, match=r"offset.*z\.gap"):
+        contact_form(block_mesh(2), offset=lambda z: 0.1 * z.gap)
 
 
 @pytest.mark.parametrize(("law", "words"), [
