@@ -89,7 +89,8 @@ public:
   virtual void AssembleLinearization(const BaseVector & x) = 0;
   /// Matrix and residual of the next Newton step. Same as AddApply and AssembleLinearization, but
   /// a macro-element whose slip direction turned round since the last call has to pass stick.
-  virtual void AssembleStep(const BaseVector & x, BaseVector & residual) = 0;
+  /// convex: the matrix knows nothing of how laws soften.
+  virtual void AssembleStep(const BaseVector & x, BaseVector & residual, bool convex) = 0;
   /// Forgets the slip directions of the last iteration.
   virtual void BeginSolve() = 0;
   virtual void Evaluate(const BaseVector & x) = 0;

@@ -159,7 +159,8 @@ void ExportContact(py::module & m) {
       .def("AddApply", &ContactForm::AddApply, py::call_guard<py::gil_scoped_release>())
       .def("AssembleLinearization", &ContactForm::AssembleLinearization,
            py::call_guard<py::gil_scoped_release>())
-      .def("AssembleStep", &ContactForm::AssembleStep, py::call_guard<py::gil_scoped_release>())
+      .def("AssembleStep", &ContactForm::AssembleStep, py::arg("x"), py::arg("residual"),
+           py::arg("convex") = false, py::call_guard<py::gil_scoped_release>())
       .def("BeginSolve", &ContactForm::BeginSolve)
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())

@@ -41,6 +41,8 @@ public:
       return;
     CheckSize(bx.FV<double>().Size());
     law->Reevaluate(); // the limits of the search
+    if (law->Depends()) // how deep partners may be, at these pressures
+      Look(bx.FV<double>(), Want::values);
     kinematics->Follow(bx.FV<double>());
     normal = kinematics->Jump().normal; // before any Evaluate
   }
@@ -98,11 +100,14 @@ public:
     auto x = bx.FV<double>();
     Linearize(Answers(x, Want::derivatives), law->Multipliers(x), Rim::stays);
   }
-  void AssembleStep(const BaseVector & bx, BaseVector & residual) override {
+  void AssembleStep(const BaseVector & bx, BaseVector & residual, bool convex) override {
     Prepare(bx);
     CheckSize(residual.FV<double>().Size());
     auto x = bx.FV<double>();
     auto answers = Answers(x, Want::step);
+    for (auto & answer : answers)
+      if (convex)
+        answer.by_jump = Resisting<D>(answer.by_jump);
     Linearize(answers, law->Multipliers(x), Rim::moves);
     AddResidual(x, answers, residual.FV<double>());
   }
@@ -504,7 +509,7 @@ private:
     if (setup.law)
       return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
     if (law->Depends())
-      law->DependOn([&](size_t m) { return Place(m); }, x, kept, want != Want::values);
+      Look(x, want);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -513,6 +518,11 @@ private:
         law->AddSlopes(m, place, x, answers[m]);
     });
     return answers;
+  }
+
+  /// Evaluates coefficients that depend on the fields of the contact.
+  void Look(FlatVector<> x, Want want) {
+    law->DependOn([&](size_t m) { return Place(m); }, x, kept, want != Want::values);
   }
 
   /// The arguments of a law in place of the compiled one, without what it keeps.

@@ -55,6 +55,19 @@ struct Answer {
   Status status = Status::open;
 };
 
+/// The derivative of a traction by the jump without the part by which a law softens.
+template <int D>
+Mat<D, D> Resisting(Mat<D, D> by_jump) {
+  Mat<D, D> symmetric = -0.5 * (by_jump + Trans(by_jump)), directions;
+  Vec<D> stiffness;
+  CalcEigenSystem(symmetric, stiffness, directions);
+  for (int k : Range(D)) {
+    Vec<D> direction = directions.Row(k);
+    by_jump += min(0.0, stiffness(k)) * direction * Trans(direction);
+  }
+  return by_jump;
+}
+
 template <int D>
 Projection<D> Sticking(Vec<D> trial) {
   return {trial, Id<D>(), Mat<D, D>(0.0), Status::stick};

@@ -297,8 +297,8 @@ public:
   /// Factor of the multiplier's rows, which makes the matrix symmetric where contact ends, too.
   ngbla::Mat<D, D> RowFactor(size_t m, const MacroPlace<D> & place) const {
     ngbla::Mat<D, D> factor = (place.rowarea / c[m]) * Id<D>();
-    factor += place.rowarea * (1 / NormalScale(m, place.ends) - 1 / c[m]) * place.normal *
-              Trans(place.normal);
+    double softer = c[m] / NormalScale(m, place.ends) - 1;
+    factor += (place.rowarea / c[m]) * softer * place.normal * Trans(place.normal);
     return factor;
   }
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ngslac.bodies.messages import OwnLawMessage, RubberMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
+from ngslac.solve.descent import Descent
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
@@ -20,6 +21,8 @@ __all__ = ["Newton"]
 
 # Iterations of a first solve that are many, and the ratio of Poisson from which on that is why.
 LONG, RUBBER = 20, 0.485
+# Newton's steps where a law of one's own may soften, unless they get on.
+OWN = 15
 # Linear solves that have to be left for another method to be tried.
 LEAST = 10
 # Slip of a step, relative to the size of macro-elements, that small sliding is not made for.
@@ -28,6 +31,8 @@ STRAYED = 0.5
 # nonlinear, where a smaller step may be the better way; Newton's iterations from which on nearly
 # all has slipped for long.
 SEARCH, RUBBED = 30, 10
+# Most iterations in which a law that softens comes to a stable state.
+DESCENT = 200
 # Most iterations in which loose bodies come to rest, for each of them, and for all.
 RELAX, MOST_RELAX = 120, 500
 # Several loose bodies with friction fly about where Newton's method carries them so far, relative
@@ -82,7 +87,8 @@ class Newton:
                 state = system.Measure()
             self.Record(state)
             self.reach = self._Reach(start)
-            last = self.Iterate(state, min(maxit, system.scheme.most), maxit)
+            most = OWN if system.own_law else system.scheme.most
+            last = self.Iterate(state, min(maxit, most), maxit)
             if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
                 return last
             found = system.Place()
@@ -267,7 +273,7 @@ class Newton:
             found = self.globalization.SearchStart(move)
         elif system.loose and system.motion is None:
             found = self._Stick(state, move)
-        moving = system.motion is not None
+        moving = system.motion is not None or system.descends
         trial, part = found or self.globalization.Search(move, moving)
         damping = part * longest
         if not trial.finite:
@@ -373,7 +379,7 @@ class Newton:
             floats = isinstance(error, FloatingBodyError)
             loose = found is not None or floats or self.falls
             path = self.path and any(entry.changed for entry in self.history)
-            suits = not system.own_law and (loose or path or system.islinear)
+            suits = system.own_law or loose or path or system.islinear
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)
@@ -389,6 +395,8 @@ class Newton:
     def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
+        if system.own_law:
+            return Descent(self, len(self.history) + DESCENT).Run(error)
         if isinstance(error, FlightError):
             try:
                 return Relaxation(self, len(self.history) + SETTLE).Run()

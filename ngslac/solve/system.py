@@ -87,6 +87,8 @@ class System:
         slid on steadily? Then that is not tried again before a state is accepted.
     slides : bool
         Do round bodies stay where they are, even where closed contact seems to resist?
+    descends : bool
+        Does the matrix of the next step know nothing of how laws soften, see `Descent`?
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -96,7 +98,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
-        self.restless = self.slid = False
+        self.restless = self.slid = self.descends = False
         self.notes, self._said = {}, set()
         self.lean = None
         self._bodies = bodies
@@ -321,7 +323,7 @@ class System:
         residual = self.gf.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
-            contact.form.AssembleStep(self.gf.vec, residual)
+            contact.form.AssembleStep(self.gf.vec, residual, self.descends)
         if self.residual.drag:
             residual.FV().NumPy()[:] += self.residual.drag.Forces(self.values, self.scale)
         self.scheme.Change(self)
