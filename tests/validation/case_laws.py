@@ -49,7 +49,8 @@ def Glued(fields):
     apart = IfPos(opening, opening, 0)
     far = fields.History("far", lambda f: IfPos(apart - f, apart, f), start=first)
     whole = IfPos(last - far, first / far * (last - far) / (last - first), 0)
-    return -WIDTH * STIFFNESS * IfPos(opening, whole, 1) * fields.jump
+    pressed = (1 - whole) * IfPos(opening, 0, opening) * fields.normal
+    return -WIDTH * STIFFNESS * (whole * fields.jump - pressed)
 
 
 def Beams(h):

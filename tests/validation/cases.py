@@ -14,6 +14,7 @@ case_balance
 case_invariance
 case_infsup
 case_signorini
+case_wavy
 case_mms_large
 case_hertz
 case_cylinder
@@ -34,6 +35,8 @@ case_materials
 case_series
 case_dynamics
 case_laws
+case_wear
+case_adhesion
 case_restart
 """
 MODULES = [import_module(name) for name in NAMES.split()]
