@@ -88,22 +88,26 @@ Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
   return InnerProduct(normal, vector) * Id<D>() - normal * Trans(vector);
 }
 
-/// That of a law that gives none: does the traction act, and grow with slip in its own direction?
+/// That of a law that gives none: does the traction act, and grow with slip?
 ///
-/// The direction is that of the tangential traction, else that of the slip, else any.
+/// It slides where it does not grow with slip in the direction of the tangential traction, or in
+/// that of the slip, which is another one where friction is anisotropic.
 template <int D>
 Status StatusOf(const Answer<D> & answer, const Vec<D> & normal, const Vec<D> & slip) {
-  if (L2Norm2(answer.traction) == 0)
+  double traction = L2Norm(answer.traction), stiffness = L2Norm(answer.by_jump);
+  if (traction == 0)
     return Status::open;
   const double small = 1e-10;
   Mat<D, D> across = Id<D>() - normal * Trans(normal);
   Mat<D, D> along = across * Mat<D, D>(answer.by_jump * across);
-  Vec<D> friction = across * answer.traction;
-  bool pulls = L2Norm(friction) > small * L2Norm(answer.traction);
-  Vec<D> way = pulls ? friction : Vec<D>(across * slip);
-  double size = L2Norm2(way);
-  double resistance = size > 0 ? -InnerProduct(way, along * way) / size : L2Norm(along);
-  return resistance > small * L2Norm(answer.by_jump) ? Status::stick : Status::slip;
+  double resistance = L2Norm(along);
+  auto look = [&](const Vec<D> & way, double least) {
+    if (L2Norm(way) > least)
+      resistance = min(resistance, -InnerProduct(way, along * way) / L2Norm2(way));
+  };
+  look(across * answer.traction, small * traction);
+  look(across * slip, stiffness > 0 ? small * traction / stiffness : 0);
+  return resistance > small * stiffness ? Status::stick : Status::slip;
 }
 
 /// Of one macro-element, from the derivatives by the places that a law looks at.

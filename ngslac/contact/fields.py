@@ -2,8 +2,10 @@
 """Coefficients of a contact that depend on its own fields."""
 
 import math
+from contextlib import contextmanager
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule, Parameter
 
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
@@ -37,6 +39,9 @@ class Fields:
         >= 0 compression; stress units.
     dt : CoefficientFunction
         Length of the step, a Parameter; 1 before the first one.
+    c : CoefficientFunction
+        Of a `Law`: the stiffness of the surface, by which a slip counts in the trial; stress over
+        length.
 
     Examples
     --------
@@ -51,13 +56,15 @@ class Fields:
 
     def __init__(self, space, dt, names):
         self._numbers, d = space.WithComponents(1), space.mesh.dim
-        self.kept, self.memory, self.symbols, self.dt = {}, {}, {}, dt
+        self.kept, self.memory, self.symbols, self.constants, self.dt = {}, {}, {}, {}, dt
         for name in names:
             count = 1 if name in ("gap", "pressure") else d
             found = self.symbols[name] = [GridFunction(self._numbers) for _ in range(count)]
             setattr(self, name, found[0] if count == 1 else CF(tuple(found)))
         if "slip" in names:
             self.rate = self.slip / dt
+        if "trial" in names:
+            self.constants["c"] = self.c = GridFunction(self._numbers)
 
     def __getattr__(self, name):
         raise AttributeError(
@@ -92,7 +99,8 @@ class Fields:
             raise ValueError(f"History: {name!r} is kept already: take another name")
         self.kept |= CheckedStarts("History", {name: CheckNumber("start", start)})
         before = GridFunction(self._numbers)
-        now = _Expression(f"History of {name}", update(before))
+        with _Explained(f"History of {name}, which is a number,"):
+            now = _Expression(f"History of {name}", update(before))
         self.memory[name] = before, now
         return now
 
@@ -105,13 +113,12 @@ class Fields:
 def Dependent(space, dt, functions):
     """Arguments of a ContactForm for coefficients that are Python's functions of the fields."""
     fields = Fields(space, dt, ("slip", "gap", "pressure"))
-    found = {
-        name: _Expression(
-            f"{name}(z)", getattr(function, "expression", function)(fields), COEFFICIENTS[name]
-        )
-        for name, function in functions.items()
-    }
-    slopes = {name: [f.Diff(value) for value in fields.values] for name, f in found.items()}
+    found = {}
+    for name, function in functions.items():
+        with _Explained(f"{name}(z)"):
+            value = getattr(function, "expression", function)(fields)
+            found[name] = _Expression(f"{name}(z)", value, COEFFICIENTS[name])
+    slopes = {name: _Slopes(f"{name}(z)", f, fields.values) for name, f in found.items()}
     if "offset" in found and str(found["offset"].Diff(fields.gap)) != ZERO:
         raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
     memory = {"kept": fields.kept, "memory": fields.memory}
@@ -167,14 +174,16 @@ class _LawOnFaces:
 
     def __init__(self, traction, space, fields):
         self._space, self._fields, d = space, fields, space.mesh.dim
-        found = traction(fields)
+        with _Explained("the traction of a Law"):
+            found = traction(fields)
         if not isinstance(found, CoefficientFunction) or tuple(found.dims) != (d,):
             raise ValueError(f"the traction of a Law must have {d} components, such as z.normal")
         self.kept, rows = fields.kept, [found[k] for k in range(d)]
         self._parts, flat = [("traction", d)], list(rows)
         for name, symbols in fields.symbols.items():
             self._parts.append((f"by_{name}", d * len(symbols)))
-            flat += [row.Diff(symbol) for row in rows for symbol in symbols]
+            for row in rows:
+                flat += _Slopes("the traction of a Law", row, symbols)
         for name, (_, now) in fields.memory.items():
             self._parts.append((name, 1))
             flat.append(now)
@@ -190,6 +199,8 @@ class _LawOnFaces:
                 symbol.vec.FV().NumPy()[:] = column
         for name, (before, _) in self._fields.memory.items():
             before.vec.FV().NumPy()[:] = places[name]
+        for name, constant in self._fields.constants.items():
+            constant.vec.FV().NumPy()[:] = places[name]
         values = self._expression(points)
         means = np.zeros((len(places["area"]), values.shape[1]))
         np.add.at(means, owner, values)
@@ -203,7 +214,9 @@ class _LawOnFaces:
         space, mesh = self._space, self._space.mesh
         known = mesh.nv, mesh.ne, space.nmacros
         if self._known != known:
-            for field in (*self._fields.values, *(f for f, _ in self._fields.memory.values())):
+            fields = self._fields
+            memory = [before for before, _ in fields.memory.values()]
+            for field in (*fields.values, *fields.constants.values(), *memory):
                 if len(field.vec) != space.nmacros:
                     field.space.Update(), field.Update()
             rules = {kind: IntegrationRule([middle], [1.0]) for kind, middle in MIDDLES.items()}
@@ -211,6 +224,24 @@ class _LawOnFaces:
             macros = np.array(space.macros)
             self._owner, self._known = macros[macros >= 0], known
         return self._at, self._owner
+
+
+@contextmanager
+def _Explained(name):
+    """An error of NGSolve about an expression says whose it is, and what it mostly is."""
+    try:
+        yield
+    except NgException as error:
+        raise ValueError(
+            f"{name} is no expression that NGSolve can differentiate: {error}. A vector and a "
+            "number do not add up, and a power that is no whole number is exp(a * log(.))"
+        ) from error
+
+
+def _Slopes(name, expression, symbols):
+    """Derivatives of an expression by symbols."""
+    with _Explained(name):
+        return [expression.Diff(symbol) for symbol in symbols]
 
 
 def _Expression(name, value, least=-math.inf):

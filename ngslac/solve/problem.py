@@ -315,15 +315,17 @@ def _LeavesAxis(form, free):
 def _HoopStiffness(mat, form):
     """Of each material: its name, does it resist a shift along x, and how much.
 
-    1 is about what hoop strains make, by the modulus that a shear tells. Materials all of whose
-    dofs lie on boundaries are left out.
+    1 is about what hoop strains make, by the modulus that a shear tells; 0 where a shift along y,
+    which strains no hoop, is resisted as much: by inertia, or springs. Materials all of whose dofs
+    lie on boundaries are left out.
     """
     space, block, mesh = form.component, form.fes.dim, form.component.mesh
     own = _Displacements(form)
     motions, _, size = RigidMotions(space)
-    shift, shear = motions[:, 0], size * motions[:, 2] * (motions[:, 1] != 0)
+    shift, along = motions[:, 0], motions[:, 1]
+    shear = size * motions[:, 2] * (along != 0)
     pushed, works = [], []
-    for field in (shift, shear):
+    for field in (shift, shear, along):
         values = np.zeros(form.fes.ndof * block)
         values[own] = field
         forces = Multiply([mat], values)
@@ -335,8 +337,9 @@ def _HoopStiffness(mat, form):
         dofs = AsNumPy(DofsOfMaterials(space, np.arange(len(rings)) == k))
         if np.any(dofs & inside):
             resists = pushed[0][dofs & inside].max() > RESISTS * pushed[1][dofs].max()
-            hoop, modulus = (work[dofs].sum() for work in works)
-            ratio = hoop / modulus * areas[k] / rings[k] / STIFFER if modulus > 0 else 0.0
+            hoop, modulus, other = (work[dofs].sum() for work in works)
+            strains = modulus > 0 and other < hoop / 2
+            ratio = hoop / modulus * areas[k] / rings[k] / STIFFER if strains else 0.0
             yield name, resists, ratio
 
 

@@ -9,6 +9,9 @@ from ngslac.steps.control import StepLine
 
 __all__ = ["ContactWorks", "EnergyBalance", "TimeStep"]
 
+# Part of the energy lost so far that counts as being at hand.
+PAST = 0.01
+
 
 @dataclass(frozen=True)
 class EnergyBalance:
@@ -67,6 +70,8 @@ class EnergyBalance:
     def AtHand(self, before) -> float:
         """The largest energy of both balances, or work of internal forces in between.
 
+        A part of what has been lost counts, too: of bodies that came to rest little else is left.
+
         The internal energy has no zero of its own where it is a work and the stiffness changes, or
         loads are in it: it may be below zero.
 
@@ -79,7 +84,8 @@ class EnergyBalance:
         float
         """
         energies = (max(balance.total, balance.kinetic) for balance in (self, before))
-        return max(*energies, abs(self.internal - before.internal))
+        lost = before.friction + before.impact + before.algorithmic
+        return max(*energies, abs(self.internal - before.internal), PAST * lost)
 
     def After(self, time, kinetic, *, internal, external, friction, impact) -> "EnergyBalance":
         """The balance after a step.

@@ -29,6 +29,7 @@ from ngslac import (
     ContactSolver,
     LACContact,
     LACSpace,
+    Law,
     LoadState,
     LoadStepper,
     SaveState,
@@ -278,6 +279,20 @@ def test_a_surface_that_gives_more_than_the_body(give, finite):
 
 
 # --- what does not fit ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("law", "match"),
+    [
+        ({"friction": lambda z: 0.1 * z.pressure**0.5}, r"friction\(z\).*exp\(a \* log"),
+        ({"friction": lambda z: 0.1 + z.slip}, r"friction\(z\).*A vector and a number"),
+        ({"offset": lambda z: z.History("way", lambda w: w + z.slip)}, "History of way.*number"),
+        ({"law": Law(lambda z: z.jump + z.gap)}, "traction of a Law"),
+    ],
+)
+def test_what_cannot_be_differentiated(law, match):
+    with pytest.raises(ValueError, match="(?s)" + match):
+        contact_form(block_mesh(2), **law)
 
 
 def test_an_offset_that_looks_at_the_gap():
