@@ -40,7 +40,7 @@ public:
     if (!setup.finite || !setup.active)
       return;
     CheckSize(bx.FV<double>().Size());
-    law->Reevaluate(); // the limits of the search
+    law->Reevaluate();  // the limits of the search
     if (law->Depends()) // how deep partners may be, at these pressures
       Look(bx.FV<double>(), Want::values);
     kinematics->Follow(bx.FV<double>());

@@ -81,8 +81,9 @@ def OverloadMessage(bodies):
 
 def OwnLawMessage():
     return (
-        ". A law of your own needs right derivatives (compare them with differences of its "
-        "traction), a traction without jumps, and small steps"
+        ". A law of your own needs a traction without jumps, and right derivatives (compare those "
+        "of one in NumPy with differences); where it softens, small steps and several faces in "
+        "the length over which it does"
     )
 
 

@@ -45,8 +45,8 @@ def Table(self) -> dict[str, np.ndarray]:
     Returns
     -------
     dict
-        ``x`` (n, d) centroid, ``normal`` (n, d), ``area`` (n) paired, ``fullarea`` (n),
-        both of the reference configuration with ``finite=True``,
+        ``x`` (n, d) centroid, with ``finite=True`` of the deformed surface, ``normal`` (n, d),
+        ``area`` (n) paired, ``fullarea`` (n), both of the reference configuration,
         ``pressure`` (n), ``traction`` (n, d) on the slave, both 0 where the status is 0,
         ``gap`` (n) > 0 open, NaN without a partner,
         ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,

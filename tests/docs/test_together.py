@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from netgen.meshing import NgException
-from ngsolve import CF
+from ngsolve import CF, IfPos, Norm, exp
 from press import press, solved
 
-from ngslac import AugmentedLagrangianSolver, LoadStepper, TimeStepper, tools
+from ngslac import AugmentedLagrangianSolver, Law, LoadStepper, TimeStepper, tools
 
 LIMITS = Path(__file__).resolve().parents[2] / "docs" / "limits.md"
 FLOOR = {2: ((0, 0), (0, 1)), 3: ((0, 0, 0), (0, 0, 1))}
@@ -44,7 +44,13 @@ LAWS = {
     "tied": {"tied": True},
     "without separation": {"bilateral": True},
     "a law of your own (`law`)": {"law": spring},
+    "a law as an expression (`Law`)": {"law": Law(lambda z: IfPos(z.gap, 0, z.gap) * z.normal)},
     "clearance (`offset`)": {"offset": 0.001},
+    "functions of the fields (`friction`, `tresca`, `offset`)": {
+        "friction": lambda z: 0.2 + 0.1 * exp(-Norm(z.rate)),
+        "tresca": lambda z: 0.5 + 0.1 * z.pressure,
+        "offset": lambda z: z.History("worn", lambda w: w + 1e-3 * z.pressure * Norm(z.slip)),
+    },
     "adjusted start": {"adjust": 0.01},
     "sharp edges (`edges`)": {"edges": True},
     "self-contact": {"master": "slave|master"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from netgen.occ import Compound, Glue, MoveTo, OCCGeometry
+from netgen.occ import Box, Compound, Glue, MoveTo, OCCGeometry, Rectangle, Y, Z
 from ngsolve import (
     CF,
     BilinearForm,
@@ -13,6 +13,7 @@ from ngsolve import (
     GridFunction,
     IfPos,
     InnerProduct,
+    Integrate,
     Mesh,
     Norm,
     Parameter,
@@ -25,7 +26,7 @@ from report_bounds import Neglected, Step, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import INK, ORANGE, Figure
 
-from ngslac import ContactSolver, LACContact, LACSpace, Law, LoadStepper, TimeStepper
+from ngslac import ContactSolver, LACContact, LACSpace, Law, LoadStepper, TimeStepper, tools
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
 
@@ -197,6 +198,142 @@ def Histories(quick):
     return Outcome(rows, Figure(Draw, columns=2), caption)
 
 
+# --- static and kinetic friction ------------------------------------------------------------------
+
+LOAD, SPRING, BELT, STATIC, KINETIC = 10.0, 100.0, 0.01, 0.4, 0.3  # of a mass of 1
+
+
+def OnBelt(fall, end):
+    """Times and forces of a spring that holds a block on a belt; friction falls within `fall`."""
+    block = Rectangle(1, 0.5).Face().Move((-0.5, 0, 0))
+    block.edges.name = "free"
+    block.edges.Min(Y).name = "slave"
+    mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=0.5))
+    V = VectorH1(mesh, order=2)
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a, time = BilinearForm(fes), Parameter(0)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1e6, 0.3), Sym(Grad(v))) * dx
+    a += 2 * LOAD * v[1] * dx + 2 * SPRING * (u[0] + 0.02) * v[0] * dx
+    belt = tools.Plane((0, 0), (0, 1)).Moved(shift=(BELT * time, 0))
+
+    def Friction(z):
+        return KINETIC + (STATIC - KINETIC) * exp(-Norm(z.rate) / fall)
+
+    contact = LACContact(u, lam, obstacle=belt, finite=True, friction=Friction)
+    solver = ContactSolver(a, GridFunction(fes), contact)
+    stepper = TimeStepper(solver, 2.0, dt=0.005, rho_inf=0.5, time=time)
+    stepper.velocity.components[0].Set((BELT, 0))
+    rows = []
+
+    def Keep(step):
+        way = 2 * Integrate(solver.gf.components[0][0], mesh)
+        rows.append((step.time, SPRING * (way + 0.02)))
+
+    while time.Get() < end - 1e-9:
+        slow = not rows or (rows[-1][1] < 3.95 and time.Get() < 1.9)
+        stepper.dt = 0.05 if slow else 0.005
+        stepper.Integrate(time.Get() + stepper.dt, printing=False, callback=Keep)
+    return np.array(rows).T
+
+
+def StickSlip(quick):
+    times, forces = OnBelt(0.02 if quick else 0.005, 2.6)
+    swing, omega = (STATIC - KINETIC) * LOAD / SPRING, np.sqrt(SPRING)
+    reach = SPRING * np.hypot(swing, BELT / omega)
+    lasts = (2 * np.pi - 2 * np.arctan(swing * omega / BELT)) / omega
+    before, after = np.argmax(forces), np.argmin(forces[1:]) + 1
+    fall = Neglected(0.03, "friction that falls within .005 (quick: .02), not at once; steps")
+    rows = [
+        Row("largest force [N]", forces[before], KINETIC * LOAD + reach, fall),
+        Row("least force [N]", forces[after], KINETIC * LOAD - reach, fall),
+    ]
+    took = times[after] - times[before]
+    # From the largest force to the least one is half a period of the oscillator.
+    rows.append(Row("time in between [s]", took, np.pi / omega, Step(0.1, "the fall, 5 ms steps")))
+
+    def Draw(ax):
+        ax.plot(times, forces, ".-", ms=3, color=ORANGE, label="computed")
+        for level in (KINETIC * LOAD + reach, KINETIC * LOAD - reach):
+            ax.axhline(level, color=INK, lw=0.8)
+        ax.set(xlabel="time [s]", ylabel="force of the spring [N]")
+
+    caption = f"The block sticks, slips for {lasts:.3f} s and sticks again; lines: closed form."
+    return Outcome(rows, Figure(Draw, size=(6, 3.4)), caption)
+
+
+# --- friction with a grain ------------------------------------------------------------------------
+
+GRAIN = (0.1, 0.3)
+
+
+def Grained(z):
+    """Within an ellipse, and slip along its normal: Coulomb's law in stretched coordinates."""
+    pressure, size = -InnerProduct(z.trial, z.normal), z.c / max(GRAIN) ** 2
+    now = z.trial + z.c * z.slip
+    y = CF(tuple(now[i] / mu - size * mu * z.slip[i] for i, mu in enumerate(GRAIN)))
+    part = IfPos(Norm(y) - pressure, pressure / Norm(y), 1)
+    friction = CF((GRAIN[0] * part * y[0], GRAIN[1] * part * y[1], 0))
+    return IfPos(pressure, friction - pressure * z.normal, 0 * z.normal)
+
+
+def Rule(angle):
+    """Friction over the normal force, for a direction of slip (degrees)."""
+    way = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    weighted = np.array(GRAIN) ** 2 * way
+    return weighted / np.sqrt(weighted @ way)
+
+
+def Dragged(angles, finite):
+    """Friction over the normal force of a block that is dragged to angles (degrees)."""
+    block = Box((-0.5, -0.5, 0), (0.5, 0.5, 0.5))
+    block.faces.name = "free"
+    block.faces.Min(Z).name, block.faces.Max(Z).name = "slave", "top"
+    V = VectorH1(Mesh(OCCGeometry(block).GenerateMesh(maxh=0.34)), order=2, dirichlet="top")
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1e4, 0.0), Sym(Grad(v))) * dx
+    floor = {"obstacle": tools.Plane((0, 0, 0), (0, 0, 1)), "finite": True}
+    contact = LACContact(u, lam, law=Law(Grained), **(floor if finite else {"obstacle": 0.0}))
+    found = []
+    for angle in np.radians(angles):
+        gf, load = GridFunction(fes), Parameter(0)
+        away = 0.1 * IfPos(load - 1, load - 1, 0)
+        path = (away * np.cos(angle), away * np.sin(angle), -1e-4 * IfPos(load - 1, 1, load))
+        contact.Update()
+        stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe={"top": CF(path)})
+        stepper.Integrate(1, steps=1, printing=False)
+        stepper.Integrate(2, steps=4, printing=False)
+        force = contact.Force()
+        found.append(-force[:2] / force[2])
+    return np.array(found)
+
+
+def Grain(quick):
+    angles = (30, 60) if quick else (6.34019, 20, 45, 70)
+    rows, found = [], {}
+    for finite in (False, True):
+        found[finite] = Dragged(angles, finite)
+        kind = "large" if finite else "small"
+        for angle, friction in zip(angles, found[finite], strict=True):
+            elastic = Neglected(1e-8, "shear of the block across its way", kind="absolute")
+            names = zip(("along", "across"), friction, Rule(angle), strict=True)
+            rows += [
+                Row(f"{kind} sliding to {angle:g} degrees: {name} the grain", *pair, elastic)
+                for name, *pair in names
+            ]
+
+    def Draw(ax):
+        turn = np.linspace(0, np.pi / 2, 200)
+        ax.plot(GRAIN[0] * np.cos(turn), GRAIN[1] * np.sin(turn), color=INK, lw=0.8)
+        ax.plot(*found[False].T, "o", ms=4, color=ORANGE)
+        ax.set(xlabel="along the grain", ylabel="across", aspect="equal")
+
+    caption = "Friction over the normal force (dots), and the ellipse of the coefficients."
+    return Outcome(rows, Figure(Draw, size=(3.4, 3.4)), caption)
+
+
 CASES = [
     Case(
         "cantilever",
@@ -215,5 +352,23 @@ CASES = [
         "Closed forms: p = p0 exp(-E k s/L); dv/dt = -g (.2 + .2 exp(-v)).",
         "pytest tests/validation/test_cases.py -k histories",
         Histories,
+    ),
+    Case(
+        "stick-slip",
+        "A block sticks and slips on a belt",
+        "A spring holds a block on a belt of .01 m/s. Friction is .4 at rest and falls to .3 with "
+        "the speed of slip.",
+        "The oscillator that starts with the velocity of the belt.",
+        "pytest tests/validation/test_cases.py -k stick-slip",
+        StickSlip,
+    ),
+    Case(
+        "grain",
+        "Friction that depends on the direction",
+        "A block is dragged over a floor with the coefficients .1 along and .3 across a grain; "
+        "friction is not opposite to the slip. The law is an expression of six lines.",
+        "The associated rule: T_i = -mu_i^2 N d_i / |(mu_1 d_1, mu_2 d_2)|.",
+        "pytest tests/validation/test_cases.py -k grain",
+        Grain,
     ),
 ]
