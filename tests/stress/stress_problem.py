@@ -1,5 +1,6 @@
 """A problem of the stress set: what a user would write, and nothing tuned."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -23,19 +24,24 @@ from ngsolve import (
     ds,
     dx,
     log,
+    pi,
+    x,
 )
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import AxisymmetricGrad
 
 __all__ = [
     "GROUND",
     "PROBLEMS",
+    "ForceOf",
     "Lame",
     "MeanOf",
     "MeanPressure",
     "Moved",
     "Pressed",
     "Problem",
+    "Twin",
     "problem",
 ]
 
@@ -72,6 +78,20 @@ def Moved(t):
 
 
 @dataclass
+class Twin:
+    """The same law in numpy: of arrays over the macro-elements, for the checks.
+
+    `friction` gets pressures, lengths of slip and the length of the step; `offset` gets pressures,
+    lengths of slip and what it was before; `traction` gets normals, jumps and what was remembered
+    before, and returns tractions and what is remembered now.
+    """
+
+    friction: Callable | None = None
+    offset: Callable | None = None
+    traction: Callable | None = None
+
+
+@dataclass
 class Problem:
     """Bodies, contacts, loads and the path of the load parameter.
 
@@ -105,6 +125,8 @@ class Problem:
     once: bool = False  # one call of Solve at the end of the path, and no stepper
     rough: float = 1e-6  # part of the forces that facets make false where bodies may spin
     expected: list = field(default_factory=list)  # of the end: see Expect
+    axisymmetric: bool = False
+    twin: Twin | None = None  # of a law that is an expression
 
     def __post_init__(self):
         self.load, self.stepper = Parameter(0.0), None
@@ -137,21 +159,23 @@ class Problem:
         flags |= {"slave": "|".join(slaves)} if self.bubble else {}
         self.X = V = (BubbleVectorH1 if self.bubble else VectorH1)(self.mesh, **flags)
         for slave in slaves:
-            self.X = self.X * LACSpace(V, slave=slave)
+            self.X = self.X * LACSpace(V, slave=slave, axisymmetric=self.axisymmetric)
         (self.u, *self.lams), (self.v, *_) = self.X.TnT()
         self.gf = GridFunction(self.X)
         self.a = BilinearForm(self.X, condense=self.condense)
 
     def _AddBody(self, body, mu, lame):
-        d, u, v = self.mesh.dim, self.u, self.v
+        d = 3 if self.axisymmetric else self.mesh.dim
+        gradient = AxisymmetricGrad if self.axisymmetric else Grad
         if self.nonlinear:
-            F = Id(d) + Grad(u)
+            F = Id(d) + gradient(self.u)
             energy = mu / 2 * (InnerProduct(F, F) - d) - mu * log(Det(F))
-            self.a += Variation((energy + lame / 2 * log(Det(F)) ** 2).Compile() * dx(body))
+            energy += lame / 2 * log(Det(F)) ** 2
+            self.a += Variation((self.ring * energy).Compile() * dx(body))
         else:
-            strain = Sym(Grad(u))
+            strain = Sym(gradient(self.u))
             stress = 2 * mu * strain + lame * Trace(strain) * Id(d)
-            self.a += InnerProduct(stress, Sym(Grad(v))) * dx(body)
+            self.a += self.ring * InnerProduct(stress, Sym(gradient(self.v))) * dx(body)
 
     def _AddContacts(self):
         law = {} if self.friction is None else {"friction": self.friction}
@@ -169,20 +193,25 @@ class Problem:
             value = value(self.load)
         return CF(value) if isinstance(value, tuple) else value
 
+    @property
+    def ring(self):
+        """The way around the axis."""
+        return 2 * pi * x if self.axisymmetric else CF(1)
+
     # --- loads -----------------------------------------------------------------------------------
 
     def Spring(self, region, motion, stiffness):
         """Springs between a boundary and something that moves by `motion`."""
         motion = self._Vector(motion)
-        self.a += stiffness * InnerProduct(self.u - motion, self.v) * ds(region)
+        self.a += stiffness * self.ring * InnerProduct(self.u - motion, self.v) * ds(region)
         return self
 
     def Traction(self, region, traction):
-        self.a += -InnerProduct(self._Vector(traction), self.v) * ds(region)
+        self.a += -self.ring * InnerProduct(self._Vector(traction), self.v) * ds(region)
         return self
 
     def Weight(self, body, force):
-        self.a += -InnerProduct(self._Vector(force), self.v) * dx(body)
+        self.a += -self.ring * InnerProduct(self._Vector(force), self.v) * dx(body)
         return self
 
     def Growth(self, body, strain):

@@ -23,7 +23,8 @@ SAMPLE = {
     "atrest-2-0.001-weight", "atrest-3-0.001-traction", "atrestturned-30.0-base",
     "stackatrest-3-0.001", "spininhole-2-0", "freefit-0.4-1.6-0.0-0", "coolsloose3d-0.0",
     "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",
-    "firstpress-0.3-0.01", "random-125",
+    "firstpress-0.3-0.01", "random-125", "fallingfriction-0.1-True", "worn-0.02-True", "worn3d-1.0",
+    "softlayer-0.1", "peeled-0.1-5", "discs-0.4-True", "pressedring-0.2",
 }  # fmt: skip
 
 
@@ -44,7 +45,7 @@ def test_problem(name):
 
 
 def test_the_set_is_large_enough():
-    assert len(PROBLEMS) == 654
+    assert len(PROBLEMS) == 684
     assert sum(name[:7] == "random-" for name in PROBLEMS) == 160
     assert sum(Module(name) == "stress_unsolvable" for name in PROBLEMS) >= 25
     assert sum(Module(name) in FIRST for name in PROBLEMS) == 110

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import CF, GridFunction
+from stress_problem import Twin
 from verify_faces import Faces, Rule
 from verify_rays import MeetFaces
 
@@ -25,6 +26,9 @@ class State:
     jump: np.ndarray
     directions: np.ndarray  # in which the pressure acts there
     hits: object
+    friction: np.ndarray  # coefficient
+    memory: np.ndarray  # of the law: its offset, or what it remembers
+    expected: np.ndarray | None  # traction of a law that gives all of it
 
     @property
     def pressure(self):
@@ -54,10 +58,14 @@ class Side:
         self.unbent = self.dim == 2 and not self.finite and mesh.GetCurveOrder() < 2
         normals = self._Normals(self.faces.position)
         self.weights = weights * np.linalg.norm(normals, axis=-1)
+        self.size = self._Sum(np.ones(self.weights.shape)) ** (1 / (self.dim - 1))
+        if problem.axisymmetric:
+            self.weights = self.weights * 2 * np.pi * self._At(self.faces.position)[..., 0]
         self.area = self._Sum(np.ones(self.weights.shape))
-        self.size = self.area ** (1 / (self.dim - 1))
         self.obstacle = None if self.master else CF(other)
-        friction = self.faces.Values(CF(self.law.get("friction") or 0))[..., 0]
+        self.twin, self.load, self.loaded = problem.twin or Twin(), problem.load, 0.0
+        friction = 0 if self.twin.friction else self.law.get("friction") or 0
+        friction = self.faces.Values(CF(friction))[..., 0]
         self.friction = self._Sum(self.shapes @ friction[..., None], scalar=True) / self.area
         self.contact, self.last = problem.contacts[number], None
         self.small = None if self.finite else self._Look(0 * self.faces.position)
@@ -151,13 +159,26 @@ class Side:
         gap = -np.sum(apart * normal, axis=1)
         if self.finite:
             gap = mean * self._Sum(hits.gap.reshape(met.shape) * met)
-        gap = gap + self.law.get("offset", 0.0)
         jump = mean[:, None] * self._Sum(moved)
         slip = self._Slip(jump, u1, u2, normals)
         slip = slip - np.sum(slip * normal, axis=1)[:, None] * normal
         covered = area / self.area
         traction = self.faces.Values(self.lam)[np.unique(self.macro, return_index=True)[1], 0]
-        return State(traction, normal, gap, slip, covered, whole, even, jump, directions, hits)
+        way, step = np.linalg.norm(slip, axis=1), abs(self.load.Get() - self.loaded)
+        before = np.zeros(len(way)) if self.last is None else self.last.memory
+        pressure = -np.sum(traction * normal, axis=1)
+        friction, memory, expected = self.friction, before, None
+        if self.twin.friction:
+            friction = self.twin.friction(pressure, way, step)
+        if self.twin.offset:
+            memory = self.twin.offset(pressure, way, before)
+        if self.twin.traction:
+            apart = jump if self.law.get("tied") else slip - gap[:, None] * normal
+            expected, memory = self.twin.traction(normal, apart, before)
+        self.loaded = self.load.Get()
+        gap = gap + (memory if self.twin.offset else self.law.get("offset", 0.0))
+        found = traction, normal, gap, slip, covered, whole, even, jump, directions, hits
+        return State(*found, friction, memory, expected)
 
     def _Spread(self, values, met):
         """How far vectors at the points with a partner are from those at others."""
