@@ -83,7 +83,8 @@ def OwnLawMessage():
     return (
         ". A law of your own needs a traction without jumps, and right derivatives (compare those "
         "of one in NumPy with differences); where it softens, small steps and several faces in "
-        "the length over which it does"
+        "the length over which it does, and beyond the largest force that it bears there is no "
+        "state: prescribe a displacement"
     )
 
 

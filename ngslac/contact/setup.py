@@ -60,6 +60,11 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     dependent = {k: f for k, f in functions.items() if k in COEFFICIENTS and IsFunction(f)}
     if dependent and edges:
         raise ValueError(f"edges need a {next(iter(dependent))} that is no function of the contact")
+    if dependent and law is not None:
+        raise ValueError(
+            "a law of your own says all: put what offset depends on into the law, in which a "
+            "smaller z.gap is the same"
+        )
     functions = functions | dict.fromkeys(dependent)
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)

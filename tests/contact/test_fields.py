@@ -12,6 +12,7 @@ from ngsolve import (
     BilinearForm,
     Grad,
     GridFunction,
+    IfPos,
     InnerProduct,
     Norm,
     Parameter,
@@ -293,6 +294,13 @@ def test_a_surface_that_gives_more_than_the_body(give, finite):
 def test_what_cannot_be_differentiated(law, match):
     with pytest.raises(ValueError, match="(?s)" + match):
         contact_form(block_mesh(2), **law)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_an_offset_that_depends_beside_a_law(finite):
+    law = Law(lambda z: IfPos(z.gap, 0, z.gap) * z.normal)
+    with pytest.raises(ValueError, match=r"law of your own says all.*offset"):
+        contact_form(block_mesh(2), finite=finite, law=law, offset=lambda z: 0.1 * z.pressure)
 
 
 def test_an_offset_that_looks_at_the_gap():
