@@ -16,6 +16,7 @@ from ngslac.solve.iteration import MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
+from ngslac.solve.stability import UnstableError
 
 __all__ = ["Newton"]
 
@@ -125,7 +126,7 @@ class Newton:
             patient = self.system.islinear and not self.system.bodies.floating
             self.Watch(state, patient=patient)
             slow = number >= patience and not (number < most and self.globalization.falls)
-            if slow or self.globalization.stagnates or self._Crawls():
+            if slow or self.globalization.stagnates or self._Crawls() or self._Strides():
                 break
             if len(self.history) > 1:
                 self.system.Assemble()
@@ -193,6 +194,16 @@ class Newton:
         leaps = bool(system.bodies.floating) and self.globalization.leaps
         return leaps or self.globalization.crawls
 
+    def _Strides(self):
+        """May it tear more than the next stable state does, where a law softens?
+
+        Near a state its residual falls in each step.
+        """
+        if not self.system.stability.softens or self.onpath or len(self.history) < 3:
+            return False
+        before, now = (max(entry.equilibrium, entry.constraint) for entry in self.history[-2:])
+        return now > before
+
     def Record(self, state, damping=1.0):
         """Note an iterate, which a part of a step led to."""
         self.system.Evaluate()
@@ -221,6 +232,7 @@ class Newton:
     def Accept(self):
         """The last line, if the state that it tells of is possible."""
         Look(self.system)()
+        self.system.stability.Check()
         if advice := self._RubberAdvice():
             self.system.notes["rubber"] = advice
         self.system.restless = self.system.slid = False
@@ -379,7 +391,8 @@ class Newton:
             floats = isinstance(error, FloatingBodyError)
             loose = found is not None or floats or self.falls
             path = self.path and any(entry.changed for entry in self.history)
-            suits = system.own_law or loose or path or system.islinear
+            suits = self.path if system.own_law else loose or path or system.islinear
+            suits = suits or isinstance(error, UnstableError)
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)
@@ -395,6 +408,9 @@ class Newton:
     def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
+        if isinstance(error, UnstableError):
+            system.GoTo(error.place)
+            system.values[:] += error.push
         if system.own_law:
             return Descent(self, len(self.history) + DESCENT).Run(error)
         if isinstance(error, FlightError):

@@ -17,6 +17,7 @@ from ngslac.linear.system import LinearSystem
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import CheckAxis, CheckBodies, CheckMatrix, MultiplierRows
 from ngslac.solve.residual import Measurement, Residual
+from ngslac.solve.stability import Stability
 
 __all__ = ["Saddle", "System"]
 
@@ -89,6 +90,8 @@ class System:
         Do round bodies stay where they are, even where closed contact seems to resist?
     descends : bool
         Does the matrix of the next step know nothing of how laws soften, see `Descent`?
+    stability : Stability
+        The look at states of laws that soften.
     loose : bool
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
@@ -99,7 +102,7 @@ class System:
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
         self.restless = self.slid = self.descends = False
-        self.notes, self._said = {}, set()
+        self.notes, self._said, self.stability = {}, set(), Stability(self)
         self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?

@@ -375,14 +375,15 @@ class LoadStepper(metaclass=Distributable):
 
     def _Start(self, last, step, start):
         """Put the start of a step into the solution; returns what Solve has to know of it."""
-        vec, values = self.solver.gf.vec, self.solver.gf.vec.FV().NumPy()
-        fixed = None
+        solver, vec = self.solver, self.solver.gf.vec
+        values, fixed = vec.FV().NumPy(), None
         if self._prescribed:
             self._prescribed.Set()
             fixed = self.solver.constrained
             wanted = np.where(fixed, values, last.FV().NumPy())
             values[:] = wanted
-        if self._last is not None and self.predict and start == "predicted":
+        softens = solver.system.stability.softens  # what tears next does not follow from the last
+        if self._last is not None and self.predict and start == "predicted" and not softens:
             increment, size = self._last
             merit = self.solver.Merit()
             now = last.FV().NumPy()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How fast what is no body moves: obstacles, tools, and offsets with a Parameter."""
+"""How fast what is no body moves: obstacles, tools, offsets with a Parameter, and what wears."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ class Obstacles:
     def __init__(self, contacts):
         self.contacts = contacts
         self.state = None  # rates of the last step, of all macro-elements, and its length
-        self._start, self._before, self.ways = None, None, None
+        self._start, self._before, self.ways, self._offsets = None, None, None, None
 
     def Begin(self, gf):
         """Before the time is set to the end of the step; `gf` is where the step begins."""
@@ -31,6 +31,15 @@ class Obstacles:
             self._Way(contact, gf, before)
             for contact, before in zip(self.contacts, self._before, strict=True)
         ]
+        self._offsets = [contact.form.Table()["offset"] for contact in self.contacts]
+
+    def Wear(self, gf):
+        """After the step is solved: what an offset that depends on the contact has added."""
+        for contact, way, before in zip(self.contacts, self.ways, self._offsets, strict=True):
+            if contact.gap_is_driven:
+                contact.Evaluate(gf)
+                worn = contact.form.Table()["offset"] - before
+                way += worn[:, None] * contact.Table()["normal"]
 
     def _Of(self, contact, gf):
         """Mean gaps, and where the points of a tool are that are at the macro-elements."""

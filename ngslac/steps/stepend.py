@@ -91,6 +91,7 @@ class StepEnd:
 
     def Accept(self, start, dt, before, now, *, system, energy):
         """Go on from the end of a step: its EnergyBalance, the parts of the energy won and owed."""
+        self.obstacles.Wear(self.gf)
         motion = (self.gf.vec.FV().NumPy() - start) * self.mass.rows
         forces, way, linear = self._Forces(start, motion, system)
         loads = 0.5 * (self._balanced[1] + forces[1])

@@ -7,6 +7,7 @@ import pytest
 from blocks import C, block_mesh, contact_form
 from form import Form, on_a_sphere
 from netgen.meshing import NgException
+from netgen.occ import OCCGeometry, Rectangle, Y
 from ngsolve import (
     CF,
     BilinearForm,
@@ -14,6 +15,7 @@ from ngsolve import (
     GridFunction,
     IfPos,
     InnerProduct,
+    Mesh,
     Norm,
     Parameter,
     Sym,
@@ -35,6 +37,7 @@ from ngslac import (
     LoadStepper,
     SaveState,
     TimeStepper,
+    tools,
 )
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
@@ -277,6 +280,37 @@ def test_a_surface_that_gives_more_than_the_body(give, finite):
     table = contact.Table()
     assert table["pressure"] == pytest.approx(np.full(len(table["gap"]), 1e-3), rel=0.05)
     assert np.abs(table["gap"]).max() < 1e-9 * max(1, give * 1e-3)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.002])
+@pytest.mark.parametrize("finite", [False, True])
+def test_wear_in_time(finite, dt):
+    """A block slides on what it wears off, and falls with it: mass/(rate v) dp/dt = weight - p."""
+    rate, weight, end = 0.02, 10.0, 0.1
+    block = Rectangle(1, 0.5).Face()
+    block.edges.name = "side"
+    block.edges.Min(Y).name = "slave"
+    mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=0.5))
+    V = VectorH1(mesh, order=2)
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1e5, 0.0), Sym(Grad(v))) * dx + 2 * weight * v[1] * dx
+
+    def worn(z):
+        return z.History("worn", lambda w: w + rate * z.pressure * Norm(z.slip))
+
+    floor = tools.Plane((0, 0), (0, 1)) if finite else 0.0
+    contact = LACContact(u, lam, obstacle=floor, finite=finite, offset=worn)
+    gf = GridFunction(fes)
+    gf.components[0].Set((0, -1e-5))
+    stepper = TimeStepper(ContactSolver(a, gf, contact), 2.0, dt=dt, rho_inf=0.5)
+    stepper.velocity.components[0].Set((1, 0))
+    stepper.Integrate(end, printing=False)
+    table = contact.Table()
+    expected = rate * weight * (end - rate * (1 - math.exp(-end / rate)))
+    assert (table["worn"] * table["area"]).sum() == pytest.approx(expected, rel=5e-3)
+    assert contact.Force()[1] == pytest.approx(weight, rel=0.01)
 
 
 # --- what does not fit ---------------------------------------------------------------------------

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Is an equilibrium of laws that soften stable?"""
+
+import numpy as np
+import scipy.sparse
+
+from ngslac.errors import ContactConvergenceError
+
+__all__ = ["Stability", "UnstableError"]
+
+# Growth of a push from which on a state is unstable, and a relative change that ends the iteration.
+GROWS, STILL = 1.01, 0.02
+# Steps of the power iteration: at first, and where it goes on from the step before.
+FIRST, LATER = 30, 4
+# Part of a new random push in one that goes on, for what was no part of it so far.
+NEW = 0.1
+# Length of the push out of an unstable state, relative to the smallest macro-element.
+LENGTH = 1e-3
+# Softening, relative to the stiffness of contact, that is a rounding error.
+ROUNDING = 1e-12
+
+
+class UnstableError(ContactConvergenceError):
+    """Energy falls along a `push` (n,) out of the equilibrium at a `place`."""
+
+    def __init__(self, place, push):
+        super().__init__("the equilibrium is unstable, as a law softens")
+        self.place, self.push = place, push
+
+
+class Stability:
+    """The second look at states with a law of one's own: does energy fall on a way out of them?
+
+    Newton's method comes to any equilibrium, a descent goes away from an unstable one. The largest
+    growth of its steps is found by power iteration, from step to step. Bodies are stable by
+    themselves, and what is condensed is not looked at.
+    """
+
+    def __init__(self, system):
+        self.system, self._push = system, None
+
+    @property
+    def softens(self):
+        """Did a law soften in the state looked at last?"""
+        return self._push is not None
+
+    def Check(self):
+        """Raise an `UnstableError`, if the state is an unstable equilibrium."""
+        system = self.system
+        if not system.own_law or system.bulk.a.condense:
+            return
+        softening = self._Softening()
+        if softening is None:
+            self._push = None
+            return
+        growth = self._Iterate(softening)
+        if growth > GROWS:
+            length = LENGTH * np.min(system.Sizes())
+            push = length / np.abs(self._push).max() * self._push
+            raise UnstableError(system.Place(), push)
+
+    def _Softening(self):
+        """What the matrix of a descent leaves out, which is assembled then; None if that is none.
+
+        As a SciPy matrix.
+        """
+        system, found = self.system, []
+        state = system.Measure()
+        for system.descends in (False, True):
+            system.Linearize(state)
+            found.append(sum(_AsSciPy(contact.form.mat) for contact in system.contacts))
+        system.descends = False
+        softening = found[1] - found[0]
+        return softening if abs(softening).max() > ROUNDING * abs(found[1]).max() else None
+
+    def _Iterate(self, softening):
+        """The growth of `_push`, which becomes the motion that grows most."""
+        system = self.system
+        displacements = ~system.residual.multipliers
+        moves = displacements & system.linear.free
+        random = np.random.default_rng(0).normal(size=len(moves)) * moves
+        random /= np.linalg.norm(random)
+        known = self._push is not None and len(self._push) == len(moves)
+        push = self._push + NEW * random if known else random
+        growth = 0.0
+        for _ in range(LATER if known else FIRST):
+            mats = [contact.form.mat for contact in system.contacts]
+            rows = system.MakeLinearSystem(mats, softening @ (push / np.linalg.norm(push)))
+            push = system.linear.SolveShifted(rows, displacements) * moves
+            before, growth = growth, np.linalg.norm(push)
+            if growth == 0 or abs(growth - before) < STILL * growth:
+                break
+        self._push = push / growth if growth else random
+        return growth
+
+
+def _AsSciPy(mat):
+    rows, columns, values = (np.array(entries) for entries in mat.COO())
+    return scipy.sparse.csr_matrix((values, (rows, columns)), shape=(mat.height, mat.width))
