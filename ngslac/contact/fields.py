@@ -67,10 +67,9 @@ class Fields:
             self.constants["c"] = self.c = GridFunction(self._numbers)
 
     def __getattr__(self, name):
-        raise AttributeError(
-            f"there is no field {name!r} here: there are {', '.join(self.symbols)}"
-            + (" and rate" if "slip" in self.symbols else "")
-        )
+        rate = ["rate"] if "slip" in self.symbols else []
+        names = ", ".join([*self.symbols, *rate, *self.constants])
+        raise AttributeError(f"there is no field {name!r} here: there are {names} and dt")
 
     def History(self, name, update, *, start=0.0):
         """Remember a number, such as a way, a wear or a damage; returns its present value.
@@ -177,7 +176,10 @@ class _LawOnFaces:
         with _Explained("the traction of a Law"):
             found = traction(fields)
         if not isinstance(found, CoefficientFunction) or tuple(found.dims) != (d,):
-            raise ValueError(f"the traction of a Law must have {d} components, such as z.normal")
+            raise ValueError(
+                f"the traction of a Law must have {d} components, such as z.normal, or a CF of "
+                "numbers: return it"
+            )
         self.kept, rows = fields.kept, [found[k] for k in range(d)]
         self._parts, flat = [("traction", d)], list(rows)
         for name, symbols in fields.symbols.items():
@@ -231,10 +233,11 @@ def _Explained(name):
     """An error of NGSolve about an expression says whose it is, and what it mostly is."""
     try:
         yield
-    except NgException as error:
+    except (NgException, TypeError) as error:
         raise ValueError(
             f"{name} is no expression that NGSolve can differentiate: {error}. A vector and a "
-            "number do not add up, and a power that is no whole number is exp(a * log(.))"
+            "number do not add up, a power that is no whole number is exp(a * log(.)), IfPos "
+            "stands for if, max and min, and functions are those of ngsolve"
         ) from error
 
 

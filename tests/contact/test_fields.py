@@ -323,6 +323,9 @@ def test_wear_in_time(finite, dt):
         ({"friction": lambda z: 0.1 + z.slip}, r"friction\(z\).*A vector and a number"),
         ({"offset": lambda z: z.History("way", lambda w: w + z.slip)}, "History of way.*number"),
         ({"law": Law(lambda z: z.jump + z.gap)}, "traction of a Law"),
+        ({"law": Law(lambda z: (0, z.gap))}, "CF of numbers: return it"),
+        ({"friction": lambda z: 0.3 if z.pressure > 1 else 0.2}, r"friction\(z\).*IfPos"),
+        ({"friction": lambda z: np.exp(z.pressure)}, r"friction\(z\).*those of ngsolve"),
     ],
 )
 def test_what_cannot_be_differentiated(law, match):
