@@ -7,6 +7,8 @@ __all__ = ["Descent"]
 
 # Residual from which Newton's method may end it.
 NEAR = 1e-2
+# Steps after which a law has to soften, else that is not why Newton's method failed.
+BEGUN = 5
 # A step that changes the residual by less than this part is followed by a longer one, up to so
 # many times as long.
 STEADY, LONGEST = 0.2, 16.0
@@ -19,7 +21,8 @@ class Descent:
     method goes to and fro between branches. Without the softening a step minimises an energy that
     is not less than the true one, so that this falls in each full step, whatever the residual does
     (the concave-convex procedure: Yuille and Rangarajan, Neural Comput. 15 (2003) 915). It comes
-    to rest in a stable state, as bodies do that move slowly in something viscous.
+    to rest in a stable state, as bodies do that move slowly in something viscous. What is
+    not symmetric, as friction, stays whole.
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ class Descent:
 
     def _Descend(self):
         newton, system, near, factor = self.newton, self.system, NEAR, 1.0
-        state = system.Measure()
+        state, begin = system.Measure(), len(newton.history)
         while len(newton.history) <= self.maxit:
             size = max(state.equilibrium, state.constraint)
             state, damping = self._Step(state, factor)
@@ -52,6 +55,8 @@ class Descent:
             newton.Record(state, damping)
             if newton.Converged(state):
                 return newton.Accept()
+            if len(newton.history) == begin + BEGUN and not system.stability.Softens():
+                break
             now = max(state.equilibrium, state.constraint)
             steady = damping >= 1 and abs(now - size) < STEADY * size
             factor = min(2 * factor, LONGEST) if steady else 1.0

@@ -199,7 +199,7 @@ class Newton:
 
         Near a state its residual falls in each step.
         """
-        if not self.system.stability.softens or self.onpath or len(self.history) < 3:
+        if not self.system.stability.softened or self.onpath or len(self.history) < 3:
             return False
         before, now = (max(entry.equilibrium, entry.constraint) for entry in self.history[-2:])
         return now > before

@@ -40,9 +40,13 @@ class Stability:
         self.system, self._push = system, None
 
     @property
-    def softens(self):
+    def softened(self):
         """Did a law soften in the state looked at last?"""
         return self._push is not None
+
+    def Softens(self):
+        """Does a law soften in the present state?"""
+        return self._Softening() is not None
 
     def Check(self):
         """Raise an `UnstableError`, if the state is an unstable equilibrium."""

@@ -382,7 +382,7 @@ class LoadStepper(metaclass=Distributable):
             fixed = self.solver.constrained
             wanted = np.where(fixed, values, last.FV().NumPy())
             values[:] = wanted
-        softens = solver.system.stability.softens  # what tears next does not follow from the last
+        softens = solver.system.stability.softened  # what tears next does not follow from the last
         if self._last is not None and self.predict and start == "predicted" and not softens:
             increment, size = self._last
             merit = self.solver.Merit()
