@@ -2,7 +2,7 @@
 """Is an equilibrium of laws that soften stable?"""
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from ngslac.errors import ContactConvergenceError
 
