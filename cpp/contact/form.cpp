@@ -41,8 +41,10 @@ public:
       return;
     CheckSize(bx.FV<double>().Size());
     law->Reevaluate();  // the limits of the search
-    if (law->Depends()) // how deep partners may be, at these pressures
+    if (law->Gives()) { // how deep partners may be, at these pressures
+      kinematics->At(bx.FV<double>());
       Look(bx.FV<double>(), Want::values);
+    }
     kinematics->Follow(bx.FV<double>());
     normal = kinematics->Jump().normal; // before any Evaluate
   }

@@ -100,7 +100,9 @@ public:
         watch_offset(setup.offset), fields(setup.fields), own(setup.law != nullptr) {}
 
   /// May pressures be uneven where contact ends? Points do not know of an offset that depends.
-  bool HasEnds() const { return has_ends && !fields.slopes.count("offset"); }
+  bool HasEnds() const { return has_ends && !Gives(); }
+  /// Does the offset depend on the fields of the contact?
+  bool Gives() const { return fields.slopes.count("offset"); }
   /// Do coefficients depend on the fields of the contact?
   bool Depends() const { return fields.values.size() > 0; }
   /// Evaluates the coefficients at places, for a vector x and a memory; derives: their derivatives,
