@@ -91,6 +91,8 @@ public:
   /// a macro-element whose slip direction turned round since the last call has to pass stick.
   /// convex: the matrix knows nothing of how laws soften.
   virtual void AssembleStep(const BaseVector & x, BaseVector & residual, bool convex) = 0;
+  /// Does a law soften anywhere at x?
+  virtual bool Softens(const BaseVector & x) = 0;
   /// Forgets the slip directions of the last iteration.
   virtual void BeginSolve() = 0;
   virtual void Evaluate(const BaseVector & x) = 0;

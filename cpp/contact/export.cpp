@@ -161,6 +161,7 @@ void ExportContact(py::module & m) {
            py::call_guard<py::gil_scoped_release>())
       .def("AssembleStep", &ContactForm::AssembleStep, py::arg("x"), py::arg("residual"),
            py::arg("convex") = false, py::call_guard<py::gil_scoped_release>())
+      .def("Softens", &ContactForm::Softens, py::arg("x"), py::call_guard<py::gil_scoped_release>())
       .def("BeginSolve", &ContactForm::BeginSolve)
       .def("Evaluate", &ContactForm::Evaluate, py::call_guard<py::gil_scoped_release>())
       .def("Commit", &ContactForm::Commit, py::call_guard<py::gil_scoped_release>())

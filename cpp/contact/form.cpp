@@ -107,11 +107,23 @@ public:
     CheckSize(residual.FV<double>().Size());
     auto x = bx.FV<double>();
     auto answers = Answers(x, Want::step);
-    for (auto & answer : answers)
-      if (convex)
-        answer.by_jump = Resisting<D>(answer.by_jump);
+    for (size_t m : Range(convex ? answers.Size() : 0))
+      answers[m].by_jump = WithoutSoftening(m, answers[m]);
     Linearize(answers, law->Multipliers(x), Rim::moves);
     AddResidual(x, answers, residual.FV<double>());
+  }
+
+  bool Softens(const BaseVector & bx) override {
+    Prepare(bx);
+    const double small = 1e-12;
+    auto answers = Answers(bx.FV<double>(), Want::derivatives);
+    for (size_t m : Range(answers)) {
+      auto & by_jump = answers[m].by_jump;
+      ngbla::Mat<D, D> softening = WithoutSoftening(m, answers[m]) - by_jump;
+      if (L2Norm(softening) > small * L2Norm(by_jump))
+        return true;
+    }
+    return false;
   }
 
   void BeginSolve() override { law->BeginSolve(); }
@@ -520,6 +532,11 @@ private:
         law->AddSlopes(m, place, x, answers[m]);
     });
     return answers;
+  }
+
+  /// The derivative of an answer by the jump, as a descent has it.
+  ngbla::Mat<D, D> WithoutSoftening(size_t m, const Answer<D> & answer) const {
+    return Resisting<D>(answer.by_jump, InnerProduct(answer.traction, Place(m).normal) > 0);
   }
 
   /// Evaluates coefficients that depend on the fields of the contact.

@@ -58,15 +58,16 @@ struct Answer {
 /// The derivative of a traction by the jump without the part by which a law softens.
 ///
 /// Friction is not symmetric, and softens in no direction by more than that: it stays as it is.
+/// What pulls is no friction.
 template <int D>
-Mat<D, D> Resisting(Mat<D, D> by_jump) {
+Mat<D, D> Resisting(Mat<D, D> by_jump, bool pulls) {
   Mat<D, D> symmetric = -0.5 * (by_jump + Trans(by_jump)), directions;
   double skew = 0.5 * L2Norm(Mat<D, D>(by_jump - Trans(by_jump)));
   Vec<D> stiffness;
   CalcEigenSystem(symmetric, stiffness, directions);
   for (int k : Range(D)) {
     Vec<D> direction = directions.Row(k);
-    if (stiffness(k) < -skew)
+    if (stiffness(k) < (pulls ? 0 : -skew))
       by_jump += stiffness(k) * direction * Trans(direction);
   }
   return by_jump;

@@ -42,8 +42,6 @@ class Descent:
             return self._Descend()
         except FAILURES as another:
             raise error from another
-        finally:
-            self.system.descends = False
 
     def _Descend(self):
         newton, system, near, factor = self.newton, self.system, NEAR, 1.0
@@ -70,10 +68,8 @@ class Descent:
     def _Step(self, state, factor):
         """The next Measurement after a step that is `factor` times as long, and its length."""
         system, before, carries = self.system, self.system.values.copy(), self.system.motion
-        system.descends = True
         system.Assemble()
-        state, damping = self.newton._Step(state)
-        system.descends = False
+        state, damping = self.newton._Step(state, convex=True)
         if factor == 1 or damping < 1 or carries is not None:
             return state, damping
         found = system.values.copy()

@@ -267,10 +267,13 @@ class Newton:
 
     # --- one step ------------------------------------------------------------------------------
 
-    def _Step(self, state):
+    def _Step(self, state, *, convex=False):
+        """The Measurement after a step, and the part of it; `convex`: of a `Descent`."""
         system, vec = self.system, self.system.gf.vec
         system.scheme.Prepare(self, state)
-        correction = system.Correction(system.Linearize(state), self._Accuracy(state))
+        correction = system.Correction(
+            system.Linearize(state, convex=convex), self._Accuracy(state)
+        )
         start = vec.CreateVector()
         start.data = vec
         longest = system.Sight(correction)
@@ -285,7 +288,7 @@ class Newton:
             found = self.globalization.SearchStart(move)
         elif system.loose and system.motion is None:
             found = self._Stick(state, move)
-        moving = system.motion is not None or system.descends
+        moving = system.motion is not None or convex
         trial, part = found or self.globalization.Search(move, moving)
         damping = part * longest
         if not trial.finite:
@@ -391,8 +394,8 @@ class Newton:
             floats = isinstance(error, FloatingBodyError)
             loose = found is not None or floats or self.falls
             path = self.path and any(entry.changed for entry in self.history)
-            suits = self.path if system.own_law else loose or path or system.islinear
-            suits = suits or isinstance(error, UnstableError)
+            unstable = isinstance(error, UnstableError)
+            suits = self.path or unstable if system.own_law else loose or path or system.islinear
             if failure.known or maxit - len(self.history) < LEAST or not suits:
                 raise error
             system.GoTo(start)
@@ -408,10 +411,10 @@ class Newton:
     def _Search(self, error, maxit, start):
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
-        if isinstance(error, UnstableError):
-            system.GoTo(error.place)
-            system.values[:] += error.push
         if system.own_law:
+            if isinstance(error, UnstableError):
+                system.GoTo(error.place)
+                system.values[:] += error.push
             return Descent(self, len(self.history) + DESCENT).Run(error)
         if isinstance(error, FlightError):
             try:

@@ -16,8 +16,6 @@ FIRST, LATER = 30, 4
 NEW = 0.1
 # Length of the push out of an unstable state, relative to the smallest macro-element.
 LENGTH = 1e-3
-# Softening, relative to the stiffness of contact, that is a rounding error.
-ROUNDING = 1e-12
 
 
 class UnstableError(ContactConvergenceError):
@@ -37,55 +35,50 @@ class Stability:
     """
 
     def __init__(self, system):
-        self.system, self._push = system, None
+        self.system, self.push = system, None
 
     @property
     def softened(self):
         """Did a law soften in the state looked at last?"""
-        return self._push is not None
+        return self.push is not None
 
     def Softens(self):
         """Does a law soften in the present state?"""
-        return self._Softening() is not None
+        contacts = self.system.contacts
+        return any(contact.form.Softens(self.system.gf.vec) for contact in contacts)
 
     def Check(self):
         """Raise an `UnstableError`, if the state is an unstable equilibrium."""
         system = self.system
         if not system.own_law or system.bulk.a.condense:
             return
-        softening = self._Softening()
-        if softening is None:
-            self._push = None
+        if not self.Softens():
+            self.push = None
             return
-        growth = self._Iterate(softening)
+        growth = self._Iterate(self._Softening())
         if growth > GROWS:
             length = LENGTH * np.min(system.Sizes())
-            push = length / np.abs(self._push).max() * self._push
+            push = length / np.abs(self.push).max() * self.push
             raise UnstableError(system.Place(), push)
 
     def _Softening(self):
-        """What the matrix of a descent leaves out, which is assembled then; None if that is none.
-
-        As a SciPy matrix.
-        """
+        """The part that the matrix of a descent leaves out, which is assembled last; for SciPy."""
         system, found = self.system, []
         state = system.Measure()
-        for system.descends in (False, True):
-            system.Linearize(state)
+        for convex in (False, True):
+            system.Linearize(state, convex=convex)
             found.append(sum(_AsSciPy(contact.form.mat) for contact in system.contacts))
-        system.descends = False
-        softening = found[1] - found[0]
-        return softening if abs(softening).max() > ROUNDING * abs(found[1]).max() else None
+        return found[1] - found[0]
 
     def _Iterate(self, softening):
-        """The growth of `_push`, which becomes the motion that grows most."""
+        """The growth of `push`, which becomes the motion that grows most."""
         system = self.system
         displacements = ~system.residual.multipliers
         moves = displacements & system.linear.free
         random = np.random.default_rng(0).normal(size=len(moves)) * moves
         random /= np.linalg.norm(random)
-        known = self._push is not None and len(self._push) == len(moves)
-        push = self._push + NEW * random if known else random
+        known = self.push is not None and len(self.push) == len(moves)
+        push = self.push + NEW * random if known else random
         growth = 0.0
         for _ in range(LATER if known else FIRST):
             mats = [contact.form.mat for contact in system.contacts]
@@ -94,7 +87,7 @@ class Stability:
             before, growth = growth, np.linalg.norm(push)
             if growth == 0 or abs(growth - before) < STILL * growth:
                 break
-        self._push = push / growth if growth else random
+        self.push = push / growth if growth else random
         return growth
 
 

@@ -88,8 +88,6 @@ class System:
         slid on steadily? Then that is not tried again before a state is accepted.
     slides : bool
         Do round bodies stay where they are, even where closed contact seems to resist?
-    descends : bool
-        Does the matrix of the next step know nothing of how laws soften, see `Descent`?
     stability : Stability
         The look at states of laws that soften.
     loose : bool
@@ -101,7 +99,7 @@ class System:
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
-        self.restless = self.slid = self.descends = False
+        self.restless = self.slid = False
         self.notes, self._said, self.stability = {}, set(), Stability(self)
         self.lean = None
         self._bodies = bodies
@@ -151,6 +149,7 @@ class System:
             "contacts": [contact.State() for contact in self.contacts],
             "scale": self.scale,
             "residual": self.residual.State(),
+            "push": self.stability.push,
         }
 
     def SetState(self, state):
@@ -168,6 +167,7 @@ class System:
             raise
         self.residual.SetState(state["residual"])
         self.scale = state["scale"]
+        self.stability.push = state.get("push")
 
     def _Put(self, values, parts):
         FillVector("gf", self.gf.vec, values)
@@ -321,12 +321,15 @@ class System:
 
     # --- linear systems ------------------------------------------------------------------------
 
-    def Linearize(self, state):
-        """The residual (BaseVector) of the next linear system, whose matrices are assembled."""
+    def Linearize(self, state, *, convex=False):
+        """The residual (BaseVector) of the next linear system, whose matrices are assembled.
+
+        `convex`: they know nothing of how laws soften.
+        """
         residual = self.gf.vec.CreateVector()
         residual.FV().NumPy()[:] = state.bulk
         for contact in self.contacts:
-            contact.form.AssembleStep(self.gf.vec, residual, self.descends)
+            contact.form.AssembleStep(self.gf.vec, residual, convex)
         if self.residual.drag:
             residual.FV().NumPy()[:] += self.residual.drag.Forces(self.values, self.scale)
         self.scheme.Change(self)

@@ -19,16 +19,16 @@ def FallingFriction(speed, finite):
     def twin(_, way, step):
         return 0.2 + 0.3 * np.exp(-way / max(step, 1e-300) / speed)
 
-    given = {"law": {"friction": friction}, "twin": Twin(friction=twin), "finite": finite}
-    return Pushed(TwoBlocks(21, 0.01), (0.04, -0.05), nonlinear=finite, steps=4, **given)
+    options = {"law": {"friction": friction}, "twin": Twin(friction=twin), "finite": finite}
+    return Pushed(TwoBlocks(21, 0.01), (0.04, -0.05), nonlinear=finite, steps=4, **options)
 
 
 @problem(0.02, 0.2)
 def HardeningFriction(rate):
     """Friction that grows with the pressure."""
-    given = {"law": {"friction": lambda z: 0.1 + rate * z.pressure}}
+    options = {"law": {"friction": lambda z: 0.1 + rate * z.pressure}}
     twin = Twin(friction=lambda pressure, *_: 0.1 + rate * np.maximum(pressure, 0))
-    return Pushed(TwoBlocks(22, 0.02), (0.04, -0.06), twin=twin, **given)
+    return Pushed(TwoBlocks(22, 0.02), (0.04, -0.06), twin=twin, **options)
 
 
 def Wear(rate):
@@ -46,12 +46,12 @@ def Wear(rate):
 @problem((1e-3, False), (1e-3, True), (1.0, False), (0.02, True))
 def Worn(rate, finite):
     """A block that is dragged and wears: little in a step, or all that is pressed."""
-    given = Wear(rate) | {"finite": finite, "nonlinear": finite, "path": [(1, 1), (2, 4)]}
+    options = Wear(rate) | {"finite": finite, "nonlinear": finite, "path": [(1, 1), (2, 4)]}
 
     def motion(t):
         return IfPos(t - 1, 0.1 * (t - 1), 0), -0.04 * IfPos(t - 1, 1, t)
 
-    return Pushed(TwoBlocks(23, 0.005), motion, **given)
+    return Pushed(TwoBlocks(23, 0.005), motion, **options)
 
 
 @problem(1e-3, 1.0)
@@ -68,10 +68,10 @@ def Worn3D(rate):
 @problem(1e-3, 0.1, 10.0)
 def SoftLayer(give):
     """Surfaces that give under a pressure by far more, or less, than the bodies; a force."""
-    given = {"law": {"offset": lambda z: give * z.pressure}}
+    options = {"law": {"offset": lambda z: give * z.pressure}}
     twin = Twin(offset=lambda pressure, *_: give * np.maximum(pressure, 0))
     mesh = Grids(upper=((0, 0, 1, 1), (7, 5)), lower=((-0.3, -1, 1.3, 0), (9, 5)))
-    p = Problem(mesh, twin=twin, heldx="upper_top", **given)
+    p = Problem(mesh, twin=twin, heldx="upper_top", **options)
     return p.Traction("upper_top", (0, -0.5))
 
 
@@ -86,8 +86,8 @@ def Coating(stiffness, finite):
         overlap = np.maximum(np.sum(jump * normal, axis=1), 0)
         return -stiffness * (overlap**2)[:, None] * normal, before
 
-    given = {"law": {"law": Law(layer)}, "twin": Twin(traction=twin), "finite": finite}
-    return Pushed(TwoBlocks(24, 0.01), (0.02, -0.05), nonlinear=finite, **given)
+    options = {"law": {"law": Law(layer)}, "twin": Twin(traction=twin), "finite": finite}
+    return Pushed(TwoBlocks(24, 0.01), (0.02, -0.05), nonlinear=finite, **options)
 
 
 @problem((0.02, 20), (0.1, 20), (0.1, 5))
@@ -111,9 +111,9 @@ def Peeled(last, steps):
         pressed = ((1 - whole) * np.minimum(opening, 0))[:, None] * normal
         return -stiffness * (whole[:, None] * jump - pressed), far
 
-    given = {"law": {"law": Law(glue), "tied": True}, "twin": Twin(traction=twin)}
-    given |= {"steps": steps, "drive": {"strip_right": (0, 0.4)}}
-    return Problem(mesh, {"strip": 1e3, "base": 1e4}, [("strip", "base")], **given)
+    options = {"law": {"law": Law(glue), "tied": True}, "twin": Twin(traction=twin)}
+    options |= {"steps": steps, "drive": {"strip_right": (0, 0.4)}}
+    return Problem(mesh, {"strip": 1e3, "base": 1e4}, [("strip", "base")], **options)
 
 
 def Turned(**options):
@@ -141,8 +141,8 @@ def DiscUnderForce(friction):
 def WornDisc(rate):
     """Dragged in the section: a ring that is pushed outwards, and wears."""
     mesh = Grids(upper=((0.5, 0, 1, 0.4), (7, 4)), lower=((0.2, -0.5, 1.5, 0), (14, 4)))
-    given = {"steps": 4, "drive": {"upper_top": (0.02, -0.03)}}
-    return Problem(mesh, axisymmetric=True, **given, **Wear(rate))
+    options = {"steps": 4, "drive": {"upper_top": (0.02, -0.03)}}
+    return Problem(mesh, axisymmetric=True, **options, **Wear(rate))
 
 
 @problem(0.0, 0.2)
