@@ -22,6 +22,7 @@ except ModuleNotFoundError as error:
 
 from ngslac.contact.contact import LACContact  # noqa: E402
 from ngslac.contact.fields import Law  # noqa: E402
+from ngslac.contact.flux import Flux  # noqa: E402
 from ngslac.dirichlet import KeepPatterns as _KeepPatterns  # noqa: E402
 from ngslac.errors import ContactConvergenceError, ContactWarning, FloatingBodyError  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
@@ -42,6 +43,7 @@ __all__ = [
     "ContactSolver",
     "ContactWarning",
     "FloatingBodyError",
+    "Flux",
     "FormSum",
     "LACContact",
     "LACSpace",

@@ -13,13 +13,25 @@ using NamedNumbers = std::map<string, Array<double>>;
 /// `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
 using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
+/// What flows from the slave to the master, as heat does: of a scalar field, per area.
+struct Flow {
+  size_t field;                              // number among the scalars
+  string name;                               // of both functions, "out" and "in" appended
+  shared_ptr<CoefficientFunction> out, into; // of the slave, into the master
+};
+
 /// Fields of a contact on which its coefficients may depend: numbers of the macro-elements.
 struct ContactFields {
   /// A number that the contact remembers: its field when the step begins, and its value at the end.
   using History = std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>;
 
-  std::vector<shared_ptr<GridFunction>> values; // slip, a component each, gap, pressure
-  /// Derivatives by them of those of "friction", "tresca" and "offset" that depend on them.
+  /// Slip, a component each, gap, pressure, traction, a component each, and of each scalar field
+  /// the means on slave and master.
+  std::vector<shared_ptr<GridFunction>> values;
+  std::vector<shared_ptr<CoefficientFunction>> scalars; // trial functions
+  std::vector<Flow> flows;
+  /// Derivatives by them (null: 0) of those of "friction", "tresca" and "offset" that depend on
+  /// them, and of flows.
   std::map<string, std::vector<shared_ptr<CoefficientFunction>>> slopes;
   std::map<string, History> memory;
 };
@@ -155,6 +167,8 @@ public:
   /// What the macro-elements see of them, as JumpMatrix tells it of displacements: d rows each, a
   /// number for each unknown.
   virtual Array<double> ToolRows() const = 0;
+  /// Of each scalar field on the interface: its entries in a vector on the product space.
+  virtual std::vector<pair<size_t, size_t>> ScalarRanges() const = 0;
   /// d scalar dofs per macro-element
   virtual FlatArray<int> MultiplierDofs() const = 0;
   shared_ptr<LACSpace> Space() const { return space; }

@@ -34,6 +34,17 @@ py::dict ToTable(const NamedNumbers & numbers, size_t macros) {
   return result;
 }
 
+/// Number of the field, name, out of the slave, into the master.
+using FlowArguments =
+    std::tuple<size_t, string, shared_ptr<CoefficientFunction>, shared_ptr<CoefficientFunction>>;
+
+std::vector<Flow> FlowsFrom(const std::vector<FlowArguments> & arguments) {
+  std::vector<Flow> flows;
+  for (auto & [field, name, out, into] : arguments)
+    flows.push_back({field, name, out, into});
+  return flows;
+}
+
 using Objects = std::map<string, py::object>;
 
 /// Numbers under a name that a law has returned.
@@ -111,12 +122,14 @@ void ExportContact(py::module & m) {
                        bool tied, bool bilateral, bool finite, bool edges, double adjust,
                        double maxdist, double penetration, bool active, py::object law,
                        const NamedArrays & kept, const decltype(ContactFields::values) & fields,
+                       const decltype(ContactFields::scalars) & scalars,
+                       const std::vector<FlowArguments> & flows,
                        const decltype(ContactFields::slopes) & slopes,
                        const decltype(ContactFields::memory) & memory) {
-             return ContactForm::Create(
-                 ContactSetup{u, lam, master, obstacle, friction, tresca, offset, tool, tied,
-                              bilateral, finite, edges, adjust, maxdist, penetration, active,
-                              LawOf(law), ContactFields{fields, slopes, memory}, FromDict(kept)});
+             return ContactForm::Create(ContactSetup{
+                 u, lam, master, obstacle, friction, tresca, offset, tool, tied, bilateral, finite,
+                 edges, adjust, maxdist, penetration, active, LawOf(law),
+                 ContactFields{fields, scalars, FlowsFrom(flows), slopes, memory}, FromDict(kept)});
            }),
            py::kw_only(), py::arg("u").none(false), py::arg("lam").none(false),
            py::arg("master") = nullopt, py::arg("obstacle") = nullptr,
@@ -125,7 +138,8 @@ void ExportContact(py::module & m) {
            py::arg("finite") = false, py::arg("edges") = false, py::arg("adjust") = 0.0,
            py::arg("maxdist") = 0.0, py::arg("penetration") = 0.0, py::arg("active") = true,
            py::arg("law") = py::none(), py::arg("kept") = NamedArrays(),
-           py::arg("fields") = py::list(), py::arg("slopes") = py::dict(),
+           py::arg("fields") = py::list(), py::arg("scalars") = py::list(),
+           py::arg("flows") = py::list(), py::arg("slopes") = py::dict(),
            py::arg("memory") = py::dict())
       .def(
           "Update",
@@ -237,6 +251,7 @@ void ExportContact(py::module & m) {
       .def_property_readonly("space", &ContactForm::Space)
       .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })
       .def_property_readonly("offset", [](ContactForm & self) { return self.U().offset; })
+      .def_property_readonly("scalars", &ContactForm::ScalarRanges)
       .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
       .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
       .def_property_readonly("paired", &ContactForm::IsPaired)

@@ -26,6 +26,27 @@ int OnlyComponent(FlatMatrix<> values, int column) {
   return only;
 }
 
+/// A scalar as a vector whose components move by the same dofs, each of which counts D times.
+template <int D>
+Matrix<> AsVector(const Matrix<> & scalar) {
+  Matrix<> result(D * scalar.Height(), D * scalar.Width());
+  result = 0.0;
+  for (int i : Range(scalar.Height()))
+    for (int j : Range(scalar.Width()))
+      for (int k : Range(D))
+        result(D * i + k, D * j + k) = scalar(i, j);
+  return result;
+}
+
+template <int D>
+Array<int> Repeated(FlatArray<int> numbers) {
+  Array<int> result;
+  for (int number : numbers)
+    for ([[maybe_unused]] int k : Range(D))
+      result.Append(number);
+  return result;
+}
+
 /// Columns ordered so that number D i + k is component k of scalar function i; empty: impossible.
 template <int D>
 Array<int> PlainOrder(FlatMatrix<> values) {
@@ -76,14 +97,15 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
       auto & fel = u.fes->GetFE(ei, lh);
       auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
       u.fes->GetDofNrs(ei, numbers);
-      FlatMatrix<double, ColMajor> shape(D, block * numbers.Size(), lh);
-      Matrix<> values(D * points.Size(), shape.Width()); // large for high orders
+      int dim = u.evaluator->Dim();
+      FlatMatrix<double, ColMajor> shape(dim, block * numbers.Size(), lh);
+      Matrix<> values(dim * points.Size(), shape.Width()); // large for high orders
       values = 0.0;
       IntRange used = u.evaluator->UsedDofs(fel);
       for (int i : Range(points)) {
         HeapReset hr(lh);
         u.evaluator->CalcMatrix(fel, trafo(ToIntegrationPoint(points[i]), lh), shape, lh);
-        values.Rows(D * i, D * (i + 1)).Cols(used) = shape.Cols(used);
+        values.Rows(dim * i, dim * (i + 1)).Cols(used) = shape.Cols(used);
       }
       used_numbers.SetSize0(), columns.SetSize0();
       for (int j : used)
@@ -94,7 +116,10 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
       Matrix<> wanted_values(values.Height(), columns.Size());
       for (int j : Range(columns))
         wanted_values.Col(j) = values.Col(columns[j]);
-      SetFace(f, wanted_values, used_numbers, control);
+      if (dim == D)
+        SetFace(f, wanted_values, used_numbers, control);
+      else
+        SetFace(f, AsVector<D>(wanted_values), Repeated<D>(used_numbers), control);
     }
   });
 }

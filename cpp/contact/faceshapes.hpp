@@ -9,7 +9,8 @@ namespace ngslac {
 /// Turns a vector of dofs into a deformed surface, and gives shape functions with their derivatives
 /// along the face without another evaluation of finite elements. Where all components have the same
 /// scalar functions a face keeps only those, and its dof number  D i + k  is component k of
-/// function i. Other faces keep Bernstein polynomials, and a matrix from them to the dofs.
+/// function i. Other faces keep Bernstein polynomials, and a matrix from them to the dofs. A scalar
+/// field counts as such a displacement: all D components of function i have the same dof.
 template <int D>
 class FaceShapes {
 public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "kinematics.hpp"
+#include "interfaceflow.hpp"
 #include "linear/formdiagonal.hpp"
 #include "ownlaw.hpp"
 
@@ -21,7 +21,7 @@ public:
   explicit Form(const ContactSetup & asetup)
       : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
         tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
-        kinematics(MakeKinematics<D>({setup, space, u, law, tool})) {
+        kinematics(MakeKinematics<D>({setup, space, u, law, tool})), flow(setup.fields.scalars, u) {
     law->has_ends = setup.active;
   }
 
@@ -43,7 +43,7 @@ public:
     law->Reevaluate();  // the limits of the search
     if (law->Gives()) { // how deep partners may be, at these pressures
       kinematics->At(bx.FV<double>());
-      Look(bx.FV<double>(), Want::values);
+      Look(bx.FV<double>(), law->Multipliers(bx.FV<double>()), Want::values);
     }
     kinematics->Follow(bx.FV<double>());
     normal = kinematics->Jump().normal; // before any Evaluate
@@ -100,7 +100,7 @@ public:
   void AssembleLinearization(const BaseVector & bx) override {
     Prepare(bx);
     auto x = bx.FV<double>();
-    Linearize(Answers(x, Want::derivatives), law->Multipliers(x), Rim::stays);
+    Linearize(x, Answers(x, Want::derivatives), law->Multipliers(x), Rim::stays);
   }
   void AssembleStep(const BaseVector & bx, BaseVector & residual, bool convex) override {
     Prepare(bx);
@@ -109,7 +109,7 @@ public:
     auto answers = Answers(x, Want::step);
     for (size_t m : Range(convex ? answers.Size() : 0))
       answers[m].by_jump = WithoutSoftening(m, answers[m]);
-    Linearize(answers, law->Multipliers(x), Rim::moves);
+    Linearize(x, answers, law->Multipliers(x), Rim::moves);
     AddResidual(x, answers, residual.FV<double>());
   }
 
@@ -204,6 +204,7 @@ public:
     Prepare(bx);
     CheckSize(by.FV<double>().Size());
     EvenPressures even(*law);
+    Look(bx.FV<double>(), Tractions(tractions), Want::values);
     AddForces(Tractions(tractions), by.FV<double>());
   }
 
@@ -224,8 +225,11 @@ public:
         for (int l : Range(D))
           answer.by_jump(k, l) = -stiffness[(m * D + k) * D + l];
     });
-    Linearize(answers, tractions, Rim::moves);
-    return WithoutMultipliers();
+    auto x = bx.FV<double>();
+    Look(x, tractions, Want::derivatives);
+    auto flows = LinesOfBoth(x, answers, tractions, Rim::moves, true);
+    auto alone = WithoutMultipliers();
+    return flows ? Sum(*alone, *flows) : alone;
   }
 
   void Close(const BitArray & macros, BaseVector & bx) override {
@@ -299,6 +303,10 @@ public:
     SaveVectors<D>(table["slave_normal"], jump.normal);
     SaveVectors<D>(table["center"], jump.center);
     SaveVectors<D>(table["reference"], kinematics->Reference());
+    for (auto & each : law->Flows())
+      for (const char * end : {"out", "in"})
+        for (size_t m : Range(states))
+          table[each.name + end].Append(law->FlowingNow(each, end, m, Place(m).area));
     for (size_t m : Range(states)) {
       auto & state = states[m];
       auto place = kinematics->Place(m);
@@ -385,6 +393,7 @@ public:
     return table;
   }
 
+  std::vector<pair<size_t, size_t>> ScalarRanges() const override { return flow.Ranges(); }
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
   void SetActive(bool active) override {
     setup.active = law->has_ends = active;
@@ -520,10 +529,9 @@ private:
   enum class Want { values, derivatives, step };
   /// The answers of the law at x.
   Array<Answer<D>> Answers(FlatVector<> x, Want want) {
+    Look(x, law->Multipliers(x), want);
     if (setup.law)
       return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
-    if (law->Depends())
-      Look(x, want);
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -539,9 +547,22 @@ private:
     return Resisting<D>(answer.by_jump, InnerProduct(answer.traction, Place(m).normal) > 0);
   }
 
-  /// Evaluates coefficients that depend on the fields of the contact.
-  void Look(FlatVector<> x, Want want) {
-    law->DependOn([&](size_t m) { return Place(m); }, x, kept, want != Want::values);
+  /// Evaluates what depends on the fields of the contact, under these tractions.
+  void Look(FlatVector<> x, FlatArray<Vec<D>> tractions, Want want) {
+    if (!law->Depends())
+      return;
+    flow.Look(*kinematics, *space, x);
+    auto values = [&](size_t m) {
+      auto place = Place(m);
+      Vector<> numbers(2 * D + 2 + flow.NMeans());
+      numbers.Range(0, D) = place.slip;
+      numbers(D) = place.area > 0 ? place.gap : 0;
+      numbers(D + 1) = max(0.0, -InnerProduct(place.normal, tractions[m]));
+      numbers.Range(D + 2, 2 * D + 2) = tractions[m];
+      numbers.Range(2 * D + 2, numbers.Size()) = flow.Means(m);
+      return numbers;
+    };
+    law->DependOn(values, kept, want != Want::values);
   }
 
   /// The arguments of a law in place of the compiled one, without what it keeps.
@@ -566,7 +587,7 @@ private:
 
   /// The memory after a step that ends at x.
   NamedNumbers Remembered(FlatVector<> x) const {
-    if (law->Depends())
+    if (!setup.law)
       return law->Remembered();
     return AnswerTo<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
   }
@@ -600,20 +621,38 @@ private:
     ScatterInOrder(states.Size(), y, [&](size_t m, LocalHeap & lh, Scatter & forces) {
       kinematics->AddForces(m, tractions[m], forces, lh);
     });
+    for (size_t m : Range(law->Flows().Size() ? states.Size() : 0))
+      if (Place(m).area > 0)
+        flow.AddFlows(*law, m, y);
     if (tool)
       tool->AddLoads(y);
   }
 
   /// The matrix for these answers of the law, with the forces of these tractions.
-  void Linearize(FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions, Rim rim) {
+  void Linearize(FlatVector<> x, FlatArray<Answer<D>> answers, FlatArray<Vec<D>> tractions,
+                 Rim rim) {
+    if (auto flows = LinesOfBoth(x, answers, tractions, rim, false))
+      mat = Sum(*mat, *flows);
+  }
+
+  /// Makes the matrix of tractions and multipliers, and returns that of scalar fields, null without
+  /// any; alone: where multipliers follow the places.
+  shared_ptr<SparseMatrix<double>> LinesOfBoth(FlatVector<> x, FlatArray<Answer<D>> answers,
+                                               FlatArray<Vec<D>> tractions, Rim rim, bool alone) {
     static Timer timer("ngslac::ContactForm::Linearize");
     RegionTimer reg(timer);
     auto fresh = kinematics->ZeroMatrix(tractions, nscalars);
     size_t heap = BlockHeap<D>(kinematics->Surfaces().slave->Degree());
+    Array<BlockSum> flows(flow.NMeans() ? states.Size() : 0);
     AddBlocksInOrder(states.Size(), *fresh, heap, [&](size_t m, LocalHeap & lh, BlockSum & sum) {
-      AddLines(m, answers[m], kinematics->RowsOf(m, tractions[m], rim, sum, lh), sum);
+      auto rows = kinematics->RowsOf(m, tractions[m], rim, sum, lh);
+      AddLines(m, answers[m], rows, sum);
+      if (flows.Size())
+        flows[m] = flow.LinesOf(*law, *kinematics, m, Place(m), tractions[m], answers[m], rows,
+                                alone, x, lh);
     });
     mat = fresh;
+    return flows.Size() ? MatrixOf(nscalars, flows) : nullptr;
   }
 
   /// The matrix of the displacements alone: tractions are what the rows say, the product of which
@@ -687,6 +726,7 @@ private:
   shared_ptr<MacroLaw<D>> law;
   shared_ptr<ToolPath<D>> tool; // null: there is none
   unique_ptr<Kinematics<D>> kinematics;
+  InterfaceFlow<D> flow;
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
   NamedNumbers kept;    // of the last committed step, by a law in place of the compiled one
   size_t nscalars = 0;  // entries of a vector on the product space that was paired

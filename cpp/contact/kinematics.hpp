@@ -48,6 +48,12 @@ Array<GapRange<D>> GapRangesOf(const LACSpace & space, const Paired<D> & surface
   return ranges;
 }
 
+/// How coordinates on a master face move, a column for each of these dofs.
+struct PartnerMotion {
+  FlatArray<int> dofs;
+  FlatMatrix<> moves; // without columns: they stay
+};
+
 /// The parts that each kinematics needs.
 template <int D>
 struct KinematicsParts {
@@ -78,6 +84,11 @@ public:
   /// the functions below refer to it.
   virtual void At(FlatVector<> x) = 0;
   virtual MacroPlace<D> Place(size_t m) const = 0;
+  /// Coordinates on the master face that a point of the pairing faces, and how they move.
+  virtual Vec<D - 1> Partner(size_t point) const { return surfaces.pairing->points[point].master; }
+  virtual PartnerMotion MovesOf(const Segment &, size_t, LocalHeap & lh) const {
+    return {FlatArray<int>(0, lh), FlatMatrix<>(D - 1, 0, lh)};
+  }
   /// Subtracts the virtual work of a traction on one macro-element.
   virtual void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const = 0;
   /// The gaps of points at x, where it was evaluated; of macro-elements without a partner they mean

@@ -52,6 +52,7 @@ struct Answer {
   Mat<D, D> by_multiplier = Mat<D, D>(0.0);
   Mat<D, D> by_jump = Mat<D, D>(0.0), by_normal = Mat<D, D>(0.0);
   Vec<D> by_friction = Vec<D>(0.0), by_threshold = Vec<D>(0.0);
+  Matrix<> by_scalars; // by the means of scalar fields, a column each; empty: it does not depend
   Status status = Status::open;
 };
 

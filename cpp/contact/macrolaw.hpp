@@ -78,9 +78,9 @@ class MacroLaw {
   Watch watch_friction, watch_threshold, watch_offset;
   Array<Vec<D>> direction; // of slip in the last Newton step
   ContactFields fields;
-  bool looks = false; // do the fields have the values of a solution?
-  static constexpr int nfields = D + 2;
-  std::map<string, Array<Vec<nfields>>> slopes; // of the coefficients, at the last derivatives
+  bool looks = false;                // do the fields have the values of a solution?
+  std::map<string, Matrix<>> slopes; // of the functions, at the last derivatives
+  NamedNumbers flowing;              // of flows, at the last evaluation
   Array<double> give; // of the offset under a pressure, >= 0; empty: not known in this solve
 
 public:
@@ -105,10 +105,10 @@ public:
   bool Gives() const { return fields.slopes.count("offset"); }
   /// Do coefficients depend on the fields of the contact?
   bool Depends() const { return fields.values.size() > 0; }
-  /// Evaluates the coefficients at places, for a vector x and a memory; derives: their derivatives,
-  /// too.
+  /// Evaluates the coefficients where the fields have such values (a function of the number of a
+  /// macro-element), and after such a memory; derives: their derivatives, too.
   template <typename F>
-  void DependOn(F place, FlatVector<> x, const NamedNumbers & kept, bool derives) {
+  void DependOn(F values, const NamedNumbers & kept, bool derives) {
     for (auto & field : fields.values)
       FitMesh(*field);
     for (auto & [name, memory] : fields.memory) {
@@ -118,40 +118,44 @@ public:
         before(m) = kept.at(name)[m];
     }
     for (size_t m : Range(c)) {
-      auto here = place(m);
-      Vec<nfields> numbers = 0.0;
-      for (int k : Range(D))
-        numbers(k) = here.slip(k);
-      if (L2Norm2(here.slip) == 0)
-        numbers(0) = 1e-150; // where its length has a derivative
-      numbers(D) = here.area > 0 ? here.gap : 0;
-      numbers(D + 1) = max(0.0, -InnerProduct(here.normal, Multiplier(m, x)));
-      for (int k : Range(nfields))
+      Vector<> numbers = values(m);
+      if (auto slip = numbers.Range(0, D); L2Norm2(slip) == 0)
+        slip(0) = 1e-150; // where its length has a derivative
+      for (int k : Range(numbers))
         fields.values[k]->GetVector().template FV<double>()(m) = numbers(k);
     }
     looks = true;
     Reevaluate();
     looks = false;
+    for (auto & flow : fields.flows) {
+      flowing[flow.name + "out"] = MeansOf(*flow.out, flow.name);
+      flowing[flow.name + "in"] = MeansOf(*flow.into, flow.name);
+    }
     if (derives || give.Size() != c.Size())
       FindSlopes();
   }
 
 private:
+  Array<double> MeansOf(const CoefficientFunction & function, const string & name) const {
+    return MacroMeans(function, *space, name, -std::numeric_limits<double>::infinity());
+  }
+
   void FindSlopes() {
     for (auto & [name, functions] : fields.slopes) {
       auto & found = slopes[name];
-      found.SetSize(c.Size());
-      for (int k : Range(nfields)) {
-        auto means = MacroMeans(*functions[k], *space, "the derivative of " + name,
-                                -std::numeric_limits<double>::infinity());
-        for (size_t m : Range(found))
-          found[m](k) = means[m];
-      }
+      found.SetSize(c.Size(), functions.size());
+      found = 0.0;
+      for (size_t k : Range(functions.size()))
+        if (functions[k]) {
+          auto means = MeansOf(*functions[k], "the derivative of " + name);
+          for (size_t m : Range(means))
+            found(m, k) = means[m];
+        }
     }
     give.SetSize(c.Size());
     auto found = slopes.find("offset");
     for (size_t m : Range(give))
-      give[m] = found == slopes.end() ? 0 : max(0.0, found->second[m](D + 1));
+      give[m] = found == slopes.end() ? 0 : max(0.0, found->second(m, D + 1));
   }
 
 public:
@@ -159,33 +163,60 @@ public:
   NamedNumbers Remembered() const {
     NamedNumbers now;
     for (auto & [name, memory] : fields.memory)
-      now[name] =
-          MacroMeans(*memory.second, *space, name, -std::numeric_limits<double>::infinity());
+      now[name] = MeansOf(*memory.second, name);
     return now;
   }
+
+  /// How a function of the fields changes with the traction and with the place.
+  struct Slope {
+    Vec<D> by_traction, by_jump, by_normal;
+    FlatVector<> by_scalars;
+  };
+  Slope SlopeOf(const string & name, size_t m, const MacroPlace<D> & place,
+                const Vec<D> & traction) const {
+    auto row = slopes.at(name).Row(m);
+    auto & n = place.normal;
+    Vec<D> by_slip = row.Range(0, D);
+    double across = InnerProduct(by_slip, n), gap = -InnerProduct(place.jump, n);
+    double by_gap = row(D), by_pressure = InnerProduct(n, traction) < 0 ? row(D + 1) : 0;
+    Slope slope;
+    slope.by_jump = by_slip - (across + by_gap) * n;
+    slope.by_normal = gap * by_slip - (across + by_gap) * place.jump - by_pressure * traction;
+    slope.by_traction = row.Range(D + 2, 2 * D + 2);
+    slope.by_traction -= by_pressure * n;
+    auto scalars = row.Range(2 * D + 2, row.Size());
+    slope.by_scalars.AssignMemory(scalars.Size(), scalars.Data());
+    return slope;
+  }
+
   /// Adds to an answer how the coefficients change with the fields.
   void AddSlopes(size_t m, const MacroPlace<D> & place, FlatVector<> x, Answer<D> & answer) const {
-    auto & n = place.normal;
-    Vec<D> lambda = Multiplier(m, x), by_offset = -1 * (answer.by_jump * n);
+    Vec<D> by_offset = -1 * (answer.by_jump * place.normal);
+    answer.by_scalars.SetSize(D, 2 * fields.scalars.size());
+    answer.by_scalars = 0.0;
     auto add = [&](const string & name, const Vec<D> & by) {
-      auto found = slopes.find(name);
-      if (found == slopes.end())
+      if (!slopes.count(name))
         return;
-      Vec<nfields> slope = found->second[m];
-      Vec<D> by_slip;
-      for (int k : Range(D))
-        by_slip(k) = slope(k);
-      Vec<D> along = by_slip - InnerProduct(by_slip, n) * n;
-      double by_gap = slope(D), by_pressure = InnerProduct(n, lambda) < 0 ? slope(D + 1) : 0;
-      answer.by_jump += by * Trans(Vec<D>(along - by_gap * n));
-      answer.by_multiplier -= by_pressure * by * Trans(n);
-      answer.by_normal -= by * Trans(Vec<D>(InnerProduct(place.jump, n) * by_slip +
-                                            InnerProduct(by_slip, n) * place.jump +
-                                            by_gap * place.jump + by_pressure * lambda));
+      auto slope = SlopeOf(name, m, place, Multiplier(m, x));
+      answer.by_jump += by * Trans(slope.by_jump);
+      answer.by_multiplier += by * Trans(slope.by_traction);
+      answer.by_normal += by * Trans(slope.by_normal);
+      answer.by_scalars += by * Trans(slope.by_scalars);
     };
     add("friction", answer.by_friction);
     add("tresca", answer.by_threshold);
     add("offset", by_offset);
+  }
+
+  FlatArray<Flow> Flows() { return {fields.flows.size(), fields.flows.data()}; }
+  /// What a flow takes out of the slave ("out"), or brings into the master ("in"), at the last
+  /// evaluation.
+  double Flowing(const Flow & flow, const char * end, size_t m) const {
+    return flowing.at(flow.name + end)[m];
+  }
+  /// The same of any macro-element: 0 without a partner, or before anything was evaluated.
+  double FlowingNow(const Flow & flow, const char * end, size_t m, double area) const {
+    return area > 0 && flowing.count(flow.name + end) ? Flowing(flow, end, m) : 0;
   }
 
   /// Finds the multipliers over the faces of a surface.

@@ -43,4 +43,35 @@ void BlockSum::AddTo(SparseMatrix<double> & mat, int part, int parts) const {
       if (block.rows[i] / together % parts == part)
         AddToRow(mat, block.rows[i], block.columns, block.values.Row(i));
 }
+
+shared_ptr<SparseMatrix<double>> MatrixOf(size_t n, FlatArray<BlockSum> sums) {
+  Array<GraphBlock> graph;
+  for (auto & sum : sums)
+    sum.AppendGraph(graph);
+  auto mat = ZeroMatrix(n, graph);
+  for (auto & sum : sums)
+    sum.AddTo(*mat, 0, 1);
+  return mat;
+}
+
+shared_ptr<SparseMatrix<double>> Sum(const SparseMatrix<double> & a,
+                                     const SparseMatrix<double> & b) {
+  size_t n = a.Height();
+  auto columns = [&](size_t row) {
+    Array<int> all(a.GetRowIndices(row));
+    all += b.GetRowIndices(row);
+    SortUnique(all);
+    return all;
+  };
+  Array<int> sizes(n);
+  ParallelFor(n, [&](size_t i) { sizes[i] = columns(i).Size(); });
+  auto sum = make_shared<SparseMatrix<double>>(sizes, n);
+  ParallelFor(n, [&](size_t i) { sum->GetRowIndices(i) = columns(i); });
+  sum->SetZero();
+  ParallelFor(n, [&](size_t i) {
+    for (auto * part : {&a, &b})
+      AddToRow(*sum, i, part->GetRowIndices(i), part->GetRowValues(i));
+  });
+  return sum;
+}
 } // namespace ngslac

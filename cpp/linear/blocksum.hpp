@@ -32,9 +32,21 @@ public:
     blocks.Append(Block{Array<int>(rows), Array<int>(columns), std::move(values)});
   }
   void Clear() { blocks.SetSize0(); }
+  /// Appends the rows and columns of its blocks.
+  void AppendGraph(Array<GraphBlock> & graph) const {
+    for (auto & block : blocks)
+      graph.Append(GraphBlock{Array<int>(block.rows), Array<int>(block.columns)});
+  }
   /// Adds the rows of one part out of `parts`, which do not meet.
   void AddTo(SparseMatrix<double> & mat, int part, int parts) const;
 };
+
+/// A matrix of size n with these blocks, added up in their order.
+shared_ptr<SparseMatrix<double>> MatrixOf(size_t n, FlatArray<BlockSum> sums);
+
+/// The sum of two square matrices of the same size.
+shared_ptr<SparseMatrix<double>> Sum(const SparseMatrix<double> & a,
+                                     const SparseMatrix<double> & b);
 
 /// Size of a heap for blocks of the dofs of two faces, which grows with their degree.
 template <int D>

@@ -14,6 +14,7 @@ from ngslac.arguments import (
     CheckVector,
 )
 from ngslac.contact import results
+from ngslac.contact.flux import CheckFluxes
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.dirichlet import WarnOfUnheld
@@ -111,6 +112,8 @@ class LACContact(metaclass=Distributable):
         a place, as at the end of the last step, and part of each answer, as now. It is in `Table`
         and in saved states; `Update` without a solution forgets it.
         Solved by Newton's method alone, and refused by `TimeStepper`.
+    flux : Flux or list of Flux, optional
+        What flows through the contact, such as heat, in equations of scalar fields beside `u`.
     stiffness : float
         Factor of the automatic scale c (stress per length) of the complementarity functions, from
         1e-6 to 1e6. The solution does not depend on it.
@@ -174,6 +177,7 @@ class LACContact(metaclass=Distributable):
         maxdist=None,
         penetration=None,
         law=None,
+        flux=None,
         stiffness=1.0,
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
@@ -182,7 +186,9 @@ class LACContact(metaclass=Distributable):
         self.dt = Parameter(1.0)  # length of the step, for rates
         flags = {"tied": tied, "bilateral": bilateral, "finite": finite, "edges": edges}
         lengths = {"adjust": adjust, "maxdist": maxdist, "penetration": penetration}
-        self.tool, setup = CheckedSetup(u, lam, master, functions, flags, lengths, law, self.dt)
+        self.fluxes = CheckFluxes(flux)
+        parts = functions, flags, lengths, law, self.fluxes
+        self.tool, setup = CheckedSetup(u, lam, master, *parts, self.dt)
         mesh, region = u.space.mesh, setup["master"]
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None
@@ -492,6 +498,7 @@ class LACContact(metaclass=Distributable):
 
     __repr__ = results.Describe
     Table = results.Table
+    Flow = results.Flow
     Force = results.Force
     Moment = results.Moment
     Mortar = results.Mortar

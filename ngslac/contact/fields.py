@@ -6,11 +6,31 @@ from contextlib import contextmanager
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule, Parameter
+from ngsolve import (
+    CF,
+    ET,
+    CoefficientFunction,
+    GridFunction,
+    InnerProduct,
+    IntegrationRule,
+    Parameter,
+)
+from ngsolve.comp import ProxyFunction
 
+from ngslac._ngslac import ProxyPath
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 
-__all__ = ["COEFFICIENTS", "CheckedStarts", "Dependent", "Fields", "Law"]
+__all__ = [
+    "COEFFICIENTS",
+    "CheckScalar",
+    "CheckedStarts",
+    "Dependent",
+    "Explained",
+    "Expression",
+    "Fields",
+    "FluxName",
+    "Law",
+]
 
 MIDDLES = {ET.SEGM: (0.5,), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
 ZERO = str(CF(1).Diff(Parameter(0)))  # a derivative that is zero everywhere
@@ -37,6 +57,10 @@ class Fields:
         > 0 open; a length.
     pressure : CoefficientFunction
         >= 0 compression; stress units.
+    traction : CoefficientFunction
+        Vector (d,) on the slave; stress units. Not of a `Law`, which gives it.
+    power : CoefficientFunction
+        Of friction, >= 0: what slip turns into heat; stress times velocity, not of a `Law`.
     dt : CoefficientFunction
         Length of the step, a Parameter; 1 before the first one.
     c : CoefficientFunction
@@ -54,22 +78,84 @@ class Fields:
     >>> contact = LACContact(u, lam, master="master", friction=Falling)
     """
 
-    def __init__(self, space, dt, names):
+    def __init__(self, space, dt, names, *, hidden=(), sides=()):
         self._numbers, d = space.WithComponents(1), space.mesh.dim
         self.kept, self.memory, self.symbols, self.constants, self.dt = {}, {}, {}, {}, dt
-        for name in names:
+        self.scalars, self._sides, self._names = {}, sides, [*names]
+        for name in [*names, *hidden]:
             count = 1 if name in ("gap", "pressure") else d
             found = self.symbols[name] = [GridFunction(self._numbers) for _ in range(count)]
-            setattr(self, name, found[0] if count == 1 else CF(tuple(found)))
+            if name in names:
+                setattr(self, name, found[0] if count == 1 else CF(tuple(found)))
         if "slip" in names:
             self.rate = self.slip / dt
+            self._names.append("rate")
+        if "slip" in names and "traction" in names:
+            self.power = -InnerProduct(self.traction, self.rate)
+            self._names.append("power")
         if "trial" in names:
             self.constants["c"] = self.c = GridFunction(self._numbers)
+            self._names.append("c")
 
     def __getattr__(self, name):
-        rate = ["rate"] if "slip" in self.symbols else []
-        names = ", ".join([*self.symbols, *rate, *self.constants])
+        names = ", ".join(self._names)
         raise AttributeError(f"there is no field {name!r} here: there are {names} and dt")
+
+    def Slave(self, field):
+        """Mean of a scalar field, such as a temperature, over the slave side of a macro-element.
+
+        Parameters
+        ----------
+        field : trial function
+            Scalar, of the product space of displacement and traction.
+
+        Returns
+        -------
+        CoefficientFunction
+
+        Raises
+        ------
+        ValueError, TypeError
+            No such trial function; a `Law`, which sees none.
+        """
+        return self._Side(field, "slave")
+
+    def Master(self, field):
+        """The same where the macro-element meets the master. Tools and obstacles have none.
+
+        Parameters
+        ----------
+        field : trial function
+
+        Returns
+        -------
+        CoefficientFunction
+
+        Raises
+        ------
+        ValueError, TypeError
+            As of `Slave`; there is no master with a mesh.
+        """
+        return self._Side(field, "master")
+
+    def _Side(self, field, side):
+        if side not in self._sides:
+            what = "a Law sees no scalar fields" if not self._sides else f"there is no {side}"
+            raise ValueError(f"{what}: give what it needs as a GridFunction or a Parameter")
+        return self.SidesOf(field)[side == "master"]
+
+    def SidesOf(self, field):
+        """The symbols of a scalar field on both sides."""
+        path = tuple(ProxyPath(CheckScalar("field", field), "field"))
+        if path not in self.scalars:
+            self.symbols[f"scalar {path}"] = [GridFunction(self._numbers) for _ in range(2)]
+            self.scalars[path] = field
+        return self.symbols[f"scalar {path}"]
+
+    def NumberOf(self, field):
+        """Number of a scalar field among all of them."""
+        self.SidesOf(field)
+        return list(self.scalars).index(tuple(ProxyPath(field, "field")))
 
     def History(self, name, update, *, start=0.0):
         """Remember a number, such as a way, a wear or a damage; returns its present value.
@@ -98,8 +184,8 @@ class Fields:
             raise ValueError(f"History: {name!r} is kept already: take another name")
         self.kept |= CheckedStarts("History", {name: CheckNumber("start", start)})
         before = GridFunction(self._numbers)
-        with _Explained(f"History of {name}, which is a number,"):
-            now = _Expression(f"History of {name}", update(before))
+        with Explained(f"History of {name}, which is a number,"):
+            now = Expression(f"History of {name}", update(before))
         self.memory[name] = before, now
         return now
 
@@ -109,19 +195,43 @@ class Fields:
         return [symbol for symbols in self.symbols.values() for symbol in symbols]
 
 
-def Dependent(space, dt, functions):
-    """Arguments of a ContactForm for coefficients that are Python's functions of the fields."""
-    fields = Fields(space, dt, ("slip", "gap", "pressure"))
+def CheckScalar(name, field):
+    """A trial function with one component."""
+    if not isinstance(field, ProxyFunction) or field.dims or field.is_complex:
+        wanted = "a scalar trial function of the product space, such as a temperature"
+        raise Wrong(TypeError, name, field, wanted)
+    return field
+
+
+def Dependent(space, dt, functions, fluxes, *, tied, sides):
+    """Arguments of a ContactForm for what depends on the fields: coefficients and fluxes."""
+    names = ("slip", "gap", "pressure", "traction")  # in the order that the form knows
+    seen = () if tied else names
+    fields = Fields(space, dt, seen, hidden=[n for n in names if n not in seen], sides=sides)
     found = {}
     for name, function in functions.items():
-        with _Explained(f"{name}(z)"):
+        with Explained(f"{name}(z)"):
             value = getattr(function, "expression", function)(fields)
-            found[name] = _Expression(f"{name}(z)", value, COEFFICIENTS[name])
+            found[name] = Expression(f"{name}(z)", value, COEFFICIENTS[name])
+    flows = [
+        (fields.NumberOf(flux.field), FluxName(k), *flux._On(fields))
+        for k, flux in enumerate(fluxes)
+    ]
     slopes = {name: _Slopes(f"{name}(z)", f, fields.values) for name, f in found.items()}
+    for _, name, *ends in flows:
+        for end, flowing in zip(("out", "in"), ends, strict=True):
+            slopes[name + end] = _Slopes("the flow of a Flux", flowing, fields.values)
     if "offset" in found and str(found["offset"].Diff(fields.gap)) != ZERO:
         raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
+    slopes = {name: [None if str(s) == ZERO else s for s in all_] for name, all_ in slopes.items()}
     memory = {"kept": fields.kept, "memory": fields.memory}
-    return found | {"fields": fields.values, "slopes": slopes} | memory
+    scalars = {"scalars": list(fields.scalars.values()), "flows": flows}
+    return found | {"fields": fields.values, "slopes": slopes} | scalars | memory
+
+
+def FluxName(number):
+    """Beginning of the names of two columns of `LACContact.Table`."""
+    return f"flux{number + 1 if number else ''}_"
 
 
 class Law:
@@ -173,7 +283,7 @@ class _LawOnFaces:
 
     def __init__(self, traction, space, fields):
         self._space, self._fields, d = space, fields, space.mesh.dim
-        with _Explained("the traction of a Law"):
+        with Explained("the traction of a Law"):
             found = traction(fields)
         if not isinstance(found, CoefficientFunction) or tuple(found.dims) != (d,):
             raise ValueError(
@@ -229,7 +339,7 @@ class _LawOnFaces:
 
 
 @contextmanager
-def _Explained(name):
+def Explained(name):
     """An error of NGSolve about an expression says whose it is, and what it mostly is."""
     try:
         yield
@@ -243,11 +353,11 @@ def _Explained(name):
 
 def _Slopes(name, expression, symbols):
     """Derivatives of an expression by symbols."""
-    with _Explained(name):
+    with Explained(name):
         return [expression.Diff(symbol) for symbol in symbols]
 
 
-def _Expression(name, value, least=-math.inf):
+def Expression(name, value, least=-math.inf):
     """What a function of the fields has returned."""
     if value is None:
         raise Wrong(TypeError, name, value, "an expression of the fields: return it")

@@ -8,6 +8,7 @@ from ngsolve import BaseMatrix, Integrate
 
 from ngslac._ngslac import RegionWithFaces, Side
 from ngslac.arguments import BoundaryNames, CheckPoint
+from ngslac.contact.fields import FluxName
 from ngslac.contact.report import ContactReport
 from ngslac.errors import Warn
 from ngslac.output.segments import Segments
@@ -15,7 +16,17 @@ from ngslac.output.segments import Segments
 if TYPE_CHECKING:
     from ngslac.recovery.recovered import Recovered
 
-__all__ = ["Check", "Describe", "Force", "Moment", "Mortar", "RecoveredOf", "SegmentsOf", "Table"]
+__all__ = [
+    "Check",
+    "Describe",
+    "Flow",
+    "Force",
+    "Moment",
+    "Mortar",
+    "RecoveredOf",
+    "SegmentsOf",
+    "Table",
+]
 
 # What `Table` shows under the names of the form.
 SHOWN = "area", "fullarea", "friction", "normal", "pressure", "gap", "traction", "slip"
@@ -50,13 +61,17 @@ def Table(self) -> dict[str, np.ndarray]:
         ``pressure`` (n), ``traction`` (n, d) on the slave, both 0 where the status is 0,
         ``gap`` (n) > 0 open, NaN without a partner,
         ``slip`` (n, d) of the last step, ``status`` (n) 0 open, 1 stick, 2 slip,
-        ``friction`` (n) coefficient, -1 without Coulomb friction,
+        ``friction`` (n) coefficient, -1 without Coulomb friction, of a flux ``flux_out`` (n) out of
+        the slave and ``flux_in`` (n) into the master, per area of the reference configuration (of
+        the second flux ``flux2_out``, ...),
         and what a ``law`` of your own keeps.
     """
     known = self.form.Table()
     table = {name: known[name] for name in SHOWN}
     table["gap"] = np.where(table["area"] == 0, np.nan, table["gap"])
     table |= {"x": known["center"], "status": known["status"].astype(int)}
+    for number in range(len(self.fluxes)):
+        table |= {FluxName(number) + end: known[FluxName(number) + end] for end in ("out", "in")}
     return table | self.form.Kept()
 
 
@@ -88,6 +103,47 @@ def Force(self, *, on=None) -> np.ndarray:
     """
     forces = self.form.Resultants()["force"]
     return forces.sum(axis=0) if on is None else ShareOn(self, on) @ forces
+
+
+def Flow(self, *, flux=None) -> tuple[float, float]:
+    """What flows through the contact in all, out of the slave and into the master.
+
+    Parameters
+    ----------
+    flux : Flux, optional
+        Which one of several; None: the first.
+
+    Returns
+    -------
+    tuple of float
+        Per time; they differ by what is set free between the surfaces.
+
+    Raises
+    ------
+    ValueError
+        The contact has no flux, or not this one.
+
+    Examples
+    --------
+    >>> from ngslac import Flux
+    >>> W = H1(mesh, order=2, dirichlet="bottom|top")
+    >>> fes = V * W * LACSpace(V, slave="slave")
+    >>> (u, T, lam), (v, S, mu) = fes.TnT()
+    >>> a = BilinearForm(InnerProduct(Grad(u), Grad(v)) * dx + grad(T) * grad(S) * dx)
+    >>> film = Flux(T, lambda z: z.Slave(T) - z.Master(T))
+    >>> contact = LACContact(u, lam, master="master", tied=True, flux=film)
+    >>> gf = GridFunction(fes)
+    >>> gf.components[1].Set(1, definedon=mesh.Boundaries("top"))
+    >>> last = ContactSolver(a, gf, contact).Solve(printing=False)
+    >>> out, into = contact.Flow()
+    >>> abs(out - 1 / 3) < 1e-9 and abs(into - out) < 1e-12
+    True
+    """
+    if not self.fluxes or flux not in (None, *self.fluxes):
+        raise ValueError("flux is none of this contact: give it in LACContact(..., flux=)")
+    name = FluxName(0 if flux is None else self.fluxes.index(flux))
+    table = self.form.Table()
+    return tuple(float(table["area"] @ table[name + end]) for end in ("out", "in"))
 
 
 def ShareOn(self, on):

@@ -23,7 +23,7 @@ from ngslac.tools import SignedDistance, Tool
 __all__ = ["CheckedSetup"]
 
 
-def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
+def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
     names = "obstacle", "friction", "tresca", "offset"
     obstacle, friction, tresca, offset = map(functions.get, names)
@@ -65,6 +65,8 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
             "a law of your own says all: put what offset depends on into the law, in which a "
             "smaller z.gap is the same"
         )
+    if fluxes and edges:
+        raise ValueError("edges know no flux: drop edges, or flux")
     functions = functions | dict.fromkeys(dependent)
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
@@ -79,12 +81,18 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, dt):
     compiled = None if tool is None else tool.compiled
     setup = {"u": u, "lam": lam, "master": region, "tool": compiled} | functions | flags | lengths
     expression = hasattr(law, "_On")
-    space = ContactForm(**setup).space if dependent or expression else None
+    space = ContactForm(**setup).space if dependent or expression or fluxes else None
     if expression:
         law = law._On(space, dt, tied=flags["tied"], finite=flags["finite"])
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
     setup |= {"law": law, "kept": CheckedStarts("law.kept", kept)}
-    return tool, setup | (Dependent(space, dt, dependent) if dependent else {})
+    if dependent or fluxes:
+        sides = ("slave",) if region is None else ("slave", "master")
+        fields = Dependent(space, dt, dependent, fluxes, tied=flags["tied"], sides=sides)
+        if law is not None and fields["kept"]:
+            raise ValueError("a flux beside law remembers nothing: drop z.History from the flux")
+        setup |= fields
+    return tool, setup
 
 
 def _ToolOf(obstacle, dim, flags):

@@ -146,7 +146,7 @@ class Relaxation:
     def _Settles(self, size):
         """In how many steps Newton's method comes to the end of a stage; 0 if it does not."""
         newton, system = self.newton, self.system
-        rows = system.linear.free & ~system.residual.multipliers & ~system.bulk.inner
+        rows = system.linear.free & system.residual.displacements & ~system.bulk.inner
         place = system.values.copy()
         system.SetDrag(Drag(size, place, rows))
         newton.reach = place, self._flies

@@ -74,8 +74,8 @@ class Residual:
 
     Attributes
     ----------
-    multipliers : (n,) bool
-        Rows of multipliers; the others are of displacements.
+    multipliers, displacements : (n,) bool
+        Rows of multipliers, and of all else but the scalar fields that flow through contacts.
     parts : (2, n) array
         The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
@@ -88,6 +88,11 @@ class Residual:
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.multipliers, self.tol = MultiplierRows(contacts), None
+        ranges = {found for contact in contacts for found in contact.form.scalars}
+        self.scalars = [np.arange(*found) for found in sorted(ranges)]
+        self.displacements = ~self.multipliers
+        for rows in self.scalars:
+            self.displacements[rows] = False
         self.ground = self.drag = None
         self.converged = 0.0  # largest forces of a converged state
         self.forces = self.first = self.reference = 0.0
@@ -147,18 +152,24 @@ class Residual:
             return state
         last, change = self.bulk.last, self.bulk.Change()
         exact = self.Measure(scale, exact=True)
-        if exact.finite:
-            size, deviation = (
-                Norm((scale * forces)[~self.multipliers])
-                for forces in (change.FV().NumPy(), exact.bulk - state.bulk)
-            )
-            if deviation <= max(LINEAR * size, 1e-2 * LINEAR * self.forces, self.rounding):
-                return exact
+        errors = exact.bulk - state.bulk if exact.finite else None
+        if exact.finite and self._SeemsLinear(change.FV().NumPy(), errors, scale):
+            return exact
         self.bulk.Refute()
         if not exact.merit <= last.merit:
             self.gf.vec.data = last.vec
             exact = self.Measure(scale)
         return exact
+
+    def _SeemsLinear(self, change, error, scale):
+        """Are errors (n,) of a change of the bulk's forces small, in each kind of rows?"""
+        least = max(1e-2 * LINEAR * self.forces, self.rounding)
+        kinds = [(self.displacements, least)]
+        kinds += [(rows, self._RoundingOf(rows, scale)) for rows in self.scalars]
+        return all(
+            Norm((scale * error)[rows]) <= max(LINEAR * Norm((scale * change)[rows]), rounding)
+            for rows, rounding in kinds
+        )
 
     def Measure(self, scale, exact=False):
         """The Measurement of gf; `exact`: by the bulk form, even if it seems to be linear."""
@@ -176,7 +187,10 @@ class Residual:
         bulk, pushed = residual.FV().NumPy(), contact_residual.FV().NumPy()
         load = self.bulk.load
         # Forces at work: reactions, contact forces and loads all count.
-        forces = max(Norm((scale * f)[~self.multipliers]) for f in (bulk, pushed, load))
+        forces = max(Norm((scale * f)[self.displacements]) for f in (bulk, pushed, load))
+        flows = [
+            max(Norm((scale * f)[rows]) for f in (bulk, pushed, load)) for rows in self.scalars
+        ]
         self._gapshifts = {
             "rhs": load[self.multipliers],
             "a, the bulk form,": bulk[self.multipliers],
@@ -197,7 +211,7 @@ class Residual:
         self.forces, self.scaled, self.parts = forces, scaled, np.stack([bulk, pushed])
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
         self.places = self._RoundingOfPlaces(scale)
-        state = self._StateOf(bulk, exact)
+        state = self._StateOf(bulk, exact, self._Unsteadiness(flows, scale))
         if exact:
             self.bulk.Remember(residual, state.merit, self.rounding)
         elif self._IsSpoilt(state):
@@ -210,26 +224,37 @@ class Residual:
         matters = errors > max(self.tol * max(self.forces, self.reference), 10 * self.rounding)
         return matters and state.unbalance <= errors
 
-    def _StateOf(self, bulk, exact):
+    def _Unsteadiness(self, flows, scale):
+        """The largest residual of a scalar field, relative to what flows in it."""
+        largest = 0.0
+        for rows, flow in zip(self.scalars, flows, strict=True):
+            size = max(flow, self._RoundingOf(rows, scale) / self.tol)
+            largest = max(largest, Norm(self.scaled[rows]) / (size or 1.0))
+        return largest
+
+    def _StateOf(self, bulk, exact, unsteadiness):
         """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
         gaps = max(0.1 * self.rounding, self.places)
         pressing = max(self.forces, self.reference, gaps / self.tol)
         equilibrium, constraint = (
-            Norm(self.scaled[~self.multipliers]),
+            Norm(self.scaled[self.displacements]),
             Norm(self.scaled[self.multipliers]),
         )
-        merit = float(np.hypot(equilibrium, constraint))
         reference = reference or max(equilibrium, constraint) or 1.0
         pressing = pressing or reference
+        unbalance = equilibrium
+        if unsteadiness:
+            unbalance = float(np.hypot(equilibrium, unsteadiness * (self.first or reference)))
+        merit = float(np.hypot(unbalance, constraint))
         tables = [contact.Table() for contact in self.contacts]
         return Measurement(
             bulk,
-            equilibrium / reference,
+            max(equilibrium / reference, unsteadiness),
             constraint / pressing,
             merit,
-            equilibrium,
+            unbalance,
             np.concatenate([t["status"] for t in tables]),
             np.concatenate([t["area"] / t["fullarea"] for t in tables]),
             exact=exact,
@@ -241,15 +266,19 @@ class Residual:
         A nonlinear bulk has those of the positions in each element, too, and of the whole mesh
         where nothing pushes or moves; loads of a linear one may be as small as they like.
         """
-        rows = self.free & ~self.multipliers  # what is carried along whole has no residual
+        rows = self.free & self.displacements  # what is carried along whole has no residual
         factors, displacement = scale[rows], self.gf.vec.FV().NumPy()[rows]
-        moved = ROUNDING * Norm(displacement / factors)
+        moved = self._RoundingOf(rows, scale)
         if self.bulk.islinear is not False:
             return moved
         mesh, size = self.gf.space.mesh, self.size
         if not pushed and np.abs(displacement).max(initial=0) <= NO_MOTION * size:
             return max(moved, 1e-15 * Norm(size / factors))
         return max(moved, 3e-16 * Norm(size * mesh.ne ** (-1 / mesh.dim) / factors))
+
+    def _RoundingOf(self, rows, scale):
+        """Errors of the stiffness times the values of some rows."""
+        return ROUNDING * Norm(self.gf.vec.FV().NumPy()[rows] / scale[rows])
 
     @cached_property
     def size(self):
@@ -267,7 +296,7 @@ class Residual:
 
     def IsRounding(self, forces, scale):
         """Are forces (n,) of bulk and loads nothing but rounding errors?"""
-        free = self.free & ~self.multipliers
+        free = self.free & self.displacements
         return Norm((scale * forces)[free]) <= 10 * self.rounding
 
     def _CheckMultiplierLoads(self, scale):

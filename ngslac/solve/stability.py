@@ -73,7 +73,7 @@ class Stability:
     def _Iterate(self, softening):
         """The growth of `push`, which becomes the motion that grows most."""
         system = self.system
-        displacements = ~system.residual.multipliers
+        displacements = system.residual.displacements
         moves = displacements & system.linear.free
         random = np.random.default_rng(0).normal(size=len(moves)) * moves
         random /= np.linalg.norm(random)

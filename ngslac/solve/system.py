@@ -191,12 +191,12 @@ class System:
 
     def Way(self, before):
         """How far anything has moved since other values (n,)."""
-        return np.abs(self.values - before)[~self.residual.multipliers].max()
+        return np.abs(self.values - before)[self.residual.displacements].max()
 
     def Flight(self, before=None):
         """How much farther a body has moved than what is driven, since values (n,) or the start."""
         moved = self.values - (self._start if before is None else before)
-        driven = ~self.residual.multipliers & ~self.residual.free
+        driven = self.residual.displacements & ~self.residual.free
         return self.bodies.Way(moved) - np.max(np.abs(moved[driven]), initial=0)
 
     def Sizes(self):

@@ -124,7 +124,7 @@ class LimitLoad:
     def _Forces(self):
         """Of bulk, loads and contact on the displacements, as measured last."""
         residual = self.system.residual
-        return np.where(residual.multipliers, 0.0, residual.scaled / self.system.scale)
+        return np.where(residual.displacements, residual.scaled / self.system.scale, 0.0)
 
     def _Peak(self, before, start, motion):
         """From the parabola that the work against the resistance is for a short way."""
@@ -161,7 +161,7 @@ class LimitLoad:
             self.load.Set(load)
             if not self.system.MeasureExactly().finite:
                 return
-            at.append(np.where(residual.multipliers, 0.0, residual.scaled))
+            at.append(np.where(residual.displacements, residual.scaled, 0.0))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))
         self._fold = 0.1 * push < left < 2 * push
         if self._fold:

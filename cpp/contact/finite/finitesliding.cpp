@@ -141,6 +141,12 @@ public:
     }
   }
 
+  Vec<D - 1> Partner(size_t point) const override { return Scene<D>::Partner(point); }
+  FlatMatrix<> PartnerMoves(const FacePair<D> & faces, size_t point,
+                            LocalHeap & lh) const override {
+    return Scene<D>::PartnerMoves(faces, point, lh);
+  }
+
   Vec<D> SlipOf(const SlipPairs<D> & pairs, size_t m) const override {
     auto & points = pairs.points->pairing->points;
     return ngslac::MeanOf(*pairs.points, m, [&](const Segment & segment, size_t i) {

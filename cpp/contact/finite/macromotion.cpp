@@ -90,6 +90,30 @@ MacroGap<D> MeshScene<D>::MeanOf(size_t m) {
   return {mean * gap, mean * slave, mean * master, share};
 }
 
+template <int D>
+FlatMatrix<> MeshScene<D>::PartnerMoves(const FacePair<D> & faces, size_t point,
+                                        LocalHeap & lh) const {
+  constexpr int R = D - 1;
+  auto & p = this->points->pairing->points[point];
+  auto [on_slave, on_master] = pair(faces.segment.slave, faces.segment.master);
+  Ray<D> ray(this->slave, on_slave, master, on_master, p, hits[point]);
+  auto slaves = this->slave_shapes.Calc(on_slave, p.slave, lh);
+  auto masters = this->master_shapes->Calc(on_master, ray.eta, lh);
+  auto gradients = Gradients<D>(ray.dx, slaves, lh);
+  Mat<R, D> response = ray.response.Rows(0, R);
+  FlatMatrix<> columns(R, faces.Size(), lh);
+  for (int i : Range(faces.slaves))
+    for (int k : Range(D)) {
+      Vec<D> apart = -ray.gap * ray.normal(k) * gradients.Row(i);
+      apart(k) += slaves.value(i);
+      columns.Col(D * i + k) = response * apart;
+    }
+  for (int i : Range(faces.masters))
+    for (int k : Range(D))
+      columns.Col(D * (faces.slaves + i) + k) = -masters.value(i) * response.Col(k);
+  return faces.OfDofs(columns, lh);
+}
+
 namespace {
 /// Calls f with the segments of every pair of faces: divided faces have many, whose forces act on
 /// the same dofs.

@@ -49,6 +49,8 @@ Vec<D> MeanOf(const MacroPoints<D> & points, size_t m, F value) {
 
 template <int D>
 struct MacroGap;
+template <int D>
+class FacePair;
 
 /// Derivatives of what moves with a macro-element, a column for each dof.
 template <int D>
@@ -154,6 +156,12 @@ public:
   /// Derivatives of gap, normal and forces; of the forces only if there are any.
   virtual void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim,
                               MacroRows<D> & rows, BlockSum & stiffness, LocalHeap & lh) const = 0;
+  /// Coordinates on the master face that a point of the pairing faces.
+  virtual Vec<D - 1> Partner(size_t point) const { return points->pairing->points[point].master; }
+  /// How they move, a column for each dof of both faces; without columns: they stay.
+  virtual FlatMatrix<> PartnerMoves(const FacePair<D> &, size_t, LocalHeap & lh) const {
+    return FlatMatrix<>(D - 1, 0, lh);
+  }
   virtual shared_ptr<const SlipPairs<D>> Pairs() const = 0;
   /// How far the slave slid along its partners since they faced each other: the mean of the part of
   /// x + g n - y  across the contact direction, with the gap g and the partner y of then. Rigid
@@ -191,6 +199,8 @@ public:
   }
   MacroGap<D> MeanOf(size_t m) override;
   double GapAt(const Segment &, const PairPoint<D> & p) const override { return p.gap; }
+  Vec<D - 1> Partner(size_t point) const override { return hits[point].eta; }
+  FlatMatrix<> PartnerMoves(const FacePair<D> & faces, size_t point, LocalHeap & lh) const override;
   void AddForces(size_t m, const MacroTraction<D> & traction, Scatter & y,
                  LocalHeap & lh) const override;
   void AddDerivatives(size_t m, const MacroTraction<D> & traction, Rim rim, MacroRows<D> & rows,

@@ -2,6 +2,7 @@
 #pragma once
 #include "contact/kinematics.hpp"
 #include "couplings.hpp"
+#include "facepair.hpp"
 
 namespace ngslac {
 /// The split of the multiplier into pressure and tangential traction turns with the normal.
@@ -97,6 +98,14 @@ public:
       return law->Clearance(m) + now->GapAt(segment, p);
     };
     return GapRangesOf<D>(*space, surfaces, gap);
+  }
+
+  Vec<D - 1> Partner(size_t point) const override { return now->Partner(point); }
+  PartnerMotion MovesOf(const Segment & segment, size_t point, LocalHeap & lh) const override {
+    FacePair<D> faces(*slave_shapes, now->master_shapes, segment, lh);
+    for (int j : Range(faces.at))
+      faces.at[j] = faces.Dof(j);
+    return {faces.at, now->PartnerMoves(faces, point, lh)};
   }
 
   void AddForces(size_t m, const Vec<D> & traction, Scatter & y, LocalHeap & lh) const override {
