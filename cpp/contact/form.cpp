@@ -147,6 +147,9 @@ public:
         state.traction(k) = traction(k), state.slip(k) = place.slip(k);
       normal[m] = place.normal;
     });
+    for (auto & [name, values] : flowing)
+      for (size_t m : Range(values))
+        values[m] = Place(m).area > 0 ? law->Flowing().at(name)[m] : 0;
   }
 
   void Lean(FlatArray<double> vectors) override {
@@ -176,6 +179,7 @@ public:
     kinematics->Restore();
     normal = accepted.normal;
     states = accepted.states;
+    flowing = accepted.flowing;
   }
 
   NamedNumbers GetHistory() override {
@@ -303,10 +307,7 @@ public:
     SaveVectors<D>(table["slave_normal"], jump.normal);
     SaveVectors<D>(table["center"], jump.center);
     SaveVectors<D>(table["reference"], kinematics->Reference());
-    for (auto & each : law->Flows())
-      for (const char * end : {"out", "in"})
-        for (size_t m : Range(states))
-          table[each.name + end].Append(law->FlowingNow(each, end, m, Place(m).area));
+    table.insert(flowing.begin(), flowing.end());
     for (size_t m : Range(states)) {
       auto & state = states[m];
       auto place = kinematics->Place(m);
@@ -401,6 +402,10 @@ public:
       for (auto & state : *table)
         if (!active)
           state = {0, 0, Vec<3>(0.0), Vec<3>(0.0), Status::open};
+    for (auto * table : {&flowing, &accepted.flowing})
+      for (auto & [name, values] : *table)
+        if (!active)
+          values = 0.0;
   }
 
   FlatArray<int> ToolDofs() const override { return tool ? tool->Dofs() : FlatArray<int>(); }
@@ -437,6 +442,12 @@ private:
       for (auto & [name, start] : setup.kept)
         kept[name] += start;
     }
+    for (auto & each : law->Flows())
+      for (const char * end : {"out", "in"}) {
+        auto & values = flowing[each.name + end];
+        values.SetSize(states.Size());
+        values = 0.0;
+      }
     Accept();
   }
 
@@ -455,6 +466,7 @@ private:
   void Accept() {
     accepted.normal = normal;
     accepted.states = states;
+    accepted.flowing = flowing;
   }
   void Exchange(History history) {
     history.Exchange("c", law->c);
@@ -464,6 +476,10 @@ private:
     history.Exchange("reference", kinematics->Reference());
     history.Exchange("normal", normal);
     history.Exchange("accepted_normal", accepted.normal);
+    for (auto & [name, values] : flowing) {
+      history.Exchange(name, values);
+      history.Exchange("accepted_" + name, accepted.flowing[name]);
+    }
     for (auto & [name, values] : kept)
       history.Exchange("law: " + name, values);
   }
@@ -728,12 +744,14 @@ private:
   unique_ptr<Kinematics<D>> kinematics;
   InterfaceFlow<D> flow;
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
+  NamedNumbers flowing; // what flows through them then, by the names in the table
   NamedNumbers kept;    // of the last committed step, by a law in place of the compiled one
   size_t nscalars = 0;  // entries of a vector on the product space that was paired
   std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
   struct {
     Array<Vec<D>> normal;
     Array<MacroState> states;
+    NamedNumbers flowing;
   } accepted; // at the last committed step
 };
 } // namespace

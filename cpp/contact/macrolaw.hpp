@@ -214,10 +214,7 @@ public:
   double Flowing(const Flow & flow, const char * end, size_t m) const {
     return flowing.at(flow.name + end)[m];
   }
-  /// The same of any macro-element: 0 without a partner, or before anything was evaluated.
-  double FlowingNow(const Flow & flow, const char * end, size_t m, double area) const {
-    return area > 0 && flowing.count(flow.name + end) ? Flowing(flow, end, m) : 0;
-  }
+  const NamedNumbers & Flowing() const { return flowing; }
 
   /// Finds the multipliers over the faces of a surface.
   void FindDofs(const Surface<D> & slave) {

@@ -81,7 +81,8 @@ class Fields:
     def __init__(self, space, dt, names, *, hidden=(), sides=()):
         self._numbers, d = space.WithComponents(1), space.mesh.dim
         self.kept, self.memory, self.symbols, self.constants, self.dt = {}, {}, {}, {}, dt
-        self.scalars, self._sides, self._names = {}, sides, [*names]
+        self.scalars, self._sides = {}, sides  # trial functions by the paths of their components
+        self._names = [*names, *(f"{side.capitalize()}(T)" for side in sides)]
         for name in [*names, *hidden]:
             count = 1 if name in ("gap", "pressure") else d
             found = self.symbols[name] = [GridFunction(self._numbers) for _ in range(count)]
@@ -146,16 +147,16 @@ class Fields:
 
     def SidesOf(self, field):
         """The symbols of a scalar field on both sides."""
-        path = tuple(ProxyPath(CheckScalar("field", field), "field"))
-        if path not in self.scalars:
-            self.symbols[f"scalar {path}"] = [GridFunction(self._numbers) for _ in range(2)]
-            self.scalars[path] = field
-        return self.symbols[f"scalar {path}"]
+        name = f"scalar {self.NumberOf(field)}"
+        if name not in self.symbols:
+            self.symbols[name] = [GridFunction(self._numbers) for _ in range(2)]
+        return self.symbols[name]
 
     def NumberOf(self, field):
         """Number of a scalar field among all of them."""
-        self.SidesOf(field)
-        return list(self.scalars).index(tuple(ProxyPath(field, "field")))
+        path = tuple(ProxyPath(CheckScalar("field", field), "field"))
+        self.scalars.setdefault(path, field)
+        return list(self.scalars).index(path)
 
     def History(self, name, update, *, start=0.0):
         """Remember a number, such as a way, a wear or a damage; returns its present value.
@@ -203,7 +204,7 @@ def CheckScalar(name, field):
     return field
 
 
-def Dependent(space, dt, functions, fluxes, *, tied, sides):
+def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
     """Arguments of a ContactForm for what depends on the fields: coefficients and fluxes."""
     names = ("slip", "gap", "pressure", "traction")  # in the order that the form knows
     seen = () if tied else names
@@ -212,11 +213,11 @@ def Dependent(space, dt, functions, fluxes, *, tied, sides):
     for name, function in functions.items():
         with Explained(f"{name}(z)"):
             value = getattr(function, "expression", function)(fields)
-            found[name] = Expression(f"{name}(z)", value, COEFFICIENTS[name])
-    flows = [
-        (fields.NumberOf(flux.field), FluxName(k), *flux._On(fields))
-        for k, flux in enumerate(fluxes)
-    ]
+        found[name] = Expression(f"{name}(z)", value, COEFFICIENTS[name])
+    flows = []
+    for k, flux in enumerate(fluxes):
+        fields.SidesOf(flux.field)
+        flows.append((fields.NumberOf(flux.field), FluxName(k), *flux._On(fields)))
     slopes = {name: _Slopes(f"{name}(z)", f, fields.values) for name, f in found.items()}
     for _, name, *ends in flows:
         for end, flowing in zip(("out", "in"), ends, strict=True):
@@ -225,8 +226,19 @@ def Dependent(space, dt, functions, fluxes, *, tied, sides):
         raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
     slopes = {name: [None if str(s) == ZERO else s for s in all_] for name, all_ in slopes.items()}
     memory = {"kept": fields.kept, "memory": fields.memory}
-    scalars = {"scalars": list(fields.scalars.values()), "flows": flows}
+    scalars = [Trial(u.space, *found) for found in fields.scalars.items()]
+    scalars = {"scalars": scalars, "flows": flows}
     return found | {"fields": fields.values, "slopes": slopes} | scalars | memory
+
+
+def Trial(space, path, field):
+    """The trial function of a component; `field` is it, or that of a distributed mesh."""
+    if field.space != space and field.space.mesh.comm.size == 1:
+        raise ValueError("field lives on another space than u and lam: take their product space")
+    found = space.TrialFunction()
+    for number in path:
+        found = found[number]
+    return found
 
 
 def FluxName(number):

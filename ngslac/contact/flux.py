@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What flows through a contact: heat, current, a leak."""
 
+from ngsolve import CF
+
 from ngslac.arguments import CheckFunction, CheckNumber, Wrong
 from ngslac.contact.fields import CheckScalar, Explained, Expression
 
@@ -56,11 +58,11 @@ class Flux:
     def _On(self, fields):
         """Out of the slave, and into the master."""
         with Explained("the flow of a Flux"):
-            flow = Expression("the flow of a Flux", self._flow(fields))
-            if self._heat is None:
-                return flow, flow
-            heat = Expression("the heat of a Flux", self._heat(fields))
-            return flow - self.share * heat, flow + (1 - self.share) * heat
+            flow = self._flow(fields)
+            heat = CF(0) if self._heat is None else self._heat(fields)
+        flow = Expression("the flow of a Flux", flow)
+        heat = Expression("the heat of a Flux", heat)
+        return flow - self.share * heat, flow + (1 - self.share) * heat
 
 
 def CheckFluxes(flux):

@@ -88,7 +88,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     setup |= {"law": law, "kept": CheckedStarts("law.kept", kept)}
     if dependent or fluxes:
         sides = ("slave",) if region is None else ("slave", "master")
-        fields = Dependent(space, dt, dependent, fluxes, tied=flags["tied"], sides=sides)
+        fields = Dependent(u, space, dt, dependent, fluxes, tied=flags["tied"], sides=sides)
         if law is not None and fields["kept"]:
             raise ValueError("a flux beside law remembers nothing: drop z.History from the flux")
         setup |= fields
