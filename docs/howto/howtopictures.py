@@ -232,6 +232,14 @@ def Temperature(names, path):
     figure.savefig(path, dpi=110)
 
 
+def Sliding(names, path):
+    figure = Figure(figsize=(8, 2.8), layout="constrained")
+    axes, u = figure.subplots(), Displacement(names)
+    Body(axes, u, names["gf"].components[1], "temperature [K]", factor=1)
+    axes.set_ylim(-7, 7)
+    figure.savefig(path, dpi=110)
+
+
 def Seal(names, path):
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes, u = figure.subplots(), Displacement(names)
@@ -261,6 +269,7 @@ PICTURES = {
     "from_calculix": ShowSolid(Elastic(210e3), STRESS, 500),
     "from_contactboundary": ShowPlane(Elastic(210e3), STRESS, factor=100),
     "heat_across_interface": Temperature,
+    "heat_through_contact": Sliding,
     "laws": ShowPlane(Elastic("young"), STRESS, factor=1, size=0.1),
     "many_bodies": ShowSolid(Elastic(210e3), STRESS, 3000),
     "on_many_cores": ShowSolid(Elastic(1.0), "equivalent stress", 5),

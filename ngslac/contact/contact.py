@@ -127,6 +127,8 @@ class LACContact(metaclass=Distributable):
     traction, slip, normal : GridFunction
         Vectors: traction on the slave, tangential slip of the last step (slave minus master;
         not known for ``finite=True`` without friction), contact direction out of the slave.
+    dt : Parameter
+        Length of the present step, which steppers set; 1 before the first one.
     space : LACSpace
     master : Region or None
     tool : Tool or None

@@ -230,6 +230,15 @@ def test_bolt_preload(run):
     assert names["inside"] == pytest.approx(8360, rel=0.01)
 
 
+def test_heat_through_contact(run):
+    names = run("heat_through_contact")
+    contact, table = names["contact"], names["contact"].Table()
+    out, into = contact.Flow()
+    aside = table["traction"] + table["pressure"][:, None] * table["normal"]
+    power = -np.sum(table["area"][:, None] * aside * table["slip"]) / 0.02
+    assert into - out == pytest.approx(power, rel=1e-10)
+
+
 def test_heat_across_interface(run):
     names = run("heat_across_interface")
     assert names["exact"] == pytest.approx(121.554, abs=1e-3)
