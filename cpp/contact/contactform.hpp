@@ -56,6 +56,7 @@ struct ContactSetup {
   ContactLaw law;         // in place of the compiled one: tractions and derivatives, see ownlaw.hpp
   ContactFields fields;   // on which the coefficients depend
   NamedNumbers kept;      // the memory of a macro-element before the first step
+  double flowshare = 1;   // factor of what flows, as the bulk form has one in its rows
 };
 
 /// Values of one macro-element after an evaluation.
@@ -128,6 +129,8 @@ public:
   /// (d x d, row by row) times the jump; `Mat` has the rows by which they follow.
   virtual shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & x, FlatArray<double> tractions,
                                                   FlatArray<double> stiffness) = 0;
+  /// What flows counts so much in the residual and in matrices.
+  virtual void SetFlowShare(double share) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.

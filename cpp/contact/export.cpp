@@ -208,6 +208,7 @@ void ExportContact(py::module & m) {
             self.Lean(FlatArray<double>(vectors.size(), const_cast<double *>(vectors.data())));
           },
           py::arg("vectors"))
+      .def("SetFlowShare", &ContactForm::SetFlowShare, py::arg("share"))
       .def("SetEven", &ContactForm::SetEven, py::arg("even"))
       .def("Close", &ContactForm::Close, py::arg("macros"), py::arg("x"))
       .def("JumpMatrix",

@@ -97,6 +97,10 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
       auto & fel = u.fes->GetFE(ei, lh);
       auto & trafo = u.fes->GetMeshAccess()->GetTrafo(ei, lh);
       u.fes->GetDofNrs(ei, numbers);
+      if (size_t(fel.GetNDof()) != numbers.Size())
+        throw Exception("LACContact: a space of type " + u.component->GetClassName() +
+                        " has no degrees of freedom of its own on boundaries; give a continuous "
+                        "one, such as H1 or VectorH1");
       int dim = u.evaluator->Dim();
       FlatMatrix<double, ColMajor> shape(dim, block * numbers.Size(), lh);
       Matrix<> values(dim * points.Size(), shape.Width()); // large for high orders
@@ -118,8 +122,10 @@ FaceShapes<D>::FaceShapes(const ProxyInfo & u, const Surface<D> & surface, int a
         wanted_values.Col(j) = values.Col(columns[j]);
       if (dim == D)
         SetFace(f, wanted_values, used_numbers, control);
-      else
+      else if (columns.Size())
         SetFace(f, AsVector<D>(wanted_values), Repeated<D>(used_numbers), control);
+      else // a scalar field may be defined in one body alone
+        functions[f].SetSize(control.Height(), 0);
     }
   });
 }

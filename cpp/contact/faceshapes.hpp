@@ -22,6 +22,8 @@ public:
   FlatArray<int> Dofs(size_t face) const { return dofs[face]; }
   /// number of scalar functions
   int Size(size_t face) const { return functions[face].Width(); }
+  /// Is it zero there, whatever the dofs are?
+  bool HasNone(size_t face) const { return dofs[face].Size() == 0; }
   /// Is dof  D i + k  component k of function i?
   bool IsPlain(size_t face) const { return conversion[face].Height() == 0; }
   /// From function i times unit vector k (row D i + k) to the dofs of a face that is not plain.

@@ -21,7 +21,7 @@ public:
   explicit Form(const ContactSetup & asetup)
       : ContactForm(asetup), law(make_shared<MacroLaw<D>>(setup, space, lam)),
         tool(setup.tool ? make_shared<ToolPath<D>>(*setup.tool, u) : nullptr),
-        kinematics(MakeKinematics<D>({setup, space, u, law, tool})), flow(setup.fields.scalars, u) {
+        kinematics(MakeKinematics<D>({setup, space, u, law, tool})), flow(setup, law, u) {
     law->has_ends = setup.active;
   }
 
@@ -163,6 +163,7 @@ public:
     LoadVectors<D>(vectors, law->lean);
   }
 
+  void SetFlowShare(double share) override { setup.flowshare = flow.share = share; }
   void SetEven(bool even) override { law->has_ends = setup.active && !even; }
   void Commit(const BaseVector & bx) override {
     Follow(bx);
@@ -573,7 +574,8 @@ private:
       Vector<> numbers(2 * D + 2 + flow.NMeans());
       numbers.Range(0, D) = place.slip;
       numbers(D) = place.area > 0 ? place.gap : 0;
-      numbers(D + 1) = max(0.0, -InnerProduct(place.normal, tractions[m]));
+      // not 0, where a power of it has no derivative
+      numbers(D + 1) = max(1e-150, -InnerProduct(place.normal, tractions[m]));
       numbers.Range(D + 2, 2 * D + 2) = tractions[m];
       numbers.Range(2 * D + 2, numbers.Size()) = flow.Means(m);
       return numbers;
@@ -639,7 +641,7 @@ private:
     });
     for (size_t m : Range(law->Flows().Size() ? states.Size() : 0))
       if (Place(m).area > 0)
-        flow.AddFlows(*law, m, y);
+        flow.AddFlows(m, y);
     if (tool)
       tool->AddLoads(y);
   }
@@ -664,8 +666,8 @@ private:
       auto rows = kinematics->RowsOf(m, tractions[m], rim, sum, lh);
       AddLines(m, answers[m], rows, sum);
       if (flows.Size())
-        flows[m] = flow.LinesOf(*law, *kinematics, m, Place(m), tractions[m], answers[m], rows,
-                                alone, x, lh);
+        flows[m] =
+            flow.LinesOf(*kinematics, {m, Place(m), tractions[m], answers[m], rows}, alone, x, lh);
     });
     mat = fresh;
     return flows.Size() ? MatrixOf(nscalars, flows) : nullptr;

@@ -27,15 +27,26 @@ class InterfaceFlow {
     ProxyInfo trial;
     unique_ptr<FaceShapes<D>> on[2]; // slave and master; no master: null
   };
+  shared_ptr<MacroLaw<D>> law;
   std::vector<Field> fields;
+  Array<bool> looks;                    // does anything depend on the means?
   shared_ptr<const Pairing<D>> pairing; // of the last look
   Table<int> segments;                  // of its macro-elements
   Array<ScalarRow> rows;
   Array<double> means;
 
 public:
-  InterfaceFlow(const std::vector<shared_ptr<CoefficientFunction>> & scalars, const ProxyInfo & u) {
-    for (auto & scalar : scalars) {
+  double share; // of what flows in residual and matrices
+
+  InterfaceFlow(const ContactSetup & setup, shared_ptr<MacroLaw<D>> alaw, const ProxyInfo & u)
+      : law(alaw), share(setup.flowshare) {
+    auto & functions = setup.fields;
+    looks.SetSize(2 * functions.scalars.size());
+    looks = false;
+    for (auto & [name, slopes] : functions.slopes)
+      for (size_t i : Range(looks))
+        looks[i] = looks[i] || slopes[slopes.size() - looks.Size() + i];
+    for (auto & scalar : functions.scalars) {
       fields.push_back({ProxyInfo(*scalar, "a scalar field"), {}});
       auto & trial = fields.back().trial;
       if (trial.fes != u.fes || trial.evaluator->Dim() != 1)
@@ -74,10 +85,11 @@ public:
   }
 
   /// What leaves the slave and enters the master.
-  void AddFlows(MacroLaw<D> & law, size_t m, FlatVector<> y) const {
-    for (auto & flow : law.Flows()) {
+  void AddFlows(size_t m, FlatVector<> y) const {
+    for (auto & flow : law->Flows()) {
       auto &slave = RowOf(m, 2 * flow.field), &master = RowOf(m, 2 * flow.field + 1);
-      double out = law.Flowing(flow, "out", m), in = law.Flowing(flow, "in", m);
+      double out = share * law->Flowing(flow, "out", m);
+      double in = share * law->Flowing(flow, "in", m);
       for (size_t j : Range(slave.dofs))
         y(slave.dofs[j]) += out * slave.integrals[j];
       for (size_t j : Range(master.dofs))
@@ -95,15 +107,22 @@ public:
     }
   };
 
-  /// `own`: multipliers of the macro-element that its traction is; without them it follows the
-  /// jump and the normal by these derivatives.
-  BlockSum LinesOf(MacroLaw<D> & law, const Kinematics<D> & kinematics, size_t m,
-                   const MacroPlace<D> & place, const Vec<D> & traction, const Answer<D> & answer,
-                   const PlaceRows<D> & rows, bool alone, FlatVector<> x, LocalHeap & lh) const {
+  /// What is known of a macro-element.
+  struct Macro {
+    size_t m;
+    MacroPlace<D> place;
+    const Vec<D> & traction;
+    const Answer<D> & answer;
+    const PlaceRows<D> & rows;
+  };
+  /// alone: the traction is not that of the multipliers, it follows jump and normal as the answer.
+  BlockSum LinesOf(const Kinematics<D> & kinematics, const Macro & macro, bool alone,
+                   FlatVector<> x, LocalHeap & lh) const {
+    auto & [m, place, traction, answer, rows] = macro;
     BlockSum sum;
     if (place.area == 0)
       return sum;
-    auto own = law.dofs.Range(D * m, D * (m + 1));
+    auto own = law->dofs.Range(D * m, D * (m + 1));
     auto lines = StartLines(kinematics, m, rows, own, lh);
     FillPlace(lines, rows, answer, own, alone);
     for (size_t i : Range(NMeans())) {
@@ -111,21 +130,21 @@ public:
       for (size_t j : Range(row.dofs))
         lines.means(i, lines.At(row.dofs[j])) += row.integrals[j] / place.area;
     }
-    AddMoves(lines, law, kinematics, m, place.area, x, sum, lh);
-    for (auto & flow : law.Flows())
+    AddMoves(lines, kinematics, m, place.area, x, sum, lh);
+    for (auto & flow : law->Flows())
       for (bool in : {false, true}) {
-        auto slope = law.SlopeOf(flow.name + (in ? "in" : "out"), m, place, traction);
+        auto slope = law->SlopeOf(flow.name + (in ? "in" : "out"), m, place, traction);
         Vector<> change = Trans(lines.means) * slope.by_scalars;
         change += Trans(lines.jump) * slope.by_jump + Trans(lines.normal) * slope.by_normal;
         change += Trans(lines.traction) * slope.by_traction;
         auto & row = RowOf(m, 2 * flow.field + in);
         Matrix<> block(row.dofs.Size(), lines.dofs.Size());
         for (size_t j : Range(row.dofs))
-          block.Row(j) = (in ? -1 : 1) * row.integrals[j] * change;
+          block.Row(j) = (in ? -share : share) * row.integrals[j] * change;
         sum.Add(row.dofs, lines.dofs, std::move(block));
       }
     if (!alone && answer.by_scalars.Width()) {
-      Mat<D, D> factor = law.RowFactor(m, place);
+      Mat<D, D> factor = law->RowFactor(m, place);
       Matrix<> by_scalars = factor * answer.by_scalars;
       sum.Add(own, lines.dofs, Matrix<>(by_scalars * lines.means));
     }
@@ -140,13 +159,26 @@ private:
     auto & surfaces = kinematics.Surfaces();
     if (pairing == surfaces.pairing)
       return;
-    for (auto & field : fields) {
-      field.on[0] = ShapesOn(field.trial, *surfaces.slave);
-      if (surfaces.master)
-        field.on[1] = ShapesOn(field.trial, *surfaces.master);
+    for (size_t i : Range(NMeans())) {
+      auto & field = fields[i / 2];
+      if (auto * surface = i % 2 ? surfaces.master.get() : surfaces.slave.get())
+        field.on[i % 2] = ShapesOn(field.trial, *surface);
+      CheckSeen(i, *surfaces.pairing);
     }
     segments = SegmentsOfMacros<D>(space, *surfaces.slave, *surfaces.pairing);
     pairing = surfaces.pairing;
+  }
+
+  /// Throws where something looks at a field that is not there.
+  void CheckSeen(size_t i, const Pairing<D> & pairs) const {
+    for (auto & segment : pairs.segments)
+      if (int face = i % 2 ? segment.master : segment.slave;
+          looks[i] && Shapes(i) && face >= 0 && Shapes(i)->HasNone(face))
+        throw Exception(
+            string("LACContact: a flux or a coefficient looks at a scalar field on the ") +
+            (i % 2 ? "master" : "slave") +
+            ", where that is not defined; give its value there as a number or a "
+            "function of place");
   }
 
   static unique_ptr<FaceShapes<D>> ShapesOn(const ProxyInfo & trial, const Surface<D> & surface) {
@@ -218,8 +250,8 @@ private:
   }
 
   /// Of the points on the master: their values change, and so does where a flow enters.
-  void AddMoves(Lines & lines, MacroLaw<D> & law, const Kinematics<D> & kinematics, size_t m,
-                double area, FlatVector<> x, BlockSum & sum, LocalHeap & lh) const {
+  void AddMoves(Lines & lines, const Kinematics<D> & kinematics, size_t m, double area,
+                FlatVector<> x, BlockSum & sum, LocalHeap & lh) const {
     for (int s : segments[m])
       for (size_t p : pairing->Points(s)) {
         HeapReset hr(lh);
@@ -239,9 +271,9 @@ private:
             lines.means(2 * f + 1, lines.At(dofs[j])) +=
                 weight / area * InnerProduct(gradient, moves.Col(j));
           double in = 0;
-          for (auto & flow : law.Flows())
-            in += flow.field == f ? law.Flowing(flow, "in", m) : 0;
-          AddShift(-in * weight, own, derivative, dofs, moves, sum);
+          for (auto & flow : law->Flows())
+            in += flow.field == f ? law->Flowing(flow, "in", m) : 0;
+          AddShift(-share * in * weight, own, derivative, dofs, moves, sum);
         }
       }
   }

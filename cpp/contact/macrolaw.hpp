@@ -128,8 +128,8 @@ public:
     Reevaluate();
     looks = false;
     for (auto & flow : fields.flows) {
-      flowing[flow.name + "out"] = MeansOf(*flow.out, flow.name);
-      flowing[flow.name + "in"] = MeansOf(*flow.into, flow.name);
+      flowing[flow.name + "out"] = MeansOf(*flow.out, flow.name + "out");
+      flowing[flow.name + "in"] = MeansOf(*flow.into, flow.name + "in");
     }
     if (derives || give.Size() != c.Size())
       FindSlopes();

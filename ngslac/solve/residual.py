@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from netgen.meshing import NgException
 
+from ngslac.arrays import ToCSR
 from ngslac.loads import CheckNoMultiplierLoad
 from ngslac.solve.bulk import LINEAR, ROUNDING
 from ngslac.solve.problem import MultiplierRows
@@ -227,8 +228,10 @@ class Residual:
     def _Unsteadiness(self, flows, scale):
         """The largest residual of a scalar field, relative to what flows in it."""
         largest = 0.0
+        crossing = self._RoundingOfFlows(scale) if self.scalars else None
         for rows, flow in zip(self.scalars, flows, strict=True):
-            size = max(flow, self._RoundingOf(rows, scale) / self.tol)
+            rounding = max(self._RoundingOf(rows, scale), Norm(crossing[rows]))
+            size = max(flow, rounding / self.tol)
             largest = max(largest, Norm(self.scaled[rows]) / (size or 1.0))
         return largest
 
@@ -279,6 +282,20 @@ class Residual:
     def _RoundingOf(self, rows, scale):
         """Errors of the stiffness times the values of some rows."""
         return ROUNDING * Norm(self.gf.vec.FV().NumPy()[rows] / scale[rows])
+
+    def _RoundingOfFlows(self, scale):
+        """Errors (n,) of what flows through contacts, which are differences of their unknowns.
+
+        With large sliding these are positions.
+        """
+        errors = np.zeros(len(scale))
+        for contact in self.contacts:
+            mat, values = contact.form.mat, np.abs(self.gf.vec.FV().NumPy())
+            if contact.finite:
+                values[self.displacements] += self.size
+            if contact.fluxes and mat.height:
+                errors += abs(ToCSR(mat)) @ values
+        return ROUNDING * scale * errors
 
     @cached_property
     def size(self):

@@ -85,6 +85,8 @@ class StepEnd:
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
         memory -= scheme.weight * scheme.force * self._balanced[0]
+        for rows in self.static.system.residual.scalars:  # these hold at the end of the step
+            memory[rows] = 0
         load = self.static.system.bulk.load
         vec.FV().NumPy()[:] = memory + scheme.share * load
         return vec

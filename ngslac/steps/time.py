@@ -307,6 +307,7 @@ class TimeStepper(metaclass=Distributable):
         dt, self.form.renewed = self.form.dt, False
         for contact in self.solver.contacts:
             contact.dt.Set(dt)
+            contact.form.SetFlowShare(self.form.share)
         inertial = start + dt * self._end.Velocity()
         self.form.start.vec.FV().NumPy()[:] = inertial
         try:
@@ -325,6 +326,9 @@ class TimeStepper(metaclass=Distributable):
         except BaseException:
             self._journal.saved.Restore()
             raise
+        finally:  # the contacts may be those of other solvers, too
+            for contact in self.solver.contacts:
+                contact.form.SetFlowShare(1)
         known = {"system": self.solver.system, "energy": energy}
         self.balance, won, owed = self._end.Accept(start, dt, self.balance, goal, **known)
         if not last_chance and (won > MOST_WON or owed > MOST_OWED):

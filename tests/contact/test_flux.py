@@ -20,6 +20,7 @@ from ngsolve import (
     Parameter,
     Sym,
     VectorH1,
+    cos,
     ds,
     dx,
     exp,
@@ -503,6 +504,34 @@ def test_dynamics():
     assert into - out == pytest.approx(power, rel=1e-12)
     assert power == pytest.approx(-warm.contact.Force()[0], rel=0.05)  # the speed is 1
     assert np.all(table["status"] == 2)
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
+def test_heat_in_time_steps_is_that_of_load_steps(rho_inf):
+    """Where nothing moves, the same implicit Euler method."""
+    found = []
+    for kind in (LoadStepper, TimeStepper):
+        warm = Warm(lambda f, T: 3 * (f.Slave(T) - f.Master(T)), hot=0.0, capacity=1.3)
+        values = warm.temperature.vec.FV().NumPy()
+        warm.temperature.Set(sin(3 * x) * cos(2 * y))
+        values[~np.array(list(warm.temperature.space.FreeDofs()))] = 0
+        warm.before.vec.data = warm.temperature.vec
+
+        def Remember(_, warm=warm):
+            warm.before.vec.data = warm.temperature.vec
+
+        time = Parameter(0)
+        held = {"top": CF((0, 0)), "bottom": CF((0, 0))}
+        solver = ContactSolver(warm.a, warm.gf, warm.contact)
+        options = {"callback": Remember, "printing": False}
+        if kind is LoadStepper:
+            LoadStepper(solver, time, prescribe=held).Integrate(0.08, steps=4, **options)
+        else:
+            more = {"dt": 0.02, "rho_inf": rho_inf, "maxcuts": 0}
+            TimeStepper(solver, 1e-9, time=time, prescribe=held, **more).Integrate(0.08, **options)
+        found.append(np.append(values, warm.contact.Flow()))
+    assert np.abs(found[1] - found[0]).max() < 1e-6 * np.abs(found[0]).max()
+    assert abs(found[0][-1]) > 1e-3
 
 
 # --- bad input -----------------------------------------------------------------------------------

@@ -37,6 +37,7 @@ case_dynamics
 case_laws
 case_wear
 case_adhesion
+case_heat
 case_restart
 """
 MODULES = [import_module(name) for name in NAMES.split()]
