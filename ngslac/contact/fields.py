@@ -17,7 +17,7 @@ from ngsolve import (
 )
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import ProxyPath
+from ngslac._ngslac import HoldsProxy, ProxyPath
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 
 __all__ = [
@@ -147,14 +147,14 @@ class Fields:
 
     def SidesOf(self, field):
         """The symbols of a scalar field on both sides."""
-        name = f"scalar {self.NumberOf(field)}"
+        name = f"scalar {self.NumberOf(CheckScalar('field', field, ValueError))}"
         if name not in self.symbols:
             self.symbols[name] = [GridFunction(self._numbers) for _ in range(2)]
         return self.symbols[name]
 
     def NumberOf(self, field):
         """Number of a scalar field among all of them."""
-        path = tuple(ProxyPath(CheckScalar("field", field), "field"))
+        path = tuple(ProxyPath(field, "field"))
         self.scalars.setdefault(path, field)
         return list(self.scalars).index(path)
 
@@ -181,6 +181,8 @@ class Fields:
             A name that means something else, or is taken already; no function; no number.
         """
         CheckFunction("update", update, "a function of what it was before")
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ValueError(f"History: name = {name!r} must be a word, as of a variable in Python")
         if name in self.kept:
             raise ValueError(f"History: {name!r} is kept already: take another name")
         self.kept |= CheckedStarts("History", {name: CheckNumber("start", start)})
@@ -196,11 +198,11 @@ class Fields:
         return [symbol for symbols in self.symbols.values() for symbol in symbols]
 
 
-def CheckScalar(name, field):
-    """A trial function with one component."""
+def CheckScalar(name, field, kind=TypeError):
+    """A trial function with one component; else an error of this kind."""
     if not isinstance(field, ProxyFunction) or field.dims or field.is_complex:
         wanted = "a scalar trial function of the product space, such as a temperature"
-        raise Wrong(TypeError, name, field, wanted)
+        raise Wrong(kind, name, field, wanted)
     return field
 
 
@@ -357,7 +359,7 @@ def Explained(name):
         yield
     except (NgException, TypeError) as error:
         raise ValueError(
-            f"{name} is no expression that NGSolve can differentiate: {error}. A vector and a "
+            f"{error}: so {name} is no expression that NGSolve can differentiate. A vector and a "
             "number do not add up, a power that is no whole number is exp(a * log(.)), IfPos "
             "stands for if, max and min, and functions are those of ngsolve"
         ) from error
@@ -373,7 +375,12 @@ def Expression(name, value, least=-math.inf):
     """What a function of the fields has returned."""
     if value is None:
         raise Wrong(TypeError, name, value, "an expression of the fields: return it")
-    return Coefficient(name, value, least)
+    found = Coefficient(name, value, least)
+    if HoldsProxy(found):
+        raise ValueError(
+            f"{name} holds a trial function: take its means, z.Slave(T) and z.Master(T)"
+        )
+    return found
 
 
 def CheckedStarts(whose, starts):

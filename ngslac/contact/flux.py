@@ -73,4 +73,6 @@ def CheckFluxes(flux):
     for one in fluxes:
         if not isinstance(one, Flux):
             raise Wrong(TypeError, "flux", one, "a Flux, or a list of them")
+    if len({id(one) for one in fluxes}) < len(fluxes):
+        raise ValueError("flux holds the same Flux twice, which would count twice: drop one")
     return fluxes

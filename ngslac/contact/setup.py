@@ -57,6 +57,11 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
         if value is not None:
             CheckPositive(name, value, "a positive length")
     mesh = u.space.mesh
+    for name, function in functions.items():
+        if hasattr(function, "_On"):
+            raise ValueError(
+                f"{name} is a Law, which stands for the whole contact: give it as law="
+            )
     dependent = {k: f for k, f in functions.items() if k in COEFFICIENTS and IsFunction(f)}
     if dependent and edges:
         raise ValueError(f"edges need a {next(iter(dependent))} that is no function of the contact")
@@ -85,6 +90,9 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     if expression:
         law = law._On(space, dt, tied=flags["tied"], finite=flags["finite"])
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
+    if law is not None and not expression:
+        numpy_law = law
+        law = lambda places: numpy_law(Places(places))  # noqa: E731
     setup |= {"law": law, "kept": CheckedStarts("law.kept", kept)}
     if dependent or fluxes:
         sides = ("slave",) if region is None else ("slave", "master")
@@ -93,6 +101,16 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
             raise ValueError("a flux beside law remembers nothing: drop z.History from the flux")
         setup |= fields
     return tool, setup
+
+
+class Places(dict):
+    """Arrays by name, for a law in NumPy."""
+
+    def __getattr__(self, name):
+        raise AttributeError(
+            f"places has no attribute {name!r}: a law in NumPy takes places[{name!r}]; a function "
+            "that returns an expression of fields is given as law=Law(function)"
+        )
 
 
 def _ToolOf(obstacle, dim, flags):

@@ -357,6 +357,7 @@ def test_an_offset_that_looks_at_the_gap():
     ({"offset": lambda f: f.History("w", lambda w: CF((w, w)))}, "History of w has 2 comp"),
     ({"offset": lambda f: f.History("w", lambda w: w) + f.History("w", lambda w: w)},
      "'w' is kept already"),
+    ({"offset": lambda f: f.History("", lambda w: w)}, "name = '' must be a word"),
     ({"friction": falling, "edges": True}, "edges need a friction that is no function"),
     ({"friction": falling, "tied": True}, "tied surfaces do not slide"),
 ])  # fmt: skip

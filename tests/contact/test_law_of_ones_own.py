@@ -31,6 +31,7 @@ from ngslac import (
     FloatingBodyError,
     LACContact,
     LACSpace,
+    Law,
     LoadState,
     LoadStepper,
     SaveState,
@@ -697,3 +698,12 @@ def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):
 
 def test_what_is_tied_pulls_nothing_aside():
     assert not PullsAside(press(tied=True).contact)
+
+
+def test_a_function_of_fields_is_told_how_it_is_given():
+    """As a Law: a law in NumPy gets arrays by name."""
+    contact = contact_form(block_mesh(2), law=lambda f: -f.gap * f.normal)
+    with pytest.raises((AttributeError, NgException), match=r"law=Law\(function\)"):
+        contact.Evaluate(GridFunction(contact.form.fes))
+    with pytest.raises(ValueError, match="give it as law="):
+        contact_form(block_mesh(2), friction=Law(lambda f: -f.gap * f.normal))

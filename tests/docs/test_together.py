@@ -51,6 +51,7 @@ LAWS = {
         "tresca": lambda z: 0.5 + 0.1 * z.pressure,
         "offset": lambda z: z.History("worn", lambda w: w + 1e-3 * z.pressure * Norm(z.slip)),
     },
+    "heat through contact (`flux`)": {"flow": lambda z, T: z.pressure * z.Slave(T)},
     "adjusted start": {"adjust": 0.01},
     "sharp edges (`edges`)": {"edges": True},
     "self-contact": {"master": "slave|master"},
@@ -93,6 +94,8 @@ def run(row, column, dim):
     else:
         solved(problem)
     assert np.any(problem.contact.Table()["status"])
+    if "flow" in given:
+        assert problem.contact.Flow()[0] > 1e-3
 
 
 # Laws differ in 3D and are tested there; their uses are so with small sliding alone by default.

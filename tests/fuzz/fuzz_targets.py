@@ -59,7 +59,7 @@ OBJECTS = Pairs("""
 # A law may depend on the solution; it has no mesh on which values could be looked at.
 LAW = {"CF of a trial function", "nan CF"}
 ALSO = {"young": LAW, "nu": LAW, "u": {"trial function"}, "filename": {"folder"}}
-ALSO |= {"macro": {"0"}, "maxcuts": {"0"}}
+ALSO |= {"flux": {"[]"}, "macro": {"0"}, "maxcuts": {"0"}}
 
 
 def Used(w, contact):
@@ -86,11 +86,13 @@ CALLS = {
     "LACContact": lambda w, **k: Used(w, lac.LACContact(**k)),
     "LACContact with another law": lambda w, **k: Used(w, w.Contact(**k)),
     "LACContact with obstacle": lambda w, **k: Used(w, w.Contact(master=None, **k)),
+    "LACContact.Flow": lambda w, **k: w.Conducting().Flow(**k),
     "LACContact.Prepare": lambda w, **k: w.Contact().Prepare(**k),
     "ContactSolver": lambda w, **k: lac.ContactSolver(**k).Solve(printing=False),
     "AugmentedLagrangianSolver": lambda w, **k: lac.AugmentedLagrangianSolver(**k).Solve(
         printing=False
     ),
+    "Flux": lambda w, **k: lac.Flux(**k).share,
     "FormSum": lambda w, a, contacts: lac.FormSum(a, contacts),
     "LoadStepper": LoadSteps,
     "TimeStepper": lambda w, **k: lac.TimeStepper(**k).Integrate(0.01, printing=False),
@@ -109,7 +111,8 @@ SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
 LACContact | u lam master friction tresca maxdist penetration stiffness:positive
     | u=w.u, lam=w.lam, master="master"
 Law | traction:function
-LACContact with another law | offset adjust tied bilateral finite edges law
+Flux | field:trial flow:function heat:function? share:share | field=w.T, flow=lambda z: z
+LACContact with another law | offset adjust tied bilateral finite edges law flux:trial?
 LACContact with obstacle | obstacle friction offset | obstacle=0.01
 LACContact.Update | gf:solution?
 LACContact.Activate | gf:solution?
@@ -122,6 +125,7 @@ LACContact.Commit | gf
 LACContact.Evaluate | gf
 LACContact.SetState | state gf:solution? | state=w.contact.State()
 LACContact.Force | on:region?
+LACContact.Flow | flux:trial?
 LACContact.Moment | point:point?
 LACContact.Draw | field background:background? deformation scale:number size:positive?
     | deformation=w.gf.components[0], show=False

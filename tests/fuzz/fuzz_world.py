@@ -96,6 +96,7 @@ class World(Problem):
     def __init__(self, h=0.5, other=True):
         ngs.SetNumThreads(1)  # a fork copies one thread only
         super().__init__(Held, Blocks(h), forces=Pressed)
+        self.T = ngs.H1(self.mesh).TrialFunction()
         self.f = ngs.LinearForm(-0.01 * self.v[1] * ds("top")).Assemble()
         if other:
             self.Solve()
@@ -103,6 +104,17 @@ class World(Problem):
             self.folder = tempfile.TemporaryDirectory(prefix="ngslac-fuzz-")
             self.file = Path(self.folder.name) / "state"
             lac.SaveState(self.file, self.solver)
+
+    def Conducting(self):
+        """A contact with a flux, evaluated."""
+        fes = self.V * ngs.H1(self.mesh) * self.Q
+        u, T, lam = fes.TrialFunction()
+        flux = lac.Flux(T, lambda z: z.Slave(T) - z.Master(T))
+        contact = lac.LACContact(u, lam, master="master", flux=flux)
+        contact.Update()
+        contact.form.SetConstant(1.0)
+        contact.Evaluate(ngs.GridFunction(fes))
+        return contact
 
     def Form(self, *terms, **flags):
         """The bulk form with further terms or flags."""

@@ -6,8 +6,10 @@ from functools import partial
 import numpy as np
 from ngsolve import (
     CF,
+    H1,
     BilinearForm,
     Det,
+    FESpace,
     Grad,
     GridFunction,
     Id,
@@ -20,12 +22,13 @@ from ngsolve import (
     VectorH1,
     ds,
     dx,
+    grad,
     log,
     x,
     y,
 )
 
-from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver, Flux, LACContact, LACSpace
 from ngslac.meshes import TwoBlocks, TwoBlocks3D
 
 MU, LAME = 40.0, 60.0
@@ -88,22 +91,27 @@ def press(
     h=0.25,
     kinds=("hex", "prism"),
     n=(3, 2),
+    flow=None,
     **law,
 ):
     """Block "upper", its top held by springs that move by load * push, on a clamped block "lower".
 
     `h` is of 2D, `kinds` and `n` are of 3D; `mesh_flags` go to TwoBlocks or TwoBlocks3D, `change`
     makes another mesh of it, `bulk(u, v, load)` other integrals, `flags` go to the displacement
-    space, the rest to LACContact.
+    space, `flow(fields, T)` is a flux of a temperature, the rest goes to LACContact.
     """
     mesh = two_blocks(dim, h=h, kinds=kinds, n=n, **(mesh_flags or {}))
     if change:
         mesh = change(mesh)
     V = space(mesh, order=order, **({"dirichlet": "bottom"} | (flags or {})))
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
+    W = [H1(mesh, order=order, dirichlet="bottom")] if flow else []
+    X = FESpace([V, *W, LACSpace(V, slave="slave")])
+    (u, *T, lam), (v, *S, _) = X.TnT()
     load = Parameter(1.0)
     a = BilinearForm(X, condense=condense)
+    for t, s in zip(T, S, strict=True):
+        a += grad(t) * grad(s) * dx + 10 * (t - 1) * s * ds("top")
+        law["flux"] = Flux(t, lambda fields: flow(fields, T[0]))
     for part in bulk(u, v, load) if bulk else [neo_hooke(u) if nonlinear else linear(u, v)]:
         a += part
     if spring:
