@@ -43,7 +43,7 @@ struct FaceIntegral {
 };
 
 FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & ma, ElementId ei,
-                       const string & name, double least, LocalHeap & lh) {
+                       const string & name, double least, bool turns, LocalHeap & lh) {
   FaceIntegral sum;
   auto & trafo = ma.GetTrafo(ei, lh);
   IntegrationRule rule(trafo.GetElementType(), 2);
@@ -57,8 +57,9 @@ FaceIntegral Integrate(const CoefficientFunction & function, const MeshAccess & 
                       PointText(mip.GetPoint()) + " on boundary '" + string(ma.GetMaterial(ei)) +
                       "'; it must be a " +
                       (isfinite(least) ? "number >= " + ToString(least) : "finite number"));
-    sum.value += mip.GetWeight() * value;
-    sum.area += mip.GetWeight();
+    double weight = mip.GetWeight() * (turns ? mip.GetPoint()(0) : 1); // of a body of revolution
+    sum.value += weight * value;
+    sum.area += weight;
   }
   return sum;
 }
@@ -75,7 +76,8 @@ Array<double> MacroMeans(const CoefficientFunction & function, const LACSpace & 
     for (int i : range)
       if (macros[i] >= 0) {
         HeapReset hr(lh);
-        integrals[i] = Integrate(function, *ma, ElementId(BND, i), name, least, lh);
+        integrals[i] =
+            Integrate(function, *ma, ElementId(BND, i), name, least, space.IsAxisymmetric(), lh);
       }
   });
   Array<double> means(space.NMacros()), area(space.NMacros());
