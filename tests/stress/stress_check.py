@@ -23,6 +23,8 @@ def Check(problem):
         if not (law.get("tied") or "law" in law):
             CheckContact(problem, contact)
     CheckEquilibrium(problem)
+    if problem.heat:
+        CheckHeat(problem)
     overlaps = problem.twin and not problem.twin.friction  # is a surface no longer where it was?
     if problem.mesh.dim == 2 and not overlaps:
         CheckOutlines(problem)
@@ -80,6 +82,39 @@ def CheckEquilibrium(problem):
     problem.work = work
     free = np.array([bool(b) for b in space.FreeDofs()])
     Require(np.abs(total[free]).max() / work, problem.rough, "equilibrium")
+
+
+def CheckHeat(problem):
+    """What flows is what the law says of both sides, and heat balances in the bodies."""
+    heat, (contact,) = problem.heat, problem.contacts
+    table, step = contact.Table(), max(contact.dt.Get(), 1e-300)
+    V, W, temperature = problem.X.components[0], problem.X.components[-1], problem.gf.components[-1]
+    values, d, paired = temperature.vec.FV().NumPy(), problem.mesh.dim, table["area"] > 0
+    sides = []
+    for operator in contact.Mortar():  # VectorH1 numbers its first component like H1
+        entries = GridFunction(V)
+        entries.components[0].vec.FV().NumPy()[:] = values
+        product = operator.CreateColVector()
+        product.data = operator * entries.vec
+        sides.append(product.FV().NumPy()[::d][paired] / table["area"][paired])
+    pressure, gap = table["pressure"][paired], table["gap"][paired]
+    if heat.friction:
+        error = np.abs(table["friction"][paired] - heat.friction(*sides))
+        Require(error.max(initial=0), TOLERANCE, "friction by the temperature")
+    flow = heat.twin(pressure, gap, *sides)
+    aside = table["traction"] + table["pressure"][:, None] * table["normal"]
+    power = -np.sum(aside * table["slip"], axis=1)[paired] / step * heat.rubs
+    expected = np.stack([flow - heat.share * power, flow + (1 - heat.share) * power])
+    found = np.stack([table["flux_out"], table["flux_in"]])[:, paired]
+    size = max(np.abs(expected).max(initial=0), 1e-6)
+    Require(np.abs(found - expected).max(initial=0) / size, TOLERANCE, "flux and its law")
+    rows = problem.gf.vec.CreateVector()
+    problem.a.Apply(problem.gf.vec, rows)
+    hats = rows.FV().NumPy()[-W.ndof :][: problem.mesh.nv]
+    ends = ~np.array([bool(b) for b in W.FreeDofs()])[: problem.mesh.nv]
+    out, into = contact.Flow()
+    works = max(np.abs(hats).sum(), 1e-6)
+    Require(abs(hats.sum() + out - into - hats[ends].sum()) / works, TOLERANCE, "heat balance")
 
 
 def Forces(problem, contact, law):

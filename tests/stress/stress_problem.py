@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from ngsolve import (
     CF,
+    H1,
     BilinearForm,
     CoefficientFunction,
     Det,
@@ -28,13 +29,14 @@ from ngsolve import (
     x,
 )
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import BubbleVectorH1, ContactSolver, Flux, LACContact, LACSpace, LoadStepper
 from ngslac.materials import AxisymmetricGrad
 
 __all__ = [
     "GROUND",
     "PROBLEMS",
     "ForceOf",
+    "Heat",
     "Lame",
     "MeanOf",
     "MeanPressure",
@@ -92,6 +94,23 @@ class Twin:
 
 
 @dataclass
+class Heat:
+    """A temperature: hot where the upper body is driven, 0 where the lower one is held.
+
+    `flow` gets fields and temperature; `twin` is the same in numpy, of pressures, gaps and means on
+    both sides.
+    """
+
+    flow: Callable
+    twin: Callable
+    hot: float = 1.0
+    expansion: float = 0.0
+    rubs: bool = False  # does friction set heat free?
+    share: float = 0.3  # of the slave in that
+    friction: Callable | None = None  # of the means on both sides, where it depends on these
+
+
+@dataclass
 class Problem:
     """Bodies, contacts, loads and the path of the load parameter.
 
@@ -127,6 +146,7 @@ class Problem:
     expected: list = field(default_factory=list)  # of the end: see Expect
     axisymmetric: bool = False
     twin: Twin | None = None  # of a law that is an expression
+    heat: Heat | None = None
 
     def __post_init__(self):
         self.load, self.stepper = Parameter(0.0), None
@@ -160,9 +180,16 @@ class Problem:
         self.X = V = (BubbleVectorH1 if self.bubble else VectorH1)(self.mesh, **flags)
         for slave in slaves:
             self.X = self.X * LACSpace(V, slave=slave, axisymmetric=self.axisymmetric)
-        (self.u, *self.lams), (self.v, *_) = self.X.TnT()
+        if self.heat:
+            self.X = self.X * H1(self.mesh, order=self.order, dirichlet=f"{GROUND}|upper_top")
+        (self.u, *others), (self.v, *tests) = self.X.TnT()
+        self.lams, self.T = others[: len(slaves)], others[-1]
         self.gf = GridFunction(self.X)
         self.a = BilinearForm(self.X, condense=self.condense)
+        if self.heat:
+            self.a += self.ring * Grad(self.T) * Grad(tests[-1]) * dx
+            top = self.mesh.Boundaries("upper_top")
+            self.gf.components[-1].Set(self.heat.hot, definedon=top)
 
     def _AddBody(self, body, mu, lame):
         d = 3 if self.axisymmetric else self.mesh.dim
@@ -174,17 +201,27 @@ class Problem:
             self.a += Variation((self.ring * energy).Compile() * dx(body))
         else:
             strain = Sym(gradient(self.u))
+            if self.heat:
+                strain = strain - self.heat.expansion * self.T * Id(d)
             stress = 2 * mu * strain + lame * Trace(strain) * Id(d)
             self.a += self.ring * InnerProduct(stress, Sym(gradient(self.v))) * dx(body)
 
     def _AddContacts(self):
         law = {} if self.friction is None else {"friction": self.friction}
         law |= ({"finite": True} if self.finite else {}) | self.law
+        if self.heat:
+            law |= {name: partial(self._OfHeat, f) for name, f in self.law.items()}
+            rubs = (lambda z: z.power) if self.heat.rubs else None
+            flow = partial(self._OfHeat, self.heat.flow)
+            law["flux"] = Flux(self.T, flow, heat=rubs, share=self.heat.share)
         self.laws, self.contacts = [], []
         for k, ((_, other), lam) in enumerate(zip(self.pairs, self.lams, strict=True)):
             self.laws.append(law | self.own.get(k, {}))
             side = "master" if isinstance(other, str) else "obstacle"
             self.contacts.append(LACContact(self.u, lam, **{side: other}, **self.laws[-1]))
+
+    def _OfHeat(self, function, fields):
+        return function(fields, self.T)
 
     def _Vector(self, value):
         if isinstance(value, tuple):

@@ -25,6 +25,7 @@ SAMPLE = {
     "nospin-0.01-0", "noslopeatall-0.01-0", "noslide3d-0.001", "pasttheend--0.01-0.3-4",
     "firstpress-0.3-0.01", "random-125", "fallingfriction-0.1-True", "worn-0.02-True", "worn3d-1.0",
     "softlayer-0.1", "peeled-0.1-5", "discs-0.4-True", "pressedring-0.2",
+    "warmblock-0.4-True", "rubbing-0.3-True", "warmdisc-0.4",
 }  # fmt: skip
 
 
