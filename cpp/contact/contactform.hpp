@@ -170,8 +170,9 @@ public:
   /// What the macro-elements see of them, as JumpMatrix tells it of displacements: d rows each, a
   /// number for each unknown.
   virtual Array<double> ToolRows() const = 0;
-  /// Of each scalar field on the interface: its entries in a vector on the product space.
-  virtual std::vector<pair<size_t, size_t>> ScalarRanges() const = 0;
+  /// Of each scalar field on the interface: its space, and its first entry in a vector on the
+  /// product space.
+  virtual std::vector<pair<shared_ptr<FESpace>, size_t>> Scalars() const = 0;
   /// d scalar dofs per macro-element
   virtual FlatArray<int> MultiplierDofs() const = 0;
   shared_ptr<LACSpace> Space() const { return space; }

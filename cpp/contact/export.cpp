@@ -252,7 +252,7 @@ void ExportContact(py::module & m) {
       .def_property_readonly("space", &ContactForm::Space)
       .def_property_readonly("fes", [](ContactForm & self) { return self.U().fes; })
       .def_property_readonly("offset", [](ContactForm & self) { return self.U().offset; })
-      .def_property_readonly("scalars", &ContactForm::ScalarRanges)
+      .def_property_readonly("scalars", &ContactForm::Scalars)
       .def_property_readonly("lamoffset", [](ContactForm & self) { return self.Lambda().offset; })
       .def_property_readonly("component", [](ContactForm & self) { return self.U().component; })
       .def_property_readonly("paired", &ContactForm::IsPaired)

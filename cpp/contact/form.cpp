@@ -395,7 +395,7 @@ public:
     return table;
   }
 
-  std::vector<pair<size_t, size_t>> ScalarRanges() const override { return flow.Ranges(); }
+  std::vector<pair<shared_ptr<FESpace>, size_t>> Scalars() const override { return flow.Spaces(); }
   FlatArray<int> MultiplierDofs() const override { return law->dofs; }
   void SetActive(bool active) override {
     setup.active = law->has_ends = active;

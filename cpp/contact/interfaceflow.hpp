@@ -55,13 +55,11 @@ public:
     }
   }
 
-  std::vector<pair<size_t, size_t>> Ranges() const {
-    std::vector<pair<size_t, size_t>> ranges;
-    for (auto & field : fields) {
-      size_t first = field.trial.offset, n = field.trial.component->GetNDof();
-      ranges.push_back({first, first + n});
-    }
-    return ranges;
+  std::vector<pair<shared_ptr<FESpace>, size_t>> Spaces() const {
+    std::vector<pair<shared_ptr<FESpace>, size_t>> spaces;
+    for (auto & field : fields)
+      spaces.push_back({field.trial.component, field.trial.offset});
+    return spaces;
   }
   size_t NMeans() const { return 2 * fields.size(); }
   /// Of a macro-element, at the last look; 0 without a partner.

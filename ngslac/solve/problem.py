@@ -5,12 +5,13 @@ from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
+import scipy
 from netgen.meshing import NgException
 from ngsolve import BND, ET, BitArray, GridFunction, Integrate, IntegrationRule, x
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
-from ngslac.arrays import AsNumPy, Multiply
+from ngslac.arrays import AsNumPy, Multiply, ToCSR
 from ngslac.bodies.rigidmotions import DofsOfMaterials, RigidMotions
 from ngslac.bulkforms import BulkForm
 from ngslac.contact.contact import LACContact
@@ -30,12 +31,16 @@ __all__ = [
     "CheckStart",
     "CheckTolerance",
     "MultiplierRows",
+    "ScalarFields",
+    "UnheldFields",
 ]
 
 # Forces against a shift off the axis, relative to those against a shear: less are none.
 RESISTS = 1e-13
 # Stiffness against a strain in one direction over that against shear, of usual materials.
 STIFFER = 3.5
+# What a constant of a scalar field meets, relative to the size of what it does: less is nothing.
+UNHELD = 1e-10
 # Distance from the axis over the farthest one: less is none.
 AXIS = 1e-9
 # By what factor the resistance differs from that of hoop strains where it may be one.
@@ -213,6 +218,37 @@ def MultiplierRows(contacts):
         first = form.lamoffset * form.fes.dim
         rows[first : first + form.space.ndof * form.fes.dim] = True
     return rows
+
+
+def ScalarFields(contacts):
+    """Pairs of the scalar fields that flow through contacts: their spaces, and rows (k,)."""
+    known = {first: space for contact in contacts for space, first in contact.form.scalars}
+    return [(space, np.arange(first, first + space.ndof)) for first, space in known.items()]
+
+
+def UnheldFields(mats, contacts, free):
+    """In which materials the matrices hold no constant of a scalar field, in words, or ""."""
+    names = []
+    for space, rows in ScalarFields(contacts):
+        own, one = free[rows], GridFunction(space)
+        one.Set(1)
+        values = one.vec.FV().NumPy()[own]
+        parts = [ToCSR(mat)[rows[own]][:, rows[own]] for mat in mats if mat.height]
+        matrix = sum(parts[1:], parts[0])
+        matrix.eliminate_zeros()
+        count, part = scipy.sparse.csgraph.connected_components(matrix)
+        left = np.bincount(part, np.abs(matrix @ values), count)
+        size = np.bincount(part, abs(matrix) @ np.abs(values), count)
+        loose = np.zeros(space.ndof, dtype=bool)
+        loose[own] = (left <= UNHELD * size)[part]
+        names += _MaterialsOf(space, loose) if np.any(loose) else []
+    if not names:
+        return ""
+    return (
+        f"a scalar field, such as the temperature, is held by nothing in {', '.join(names)}: where "
+        "contact is open nothing flows there. Give it a Dirichlet condition, a loss to the "
+        "surroundings or a capacity, or let something flow across the gap"
+    )
 
 
 def AssembleBulk(a, x):

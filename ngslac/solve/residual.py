@@ -10,7 +10,7 @@ from netgen.meshing import NgException
 from ngslac.arrays import ToCSR
 from ngslac.loads import CheckNoMultiplierLoad
 from ngslac.solve.bulk import LINEAR, ROUNDING
-from ngslac.solve.problem import MultiplierRows
+from ngslac.solve.problem import MultiplierRows, ScalarFields
 
 __all__ = ["Measurement", "Residual"]
 
@@ -89,8 +89,7 @@ class Residual:
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.multipliers, self.tol = MultiplierRows(contacts), None
-        ranges = {found for contact in contacts for found in contact.form.scalars}
-        self.scalars = [np.arange(*found) for found in sorted(ranges)]
+        self.scalars = [rows for _, rows in ScalarFields(contacts)]
         self.displacements = ~self.multipliers
         for rows in self.scalars:
             self.displacements[rows] = False

@@ -152,14 +152,19 @@ class Equilibrium:
             return last
         except BaseException as error:
             unsolved = isinstance(error, LinearSolveError)
+            unheld = ""
             try:
                 floating = self.system.WhatFloats() if unsolved else []
+                if unsolved or isinstance(error, ContactConvergenceError):
+                    unheld = self.system.UnheldFields()
             finally:
                 before.Restore()
                 self.history = newton.history
             if not (unsolved or isinstance(error, ContactConvergenceError)):
                 raise
             known = newton.failure.Error(error, floating, self.history)
+            if unheld:
+                known = ContactConvergenceError(unheld)
             Blame(known, self.contacts[0]._unheld)
             if known is error:
                 raise  # with what it came from, such as the error of the other method

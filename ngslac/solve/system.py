@@ -4,6 +4,7 @@
 from dataclasses import replace
 
 import numpy as np
+from ngsolve.la import SparseMatrixd
 
 from ngslac._ngslac import EquilibrationScale
 from ngslac.arguments import FillVector
@@ -15,7 +16,13 @@ from ngslac.bulkforms import WithoutMass
 from ngslac.errors import Warn
 from ngslac.linear.system import LinearSystem
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
-from ngslac.solve.problem import CheckAxis, CheckBodies, CheckMatrix, MultiplierRows
+from ngslac.solve.problem import (
+    CheckAxis,
+    CheckBodies,
+    CheckMatrix,
+    MultiplierRows,
+    UnheldFields,
+)
 from ngslac.solve.residual import Measurement, Residual
 from ngslac.solve.stability import Stability
 
@@ -424,6 +431,12 @@ class System:
     def WhatFloats(self, holds="now"):
         """Descriptions of these motions."""
         return self.bodies.Names(self.Freedom(holds).weights)
+
+    def UnheldFields(self):
+        """Where the last matrices hold no constant of a scalar field, in words."""
+        mats = [self.bulk.mat, *(form.mat for form in self._Forms())]
+        known = self._apart and isinstance(self.bulk.mat, SparseMatrixd)
+        return UnheldFields(mats, self.contacts, self.linear.free) if known else ""
 
     def IsDriven(self, freedom, holds="now"):
         """Do the forces measured last do work on the motions that contact leaves?"""

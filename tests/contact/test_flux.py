@@ -34,6 +34,7 @@ from ngsolve import (
 
 from ngslac import (
     AugmentedLagrangianSolver,
+    ContactConvergenceError,
     ContactSolver,
     Flux,
     LACContact,
@@ -443,6 +444,29 @@ def test_nothing_flows_where_contact_is_switched_off():
     assert warm.contact.Flow() == (0, 0)
     warm.Solve()
     assert warm.contact.Flow() == (0, 0)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_temperature_that_nothing_holds_is_named(finite):
+    """As contact opens, the upper block gets rid of its heat no more."""
+    mesh = two_bodies()
+    V, W = VectorH1(mesh, order=2, dirichlet="bottom|top"), H1(mesh, order=2, dirichlet="bottom")
+    fes = V * W * LACSpace(V, slave="slave")
+    (u, T, lam), (v, S, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 100.0, 0.3), Sym(Grad(v))) * dx
+    a += grad(T) * grad(S) * dx - S * dx("upper")
+    film = Flux(T, lambda f: f.pressure * (f.Slave(T) - f.Master(T)))
+    contact = LACContact(u, lam, master="master", finite=finite, flux=film)
+    lift = Parameter(0)
+    held = {"top": CF((0, 0.03 * lift - 0.02)), "bottom": CF((0, 0))}
+    stepper = LoadStepper(ContactSolver(a, GridFunction(fes), contact), lift, prescribe=held)
+    stepper.Integrate(0.5, steps=1, printing=False)
+    assert contact.Flow()[0] == pytest.approx(0.5, rel=1e-9)
+    words = "no step beyond load 0.6" if finite else "held by nothing in upper: where"
+    with pytest.raises(ContactConvergenceError, match=words):
+        stepper.Integrate(1, steps=1, printing=False)
+    assert contact.Flow()[0] == pytest.approx(0.5, rel=1e-9)
 
 
 def test_two_fluxes():

@@ -18,9 +18,11 @@ from ngsolve import (
     Sym,
     Trace,
     VectorH1,
+    div,
     ds,
     dx,
     exp,
+    grad,
     pi,
     x,
     y,
@@ -31,6 +33,7 @@ from parallel_small import press
 from parallel_world import case
 
 from ngslac import (
+    Flux,
     LACContact,
     LACSpace,
     Law,
@@ -172,6 +175,25 @@ def expressions(world):
     table = made.contacts[0].Table()
     assert table["worn"].max() > 1e-4
     return found | {"worn": (table["worn"], None), "way": (table["way"], None)}
+
+
+@case
+def heat(world):
+    """A temperature that flows through contact, and on which friction depends."""
+    mesh = block_on_block(world.comm)
+    V, W = (space(mesh, order=2, dirichlet="bottom|top") for space in (VectorH1, H1))
+    X = V * W * LACSpace(V, slave="slave")
+    (u, T, lam), (v, S, _) = X.TnT()
+    a = BilinearForm(X)
+    a += linear(u, v, 100.0) - 0.1 * T * div(v) * dx + grad(T) * grad(S) * dx
+    film = Flux(T, lambda z: z.pressure * (z.Slave(T) - z.Master(T)), heat=lambda z: z.power)
+    law = {"friction": lambda z: 0.3 * exp(-z.Slave(T)), "flux": film, "finite": True}
+    contact = LACContact(u, lam, master="master", **law)
+    made = Problem(mesh, X, a, GridFunction(X), [contact], Parameter(0.0))
+    found = press(made, (0.1, -0.03))
+    out, into = contact.Flow()
+    assert into - out > 1e-3
+    return found | {"flow": (np.array([out, into]), None)}
 
 
 @case
