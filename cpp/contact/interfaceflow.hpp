@@ -63,9 +63,11 @@ public:
   }
   size_t NMeans() const { return 2 * fields.size(); }
   /// Of a macro-element, at the last look; 0 without a partner.
-  FlatVector<> Means(size_t m) { return {NMeans(), &means[NMeans() * m]}; }
+  FlatVector<> Means(size_t m) { return {NMeans(), means.Data() + NMeans() * m}; }
 
   void Look(const Kinematics<D> & kinematics, const LACSpace & space, FlatVector<> x) {
+    if (fields.empty())
+      return;
     TakePairing(kinematics, space);
     rows.SetSize(NMeans() * kinematics.Size()), means.SetSize(rows.Size());
     LocalHeap heap(1000 * 1000, "ngslac-flow", true);

@@ -226,7 +226,8 @@ def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
             slopes[name + end] = _Slopes("the flow of a Flux", flowing, fields.values)
     if "offset" in found and str(found["offset"].Diff(fields.gap)) != ZERO:
         raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
-    slopes = {name: [None if str(s) == ZERO else s for s in all_] for name, all_ in slopes.items()}
+    for by_symbol in slopes.values():
+        by_symbol[:] = [None if str(slope) == ZERO else slope for slope in by_symbol]
     memory = {"kept": fields.kept, "memory": fields.memory}
     scalars = [Trial(u.space, *found) for found in fields.scalars.items()]
     scalars = {"scalars": scalars, "flows": flows}
@@ -237,9 +238,14 @@ def Trial(space, path, field):
     """The trial function of a component; `field` is it, or that of a distributed mesh."""
     if field.space != space and field.space.mesh.comm.size == 1:
         raise ValueError("field lives on another space than u and lam: take their product space")
-    found = space.TrialFunction()
+    found, component = space.TrialFunction(), space
     for number in path:
-        found = found[number]
+        found, component = found[number], component.components[number]
+    if not component.GetDofs(component.mesh.Boundaries(".*")).NumSet():
+        raise ValueError(
+            f"field lives on a space of type {type(component).__name__}, which has no degrees of "
+            "freedom of its own on boundaries: take a continuous one, such as H1"
+        )
     return found
 
 

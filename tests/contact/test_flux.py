@@ -10,6 +10,7 @@ from ngsolve import (
     CF,
     H1,
     BilinearForm,
+    Discontinuous,
     Grad,
     GridFunction,
     Id,
@@ -558,6 +559,25 @@ def test_heat_in_time_steps_is_that_of_load_steps(rho_inf):
     assert abs(found[0][-1]) > 1e-3
 
 
+@pytest.mark.parametrize("finite", [False, True])
+def test_a_field_of_one_body(finite):
+    """What flows from it goes out of the problem; nothing may look at the other side."""
+    mesh = two_bodies()
+    V, W = VectorH1(mesh, order=2, dirichlet="bottom|top"), H1(mesh, definedon="upper", order=2)
+    fes = V * W * LACSpace(V, slave="slave")
+    (u, T, lam), (v, S, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 100.0, 0.0), Sym(Grad(v))) * dx
+    a += 2 * grad(T) * grad(S) * dx("upper") + 10 * (T - 1) * S * ds("top")
+    law = {"tied": True, "finite": finite, "master": "master"}
+    contact = LACContact(u, lam, flux=Flux(T, lambda f: 3 * (f.Slave(T) - 0.2)), **law)
+    ContactSolver(a, GridFunction(fes), contact).Solve(printing=False)
+    assert contact.Flow()[0] == pytest.approx(0.8 / (1 / 3 + 0.5 / 2 + 1 / 10), rel=1e-10)
+    contact = LACContact(u, lam, flux=Flux(T, lambda f: f.Master(T)), **law)
+    with pytest.raises(ContactConvergenceError, match="on the master, where that is not defined"):
+        ContactSolver(a, GridFunction(fes), contact).Solve(printing=False)
+
+
 # --- bad input -----------------------------------------------------------------------------------
 
 
@@ -588,6 +608,10 @@ def test_bad_input():
         make(Flux(T, lambda f: None))
     with pytest.raises((ValueError, NgException), match="trial function"):
         make(Flux(S, lambda f: f.Slave(T)))
+    torn = V * Discontinuous(H1(mesh, order=2)) * LACSpace(V, slave="slave")
+    w, theta, mu = torn.TrialFunction()
+    with pytest.raises(ValueError, match="no degrees of freedom of its own"):
+        LACContact(w, mu, master="master", flux=Flux(theta, lambda f: f.Slave(theta)))
     other = V * W * LACSpace(V, slave="slave")
     with pytest.raises(ValueError, match="another space"):
         make(Flux(other.TrialFunction()[1], lambda f: CF(1)))
