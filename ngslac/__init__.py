@@ -20,6 +20,7 @@ except ModuleNotFoundError as error:
         "'pip install -e .' there, or start Python in another folder"
     ) from error
 
+from ngslac.contact.assembly import FindContacts  # noqa: E402
 from ngslac.contact.contact import LACContact  # noqa: E402
 from ngslac.contact.fields import Law  # noqa: E402
 from ngslac.contact.flux import Flux  # noqa: E402
@@ -42,6 +43,7 @@ __all__ = [
     "ContactConvergenceError",
     "ContactSolver",
     "ContactWarning",
+    "FindContacts",
     "FloatingBodyError",
     "Flux",
     "FormSum",

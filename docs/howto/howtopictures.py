@@ -265,6 +265,7 @@ PICTURES = {
     "bolt_preload": ShowSolid(Elastic("E"), STRESS, 150, (-2, -3, 1.2)),
     "choosing_slave": Curves(Sides),
     "convergence_study": Curves(Convergence),
+    "contact_without_names": ShowPlane(Elastic("young"), STRESS, factor=1, size=0.1),
     "drop_and_bounce": Bounce,
     "from_calculix": ShowSolid(Elastic(210e3), STRESS, 500),
     "from_contactboundary": ShowPlane(Elastic(210e3), STRESS, factor=100),

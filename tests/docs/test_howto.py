@@ -230,6 +230,13 @@ def test_bolt_preload(run):
     assert names["inside"] == pytest.approx(8360, rel=0.01)
 
 
+def test_contact_without_names(run):
+    names = run("contact_without_names")
+    assert len(names["found"].pairs) == 40 + 13  # those in two corners lie on two sides of the box
+    assert names["carried"] == pytest.approx((0, 2.5), abs=1e-8)
+    assert len({body for pair in names["forces"] for body in pair}) == 26
+
+
 def test_heat_through_contact(run):
     names = run("heat_through_contact")
     contact, table = names["contact"], names["contact"].Table()

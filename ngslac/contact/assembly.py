@@ -1,0 +1,476 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Contact without names: which faces of many bodies face each other."""
+
+import pickle
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy
+from netgen.meshing import FaceDescriptor
+from ngsolve import (
+    BND,
+    CF,
+    ET,
+    H1,
+    BilinearForm,
+    FacetFESpace,
+    GridFunction,
+    IntegrationRule,
+    LinearForm,
+    Mesh,
+    Region,
+    ds,
+    dx,
+    specialcf,
+    x,
+    y,
+    z,
+)
+
+from ngslac._ngslac import BoundaryVertices, LACSpace
+from ngslac.arguments import CheckInstance, CheckNumber, CheckPositive, Wrong
+from ngslac.arrays import AsBits, ToCSR
+from ngslac.contact.contact import LACContact
+
+__all__ = ["Assembly", "FindContacts", "Pair"]
+
+PARTS = 5  # of the sides of a face, between which it is looked at
+SHOWN = 5  # lines of what is left out
+ALIKE = 0.2  # relative difference of sizes, or moduli, that decides nothing
+
+
+def Lattice(parts):
+    """Points of faces of all kinds, in the middles of so many parts of each side."""
+    ticks = [(k + 0.5) / parts for k in range(parts)]
+    square = [(s, t) for s in ticks for t in ticks]
+    triangle = [(s + 0.5 / parts / 3, t + 0.5 / parts / 3) for s, t in square]
+    kinds = {
+        ET.SEGM: [(s,) for s in ticks],
+        ET.QUAD: square,
+        ET.TRIG: [p for p in triangle if sum(p) < 1] if parts > 1 else [(1 / 3, 1 / 3)],
+    }
+    return {kind: IntegrationRule(p, [1.0] * len(p)) for kind, p in kinds.items()}
+
+
+@dataclass
+class Pair:
+    """Two bodies that face each other.
+
+    Attributes
+    ----------
+    slave, master : str
+        Names of the bodies.
+    slave_faces, master_faces : Region
+        Of `Assembly.mesh`: where they face each other.
+    gap : (float, float)
+        Between which limits the distance is there, along the slave's normals; < 0: they overlap.
+    sizes : (float, float)
+        Mean sizes of the faces of slave and master there.
+    count : int
+        Faces of the slave there.
+    tied : bool
+        Are they tied?
+    """
+
+    slave: str
+    master: str
+    gap: tuple
+    sizes: tuple
+    count: int
+    tied: bool
+    slave_faces: Region | None = field(default=None, repr=False)
+    master_faces: Region | None = field(default=None, repr=False)
+    bodies: tuple = field(default=(), repr=False)  # numbers
+
+    def __str__(self):
+        low, high = self.gap
+        kind = "tied to" if self.tied else "on"
+        return (
+            f"{self.slave} ({self.count} faces of size {self.sizes[0]:.3g}) {kind} {self.master} "
+            f"({self.sizes[1]:.3g}), gap {low:.3g} to {high:.3g}"
+        )
+
+
+class Assembly:
+    """Bodies that face each other, of `FindContacts`.
+
+    Attributes
+    ----------
+    mesh : ngsolve.Mesh
+        A copy of the mesh, with the same names, on which faces that face another body are regions.
+    pairs : list of Pair
+    left_out : list of str
+        What is near to each other, but not paired, and why.
+    """
+
+    def __init__(self, mesh, pairs, left_out, faces):
+        self.mesh, self.pairs, self.left_out = mesh, pairs, left_out
+        self._groups, self._body, self._names = Groups(pairs), faces.body, faces.names
+
+    def __str__(self):
+        lines = [str(pair) for pair in self.pairs] or ["no bodies face each other"]
+        lines += [f"left out: {line}" for line in self.left_out[:SHOWN]]
+        more = len(self.left_out) - SHOWN
+        return "\n".join(lines + [f"and {more} more"] * (more > 0))
+
+    def Spaces(self, V, **flags) -> list:
+        """Spaces of multipliers, for the product with the displacement: few, whatever is paired.
+
+        Parameters
+        ----------
+        V : ngsolve.FESpace
+            Displacement, on `mesh`.
+        **flags
+            Further arguments of `LACSpace`.
+
+        Returns
+        -------
+        list of LACSpace
+        """
+        return [LACSpace(V, slave=_Together(g, "slave_faces"), **flags) for g in self._groups]
+
+    def Contacts(self, u, lams, **law) -> list:
+        """The contacts, for `ContactSolver`.
+
+        Parameters
+        ----------
+        u : trial function
+            Displacement.
+        lams : list of trial functions
+            Of the `Spaces`, in their order.
+        **law
+            Further arguments of `LACContact`; those of friction do not count for what is tied.
+
+        Returns
+        -------
+        list of LACContact
+
+        Raises
+        ------
+        ValueError
+            There are more or less multipliers than spaces.
+        """
+        if len(lams) != len(self._groups):
+            raise ValueError(f"lams has {len(lams)} parts: give one for each of Spaces(V)")
+        contacts = []
+        for group, lam in zip(self._groups, lams, strict=True):
+            own = {"tied": True, "finite": law.get("finite", False)} if group[0].tied else law
+            contacts.append(LACContact(u, lam, master=_Together(group, "master_faces"), **own))
+        return contacts
+
+    def Forces(self, contacts) -> dict:
+        """The force on the slave of each pair, of those, too, that have met since.
+
+        Parameters
+        ----------
+        contacts : list of LACContact
+            Of `Contacts`.
+
+        Returns
+        -------
+        dict
+            A vector (d,) for each pair of names (slave, master).
+        """
+        forces = {}
+        for contact in contacts:
+            segments, names = contact.Segments(), self._names
+            macro = np.array(contact.space.macros)[segments.slave]
+            share = segments.area / np.bincount(macro, segments.area)[macro]
+            force = share[:, None] * contact.form.Resultants()["force"][macro]
+            bodies = np.stack([self._body[segments.slave], self._body[segments.master]])
+            kinds, kind = np.unique(bodies, axis=1, return_inverse=True)
+            for number, (slave, master) in enumerate(kinds.T):
+                key = names[slave], names[master]
+                forces[key] = forces.get(key, 0) + force[kind.ravel() == number].sum(axis=0)
+        return forces
+
+
+def _Together(group, name):
+    """The faces of all pairs of a group, as one region."""
+    return sum((getattr(pair, name) for pair in group[1:]), getattr(group[0], name))
+
+
+def Groups(pairs):
+    """Pairs that one contact holds: there a body is slave or master, not both."""
+    groups = []
+    for pair in pairs:
+        slave, master = pair.bodies
+        for known, slaves, masters, tied in groups:
+            if tied == pair.tied and slave not in masters and master not in slaves:
+                group = known
+                break
+        else:
+            group, slaves, masters = [], set(), set()
+            groups.append((group, slaves, masters, pair.tied))
+        group.append(pair)
+        slaves.add(slave), masters.add(master)
+    return [group for group, *_ in groups]
+
+
+def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) -> Assembly:
+    """Find which faces of many bodies face each other; their boundaries need no names.
+
+    Bodies are what shares no vertex. Exterior faces of two of them are paired where they are not
+    farther apart than a distance, and look at each other. The slave is the body with the smaller
+    faces there; where these are alike (to 20 %) the softer one, if moduli are given, else the
+    smaller body, and of like bodies the one that lies first by its coordinates, the last one first.
+
+    Parameters
+    ----------
+    mesh : ngsolve.Mesh
+        It is not changed.
+    within : float
+        Distance up to which faces are paired; so deep they may overlap.
+    sliding : float
+        For contacts with ``finite=True``: faces up to so far from another body count, too, wherever
+        they look, as they may meet it.
+    angle : float
+        In degrees: by how much normals may differ from opposite ones.
+    tied : list of (str, str), optional
+        Names of materials, the bodies of which are tied where they face each other.
+    young : dict, optional
+        Young's moduli by names of materials.
+
+    Returns
+    -------
+    Assembly
+
+    Raises
+    ------
+    ValueError, TypeError
+        No distance, an angle outside of 0 to 90, names that are no materials.
+
+    Examples
+    --------
+    >>> from netgen.occ import Box, Compound, OCCGeometry
+    >>> from ngslac import FindContacts
+    >>> from ngsolve import FESpace
+    >>> floor, brick = Box((0, 0, -1), (3, 3, 0)), Box((1, 1, 0.01), (2, 2, 1))
+    >>> floor.solids.name, brick.solids.name = "floor", "brick"
+    >>> floor.faces.name = "outside"
+    >>> mesh = Mesh(OCCGeometry(Compound([floor, brick])).GenerateMesh(maxh=0.5))
+    >>> found = FindContacts(mesh, within=0.05)
+    >>> [(pair.slave, pair.master) for pair in found.pairs]
+    [('brick', 'floor')]
+    >>> V = VectorH1(found.mesh, order=2)
+    >>> fes = FESpace([V, *found.Spaces(V)])
+    >>> u, *lams = fes.TrialFunction()
+    >>> contacts = found.Contacts(u, lams, friction=0.2)
+    """
+    CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
+    if mesh.comm.size > 1:
+        raise ValueError("mesh is distributed: find contacts before, and distribute found.mesh")
+    CheckPositive("within", within, "a positive length")
+    CheckNumber("sliding", sliding, "a length >= 0", lambda s: 0 <= s < np.inf)
+    CheckNumber("angle", angle, "an angle from 0 to 90 degrees", lambda a: 0 <= a <= 90)
+    names = set(mesh.GetMaterials())
+    for name in [*(n for two in tied for n in two), *(young or {})]:
+        if name not in names:
+            raise Wrong(ValueError, "tied, or young,", name, f"one of {', '.join(sorted(names))}")
+    faces = Faces(mesh)
+    facing, left_out = AllFacing(faces, Reach(within, sliding, np.cos(np.radians(angle))))
+    pairs, sides = [], []
+    for bodies, found in facing.items():
+        first = SlaveOf(faces, bodies, found, young)
+        order = (0, 1) if first == 0 else (1, 0)
+        slave, master = (bodies[k] for k in order)
+        chosen = [found.faces[k] for k in order]
+        kinds = {faces.materials[slave], faces.materials[master]}
+        pairs.append(
+            Pair(
+                faces.names[slave],
+                faces.names[master],
+                found.gap,
+                tuple(float(faces.size[c].mean()) for c in chosen),
+                len(chosen[0]),
+                any(set(two) == kinds for two in tied),
+                bodies=(slave, master),
+            )
+        )
+        sides += chosen
+    copy, regions = Divided(mesh, sides)
+    for k, pair in enumerate(pairs):
+        pair.slave_faces, pair.master_faces = regions[2 * k], regions[2 * k + 1]
+    return Assembly(copy, pairs, left_out, faces)
+
+
+def Bodies(graph, points):
+    """How many connected parts there are, and that of each vertex, numbered by their places."""
+    count, part = scipy.sparse.csgraph.connected_components(graph)
+    low, high = np.full((2, count, points.shape[1]), [[[np.inf]], [[-np.inf]]])
+    np.minimum.at(low, part, points)
+    np.maximum.at(high, part, points)
+    middle = np.round((low + high) / 2 / np.ptp(points, axis=0).max(), 6)
+    order = np.lexsort(middle.T)
+    number = np.empty(count, dtype=int)
+    number[order] = np.arange(count)
+    return count, number[part]
+
+
+class Faces:
+    """The exterior faces of all bodies: points on them, normals, sizes and bodies."""
+
+    def __init__(self, mesh):
+        self.mesh, d = mesh, mesh.dim
+        V = H1(mesh, order=1)
+        u, v = V.TnT()
+        graph = ToCSR(BilinearForm(u * v * dx).Assemble().mat)
+        count, vertex = Bodies(graph, np.asarray(mesh.ngmesh.Coordinates())[:, :d])
+        self.body = vertex[BoundaryVertices(mesh)[:, 0]]
+        self._Name(V, vertex, count)
+        at = CF((x, y, z)[:d])
+        middle = mesh.MapToAllElements(Lattice(1), BND)
+        corners = mesh.MapToAllElements(Lattice(PARTS), BND)
+        self.center, normal = at(middle), specialcf.normal(d)(middle)
+        self.owner, self.points = corners["nr"], at(corners)
+        far = np.zeros(len(self.body))
+        away = np.linalg.norm(self.points - self.center[self.owner], axis=1)
+        np.maximum.at(far, self.owner, away)
+        self.size = 2 * PARTS / (PARTS - 1) * far
+        outwards, self.exterior = self._Outwards(middle)
+        normal = specialcf.normal(d)
+        way = np.where(np.sum(normal(middle) * outwards, axis=1) < 0, -1, 1)[self.owner]
+        self.normal = way[:, None] * normal(corners)  # at the points
+        self.count = count
+
+    def _Outwards(self, middle):
+        """Outward normals in the middles, times areas, and which faces have one side only."""
+        V = FacetFESpace(self.mesh, order=0)
+        w, sums = V.TestFunction(), []
+        around = dx(element_boundary=True)
+        normal = specialcf.normal(self.mesh.dim)
+        for form in (w * ds, w * around, *(n * w * around for n in normal)):
+            sums.append(GridFunction(V))
+            sums[-1].vec.data = LinearForm(form).Assemble().vec
+        area, both, *outwards = (one(middle)[:, 0] for one in sums)
+        return np.stack(outwards, axis=1), both < 1.5 * area
+
+    def _Name(self, V, vertex, count):
+        """After the material; where several bodies have it, with a number."""
+        materials = list(dict.fromkeys(self.mesh.GetMaterials()))
+        self.materials = [""] * count
+        for name in materials:
+            bits = np.array(list(V.GetDofs(self.mesh.Materials(name))))
+            for body in np.unique(vertex[bits]):
+                self.materials[body] = self.materials[body] or name
+        total = {name: self.materials.count(name) for name in materials}
+        seen = dict.fromkeys(materials, 0)
+        self.names = []
+        for name in self.materials:
+            seen[name] += 1
+            self.names.append(name if total[name] == 1 else f"{name} {seen[name]}")
+
+
+@dataclass
+class Facing:
+    """Where two bodies face each other: numbers of faces of both, and least and largest gap."""
+
+    faces: tuple
+    gap: tuple
+
+
+@dataclass
+class Reach:
+    """What is near: along normals, in any direction, and how opposite normals have to be."""
+
+    within: float
+    sliding: float
+    cosine: float
+
+    @property
+    def farthest(self):
+        """Of both lengths the larger one."""
+        return max(self.within, self.sliding)
+
+
+def AllFacing(faces, reach):
+    """A `Facing` for each pair of bodies, and what is near otherwise, in words."""
+    points = np.flatnonzero(faces.exterior[faces.owner])
+    body = faces.body[faces.owner[points]]
+    points, ends = points[np.argsort(body, kind="stable")], np.bincount(body, minlength=faces.count)
+    of = np.split(points, np.cumsum(ends)[:-1])
+    low, high = (np.array([f(faces.points[p], axis=0) for p in of]) for f in (np.min, np.max))
+    apart = np.maximum(low[:, None] - high, low - high[:, None]).max(axis=2)
+    found, left_out = {}, []
+    for a, b in np.argwhere(np.triu(apart <= reach.farthest, 1)):
+        near = [
+            of[one][
+                np.all(
+                    (faces.points[of[one]] >= low[other] - reach.farthest)
+                    & (faces.points[of[one]] <= high[other] + reach.farthest),
+                    axis=1,
+                )
+            ]
+            for one, other in ((a, b), (b, a))
+        ]
+        if not all(map(len, near)):
+            continue
+        looks = [Looks(faces, *sides, reach) for sides in (near, near[::-1])]
+        (ours, gaps, close), (theirs, *_) = looks
+        if len(ours) and len(theirs):
+            found[a, b] = Facing((ours, theirs), (float(gaps.min()), float(gaps.max())))
+        elif close <= reach.farthest:
+            left_out.append(
+                f"{faces.names[a]} and {faces.names[b]}, {close:.3g} apart: no faces look at each "
+                "other there"
+            )
+    return found, left_out
+
+
+def Looks(faces, points, others, reach):
+    """Faces of these points that see others, with the gaps, and the least distance of all."""
+    spacing = faces.size[faces.owner[others]] / PARTS
+    tree = scipy.spatial.cKDTree(faces.points[others])
+    distance, nearest = tree.query(faces.points[points], workers=1)
+    seen, face = others[nearest], faces.owner[points]
+    normal = faces.normal[points]
+    apart = faces.points[seen] - faces.points[points]
+    gap = np.sum(apart * normal, axis=1)
+    aside = np.linalg.norm(apart - gap[:, None] * normal, axis=1)
+    opposite = np.sum(normal * faces.normal[seen], axis=1) <= -reach.cosine
+    sees = opposite & (np.abs(gap) <= reach.within) & (aside <= spacing[nearest])
+    sees |= distance <= reach.sliding
+    return np.unique(face[sees]), gap[sees], distance.min()
+
+
+def SlaveOf(faces, bodies, found, young):
+    """Which of two bodies, 0 or 1, is the slave."""
+    sizes = [faces.size[own].mean() for own in found.faces]
+    moduli = [(young or {}).get(faces.materials[body], np.nan) for body in bodies]
+    areas = [np.sum(faces.size[faces.body == body] ** (faces.mesh.dim - 1)) for body in bodies]
+    for values in (sizes, moduli, areas):
+        if abs(values[0] - values[1]) > ALIKE * max(values):
+            return int(values[1] < values[0])
+    return 0
+
+
+def Divided(mesh, sides):
+    """A copy of the mesh, where the sets of faces are regions; names stay. And these regions."""
+    keys = np.zeros(mesh.GetNE(BND), dtype=np.uint64)
+    draw = np.random.default_rng(0)
+    for side in sides:
+        keys[side] += draw.integers(1, 2**62, dtype=np.uint64)  # in which sets, as a sum
+    ngmesh = pickle.loads(pickle.dumps(mesh.ngmesh))
+    elements = ngmesh.Elements1D() if mesh.dim == 2 else ngmesh.Elements2D()
+    index, names = elements.NumPy()["index"], list(mesh.GetBoundaries())
+    kinds, kind = np.unique(np.stack([keys, index.astype(np.uint64)]), axis=1, return_inverse=True)
+    kind, region = kind.ravel(), np.zeros(len(keys), dtype=int)
+    for number in np.flatnonzero(kinds[0]):
+        chosen, last = np.flatnonzero(kind == number), len(names) + 1
+        if mesh.dim == 3:
+            own = ngmesh.FaceDescriptor(int(kinds[1, number]))
+            names.append(own.bcname)
+            place = {"domin": own.domin, "domout": own.domout, "bc": last}
+            index[chosen] = ngmesh.Add(FaceDescriptor(surfnr=own.surfnr, **place))
+        else:
+            names.append(names[int(kinds[1, number]) - 1])
+            index[chosen] = last
+        region[chosen] = last - 1
+        ngmesh.SetBCName(last - 1, names[-1])
+    copy = Mesh(ngmesh)
+    if mesh.GetCurveOrder() > 1:
+        copy.Curve(mesh.GetCurveOrder())
+    masks = np.zeros((len(sides), len(names)), dtype=bool)
+    for mask, side in zip(masks, sides, strict=True):
+        mask[region[side]] = True
+    return copy, [Region(copy, BND, AsBits(mask)) for mask in masks]
