@@ -247,7 +247,7 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
     >>> from ngsolve import FESpace
     >>> floor, brick = Box((0, 0, -1), (3, 3, 0)), Box((1, 1, 0.01), (2, 2, 1))
     >>> floor.solids.name, brick.solids.name = "floor", "brick"
-    >>> floor.faces.name = "outside"
+    >>> brick.faces.maxh = 0.2
     >>> mesh = Mesh(OCCGeometry(Compound([floor, brick])).GenerateMesh(maxh=0.5))
     >>> found = FindContacts(mesh, within=0.05)
     >>> [(pair.slave, pair.master) for pair in found.pairs]
