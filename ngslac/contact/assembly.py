@@ -259,7 +259,7 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
     """
     CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
     if mesh.comm.size > 1:
-        raise ValueError("mesh is distributed: find contacts before, and distribute found.mesh")
+        raise ValueError("mesh is distributed: name the faces, FindContacts is for one process")
     CheckPositive("within", within, "a positive length")
     CheckNumber("sliding", sliding, "a length >= 0", lambda s: 0 <= s < np.inf)
     CheckNumber("angle", angle, "an angle from 0 to 90 degrees", lambda a: 0 <= a <= 90)
@@ -389,7 +389,8 @@ def AllFacing(faces, reach):
     body = faces.body[faces.owner[points]]
     points, ends = points[np.argsort(body, kind="stable")], np.bincount(body, minlength=faces.count)
     of = np.split(points, np.cumsum(ends)[:-1])
-    low, high = (np.array([f(faces.points[p], axis=0) for p in of]) for f in (np.min, np.max))
+    low = np.array([np.min(faces.points[own], axis=0, initial=np.inf) for own in of])
+    high = np.array([np.max(faces.points[own], axis=0, initial=-np.inf) for own in of])
     apart = np.maximum(low[:, None] - high, low - high[:, None]).max(axis=2)
     found, left_out = {}, []
     for a, b in np.argwhere(np.triu(apart <= reach.farthest, 1)):
@@ -429,8 +430,9 @@ def Looks(faces, points, others, reach):
     aside = np.linalg.norm(apart - gap[:, None] * normal, axis=1)
     opposite = np.sum(normal * faces.normal[seen], axis=1) <= -reach.cosine
     sees = opposite & (np.abs(gap) <= reach.within) & (aside <= spacing[nearest])
+    facing = gap[sees]
     sees |= distance <= reach.sliding
-    return np.unique(face[sees]), gap[sees], distance.min()
+    return np.unique(face[sees]), facing if len(facing) else gap[sees], distance.min()
 
 
 def SlaveOf(faces, bodies, found, young):
