@@ -2,6 +2,7 @@
 """Contact without names: which faces of many bodies face each other."""
 
 import pickle
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,12 +30,13 @@ from ngsolve import (
 
 from ngslac._ngslac import BoundaryVertices, LACSpace
 from ngslac.arguments import CheckInstance, CheckNumber, CheckPositive, Wrong
-from ngslac.arrays import AsBits, ToCSR
+from ngslac.arrays import AsBits, AsNumPy, ToCSR
 from ngslac.contact.contact import LACContact
 
 __all__ = ["Assembly", "FindContacts", "Pair"]
 
 PARTS = 5  # of the sides of a face, between which it is looked at
+BEYOND = 3.0  # times the distance of pairs: so far what is left out is told
 SHOWN = 5  # lines of what is left out
 ALIKE = 0.2  # relative difference of sizes, or moduli, that decides nothing
 
@@ -207,7 +209,9 @@ def Groups(pairs):
     return [group for group, *_ in groups]
 
 
-def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) -> Assembly:
+def FindContacts(
+    mesh, *, within, sliding=0.0, angle=45.0, masters=(), tied=(), young=None
+) -> Assembly:
     """Find which faces of many bodies face each other; their boundaries need no names.
 
     Bodies are what shares no vertex. Exterior faces of two of them are paired where they are not
@@ -226,6 +230,9 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
         they look, as they may meet it.
     angle : float
         In degrees: by how much normals may differ from opposite ones.
+    masters : list of str, optional
+        Names of materials whose bodies are masters, such as a base that is held all over, where
+        they face others.
     tied : list of (str, str), optional
         Names of materials, the bodies of which are tied where they face each other.
     young : dict, optional
@@ -260,22 +267,20 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
     CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
     if mesh.comm.size > 1:
         raise ValueError("mesh is distributed: name the faces, FindContacts is for one process")
+    if mesh.deformation is not None:
+        raise ValueError("mesh has a deformation, which its copy would not have: unset it")
     CheckPositive("within", within, "a positive length")
     CheckNumber("sliding", sliding, "a length >= 0", lambda s: 0 <= s < np.inf)
     CheckNumber("angle", angle, "an angle from 0 to 90 degrees", lambda a: 0 <= a <= 90)
-    names = set(mesh.GetMaterials())
-    for name in [*(n for two in tied for n in two), *(young or {})]:
-        if name not in names:
-            raise Wrong(ValueError, "tied, or young,", name, f"one of {', '.join(sorted(names))}")
+    CheckMaterials(mesh, masters, tied, young)
     faces = Faces(mesh)
     facing, left_out = AllFacing(faces, Reach(within, sliding, np.cos(np.radians(angle))))
     pairs, sides = [], []
     for bodies, found in facing.items():
-        first = SlaveOf(faces, bodies, found, young)
-        order = (0, 1) if first == 0 else (1, 0)
+        order = (0, 1) if SlaveOf(faces, bodies, found, masters, young) == 0 else (1, 0)
         slave, master = (bodies[k] for k in order)
         chosen = [found.faces[k] for k in order]
-        kinds = {faces.materials[slave], faces.materials[master]}
+        kinds = faces.materials[slave], faces.materials[master]
         pairs.append(
             Pair(
                 faces.names[slave],
@@ -283,7 +288,7 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
                 found.gap,
                 tuple(float(faces.size[c].mean()) for c in chosen),
                 len(chosen[0]),
-                any(set(two) == kinds for two in tied),
+                any(a in kinds[k] and b in kinds[1 - k] for a, b in tied for k in (0, 1)),
                 bodies=(slave, master),
             )
         )
@@ -292,6 +297,23 @@ def FindContacts(mesh, *, within, sliding=0.0, angle=45.0, tied=(), young=None) 
     for k, pair in enumerate(pairs):
         pair.slave_faces, pair.master_faces = regions[2 * k], regions[2 * k + 1]
     return Assembly(copy, pairs, left_out, faces)
+
+
+def CheckMaterials(mesh, masters, tied, young):
+    """Names of materials, alone, in pairs, and with numbers."""
+    names, wanted = set(mesh.GetMaterials()), "a list of names of materials"
+    if isinstance(masters, str):
+        raise Wrong(TypeError, "masters", masters, wanted)
+    for two in tied:
+        if isinstance(two, str) or len(two) != 2:
+            raise Wrong(ValueError, "tied", tied, "a list of pairs of names of materials")
+    if young is not None:
+        CheckInstance("young", young, dict, "a dict of numbers by names of materials")
+    given = {"masters": masters, "tied": [n for two in tied for n in two], "young": young or ()}
+    for argument, some in given.items():
+        for name in some:
+            if name not in names:
+                raise Wrong(ValueError, argument, name, f"one of {', '.join(sorted(names))}")
 
 
 def Bodies(graph, points):
@@ -315,7 +337,7 @@ class Faces:
         V = H1(mesh, order=1)
         u, v = V.TnT()
         graph = ToCSR(BilinearForm(u * v * dx).Assemble().mat)
-        count, vertex = Bodies(graph, np.asarray(mesh.ngmesh.Coordinates())[:, :d])
+        count, vertex = Bodies(graph, np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d])
         self.body = vertex[BoundaryVertices(mesh)[:, 0]]
         self._Name(V, vertex, count)
         at = CF((x, y, z)[:d])
@@ -327,6 +349,7 @@ class Faces:
         away = np.linalg.norm(self.points - self.center[self.owner], axis=1)
         np.maximum.at(far, self.owner, away)
         self.size = 2 * PARTS / (PARTS - 1) * far
+        self.spacing = self.size / PARTS  # of the points
         outwards, self.exterior = self._Outwards(middle)
         normal = specialcf.normal(d)
         way = np.where(np.sum(normal(middle) * outwards, axis=1) < 0, -1, 1)[self.owner]
@@ -346,19 +369,18 @@ class Faces:
         return np.stack(outwards, axis=1), both < 1.5 * area
 
     def _Name(self, V, vertex, count):
-        """After the material; where several bodies have it, with a number."""
-        materials = list(dict.fromkeys(self.mesh.GetMaterials()))
-        self.materials = [""] * count
-        for name in materials:
-            bits = np.array(list(V.GetDofs(self.mesh.Materials(name))))
+        """After the materials; where several bodies have the same, with a number."""
+        self.materials = [[] for _ in range(count)]
+        for name in dict.fromkeys(self.mesh.GetMaterials()):
+            bits = AsNumPy(V.GetDofs(self.mesh.Materials(name)))
             for body in np.unique(vertex[bits]):
-                self.materials[body] = self.materials[body] or name
-        total = {name: self.materials.count(name) for name in materials}
-        seen = dict.fromkeys(materials, 0)
-        self.names = []
-        for name in self.materials:
+                self.materials[body].append(name)
+        alike = Counter(map("+".join, self.materials))
+        seen, self.names = Counter(), []
+        for name in map("+".join, self.materials):
             seen[name] += 1
-            self.names.append(name if total[name] == 1 else f"{name} {seen[name]}")
+            label = name if alike[name] == 1 else f"{name} {seen[name]}"
+            self.names.append(label if alike[name] == 1 or label not in alike else f"{label}'")
 
 
 @dataclass
@@ -392,35 +414,49 @@ def AllFacing(faces, reach):
     low = np.array([np.min(faces.points[own], axis=0, initial=np.inf) for own in of])
     high = np.array([np.max(faces.points[own], axis=0, initial=-np.inf) for own in of])
     apart = np.maximum(low[:, None] - high, low - high[:, None]).max(axis=2)
-    found, left_out = {}, []
-    for a, b in np.argwhere(np.triu(apart <= reach.farthest, 1)):
+    found, left_out, farthest = {}, [], BEYOND * reach.farthest
+    for a, b in np.argwhere(np.triu(apart <= farthest + faces.spacing.max(), 1)):
         near = [
-            of[one][
-                np.all(
-                    (faces.points[of[one]] >= low[other] - reach.farthest)
-                    & (faces.points[of[one]] <= high[other] + reach.farthest),
-                    axis=1,
-                )
-            ]
+            Near(faces, of[one], (low[other], high[other]), farthest)
             for one, other in ((a, b), (b, a))
         ]
         if not all(map(len, near)):
             continue
         looks = [Looks(faces, *sides, reach) for sides in (near, near[::-1])]
-        (ours, gaps, close), (theirs, *_) = looks
-        if len(ours) and len(theirs):
+        ours, theirs = (np.union1d(look.faces, other.seen) for look, other in (looks, looks[::-1]))
+        gaps, close = np.concatenate([look.gaps for look in looks]), looks[0].distance
+        if len(ours):
             found[a, b] = Facing((ours, theirs), (float(gaps.min()), float(gaps.max())))
-        elif close <= reach.farthest:
-            left_out.append(
-                f"{faces.names[a]} and {faces.names[b]}, {close:.3g} apart: no faces look at each "
-                "other there"
-            )
+        elif close <= farthest:
+            why = "no faces look at each other there"
+            if close > reach.farthest:
+                why = "farther than faces are paired"
+            names = f"{faces.names[a]} and {faces.names[b]}"
+            left_out.append((close, f"{names}, about {close:.2g} apart: {why}"))
+    left_out = [line for _, line in sorted(left_out)]
     return found, left_out
 
 
+def Near(faces, points, box, farthest):
+    """Those of some points whose surroundings reach into a box."""
+    reach = farthest + faces.spacing[faces.owner[points]][:, None]
+    inside = (faces.points[points] >= box[0] - reach) & (faces.points[points] <= box[1] + reach)
+    return points[np.all(inside, axis=1)]
+
+
+@dataclass
+class Look:
+    """Faces that see others, these, the gaps, and the least distance of all."""
+
+    faces: np.ndarray
+    seen: np.ndarray
+    gaps: np.ndarray
+    distance: float
+
+
 def Looks(faces, points, others, reach):
-    """Faces of these points that see others, with the gaps, and the least distance of all."""
-    spacing = faces.size[faces.owner[others]] / PARTS
+    """What faces with these points see of those with the others."""
+    spacing = faces.spacing[faces.owner[others]]
     tree = scipy.spatial.cKDTree(faces.points[others])
     distance, nearest = tree.query(faces.points[points], workers=1)
     seen, face = others[nearest], faces.owner[points]
@@ -432,13 +468,23 @@ def Looks(faces, points, others, reach):
     sees = opposite & (np.abs(gap) <= reach.within) & (aside <= spacing[nearest])
     facing = gap[sees]
     sees |= distance <= reach.sliding
-    return np.unique(face[sees]), facing if len(facing) else gap[sees], distance.min()
+    gaps, seen = facing if len(facing) else gap[sees], faces.owner[seen[sees]]
+    return Look(np.unique(face[sees]), np.unique(seen), gaps, distance.min())
 
 
-def SlaveOf(faces, bodies, found, young):
+def ModulusOf(materials, young):
+    """The mean of those that are known; NaN if none is."""
+    known = [young[name] for name in materials if name in young]
+    return np.mean(known) if known else np.nan
+
+
+def SlaveOf(faces, bodies, found, masters, young):
     """Which of two bodies, 0 or 1, is the slave."""
+    holds = [any(name in masters for name in faces.materials[body]) for body in bodies]
+    if holds[0] != holds[1]:
+        return int(holds[0])
     sizes = [faces.size[own].mean() for own in found.faces]
-    moduli = [(young or {}).get(faces.materials[body], np.nan) for body in bodies]
+    moduli = [ModulusOf(faces.materials[body], young or {}) for body in bodies]
     areas = [np.sum(faces.size[faces.body == body] ** (faces.mesh.dim - 1)) for body in bodies]
     for values in (sizes, moduli, areas):
         if abs(values[0] - values[1]) > ALIKE * max(values):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from netgen.occ import Box, Compound, Cylinder, MoveTo, OCCGeometry, Rectangle, X, Y, Z
+from netgen.occ import Box, Compound, Cylinder, Glue, MoveTo, OCCGeometry, Rectangle, X, Y, Z
 from ngsolve import (
     BND,
     CF,
@@ -166,6 +166,46 @@ def test_the_softer_one_is_the_slave_where_faces_are_alike():
         assert pair.slave == slave
 
 
+def test_masters_and_what_is_left_out():
+    (pair,) = FindContacts(stack(None), within=0.06, masters=["grain"]).pairs
+    assert (pair.slave, pair.master) == ("low", "grain")
+    found = FindContacts(stack(None), within=0.03)
+    assert not found.pairs
+    assert "farther than faces are paired" in found.left_out[0]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_small_foot_on_a_large_face(dim):
+    """Which is not met by the points where that is looked at."""
+    if dim == 2:
+        plate, foot = Rectangle(2, 1).Face(), MoveTo(0.95, 1.001).Rectangle(0.1, 0.1).Face()
+        plate.faces.name, foot.faces.name, foot.faces.maxh = "plate", "foot", 0.05
+        mesh = Mesh(OCCGeometry(Compound([plate, foot]), dim=2).GenerateMesh(maxh=2, grading=0.9))
+    else:
+        plate, foot = Box((0, 0, 0), (2, 2, 1)), Box((0.8, 0.9, 1.001), (0.9, 1, 1.1))
+        plate.solids.name, foot.solids.name, foot.faces.maxh = "plate", "foot", 0.05
+        mesh = Mesh(OCCGeometry(Compound([plate, foot])).GenerateMesh(maxh=2, grading=0.9))
+    (pair,) = FindContacts(mesh, within=0.01).pairs
+    assert (pair.slave, pair.master) == ("foot", "plate")
+    assert pair.gap == pytest.approx((0.001, 0.001))
+
+
+def test_names_of_bodies_differ():
+    """Of materials that are called like a numbered one, and of bodies of two materials."""
+    names, parts = ("block", "block", "block 1"), []
+    for k, name in enumerate(names):
+        part = MoveTo(2 * k, 0.01).Rectangle(1, 1).Face()
+        part.faces.name = name
+        parts.append(part)
+    base = Glue([MoveTo(0, -1).Rectangle(3, 1).Face(), MoveTo(3, -1).Rectangle(3, 1).Face()])
+    base.faces[0].name, base.faces[1].name = "steel", "rubber"
+    mesh = Mesh(OCCGeometry(Compound([*parts, base]), dim=2).GenerateMesh(maxh=0.5))
+    found = FindContacts(mesh, within=0.02, masters=["rubber"], tied=[("rubber", "block")])
+    assert {pair.master for pair in found.pairs} == {"steel+rubber"}
+    assert len({pair.slave for pair in found.pairs}) == 3
+    assert sum(pair.tied for pair in found.pairs) == 2
+
+
 def test_bodies_that_meet_later():
     """A block is pushed from one plate on to the next one."""
     plates = [MoveTo(s, -1).Rectangle(1.98, 1).Face() for s in (0, 2)]
@@ -212,6 +252,12 @@ def test_bad_input():
         FindContacts(mesh, within=1, tied=[("low", "wood")])
     with pytest.raises(ValueError, match="grain, low"):
         FindContacts(mesh, within=1, young={"wood": 1.0})
+    with pytest.raises(ValueError, match="pairs of names"):
+        FindContacts(mesh, within=1, tied=("low", "grain"))
+    with pytest.raises(TypeError, match="young"):
+        FindContacts(mesh, within=1, young=3.0)
+    with pytest.raises(TypeError, match="masters"):
+        FindContacts(mesh, within=1, masters="low")
     found = FindContacts(mesh, within=1e-6)
     assert "no bodies face each other" in str(found)
     assert found.Spaces(VectorH1(found.mesh)) == []

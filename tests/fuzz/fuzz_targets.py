@@ -108,7 +108,8 @@ LACSpace.WithComponents | components:count
 LACSpace.CoreDofs | macro:count
 BubbleVectorH1 | mesh slave order:count dirichlet:any-pattern? | mesh=w.mesh, slave="slave", order=1
 SplitSlaveFaces | mesh slave hexes:word | mesh=w.mesh, slave="slave"
-FindContacts | mesh within:positive sliding:nonnegative angle:number tied:things? young:things?
+FindContacts
+    | mesh within:positive sliding:nonnegative angle:count masters:things tied:things young:things?
     | mesh=w.mesh, within=0.1
 LACContact | u lam master friction tresca maxdist penetration stiffness:positive
     | u=w.u, lam=w.lam, master="master"

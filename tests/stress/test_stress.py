@@ -46,7 +46,7 @@ def test_problem(name):
 
 
 def test_the_set_is_large_enough():
-    assert len(PROBLEMS) == 684
+    assert len(PROBLEMS) == 704
     assert sum(name[:7] == "random-" for name in PROBLEMS) == 160
     assert sum(Module(name) == "stress_unsolvable" for name in PROBLEMS) >= 25
     assert sum(Module(name) in FIRST for name in PROBLEMS) == 110
