@@ -37,6 +37,7 @@ __all__ = ["Assembly", "FindContacts", "Pair"]
 
 PARTS = 5  # of the sides of a face, between which it is looked at
 BEYOND = 3.0  # times the distance of pairs: so far what is left out is told
+NEAREST = 40  # points that a way through a thin sheet is looked for at
 SHOWN = 5  # lines of what is left out
 ALIKE = 0.2  # relative difference of sizes, or moduli, that decides nothing
 
@@ -466,10 +467,29 @@ def Looks(faces, points, others, reach):
     aside = np.linalg.norm(apart - gap[:, None] * normal, axis=1)
     opposite = np.sum(normal * faces.normal[seen], axis=1) <= -reach.cosine
     sees = opposite & (np.abs(gap) <= reach.within) & (aside <= spacing[nearest])
+    deep = np.flatnonzero(sees & (gap < 0))
+    sees[deep[Crosses(faces, points, deep, -gap[deep], reach)]] = False
     facing = gap[sees]
     sees |= distance <= reach.sliding
     gaps, seen = facing if len(facing) else gap[sees], faces.owner[seen[sees]]
     return Look(np.unique(face[sees]), np.unique(seen), gaps, distance.min())
+
+
+def Crosses(faces, points, chosen, depth, reach):
+    """Do ways inwards from chosen ones of some points leave the own body, as a thin sheet?"""
+    if not len(chosen):
+        return np.zeros(0, dtype=bool)
+    tree = scipy.spatial.cKDTree(faces.points[points])
+    start = points[chosen]
+    _, near = tree.query(faces.points[start], k=min(NEAREST, len(points)), workers=1)
+    other, normal = points[near.reshape(len(start), -1)], faces.normal[start][:, None]
+    apart = faces.points[other] - faces.points[start][:, None]
+    inwards = -np.sum(apart * normal, axis=2)
+    aside = np.linalg.norm(apart + inwards[..., None] * normal, axis=2)
+    opposite = np.sum(normal * faces.normal[other], axis=2) <= -reach.cosine
+    before = (inwards > 0) & (inwards < depth[:, None])
+    beside = aside <= faces.spacing[faces.owner[other]]
+    return np.any(opposite & before & beside, axis=1)
 
 
 def ModulusOf(materials, young):

@@ -190,6 +190,22 @@ def test_a_small_foot_on_a_large_face(dim):
     assert pair.gap == pytest.approx((0.001, 0.001))
 
 
+def test_sheets_thinner_than_the_distance():
+    """No face sees through its own body, and others are not paired through a sheet in between."""
+    sheets = [Box((0, 0, 0.02 * k), (1, 1, 0.02 * (k + 1))) for k in range(4)]
+    for k, sheet in enumerate(sheets):
+        sheet.solids.name, sheet.faces.maxh = f"sheet{k}", 0.2 + 0.05 * (k % 2)
+    ngmesh = OCCGeometry(Compound(sheets)).GenerateMesh(maxh=0.3)
+    found = FindContacts(Mesh(ngmesh), within=0.015)
+    assert len(found.pairs) == 3
+    for pair in found.pairs:
+        assert pair.gap == pytest.approx((0, 0), abs=1e-12)
+    thicker = FindContacts(Mesh(ngmesh), within=0.05)
+    for pair in thicker.pairs:
+        assert pair.gap[0] > -1e-12
+    assert thicker.Spaces(VectorH1(thicker.mesh, order=3))
+
+
 def test_names_of_bodies_differ():
     """Of materials that are called like a numbered one, and of bodies of two materials."""
     names, parts = ("block", "block", "block 1"), []
