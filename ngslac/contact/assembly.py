@@ -13,6 +13,7 @@ from ngsolve import (
     CF,
     ET,
     H1,
+    VOL,
     BilinearForm,
     FacetFESpace,
     GridFunction,
@@ -37,7 +38,8 @@ __all__ = ["Assembly", "FindContacts", "Pair"]
 
 PARTS = 5  # of the sides of a face, between which it is looked at
 BEYOND = 3.0  # times the distance of pairs: so far what is left out is told
-NEAREST = 40  # points that a way through a thin sheet is looked for at
+NEXT = 0.75  # of the distance of points: a point above a face has one of it nearer than that
+NEAREST = 8  # points that a way through a thin sheet is looked for at
 SHOWN = 5  # lines of what is left out
 ALIKE = 0.2  # relative difference of sizes, or moduli, that decides nothing
 
@@ -64,7 +66,7 @@ class Pair:
     slave, master : str
         Names of the bodies.
     slave_faces, master_faces : Region
-        Of `Assembly.mesh`: where they face each other.
+        Of `Assembly.mesh`: the boundaries that have faces which face each other.
     gap : (float, float)
         Between which limits the distance is there, along the slave's normals; < 0: they overlap.
     sizes : (float, float)
@@ -84,6 +86,7 @@ class Pair:
     slave_faces: Region | None = field(default=None, repr=False)
     master_faces: Region | None = field(default=None, repr=False)
     bodies: tuple = field(default=(), repr=False)  # numbers
+    materials: list = field(default_factory=list, repr=False)  # of both
 
     def __str__(self):
         low, high = self.gap
@@ -100,7 +103,7 @@ class Assembly:
     Attributes
     ----------
     mesh : ngsolve.Mesh
-        A copy of the mesh, with the same names, on which faces that face another body are regions.
+        The mesh, or where bodies share a boundary a copy, with the same names.
     pairs : list of Pair
     left_out : list of str
         What is near to each other, but not paired, and why.
@@ -266,6 +269,8 @@ def FindContacts(
     >>> contacts = found.Contacts(u, lams, friction=0.2)
     """
     CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
+    if mesh.dim < 2 or not mesh.ne:
+        raise ValueError("mesh has no bodies: it needs elements in 2D, or solid ones in 3D")
     if mesh.comm.size > 1:
         raise ValueError("mesh is distributed: name the faces, FindContacts is for one process")
     if mesh.deformation is not None:
@@ -291,13 +296,17 @@ def FindContacts(
                 len(chosen[0]),
                 any(a in kinds[k] and b in kinds[1 - k] for a, b in tied for k in (0, 1)),
                 bodies=(slave, master),
+                materials=kinds[0] + kinds[1],
             )
         )
         sides += chosen
-    copy, regions = Divided(mesh, sides)
-    for k, pair in enumerate(pairs):
-        pair.slave_faces, pair.master_faces = regions[2 * k], regions[2 * k + 1]
-    return Assembly(copy, pairs, left_out, faces)
+    for a, b in tied:
+        if not any(pair.tied and {a, b} <= set(pair.materials) for pair in pairs):
+            left_out.insert(0, f"the tie of {a} to {b}: no bodies of these face each other")
+    divided, boundary = Divided(mesh, faces)
+    for pair, *both in zip(pairs, sides[::2], sides[1::2], strict=True):
+        pair.slave_faces, pair.master_faces = (RegionOf(divided, boundary[side]) for side in both)
+    return Assembly(divided, pairs, left_out, faces)
 
 
 def CheckMaterials(mesh, masters, tied, young):
@@ -372,9 +381,10 @@ class Faces:
     def _Name(self, V, vertex, count):
         """After the materials; where several bodies have the same, with a number."""
         self.materials = [[] for _ in range(count)]
-        for name in dict.fromkeys(self.mesh.GetMaterials()):
-            bits = AsNumPy(V.GetDofs(self.mesh.Materials(name)))
-            for body in np.unique(vertex[bits]):
+        names = np.array(self.mesh.GetMaterials())
+        for name in dict.fromkeys(names.tolist()):
+            dofs = AsNumPy(V.GetDofs(Region(self.mesh, VOL, AsBits(names == name))))
+            for body in np.unique(vertex[dofs]):
                 self.materials[body].append(name)
         alike = Counter(map("+".join, self.materials))
         seen, self.names = Counter(), []
@@ -458,15 +468,15 @@ class Look:
 def Looks(faces, points, others, reach):
     """What faces with these points see of those with the others."""
     spacing = faces.spacing[faces.owner[others]]
-    tree = scipy.spatial.cKDTree(faces.points[others])
-    distance, nearest = tree.query(faces.points[points], workers=1)
+    nearest = Opposite(faces, others, points, reach.farthest, 1)
     seen, face = others[nearest], faces.owner[points]
     normal = faces.normal[points]
     apart = faces.points[seen] - faces.points[points]
+    distance = np.linalg.norm(apart, axis=1)
     gap = np.sum(apart * normal, axis=1)
     aside = np.linalg.norm(apart - gap[:, None] * normal, axis=1)
     opposite = np.sum(normal * faces.normal[seen], axis=1) <= -reach.cosine
-    sees = opposite & (np.abs(gap) <= reach.within) & (aside <= spacing[nearest])
+    sees = opposite & (np.abs(gap) <= reach.within) & (aside <= NEXT * spacing[nearest])
     deep = np.flatnonzero(sees & (gap < 0))
     sees[deep[Crosses(faces, points, deep, -gap[deep], reach)]] = False
     facing = gap[sees]
@@ -475,20 +485,30 @@ def Looks(faces, points, others, reach):
     return Look(np.unique(face[sees]), np.unique(seen), gaps, distance.min())
 
 
+def Opposite(faces, points, start, length, count):
+    """Of some points the nearest ones to others with opposite normals: as positions in `points`.
+
+    Where normals do not fit, that counts as if points were by a `length`, or a face, farther apart.
+    """
+    turn = length + faces.spacing[faces.owner[points]].max()
+    tree = scipy.spatial.cKDTree(np.hstack([faces.points[points], turn * faces.normal[points]]))
+    wanted = np.hstack([faces.points[start], -turn * faces.normal[start]])
+    return tree.query(wanted, k=count, workers=1)[1]
+
+
 def Crosses(faces, points, chosen, depth, reach):
     """Do ways inwards from chosen ones of some points leave the own body, as a thin sheet?"""
     if not len(chosen):
         return np.zeros(0, dtype=bool)
-    tree = scipy.spatial.cKDTree(faces.points[points])
     start = points[chosen]
-    _, near = tree.query(faces.points[start], k=min(NEAREST, len(points)), workers=1)
+    near = Opposite(faces, points, start, depth.max(), min(NEAREST, len(points)))
     other, normal = points[near.reshape(len(start), -1)], faces.normal[start][:, None]
     apart = faces.points[other] - faces.points[start][:, None]
     inwards = -np.sum(apart * normal, axis=2)
     aside = np.linalg.norm(apart + inwards[..., None] * normal, axis=2)
     opposite = np.sum(normal * faces.normal[other], axis=2) <= -reach.cosine
     before = (inwards > 0) & (inwards < depth[:, None])
-    beside = aside <= faces.spacing[faces.owner[other]]
+    beside = aside <= 2 * faces.spacing[faces.owner[other]]
     return np.any(opposite & before & beside, axis=1)
 
 
@@ -512,33 +532,44 @@ def SlaveOf(faces, bodies, found, masters, young):
     return 0
 
 
-def Divided(mesh, sides):
-    """A copy of the mesh, where the sets of faces are regions; names stay. And these regions."""
-    keys = np.zeros(mesh.GetNE(BND), dtype=np.uint64)
-    draw = np.random.default_rng(0)
-    for side in sides:
-        keys[side] += draw.integers(1, 2**62, dtype=np.uint64)  # in which sets, as a sum
-    ngmesh = pickle.loads(pickle.dumps(mesh.ngmesh))
+def Divided(mesh, faces):
+    """The mesh, or a copy where no boundary belongs to two bodies, and the boundary of each face.
+
+    Names stay. Boundaries of a geometry belong to one body each, and stay whole.
+    """
+    ngmesh, boundary = mesh.ngmesh, BoundaryOf(mesh, mesh.ngmesh)
+    kinds = np.unique(np.stack([boundary, faces.body]), axis=1)
+    shared = np.flatnonzero(np.bincount(kinds[0]) > 1)
+    if not len(shared):
+        return mesh, boundary
+    ngmesh, names = pickle.loads(pickle.dumps(ngmesh)), list(mesh.GetBoundaries())
     elements = ngmesh.Elements1D() if mesh.dim == 2 else ngmesh.Elements2D()
-    index, names = elements.NumPy()["index"], list(mesh.GetBoundaries())
-    kinds, kind = np.unique(np.stack([keys, index.astype(np.uint64)]), axis=1, return_inverse=True)
-    kind, region = kind.ravel(), np.zeros(len(keys), dtype=int)
-    for number in np.flatnonzero(kinds[0]):
-        chosen, last = np.flatnonzero(kind == number), len(names) + 1
+    index = elements.NumPy()["index"]
+    for old, body in kinds.T[np.isin(kinds[0], shared)]:
+        chosen = np.flatnonzero((boundary == old) & (faces.body == body))
+        names.append(names[old])
+        index[chosen] = len(names)
         if mesh.dim == 3:
-            own = ngmesh.FaceDescriptor(int(kinds[1, number]))
-            names.append(own.bcname)
-            place = {"domin": own.domin, "domout": own.domout, "bc": last}
+            own = ngmesh.FaceDescriptor(int(mesh.ngmesh.Elements2D().NumPy()["index"][chosen[0]]))
+            place = {"domin": own.domin, "domout": own.domout, "bc": len(names)}
             index[chosen] = ngmesh.Add(FaceDescriptor(surfnr=own.surfnr, **place))
-        else:
-            names.append(names[int(kinds[1, number]) - 1])
-            index[chosen] = last
-        region[chosen] = last - 1
-        ngmesh.SetBCName(last - 1, names[-1])
+        ngmesh.SetBCName(len(names) - 1, names[-1])
     copy = Mesh(ngmesh)
-    if mesh.GetCurveOrder() > 1:
+    if copy.GetCurveOrder() != mesh.GetCurveOrder():
         copy.Curve(mesh.GetCurveOrder())
-    masks = np.zeros((len(sides), len(names)), dtype=bool)
-    for mask, side in zip(masks, sides, strict=True):
-        mask[region[side]] = True
-    return copy, [Region(copy, BND, AsBits(mask)) for mask in masks]
+    return copy, BoundaryOf(copy, ngmesh)
+
+
+def BoundaryOf(mesh, ngmesh):
+    """Number of the boundary of each face."""
+    if mesh.dim == 2:
+        return ngmesh.Elements1D().NumPy()["index"] - 1
+    own = np.array([descriptor.bc - 1 for descriptor in ngmesh.FaceDescriptors()])
+    return own[ngmesh.Elements2D().NumPy()["index"] - 1]
+
+
+def RegionOf(mesh, boundaries):
+    """Boundaries by their numbers."""
+    mask = np.zeros(len(mesh.GetBoundaries()), dtype=bool)
+    mask[boundaries] = True
+    return Region(mesh, BND, AsBits(mask))
