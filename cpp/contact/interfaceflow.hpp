@@ -252,13 +252,20 @@ private:
   /// Of the points on the master: their values change, and so does where a flow enters.
   void AddMoves(Lines & lines, const Kinematics<D> & kinematics, size_t m, double area,
                 FlatVector<> x, BlockSum & sum, LocalHeap & lh) const {
-    for (int s : segments[m])
+    Array<double> entering(fields.size());
+    entering = 0.0;
+    for (auto & flow : law->Flows())
+      entering[flow.field] += share * law->Flowing(flow, "in", m);
+    for (int s : segments[m]) {
+      auto & segment = pairing->segments[s];
+      Array<Matrix<>> shifts(fields.size());
+      Array<int> dofs; // by which all points of a segment move
       for (size_t p : pairing->Points(s)) {
         HeapReset hr(lh);
-        auto & segment = pairing->segments[s];
-        auto [dofs, moves] = kinematics.MovesOf(segment, p, lh);
-        if (!moves.Width())
+        auto motion = kinematics.MovesOf(segment, p, lh);
+        if (!motion.moves.Width())
           return;
+        dofs = motion.dofs;
         double weight = pairing->points[p].weight;
         for (size_t f : Range(fields.size())) {
           auto & shapes = *fields[f].on[1];
@@ -267,31 +274,34 @@ private:
           Vec<D - 1> gradient = 0.0;
           for (int i : Range(derivative.Width()))
             gradient += x(own[D * i]) * derivative.Col(i);
+          FlatVector<> change(dofs.Size(), lh);
+          change = weight / area * Trans(motion.moves) * gradient;
           for (int j : Range(dofs))
-            lines.means(2 * f + 1, lines.At(dofs[j])) +=
-                weight / area * InnerProduct(gradient, moves.Col(j));
-          double in = 0;
-          for (auto & flow : law->Flows())
-            in += flow.field == f ? law->Flowing(flow, "in", m) : 0;
-          AddShift(-share * in * weight, own, derivative, dofs, moves, sum);
+            lines.means(2 * f + 1, lines.At(dofs[j])) += change(j);
+          if (!shifts[f].Height())
+            shifts[f].SetSize(derivative.Width(), dofs.Size()), shifts[f] = 0.0;
+          if (entering[f] != 0)
+            shifts[f] -= entering[f] * weight * Trans(derivative) * motion.moves;
         }
       }
+      for (size_t f : Range(dofs.Size() ? fields.size() : 0))
+        AddShift(fields[f].on[1]->Dofs(segment.master), shifts[f], dofs, sum);
+    }
   }
 
   /// A dof may come twice, where both faces share it.
-  static void AddShift(double factor, FlatArray<int> own, FlatMatrix<> derivative,
-                       FlatArray<int> dofs, FlatMatrix<> moves, BlockSum & sum) {
+  static void AddShift(FlatArray<int> own, const Matrix<> & shift, FlatArray<int> dofs,
+                       BlockSum & sum) {
     Array<int> rows, columns(dofs);
     SortUnique(columns);
-    Matrix<> block(derivative.Width(), columns.Size());
+    Matrix<> block(shift.Height(), columns.Size());
     block = 0.0;
-    for (int i : Range(derivative.Width())) {
-      rows.Append(own[D * i]);
-      for (int j : Range(dofs)) {
-        auto at = std::lower_bound(columns.begin(), columns.end(), dofs[j]) - columns.begin();
-        block(i, at) += factor * InnerProduct(derivative.Col(i), moves.Col(j));
-      }
+    for (int j : Range(dofs)) {
+      auto at = std::lower_bound(columns.begin(), columns.end(), dofs[j]) - columns.begin();
+      block.Col(at) += shift.Col(j);
     }
+    for (int i : Range(shift.Height()))
+      rows.Append(own[D * i]);
     sum.Add(rows, columns, std::move(block));
   }
 };
