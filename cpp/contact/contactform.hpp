@@ -13,7 +13,7 @@ using NamedNumbers = std::map<string, Array<double>>;
 /// `c`, `trial` and what was kept of the last step, vectors and matrices row by row.
 using ContactLaw = std::function<NamedNumbers(const NamedNumbers &)>;
 
-/// What flows from the slave to the master, as heat does: of a scalar field, per area.
+/// A flow from the slave to the master, such as heat: of a scalar field, per area.
 struct Flow {
   size_t field;                              // number among the scalars
   string name;                               // of both functions, "out" and "in" appended
@@ -129,7 +129,7 @@ public:
   /// (d x d, row by row) times the jump; `Mat` has the rows by which they follow.
   virtual shared_ptr<SparseMatrix<double>> Matrix(const BaseVector & x, FlatArray<double> tractions,
                                                   FlatArray<double> stiffness) = 0;
-  /// What flows counts so much in the residual and in matrices.
+  /// Sets the factor of all flows in the residual and in matrices.
   virtual void SetFlowShare(double share) = 0;
   /// Sets closing multipliers on the macro-elements that are set.
   virtual void Close(const BitArray & macros, BaseVector & x) = 0;

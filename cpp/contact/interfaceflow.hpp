@@ -84,7 +84,7 @@ public:
     });
   }
 
-  /// What leaves the slave and enters the master.
+  /// Adds the flows out of the slave and into the master to a residual.
   void AddFlows(size_t m, FlatVector<> y) const {
     for (auto & flow : law->Flows()) {
       auto &slave = RowOf(m, 2 * flow.field), &master = RowOf(m, 2 * flow.field + 1);
@@ -107,7 +107,7 @@ public:
     }
   };
 
-  /// What is known of a macro-element.
+  /// A macro-element with its place, its traction and the law's answer.
   struct Macro {
     size_t m;
     MacroPlace<D> place;

@@ -59,7 +59,7 @@ struct Answer {
 /// The derivative of a traction by the jump without the part by which a law softens.
 ///
 /// Friction is not symmetric, and softens in no direction by more than that: it stays as it is.
-/// What pulls is no friction.
+/// A traction that pulls is not friction: all of its softening is left out.
 template <int D>
 Mat<D, D> Resisting(Mat<D, D> by_jump, bool pulls) {
   Mat<D, D> symmetric = -0.5 * (by_jump + Trans(by_jump)), directions;

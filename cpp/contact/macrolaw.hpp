@@ -209,8 +209,7 @@ public:
   }
 
   FlatArray<Flow> Flows() { return {fields.flows.size(), fields.flows.data()}; }
-  /// What a flow takes out of the slave ("out"), or brings into the master ("in"), at the last
-  /// evaluation.
+  /// The rate of a flow out of the slave ("out") or into the master ("in"), at the last evaluation.
   double Flowing(const Flow & flow, const char * end, size_t m) const {
     return flowing.at(flow.name + end)[m];
   }

@@ -37,7 +37,7 @@ from ngslac.contact.contact import LACContact
 __all__ = ["Assembly", "FindContacts", "Pair"]
 
 PARTS = 5  # of the sides of a face, between which it is looked at
-BEYOND = 3.0  # times the distance of pairs: so far what is left out is told
+BEYOND = 3.0  # times the distance of pairs: bodies farther apart are not reported
 NEXT = 0.75  # of the distance of points: a point above a face has one of it nearer than that
 NEAREST = 8  # points that a way through a thin sheet is looked for at
 SHOWN = 5  # lines of what is left out
@@ -353,10 +353,9 @@ class Faces:
         at = CF((x, y, z)[:d])
         middle = mesh.MapToAllElements(Lattice(1), BND)
         corners = mesh.MapToAllElements(Lattice(PARTS), BND)
-        self.center, normal = at(middle), specialcf.normal(d)(middle)
         self.owner, self.points = corners["nr"], at(corners)
         far = np.zeros(len(self.body))
-        away = np.linalg.norm(self.points - self.center[self.owner], axis=1)
+        away = np.linalg.norm(self.points - at(middle)[self.owner], axis=1)
         np.maximum.at(far, self.owner, away)
         self.size = 2 * PARTS / (PARTS - 1) * far
         self.spacing = self.size / PARTS  # of the points
@@ -404,7 +403,7 @@ class Facing:
 
 @dataclass
 class Reach:
-    """What is near: along normals, in any direction, and how opposite normals have to be."""
+    """The distances up to which faces meet, and how opposite their normals have to be."""
 
     within: float
     sliding: float
@@ -473,8 +472,7 @@ def Looks(faces, points, others, reach):
     normal = faces.normal[points]
     apart = faces.points[seen] - faces.points[points]
     distance = np.linalg.norm(apart, axis=1)
-    gap = np.sum(apart * normal, axis=1)
-    aside = np.linalg.norm(apart - gap[:, None] * normal, axis=1)
+    gap, aside = AlongAside(apart, normal)
     opposite = np.sum(normal * faces.normal[seen], axis=1) <= -reach.cosine
     sees = opposite & (np.abs(gap) <= reach.within) & (aside <= NEXT * spacing[nearest])
     deep = np.flatnonzero(sees & (gap < 0))
@@ -483,6 +481,12 @@ def Looks(faces, points, others, reach):
     sees |= distance <= reach.sliding
     gaps, seen = facing if len(facing) else gap[sees], faces.owner[seen[sees]]
     return Look(np.unique(face[sees]), np.unique(seen), gaps, distance.min())
+
+
+def AlongAside(apart, normal):
+    """Parts of vectors along unit normals, with sign, and the lengths of the rest."""
+    along = np.sum(apart * normal, axis=-1)
+    return along, np.linalg.norm(apart - along[..., None] * normal, axis=-1)
 
 
 def Opposite(faces, points, start, length, count):
@@ -504,10 +508,9 @@ def Crosses(faces, points, chosen, depth, reach):
     near = Opposite(faces, points, start, depth.max(), min(NEAREST, len(points)))
     other, normal = points[near.reshape(len(start), -1)], faces.normal[start][:, None]
     apart = faces.points[other] - faces.points[start][:, None]
-    inwards = -np.sum(apart * normal, axis=2)
-    aside = np.linalg.norm(apart + inwards[..., None] * normal, axis=2)
+    outwards, aside = AlongAside(apart, normal)
     opposite = np.sum(normal * faces.normal[other], axis=2) <= -reach.cosine
-    before = (inwards > 0) & (inwards < depth[:, None])
+    before = (outwards < 0) & (-outwards < depth[:, None])
     beside = aside <= 2 * faces.spacing[faces.owner[other]]
     return np.any(opposite & before & beside, axis=1)
 
@@ -537,7 +540,7 @@ def Divided(mesh, faces):
 
     Names stay. Boundaries of a geometry belong to one body each, and stay whole.
     """
-    ngmesh, boundary = mesh.ngmesh, BoundaryOf(mesh, mesh.ngmesh)
+    ngmesh, boundary = mesh.ngmesh, BoundaryOf(mesh)
     kinds = np.unique(np.stack([boundary, faces.body]), axis=1)
     shared = np.flatnonzero(np.bincount(kinds[0]) > 1)
     if not len(shared):
@@ -557,11 +560,12 @@ def Divided(mesh, faces):
     copy = Mesh(ngmesh)
     if copy.GetCurveOrder() != mesh.GetCurveOrder():
         copy.Curve(mesh.GetCurveOrder())
-    return copy, BoundaryOf(copy, ngmesh)
+    return copy, BoundaryOf(copy)
 
 
-def BoundaryOf(mesh, ngmesh):
+def BoundaryOf(mesh):
     """Number of the boundary of each face."""
+    ngmesh = mesh.ngmesh
     if mesh.dim == 2:
         return ngmesh.Elements1D().NumPy()["index"] - 1
     own = np.array([descriptor.bc - 1 for descriptor in ngmesh.FaceDescriptors()])

@@ -228,10 +228,14 @@ def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
         raise ValueError("offset depends on z.gap, which holds the offset: take z.pressure or slip")
     for by_symbol in slopes.values():
         by_symbol[:] = [None if str(slope) == ZERO else slope for slope in by_symbol]
-    memory = {"kept": fields.kept, "memory": fields.memory}
-    scalars = [Trial(u.space, *found) for found in fields.scalars.items()]
-    scalars = {"scalars": scalars, "flows": flows}
-    return found | {"fields": fields.values, "slopes": slopes} | scalars | memory
+    return found | {
+        "fields": fields.values,
+        "slopes": slopes,
+        "scalars": [Trial(u.space, *scalar) for scalar in fields.scalars.items()],
+        "flows": flows,
+        "kept": fields.kept,
+        "memory": fields.memory,
+    }
 
 
 def Trial(space, path, field):

@@ -152,15 +152,14 @@ class Equilibrium:
             return last
         except BaseException as error:
             unsolved = isinstance(error, LinearSolveError)
-            unheld = ""
+            explained = unsolved or isinstance(error, ContactConvergenceError)
             try:
                 floating = self.system.WhatFloats() if unsolved else []
-                if unsolved or isinstance(error, ContactConvergenceError):
-                    unheld = self.system.UnheldFields()
+                unheld = self.system.UnheldFields() if explained else ""
             finally:
                 before.Restore()
                 self.history = newton.history
-            if not (unsolved or isinstance(error, ContactConvergenceError)):
+            if not explained:
                 raise
             known = newton.failure.Error(error, floating, self.history)
             if unheld:
