@@ -132,7 +132,7 @@ def Grown(finite, hot, gap=0.05):
 
 
 def PressureOf(hot, gap=0.05):
-    """The root of  p = E (alpha (T1 + Te)/2 - g/L),  with  q = T1/(L/k + 1/(h p)), Te = q/(h p)."""
+    """The root of  p = E (alpha (T1 + T2)/2 - g/L),  with  q = T1/(L/k + 1/(h p)), T2 = q/(h p)."""
     young, expansion, k, length, h = 200e3, 12e-6, 0.05, 100.0, 1e-5
     low, high = 0.0, young * expansion * hot
     for _ in range(200):
@@ -338,7 +338,7 @@ CASES = [
         "A heated rod closes a gap",
         "A rod, hot on top, grows down to a cold base; the harder it presses, the more heat gets "
         "out, and the less it grows.",
-        "The root of p = E (alpha (T1 + Te)/2 - g/L) with q = T1/(L/k + 1/(h p)), Te = q/(h p).",
+        "The root of p = E (alpha (T1 + T2)/2 - g/L) with q = T1/(L/k + 1/(h p)), T2 = q/(h p).",
         "pytest tests/validation/test_cases.py -k heated-rod",
         Rod,
     ),
