@@ -31,8 +31,6 @@ VECTOR = "has 1 component.*give a vector-valued space such as VectorH1"
 UNSTABLE = rf"1 face\(s\) of boundary '(bottom|slave)'.*unstable.*{REMEDY}"
 CLAMPED = r"face\(s\) of boundary '(bottom|slave)'.*no Dirichlet condition on the slave faces"
 REFUSED = [
-    ("space(plane(), H1)", VECTOR),
-    ("space(solid(), H1)", VECTOR),
     ("space(plane(), H1, dim=3)", "has 3 component.*in 2D"),
     ("space(solid(), H1, dim=2)", "has 2 component.*in 3D"),
     ("LACSpace(VectorValued(H1(solid()), 2), slave='slave')", "has 2 component.*in 3D"),

@@ -17,10 +17,12 @@ ContactForm::ContactForm(const ContactSetup & asetup)
                     u.component->GetClassName() + "); its macro-elements may be unstable");
   if (setup.master && setup.master->Mesh() != u.fes->GetMeshAccess())
     throw Exception("LACContact: master is a region of another mesh than that of u");
-  int dim = u.fes->GetMeshAccess()->GetDimension();
-  if (u.evaluator->Dim() != dim || lam.evaluator->Dim() != dim)
-    throw Exception("LACContact: u and lam need " + ToString(dim) +
-                    " components each (LACSpace without components=...)");
+  int dim = u.fes->GetMeshAccess()->GetDimension(), components = u.evaluator->Dim();
+  if (components != dim && components != 1)
+    throw Exception("LACContact: u needs " + ToString(dim) + " components, or 1 of what is tied");
+  if (lam.evaluator->Dim() != components)
+    throw Exception("LACContact: lam needs as many components as u, " + ToString(components) +
+                    " (LACSpace without components=...)");
 }
 
 void ContactForm::CheckPaired() const {

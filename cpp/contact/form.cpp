@@ -140,8 +140,9 @@ public:
       // What is left of the multiplier of an open one is rounding, or part of an iteration.
       bool acts = setup.active && state.status != Status::open;
       Vec<D> traction = acts ? law->Multiplier(m, x) : Vec<D>(0.0);
-      state.pressure = 0.0 - InnerProduct(traction, place.normal); // no -0
-      state.gap = place.gap;
+      // A scalar field has no direction: no pressure, no gap.
+      state.pressure = IsScalar() ? 0.0 : 0.0 - InnerProduct(traction, place.normal); // no -0
+      state.gap = IsScalar() ? 0 : place.gap;
       state.traction = 0.0, state.slip = 0.0;
       for (int k : Range(D))
         state.traction(k) = traction(k), state.slip(k) = place.slip(k);
@@ -255,15 +256,15 @@ public:
       Vec<D> compliance = law->ComplianceOf(m).At(place.normal) * place.normal;
       pressure /= 1 - InnerProduct(compliance, place.normal);
       for (int k : Range(D))
-        x(law->dofs[D * m + k]) = -pressure * place.normal(k);
+        x(law->Dofs(m)[k]) = -pressure * place.normal(k);
     }
   }
 
   void AddScale(FlatVector<> scale) override {
     CheckSize(scale.Size());
     for (size_t m : Range(states))
-      for (int k : Range(D))
-        scale(law->dofs[D * m + k]) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
+      for (int dof : law->Dofs(m))
+        scale(dof) = sqrt(law->c[m] / kinematics->Jump().RowArea(m));
     for (int i : Range(ToolDofs())) { // as if all of the slave were in contact, and elastic
       double stiffness = 0;
       for (size_t m : Range(states))
@@ -280,7 +281,7 @@ public:
       one.SetRows(u, *surfaces.slave, surfaces.master.get(), *surfaces.pairing, side);
     auto & op = side == Side::both ? kinematics->JumpWithRows() : one;
     int block = u.fes->GetDimension();
-    return op.AsMatrix(u.offset * block, u.component->GetNDof() * block,
+    return op.AsMatrix(u.offset * block, u.component->GetNDof() * block, law->Components(),
                        side == Side::master ? -1 : 1); // D and M are both positive
   }
 
@@ -548,7 +549,7 @@ private:
   Array<Answer<D>> Answers(FlatVector<> x, Want want) {
     Look(x, law->Multipliers(x), want);
     if (setup.law)
-      return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
+      return AnswersOf<D>(setup.law, WithKept(Places(x)), kept, Asked());
     Array<Answer<D>> answers(states.Size());
     ParallelFor(answers.Size(), [&](size_t m) {
       auto place = Place(m);
@@ -583,6 +584,8 @@ private:
     law->DependOn(values, kept, want != Want::values);
   }
 
+  bool IsScalar() const { return law->Components() == 1; }
+  AskedLaw Asked() const { return {setup.tied, law->Components()}; }
   /// The arguments of a law in place of the compiled one, without what it keeps.
   NamedNumbers Places(FlatVector<> x) const {
     NamedNumbers places;
@@ -594,11 +597,12 @@ private:
         places["gap"].Append(place.gap);
         AppendVector<D>(places["slip"], place.slip);
       }
-      if (!setup.tied || !setup.finite) // else it has no derivative
+      if ((!setup.tied || !setup.finite) && !IsScalar()) // else it has no derivative
         AppendVector<D>(places["normal"], place.normal);
       places["area"].Append(place.area);
-      AppendVector<D>(places["jump"], place.jump);
-      AppendVector<D>(places["trial"], law->Multiplier(m, x) - law->c[m] * place.jump);
+      Vec<D> trial = law->Multiplier(m, x) - law->c[m] * place.jump;
+      for (int k : Range(law->Components()))
+        places["jump"].Append(place.jump(k)), places["trial"].Append(trial(k));
     }
     return places;
   }
@@ -607,7 +611,7 @@ private:
   NamedNumbers Remembered(FlatVector<> x) const {
     if (!setup.law)
       return law->Remembered();
-    return AnswerTo<D>(setup.law, WithKept(Places(x)), kept, setup.tied);
+    return AnswerTo<D>(setup.law, WithKept(Places(x)), kept, Asked());
   }
 
   NamedNumbers WithKept(NamedNumbers places) const {
@@ -629,8 +633,9 @@ private:
     auto tractions = law->Multipliers(x);
     ParallelFor(states.Size(), [&](size_t m) {
       Vec<D> left = law->RowFactor(m, Place(m)) * Vec<D>(answers[m].traction - tractions[m]);
-      for (int k : Range(D))
-        y(law->dofs[D * m + k]) += left(k);
+      auto own = law->Dofs(m);
+      for (int k : Range(own))
+        y(own[k]) += left(k);
     });
     AddForces(tractions, y);
   }
@@ -684,7 +689,7 @@ private:
     Array<GraphBlock> blocks(states.Size());
     for (size_t m : Range(blocks)) {
       auto & dofs = blocks[m].rows;
-      for (int dof : from.GetRowIndices(law->dofs[D * m]))
+      for (int dof : from.GetRowIndices(law->Dofs(m)[0]))
         if (!ismultiplier.Test(dof))
           dofs.Append(dof);
       blocks[m].columns = dofs;
@@ -700,11 +705,12 @@ private:
     AddBlocksInOrder(blocks.Size(), *result, heap, [&](size_t m, LocalHeap &, BlockSum & sum) {
       FlatArray<int> dofs = blocks[m].rows;
       ngbla::Matrix<> forces(dofs.Size(), D), rows(D, dofs.Size());
-      for (int k : Range(D))
+      forces = 0.0, rows = 0.0;
+      auto own = law->Dofs(m);
+      for (int k : Range(own))
         for (int j : Range(dofs)) {
-          int lam = law->dofs[D * m + k];
-          forces(j, k) = from(dofs[j], lam);
-          rows(k, j) = from(lam, dofs[j]);
+          forces(j, k) = from(dofs[j], own[k]);
+          rows(k, j) = from(own[k], dofs[j]);
         }
       rows = ngbla::Matrix<>(Inv(law->RowFactor(m, kinematics->Place(m))) * rows);
       sum.Add(dofs, dofs, ngbla::Matrix<>(forces * rows));
@@ -715,16 +721,18 @@ private:
   /// Adds the rows and columns of the multipliers of one macro-element.
   void AddLines(size_t m, const Answer<D> & answer, const PlaceRows<D> & rows,
                 BlockSum & sum) const {
-    auto own = law->dofs.Range(D * m, D * (m + 1));
+    auto own = law->Dofs(m);
+    auto used = Range(own);
     ngbla::Mat<D, D> factor = law->RowFactor(m, kinematics->Place(m));
     ngbla::Mat<D, D> by_jump = factor * answer.by_jump, by_normal = factor * answer.by_normal;
-    ngbla::Matrix<> entries = by_jump * rows.jump;
+    ngbla::Mat<D, D> by_multiplier = factor * (answer.by_multiplier - Id<D>());
+    ngbla::Matrix<> entries = by_jump.Rows(used) * rows.jump;
     if (rows.normal.Height())
-      entries += by_normal * rows.normal;
-    sum.Add(own, own, ngbla::Matrix<>(factor * (answer.by_multiplier - Id<D>())));
+      entries += by_normal.Rows(used) * rows.normal;
+    sum.Add(own, own, ngbla::Matrix<>(by_multiplier.Rows(used).Cols(used)));
     sum.Add(own, rows.dofs, std::move(entries));
     if (rows.force.Width())
-      sum.Add(rows.dofs, own, ngbla::Matrix<>(-1 * Trans(rows.force)));
+      sum.Add(rows.dofs, own, ngbla::Matrix<>(-1 * Trans(rows.force.Rows(used))));
   }
 
   /// Integral over a macro-element of how an unknown of the tool moves it.

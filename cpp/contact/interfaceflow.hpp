@@ -122,7 +122,7 @@ public:
     BlockSum sum;
     if (place.area == 0)
       return sum;
-    auto own = law->dofs.Range(D * m, D * (m + 1));
+    auto own = law->Dofs(m);
     auto lines = StartLines(kinematics, m, rows, own, lh);
     FillPlace(lines, rows, answer, own, alone);
     for (size_t i : Range(NMeans())) {

@@ -305,20 +305,20 @@ Vec<D> MacroJump<D>::Mean(size_t macro, FlatVector<> x) const {
 }
 
 template <int D>
-shared_ptr<SparseMatrix<double>> MacroJump<D>::AsMatrix(size_t offset, size_t width,
+shared_ptr<SparseMatrix<double>> MacroJump<D>::AsMatrix(size_t offset, size_t width, int components,
                                                         double factor) const {
   Array<int> rows, cols;
   Array<double> values;
   for (size_t m : Range(Size()))
     for (auto & e : Row(m))
-      for (int k : Range(D))
+      for (int k : Range(components))
         if (e.integral(k) != 0) {
-          rows.Append(D * m + k);
+          rows.Append(components * m + k);
           cols.Append(e.dof - offset);
           values.Append(factor * e.integral(k));
         }
-  return make_shared<SparseMatrix<double>>(
-      std::move(*SparseMatrixTM<double>::CreateFromCOO(rows, cols, values, D * Size(), width)));
+  return make_shared<SparseMatrix<double>>(std::move(
+      *SparseMatrixTM<double>::CreateFromCOO(rows, cols, values, components * Size(), width)));
 }
 
 template class MacroJump<2>;

@@ -67,8 +67,10 @@ public:
   Vec<D> Mean(size_t macro, FlatVector<> x) const;
   /// How the rows give way where each dof has a spring of its own, a mean over the components.
   double Compliance(size_t macro, FlatVector<> diagonal) const;
-  /// The rows times a factor; of the columns those of a component that begins at `offset`.
-  shared_ptr<SparseMatrix<double>> AsMatrix(size_t offset, size_t width, double factor) const;
+  /// The rows of the first components, times a factor; of the columns those of a part of the
+  /// product space that begins at `offset`.
+  shared_ptr<SparseMatrix<double>> AsMatrix(size_t offset, size_t width, int components,
+                                            double factor) const;
 
   Array<double> area;     // paired
   Array<double> fullarea; // of all faces

@@ -91,7 +91,7 @@ public:
   Array<double> end_c;               // of points where contact ends inside, whatever c is
   bool has_ends = true;              // else pressures are even everywhere
   Array<Vec<D>> lean;                // turn the directions of pressures; empty: none do
-  Array<int> dofs;                   // of the multipliers, D for each
+  Array<int> dofs;                   // of the multipliers
   bool own;                          // the answers are those of another law
 
   MacroLaw(const ContactSetup & setup, shared_ptr<LACSpace> aspace, const ProxyInfo & alam)
@@ -215,9 +215,15 @@ public:
   }
   const NamedNumbers & Flowing() const { return flowing; }
 
+  /// Numbers of each multiplier: D, or 1 of a scalar, the jump of which has D equal components.
+  int Components() const { return lam.evaluator->Dim(); }
+  /// The multipliers of a macro-element.
+  FlatArray<int> Dofs(size_t m) const {
+    return dofs.Range(Components() * m, Components() * (m + 1));
+  }
   /// Finds the multipliers over the faces of a surface.
   void FindDofs(const Surface<D> & slave) {
-    dofs.SetSize(D * space->NMacros());
+    dofs.SetSize(Components() * space->NMacros());
     LocalHeap lh(1000 * 1000, "ngslac-multipliers");
     int block = lam.fes->GetDimension();
     Array<DofId> own;
@@ -226,8 +232,8 @@ public:
       ElementId ei(BND, slave.Element(f));
       lam.fes->GetDofNrs(ei, own);
       IntRange used = lam.evaluator->UsedDofs(lam.fes->GetFE(ei, lh));
-      for (int k : Range(D))
-        dofs[D * space->MacroOfFace()[ei.Nr()] + k] =
+      for (int k : Range(Components()))
+        dofs[Components() * space->MacroOfFace()[ei.Nr()] + k] =
             block * own[(used.First() + k) / block] + (used.First() + k) % block;
     }
   }
@@ -281,9 +287,10 @@ public:
   }
 
   Vec<D> Multiplier(size_t m, FlatVector<> x) const {
-    Vec<D> traction;
-    for (int k : Range(D))
-      traction(k) = x(dofs[D * m + k]);
+    Vec<D> traction = 0.0;
+    auto own = Dofs(m);
+    for (int k : Range(own))
+      traction(k) = x(own[k]);
     return traction;
   }
 

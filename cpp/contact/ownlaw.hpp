@@ -6,11 +6,19 @@
 #include <python_comp.hpp>
 
 namespace ngslac {
+/// What a law in place of the compiled one is asked for: a tied one has no gap and no slip, and the
+/// jump of a scalar field has one component, which all D components of vectors are here.
+struct AskedLaw {
+  bool tied;
+  int components;
+};
+
 /// Rows of named tables: what belongs to one macro-element.
 template <int D>
 class TableRow {
   const NamedNumbers & table;
   size_t m;
+  int components;
 
   const double * Data(const string & name, size_t size) const {
     auto found = table.find(name);
@@ -18,7 +26,8 @@ class TableRow {
   }
 
 public:
-  TableRow(const NamedNumbers & atable, size_t am) : table(atable), m(am) {}
+  TableRow(const NamedNumbers & atable, size_t am, int acomponents)
+      : table(atable), m(am), components(acomponents) {}
 
   bool Has(const string & name) const { return table.count(name); }
   /// 0 where there is none, as the two below.
@@ -28,42 +37,41 @@ public:
   }
   Vec<D> Vector(const string & name) const {
     Vec<D> vector = 0.0;
-    if (auto * data = Data(name, D))
-      std::copy_n(data, D, &vector(0));
+    if (auto * data = Data(name, components))
+      std::copy_n(data, components, &vector(0));
     return vector;
   }
   Mat<D, D> Matrix(const string & name) const {
     Mat<D, D> matrix = 0.0;
-    if (auto * data = Data(name, D * D))
-      std::copy_n(data, D * D, &matrix(0, 0));
+    if (auto * data = Data(name, components * components))
+      for (int k : Range(components))
+        std::copy_n(data + components * k, components, &matrix(k, 0));
     return matrix;
   }
 };
 
-/// How many numbers a law may give of a macro-element, by name.
-template <int D>
-std::map<string, size_t> SizesOfAnswer() {
-  return {{"traction", D},    {"status", 1},       {"by_gap", D},       {"by_slip", D * D},
-          {"by_jump", D * D}, {"by_trial", D * D}, {"by_normal", D * D}};
-}
-
 /// Throws unless a law has given a traction, derivatives, what it keeps, and nothing but what is
-/// known, all of its size. A tied one has no gap and no slip.
-template <int D>
-void CheckAnswer(const NamedNumbers & found, const NamedNumbers & kept, size_t macros, bool tied) {
-  auto sizes = SizesOfAnswer<D>();
+/// known, all of its size.
+inline void CheckAnswer(const NamedNumbers & found, const NamedNumbers & kept, size_t macros,
+                        const AskedLaw & asked) {
+  size_t vector = asked.components, matrix = vector * vector;
+  std::map<string, size_t> sizes{{"traction", vector}, {"status", 1},       {"by_gap", vector},
+                                 {"by_slip", matrix},  {"by_jump", matrix}, {"by_trial", matrix},
+                                 {"by_normal", matrix}};
   for (auto & [name, values] : kept) {
     sizes[name] = values.Size() / max(macros, size_t(1));
     if (!found.count(name))
       throw py::value_error("LACContact: law has not given '" + name +
                             "', which law.kept has: return it each time");
   }
-  if (tied)
+  if (asked.tied)
     sizes.erase("by_gap"), sizes.erase("by_slip");
+  if (asked.components < 2)
+    sizes.erase("by_normal");
   bool derived = false;
   if (!found.count("traction"))
-    throw py::value_error("LACContact: law must return a dict with 'traction', (n, " + ToString(D) +
-                          ") numbers");
+    throw py::value_error("LACContact: law must return a dict with 'traction', (n, " +
+                          ToString(vector) + ") numbers");
   for (auto & [name, values] : found) {
     string known;
     for (auto & [other, size] : sizes)
@@ -79,7 +87,7 @@ void CheckAnswer(const NamedNumbers & found, const NamedNumbers & kept, size_t m
   if (!derived)
     throw py::value_error(string("LACContact: law has given no derivative of the traction by what "
                                  "it looks at, such as ") +
-                          (tied ? "'by_jump'" : "'by_gap'") + " or 'by_trial'");
+                          (asked.tied ? "'by_jump'" : "'by_gap'") + " or 'by_trial'");
 }
 
 /// The derivative of a vector that turns with the normal by that.
@@ -138,13 +146,15 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
 
 /// Throws where what a law has given is no number.
 template <int D>
-void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m) {
+void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m,
+                 const AskedLaw & asked) {
   for (auto & [name, values] : found) {
     size_t size = values.Size() / places.at("area").Size();
     for (double value : values.Range(m * size, (m + 1) * size))
       if (!std::isfinite(value))
         throw Exception("LACContact: law has given " + ToString(value) + " as '" + name +
-                        "' where the jump is " + ToString(TableRow<D>(places, m).Vector("jump")) +
+                        "' where the jump is " +
+                        ToString(TableRow<D>(places, m, asked.components).Vector("jump")) +
                         "; it needs a finite answer to any place");
   }
 }
@@ -152,26 +162,27 @@ void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t
 /// The answer of a law, checked where there is a partner.
 template <int D>
 NamedNumbers AnswerTo(const ContactLaw & law, const NamedNumbers & places,
-                      const NamedNumbers & kept, bool tied) {
+                      const NamedNumbers & kept, const AskedLaw & asked) {
   auto & area = places.at("area");
   auto found = law(places);
-  CheckAnswer<D>(found, kept, area.Size(), tied);
+  CheckAnswer(found, kept, area.Size(), asked);
   for (size_t m : Range(area))
     if (area[m] > 0)
-      CheckFinite<D>(found, places, m);
+      CheckFinite<D>(found, places, m, asked);
   return found;
 }
 
 /// The answers of a law to places; macro-elements without a partner are open.
 template <int D>
 Array<Answer<D>> AnswersOf(const ContactLaw & law, const NamedNumbers & places,
-                           const NamedNumbers & kept, bool tied) {
+                           const NamedNumbers & kept, const AskedLaw & asked) {
   auto & area = places.at("area");
-  auto found = AnswerTo<D>(law, places, kept, tied);
+  auto found = AnswerTo<D>(law, places, kept, asked);
   Array<Answer<D>> answers(area.Size());
   for (size_t m : Range(answers))
     if (area[m] > 0)
-      answers[m] = AnswerFrom<D>({found, m}, {places, m}, tied);
+      answers[m] =
+          AnswerFrom<D>({found, m, asked.components}, {places, m, asked.components}, asked.tied);
   return answers;
 }
 

@@ -266,7 +266,7 @@ private:
     auto coupled = ends.Dofs(this->Size());
     Array<GraphBlock> blocks((1 + D) * this->Size());
     ParallelFor(this->Size(), [&](size_t m) {
-      auto own = law->dofs.Range(D * m, D * (m + 1));
+      auto own = law->Dofs(m);
       auto & lines = blocks[(1 + D) * m];
       lines.rows = lines.columns = own;
       lines.columns += coupled[m];
@@ -276,11 +276,11 @@ private:
       }
       for (auto & e : surfaces.jump->Row(m)) {
         lines.columns.Append(e.dof);
-        for (int k : Range(D))
+        for (int k : Range(own))
           if (e.integral(k) != 0)
             blocks[(1 + D) * m + 1 + k].rows.Append(e.dof);
       }
-      for (int k : Range(D))
+      for (int k : Range(own))
         blocks[(1 + D) * m + 1 + k].columns.Append(own[k]);
     });
     return blocks;

@@ -18,14 +18,16 @@ Parameters
 ----------
 V : ngsolve.FESpace
     Displacement space, vector-valued and real, of any kind and order: VectorH1, H1(dim=d),
-    VectorValued, a component of a product space. Dofs with Dirichlet conditions do not count.
+    VectorValued, a component of a product space. Dofs with Dirichlet conditions do not count. A
+    scalar one, such as H1 of a temperature, gets one number per macro-element: what flows into the
+    slave per area, by which `LACContact` ties it.
 slave : str or Region
     Pattern of boundary names, or a boundary region: the side that carries the multipliers.
 macros : list[int], optional
     Macro-element of each slave face in the order of the mesh, numbered densely from 0, in place of
     the automatic choice; refused if one holds no inner basis function. Not for refined meshes.
 components : int, optional
-    Numbers per macro-element; default: the space dimension, as `LACContact` needs it.
+    Numbers per macro-element; default: as many as V has, as `LACContact` needs it.
 autoupdate : bool
     Update with `mesh.Refine()`. Default: as V does.
 axisymmetric : bool

@@ -28,7 +28,7 @@ shared_ptr<FESpace> CheckDisplacement(shared_ptr<FESpace> fes) {
     Refuse(*fes, "is complex; contact needs real displacements");
   if (!evaluator)
     Refuse(*fes, "has no values on the boundary");
-  if (evaluator->Dim() != dim)
+  if (evaluator->Dim() != dim && evaluator->Dim() != 1)
     Refuse(*fes, "has " + ToString(evaluator->Dim()) +
                      " component(s) on the boundary of a mesh in " + ToString(dim) + "D");
   if (fes->GetFlags().GetDefineFlag("interleaved"))
@@ -49,7 +49,7 @@ LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
   slave = BoundariesOf(*ma, flags.GetNumListFlag("slave"));
   for (double macro : flags.GetNumListFlag("macros"))
     given_macros.Append(int(macro));
-  components = int(flags.GetNumFlag("components", ma->GetDimension()));
+  components = int(flags.GetNumFlag("components", displacement->GetEvaluator(BND)->Dim()));
   dimension = displacement->GetDimension() > 1 ? components : 1;
   first_mesh_faces = ma->GetNE(BND);
   SetDefinedOn(BND, slave);

@@ -288,7 +288,7 @@ MacroPartition Finish(const Traces & tr, FlatArray<int> macro, size_t nmacros) {
     Reach reach = ReachOf(tr, partition.cores[m]);
     partition.reach[m] = 0.0;
     if (reach.Reaches((1 / L2Norm(normals[m])) * normals[m]))
-      partition.reach[m] = reach.Projector();
+      partition.reach[m] = tr.components == 1 ? Mat<3, 3>(Id<3>()) : reach.Projector();
   }
   return partition;
 }

@@ -24,7 +24,7 @@ struct FaceTraces {
 class FaceSums {
   const FESpace & fes;
   ElementId ei;
-  int dim, sign;
+  int dim, sign, components;
   Array<DofId> dofs;
   Matrix<double, ColMajor> shape;
   Matrix<> integral;
@@ -34,12 +34,14 @@ class FaceSums {
 
 public:
   FaceSums(const FESpace & afes, const Faces & faces, int face, LocalHeap & lh)
-      : fes(afes), ei(faces.Id(face)), dim(afes.GetMeshAccess()->GetDimension()) {
+      : fes(afes), ei(faces.Id(face)), dim(afes.GetMeshAccess()->GetDimension()),
+        components(afes.GetEvaluator(BND)->Dim()) {
     // Where no outside is known the normals of the mesh have to do.
     sign = (dim == 2 ? faces.Outward<2>(face, lh) : faces.Outward<3>(face, lh)) < 0 ? -1 : 1;
     fes.GetDofNrs(ei, dofs);
     int n = fes.GetDimension() * dofs.Size();
-    shape.SetSize(dim, n), integral.SetSize(n, dim), maximum.SetSize(n), along.SetSize(n);
+    shape.SetSize(components, n), integral.SetSize(n, components), maximum.SetSize(n),
+        along.SetSize(n);
     integral = 0, maximum = 0, along = 0;
     AddPoints(lh);
   }
@@ -53,7 +55,7 @@ public:
         continue;
       Trace trace{block * dofs[j / block] + j % block, Vec<3>(0.0), area, maximum(j),
                   along(j) > normal_tolerance * maximum(j)};
-      for (int k : Range(dim))
+      for (int k : Range(components))
         trace.integral(k) = integral(j, k);
       result.traces.Append(trace);
     }
@@ -80,14 +82,15 @@ private:
                       ToString(area) + "; repair the mesh, or use a finer one");
   }
 
+  /// A scalar counts as a displacement along the first axis, which is its normal everywhere.
   void Add(const BaseMappedIntegrationPoint & mip) {
-    Vec<3> n = dim == 2 ? Normal<2>(mip) : Normal<3>(mip);
+    Vec<3> n = components == 1 ? Vec<3>(1, 0, 0) : dim == 2 ? Normal<2>(mip) : Normal<3>(mip);
     area += mip.GetWeight();
     normal += mip.GetWeight() * n;
     for (int j : Range(maximum)) {
       integral.Row(j) += mip.GetWeight() * shape.Col(j);
       maximum(j) = max(maximum(j), L2Norm(shape.Col(j)));
-      along(j) = max(along(j), fabs(InnerProduct(shape.Col(j), n.Range(0, dim))));
+      along(j) = max(along(j), fabs(InnerProduct(shape.Col(j), n.Range(0, components))));
     }
   }
 
@@ -242,7 +245,7 @@ bool Reach::Reaches(const Vec<3> & normal) const {
 Traces CollectTraces(const FESpace & fes, const BitArray & boundaries) {
   auto ma = fes.GetMeshAccess();
   Traces tr{Faces(ma, boundaries)};
-  tr.dim = ma->GetDimension();
+  tr.dim = ma->GetDimension(), tr.components = fes.GetEvaluator(BND)->Dim();
   tr.slave_of_face = NumbersOnSlave(tr.faces, ma->GetNE(BND));
   tr.neighbours = VertexNeighbours(*ma, tr.faces);
   auto free = FreeScalars(fes);

@@ -26,7 +26,7 @@ public:
 struct Traces {
   explicit Traces(Faces && slave) : faces(std::move(slave)) {}
 
-  int dim;
+  int dim, components; // of the mesh, of the displacement
   Faces faces;
   Array<int> slave_of_face; // of each boundary element of the mesh, -1 elsewhere
   Array<Vec<3>> normals;    // of each slave face, outward

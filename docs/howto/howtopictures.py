@@ -227,8 +227,9 @@ def Snap(names, path):
 
 def Temperature(names, path):
     figure = Figure(figsize=(6, 4.5), layout="constrained")
-    axes, u = figure.subplots(), Displacement(names)
-    Body(axes, u, u[0], "temperature [°C]", factor=0.0)
+    T = names["gf"].components[0]
+    still = GridFunction(VectorH1(T.space.mesh))
+    Body(figure.subplots(), still, T, "temperature [°C]")
     figure.savefig(path, dpi=110)
 
 

@@ -44,7 +44,7 @@ def ActiveRows(contact, holds="now"):
     Of slipping contact `holds` says what it prevents: "now" approach alone, "rubbing" all motion
     where there is friction, "closed" what all of contact would prevent if it were closed.
     """
-    table, d = contact.Table(), contact.mesh.dim
+    table, d = contact.Table(), contact.components
     stick, slip = _AtWork(contact, table, holds)
     if not len(slip) and not np.any(stick):
         return scipy.sparse.csr_matrix((0, contact.nscalars))
@@ -61,7 +61,7 @@ def ActiveRows(contact, holds="now"):
 
 
 def AllJumps(contact):
-    """What macro-elements see of displacements and tools: d rows each, on all scalar dofs."""
+    """What macro-elements see of u and tools: a row for each component, on all scalar dofs."""
     form, jump = contact.form, JumpRows(contact)
     columns = jump.indices + form.offset * form.fes.dim
     shape = jump.shape[0], contact.nscalars
@@ -104,7 +104,7 @@ class Sight:
     def _Seen(self, motions):
         """The relative motions (m, d, k) of macro-elements, of their mean size."""
         if self._motions is not motions:
-            shape = *self._table["normal"].shape, motions.shape[1]
+            shape = len(self._table["area"]), self.contact.components, motions.shape[1]
             seen = (AllJumps(self.contact) @ motions).toarray() / self._table["fullarea"].mean()
             self._motions, self._seen = motions, seen.reshape(shape)
         return self._seen

@@ -51,7 +51,7 @@ class FalseStiffness:
     @cached_property
     def shear(self):
         """A simple shear, what it does as `forces`, and integrals of its strains (n,)."""
-        arms, *_ = Arms(self.space.mesh)
+        arms = Arms(self.space.mesh)
         gf = GridFunction(self.space)
         gf.Set(CoefficientFunction((arms[1], *([0] * (len(arms) - 1)))), VOL)
         values = gf.vec.FV().NumPy().copy()

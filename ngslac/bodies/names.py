@@ -49,8 +49,8 @@ class BodyNames:
         """The middle of a body in the reference configuration, as a tuple."""
         mesh = self.space.mesh
         shift = GridFunction(self.space)  # is a translation on this body and 0 on others
-        inside = np.flatnonzero(self.part == part)
-        shift.vec.FV().NumPy()[inside] = self.motions[inside, : mesh.dim].sum(axis=1)
-        one = InnerProduct(shift, CoefficientFunction((1,) * mesh.dim))
+        inside, components = np.flatnonzero(self.part == part), shift.dim
+        shift.vec.FV().NumPy()[inside] = self.motions[inside, :components].sum(axis=1)
+        one = InnerProduct(shift, CoefficientFunction((1,) * components))
         moments = Integrate(CoefficientFunction((x * one, y * one, z * one, one)), mesh)
         return tuple(moments[k] / moments[3] for k in range(mesh.dim))

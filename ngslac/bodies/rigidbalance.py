@@ -158,7 +158,7 @@ def Separate(rays, bounds, loads):
 
 def Rays(contact, rough):
     """Tractions as columns (d m, r) of which any sum is possible, and bounds (r,) of weights."""
-    table, d = contact.Table(), contact.mesh.dim
+    table, d = contact.Table(), contact.components
     faces = (table["area"] > 0)[:, None, None]
     if contact.tied:
         tractions = faces * np.concatenate([np.eye(d), -np.eye(d)], axis=1)

@@ -29,6 +29,7 @@ __all__ = [
     "PoissonRatio",
     "RigidMotions",
     "StrainIntegrals",
+    "TablesOf",
     "Turned",
 ]
 
@@ -41,7 +42,7 @@ def RigidMotions(space):
     points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
     center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
     arms = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
-    tables, names = Tables(d)
+    tables, names = TablesOf(space)
     motions = FromVertices(space, (points - center) / size, arms, tables)
     if motions is None or not IsAccurate(space, motions, arms, tables, size):
         gf, columns = GridFunction(space), []
@@ -50,6 +51,12 @@ def RigidMotions(space):
             columns.append(gf.vec.FV().NumPy().copy())
         motions = np.stack(columns, axis=1)
     return motions, names, size
+
+
+def TablesOf(space):
+    """The `Tables` of a displacement; of a scalar field that of a constant."""
+    d = space.mesh.dim
+    return (np.eye(1, 1 + d)[None], ["a constant"]) if space.TestFunction().dim == 1 else Tables(d)
 
 
 def MotionsOf(contact):
@@ -63,7 +70,7 @@ def MotionsOf(contact):
 
 def MotionIntegrals(space):
     """Integrals of each of the `RigidMotions` times the basis functions (n, m)."""
-    arms, tables, _ = Arms(space.mesh)
+    arms, (tables, _) = Arms(space.mesh), TablesOf(space)
     return Integrals(space, [Field(table, arms) for table in tables], lambda v: v)
 
 
@@ -79,7 +86,7 @@ def StrainIntegrals(space, motions):
 
 def PoissonRatio(space, part, forces):
     """The largest one of parts (n,) of the dofs, from what `forces` a dilation and a shear make."""
-    arms, *_ = Arms(space.mesh)
+    arms = Arms(space.mesh)
 
     def Modulus(field):
         gf = GridFunction(space)
@@ -105,12 +112,11 @@ def Integrals(space, fields, of):
 
 
 def Arms(mesh):
-    """Coordinates from the middle of the mesh over its size, the tables of motions, their names."""
+    """Coordinates from the middle of the mesh, over its size."""
     d = mesh.dim
     points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
     center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
-    arms = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
-    return arms, *Tables(d)
+    return [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
 
 
 def Turned(space, displacement, size):
@@ -119,7 +125,7 @@ def Turned(space, displacement, size):
     Zero for spaces of which the components are not alike.
     """
     d = space.mesh.dim
-    tables, _ = Tables(d)
+    tables, _ = TablesOf(space)
     if space.dim != d and not SameComponents(space):
         return np.zeros((len(displacement), len(tables)))
     values = displacement.reshape(-1, d) if space.dim == d else displacement.reshape(d, -1).T
@@ -131,7 +137,7 @@ def Turned(space, displacement, size):
 def Field(table, arms):
     """The motion of such a table as CoefficientFunction."""
     rows = (row[0] + sum(f * arm for f, arm in zip(row[1:], arms, strict=True)) for row in table)
-    return CoefficientFunction(tuple(rows))
+    return CoefficientFunction(tuple(rows))  # of one row: a scalar
 
 
 def FromVertices(space, points, arms, tables):

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from ngsolve import GridFunction, InnerProduct, LinearForm, SurfaceL2, ds, specialcf
 
-from ngslac.bodies.rigidmotions import Arms, Field
+from ngslac.bodies.rigidmotions import Arms, Field, TablesOf
 
 __all__ = ["OwnSlides", "SlidesOf"]
 
@@ -55,7 +55,7 @@ class Surfaces:
 
     def __init__(self, bodies, contacts):
         self.bodies, self.space, mesh = bodies, bodies.space, bodies.space.mesh
-        arms, tables, _ = Arms(mesh)
+        arms, (tables, _) = Arms(mesh), TablesOf(self.space)
         self.fields = [Field(table, arms) for table in tables]
         curved = mesh.dim == 2 or mesh.GetCurveOrder() > 1
         self.most = ACROSS if curved else FLAT

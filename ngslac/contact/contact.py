@@ -21,7 +21,7 @@ from ngslac.dirichlet import WarnOfUnheld
 from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures, scene
-from ngslac.output.fields import SCALARS, VECTORS
+from ngslac.output.fields import OF_DISPLACEMENTS, OF_SCALARS
 
 __all__ = ["LACContact"]
 
@@ -44,7 +44,9 @@ class LACContact(metaclass=Distributable):
     ----------
     u, lam : ngsolve trial functions
         Displacement and contact traction (of a `LACSpace`) on the same product space. The slave
-        side is that of the LACSpace. `lam` acts on the slave body; pressure is ``-lam.n >= 0`` with
+        side is that of the LACSpace. A scalar field, such as a temperature, can be tied: `lam` is
+        what flows into the slave per area. Else `lam` acts on the slave body; pressure is
+        ``-lam.n >= 0`` with
         the contact direction n out of the slave: between the normals of both surfaces, nearer to
         that of the stiffer body (`Prepare`), and the slave's against an obstacle.
     master : str or Region
@@ -127,6 +129,9 @@ class LACContact(metaclass=Distributable):
     traction, slip, normal : GridFunction
         Vectors: traction on the slave, tangential slip of the last step (slave minus master;
         not known for ``finite=True`` without friction), contact direction out of the slave.
+    flux : GridFunction
+        Of a scalar `u`, in place of pressure, gap, traction and slip: what flows out of the slave,
+        one number per macro-element, per area.
     dt : Parameter
         Length of the present step, which steppers set; 1 before the first one.
     space : LACSpace
@@ -158,6 +163,7 @@ class LACContact(metaclass=Distributable):
     traction: GridFunction
     slip: GridFunction
     normal: GridFunction
+    flux: GridFunction
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
@@ -192,6 +198,8 @@ class LACContact(metaclass=Distributable):
         parts = functions, flags, lengths, law, self.fluxes
         self.tool, setup = CheckedSetup(u, lam, master, *parts, self.dt)
         mesh, region = u.space.mesh, setup["master"]
+        self.components = u.dim  # as many as dimensions, or 1 of a scalar field
+        self.names = OF_SCALARS if self.components == 1 else OF_DISPLACEMENTS
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None
         self.stiffness, self.penetration = stiffness, penetration
@@ -459,7 +467,7 @@ class LACContact(metaclass=Distributable):
 
     def _MakeFields(self):
         """New ones, of one number or one vector per macro-element."""
-        for count, names in ((1, SCALARS), (self.mesh.dim, VECTORS)):
+        for count, names in ((1, self.names.scalars), (self.mesh.dim, self.names.vectors)):
             space = self.space.WithComponents(count)
             for name in names:
                 setattr(self, name, GridFunction(space, name=name))
@@ -468,13 +476,13 @@ class LACContact(metaclass=Distributable):
         """Take the numbers of the form; 0 where it is not paired."""
         self._recovered = None
         table = self.Table() if self.form.paired else {}
-        for name in SCALARS + VECTORS:
+        for name in self.names.scalars + self.names.vectors:
             values = table[name].ravel() if table else 0.0
             getattr(self, name).vec.FV().NumPy()[:] = values
 
     def _Change(self, kept, change):
         """Call `change`; what fails in the context `kept`, or is interrupted, changes nothing."""
-        fits = len(self.pressure.vec) == self.space.nmacros
+        fits = len(self.status.vec) == self.space.nmacros
         if self._state.refined or not fits:  # no way back
             change()
             self._MakeFields()

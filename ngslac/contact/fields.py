@@ -78,8 +78,8 @@ class Fields:
     >>> contact = LACContact(u, lam, master="master", friction=Falling)
     """
 
-    def __init__(self, space, dt, names, *, hidden=(), sides=()):
-        self._numbers, d = space.WithComponents(1), space.mesh.dim
+    def __init__(self, space, dt, names, *, hidden=(), sides=(), components=None):
+        self._numbers, d = space.WithComponents(1), components or space.mesh.dim
         self.kept, self.memory, self.symbols, self.constants, self.dt = {}, {}, {}, {}, dt
         self.scalars, self._sides = {}, sides  # trial functions by the paths of their components
         self._names = [*names, *(f"{side.capitalize()}(T)" for side in sides)]
@@ -294,27 +294,30 @@ class Law:
             raise Wrong(TypeError, "traction", traction, "a function of fields")
         self._traction = CheckFunction("traction", traction, "a function of fields")
 
-    def _On(self, space, dt, *, tied, finite):
+    def _On(self, space, dt, components, *, tied, finite):
         """The law of a contact, from places to arrays."""
         names = ("slip", "gap", "normal", "jump", "trial")
         if tied:
-            names = ("jump",) if finite else ("jump", "normal")
-        return _LawOnFaces(self._traction, space, Fields(space, dt, names))
+            names = ("jump",) if finite or components == 1 else ("jump", "normal")
+        fields = Fields(space, dt, names, components=components)
+        return _LawOnFaces(self._traction, space, fields, components)
 
 
 class _LawOnFaces:
     """Evaluates an expression and its derivatives for all macro-elements at once."""
 
-    def __init__(self, traction, space, fields):
-        self._space, self._fields, d = space, fields, space.mesh.dim
+    def __init__(self, traction, space, fields, d):
+        self._space, self._fields = space, fields
         with Explained("the traction of a Law"):
             found = traction(fields)
-        if not isinstance(found, CoefficientFunction) or tuple(found.dims) != (d,):
+        if d == 1:
+            found = CF((Expression("the traction of a Law", found),))
+        if not isinstance(found, CoefficientFunction) or found.dim != d:
             raise ValueError(
                 f"the traction of a Law must have {d} components, such as z.normal, or a CF of "
                 "numbers: return it"
             )
-        self.kept, rows = fields.kept, [found[k] for k in range(d)]
+        self.kept, rows = fields.kept, [found] if d == 1 else [found[k] for k in range(d)]
         self._parts, flat = [("traction", d)], list(rows)
         for name, symbols in fields.symbols.items():
             self._parts.append((f"by_{name}", d * len(symbols)))

@@ -85,7 +85,7 @@ class ContactReport:
         self.narrow = np.array([], int)
         if not contact.tied and closed.any():
             self.narrow = Neighbours(contact.space, contact.mesh).Narrow(closed)
-        solved = self.active and contact._solution is not None
+        solved = self.active and contact._solution is not None and contact.components > 1
         self.certificate = CertificateOf(contact) if solved else None
         self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
 

@@ -64,12 +64,15 @@ def Table(self) -> dict[str, np.ndarray]:
         ``friction`` (n) coefficient, -1 without Coulomb friction, of a flux ``flux_out`` (n) out of
         the slave and ``flux_in`` (n) into the master, per area of the reference configuration (of
         the second flux ``flux2_out``, ...),
+        of a scalar `u` ``flux`` (n) out of the slave, beside which pressure, gap and slip are 0,
         and what a ``law`` of your own keeps.
     """
     known = self.form.Table()
     table = {name: known[name] for name in SHOWN}
     table["gap"] = np.where(table["area"] == 0, np.nan, table["gap"])
     table |= {"x": known["center"], "status": known["status"].astype(int)}
+    if self.components == 1:
+        table |= dict.fromkeys(("flux", "flux_out", "flux_in"), -known["traction"][:, 0])
     for number in range(len(self.fluxes)):
         table |= {FluxName(number) + end: known[FluxName(number) + end] for end in ("out", "in")}
     return table | self.form.Kept()
@@ -88,7 +91,8 @@ def Force(self, *, on=None) -> np.ndarray:
     -------
     (d,) array
         Where the problem is axisymmetric that of the whole circumference: the sum of the radial
-        forces, of which opposite ones balance each other, and the axial force.
+        forces, of which opposite ones balance each other, and the axial force. Of a scalar `u`
+        (1,): what flows into the slave.
 
     Raises
     ------
@@ -101,7 +105,7 @@ def Force(self, *, on=None) -> np.ndarray:
     >>> abs(contact.Force(on="master") + contact.Force()).max().round(9).item()
     0.0
     """
-    forces = self.form.Resultants()["force"]
+    forces = self.form.Resultants()["force"][:, : self.components]
     return forces.sum(axis=0) if on is None else ShareOn(self, on) @ forces
 
 
@@ -139,10 +143,10 @@ def Flow(self, *, flux=None) -> tuple[float, float]:
     >>> abs(out - 1 / 3) < 1e-9 and abs(into - out) < 1e-12
     True
     """
-    if not self.fluxes or flux not in (None, *self.fluxes):
+    if flux not in (None, *self.fluxes) or not (self.fluxes or self.components == 1):
         raise ValueError("flux is none of this contact: give it in LACContact(..., flux=)")
     name = FluxName(0 if flux is None else self.fluxes.index(flux))
-    table = self.form.Table()
+    table = self.Table()
     return tuple(float(table["area"] @ table[name + end]) for end in ("out", "in"))
 
 
@@ -181,6 +185,7 @@ def Moment(self, point=None) -> float | np.ndarray:
     ValueError
         A point of another dimension.
     """
+    RefuseScalar(self)
     d = self.mesh.dim
     point = np.zeros(d) if point is None else CheckPoint("point", point, d)
     if self.space.axisymmetric:
@@ -196,7 +201,7 @@ def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     """Operators D and M of the weighted mean jump, as NGSolve sparse matrices.
 
     ``D u - M u`` is the integral of (slave minus paired master displacement) over each
-    macro-element, d rows per macro-element, columns the dofs of the displacement space. For
+    macro-element, d rows per macro-element, of a scalar `u` one, columns the dofs of its space. For
     scipy copy the arrays of ``D.CSR()``: they are views that die with the matrix.
     """
     self._PairOnce()
@@ -226,6 +231,7 @@ def RecoveredOf(self) -> "Recovered":
     >>> bool(abs(contact.Force()[1] - pressure) < 1e-12)
     True
     """
+    RefuseScalar(self)
     self._PairOnce()
     WarnIfUnsolved(self)
     if self._recovered is None:
@@ -234,6 +240,12 @@ def RecoveredOf(self) -> "Recovered":
 
         self._recovered = Recovered(self, displacement)
     return self._recovered
+
+
+def RefuseScalar(self):
+    """Raise for a scalar field, which has no pressures."""
+    if self.components == 1:
+        raise ValueError("u is a scalar field, which has no pressures and no moment: take Flow()")
 
 
 def WarnIfUnsolved(self):

@@ -53,6 +53,12 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
         raise ValueError(
             "tied surfaces keep their distance: drop adjust; maxdist says how far a tie reaches"
         )
+    if u.dim == 1 and not (tied and master is not None and not finite and not fluxes):
+        raise ValueError(
+            "u is a scalar field, which can be tied to that of a master, no more: give tied=True, "
+            "and drop finite, obstacle and flux; a displacement has as many components as the mesh "
+            "has dimensions, as VectorH1 has"
+        )
     for name, value in lengths.items():
         if value is not None:
             CheckPositive(name, value, "a positive length")
@@ -88,7 +94,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     expression = hasattr(law, "_On")
     space = ContactForm(**setup).space if dependent or expression or fluxes else None
     if expression:
-        law = law._On(space, dt, tied=flags["tied"], finite=flags["finite"])
+        law = law._On(space, dt, u.dim, tied=flags["tied"], finite=flags["finite"])
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")
     if law is not None and not expression:
         numpy_law = law

@@ -47,7 +47,7 @@ def CheckSolver(name):
 class Parts:
     """The parts of which the methods of a chain are made."""
 
-    dim: int
+    components: int  # of each multiplier
     options: Options
     motions: Callable  # returns the rigid motions (n, k) of all bodies
     multigrid: Multigrid | None  # where iterations are of use
@@ -55,9 +55,11 @@ class Parts:
 
 # The methods that users choose by name. One that no chain begins with has to be asked for.
 METHODS = {
-    "interface": lambda parts: Interface(parts.dim, parts.motions),
+    "interface": lambda parts: Interface(parts.components, parts.motions),
     "direct": lambda parts: Direct(parts.options.inverse),
-    "iterative": lambda parts: Iterative(parts.dim, parts.multigrid, parts.options.preconditioner),
+    "iterative": lambda parts: Iterative(
+        parts.components, parts.multigrid, parts.options.preconditioner
+    ),
 }
 
 
@@ -86,7 +88,7 @@ def MakeLinearSolver(a, contacts, freedofs, options, motions):
         if not preconditioner:
             inner = InnerDofs.Of(form.fes, freedofs, form.offset, form.component)
 
-    parts = Parts(dim, options, motions, multigrid)
+    parts = Parts(contacts[0].components, options, motions, multigrid)
     links = [Link(name, METHODS[name](parts), why) for name in names]
     return LinearSolver(freedofs, links, inner)
 

@@ -28,7 +28,7 @@ class VertexNodes:
     @classmethod
     def Of(cls, space, freedofs, first=0):
         """Those of a displacement space whose scalar dofs begin at `first`; None for others."""
-        d = space.mesh.dim
+        d = space.TestFunction().dim
         dofs = VertexDofs(space)
         if space.dim > 1:
             dofs = (dofs[:, :, None] * space.dim + np.arange(space.dim)).reshape(len(dofs), -1)
@@ -37,8 +37,9 @@ class VertexNodes:
         dofs = FirstOnly(np.where(dofs < 0, -1, dofs + first))
         free = AsNumPy(freedofs)[dofs] & (dofs >= 0)
         used = free.any(axis=1)
-        points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), :d]
-        return cls(dofs[used], free[used], MotionsAt(points[used]))
+        points = np.asarray(space.mesh.ngmesh.Coordinates())[: len(dofs), : space.mesh.dim]
+        motions = MotionsAt(points[used]) if d > 1 else np.ones((used.sum(), 1, 1))
+        return cls(dofs[used], free[used], motions)
 
     @property
     def count(self):

@@ -1,14 +1,40 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Fields of a contact by their names, as pictures and files take them."""
 
+from dataclasses import dataclass
+
 from ngsolve import GridFunction
 
-__all__ = ["ARROWS", "RECOVERED", "SCALARS", "SOLVED", "VECTORS", "FieldOf", "NumbersOf"]
+__all__ = [
+    "ARROWS",
+    "OF_DISPLACEMENTS",
+    "OF_SCALARS",
+    "RECOVERED",
+    "FieldNames",
+    "FieldOf",
+    "NumbersOf",
+]
 
-SCALARS, VECTORS = ("pressure", "gap", "status"), ("traction", "slip", "normal")
 RECOVERED = ("recovered pressure", "recovered traction")
-ARROWS = (*VECTORS, RECOVERED[1])
-SOLVED = ("pressure", "status", *VECTORS[:2], *RECOVERED)  # what only a solution has
+ARROWS = ("traction", "slip", "normal", RECOVERED[1])
+
+
+@dataclass(frozen=True)
+class FieldNames:
+    """The fields that a contact has, of numbers and of vectors."""
+
+    scalars: tuple
+    vectors: tuple
+    recovered: tuple = ()
+
+    @property
+    def solved(self):
+        """What only a solution has."""
+        return {*self.scalars, *self.vectors, *self.recovered} - {"gap", "normal"}
+
+
+OF_DISPLACEMENTS = FieldNames(("pressure", "gap", "status"), ARROWS[:3], RECOVERED)
+OF_SCALARS = FieldNames(("flux", "status"), ("normal",))
 
 
 def FieldOf(contact, field):

@@ -9,7 +9,7 @@ from ngsolve import BND, CF
 from ngslac.arguments import CheckChoice, CheckDisplacement, CheckFunction, Wrong
 from ngslac.arrays import AsBits
 from ngslac.output.facepoints import FacePoints
-from ngslac.output.fields import ARROWS, RECOVERED, SCALARS, SOLVED, VECTORS, FieldOf, NumbersOf
+from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.vtkfile import WriteVTK
 
 __all__ = ["Plot", "WriteVTU"]
@@ -54,13 +54,14 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     """
     from matplotlib import pyplot as plt
 
-    fields = (*SCALARS, *VECTORS[:2], *RECOVERED)
-    CheckChoice("field", field, fields)
+    names = self.names
+    along_surface = (name for name in names.vectors if name != "normal")
+    CheckChoice("field", field, (*names.scalars, *along_surface, *names.recovered))
     CheckDisplacement("deformation", deformation, self.mesh)
     if axes is not None and not callable(getattr(axes, "plot", None)):
         raise Wrong(TypeError, "axes", axes, "axes of matplotlib, or None")
     self._PairOnce()
-    if field in SOLVED:
+    if field in names.solved:
         self._WarnIfUnsolved()
     coordinate = _Coordinate(along, self.mesh.dim)
     axes = plt.gca() if axes is None else axes
@@ -77,7 +78,7 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
 def _Values(contact, field):
     """Of each macro-element."""
     table = contact.Table()
-    return _Tangential(table[field], table["normal"]) if field in VECTORS else table[field]
+    return _Tangential(table[field], table["normal"]) if field in ARROWS else table[field]
 
 
 def _Tangential(vectors, normals):
@@ -116,8 +117,8 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     CheckDisplacement("displacement", displacement, self.mesh)
     self._PairOnce()
     self._WarnIfUnsolved()
-    fields = {name: getattr(self, name) for name in (*SCALARS, *VECTORS)}
-    fields |= {name: FieldOf(self, name) for name in RECOVERED}
+    names = (*self.names.scalars, *self.names.vectors, *self.names.recovered)
+    fields = {name: FieldOf(self, name) for name in names}
     fields["macro"] = NumbersOf(self, np.arange(self.space.nmacros))
     if displacement is not None:
         fields["displacement"] = displacement
@@ -181,7 +182,7 @@ def _Steps(contact, field, faces, coordinate):
     np.maximum.at(high, faces.macro, ends[1])
     order = np.argsort(low)
     s = np.stack([low, high, high], axis=1)[order]
-    v = np.stack([values] * 3, axis=1)[order]
+    v = np.stack([values] * 3, axis=1)[order].astype(float)  # a status, too, has breaks
     apart = np.append(low[order][1:] - high[order][:-1] > 1e-6 * (high - low).max(), False)
     s[:, 2], v[~apart, 2], v[apart, 2] = s[:, 1], v[~apart, 1], np.nan
     return s.ravel(), v.ravel()

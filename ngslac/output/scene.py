@@ -12,13 +12,10 @@ from ngslac.arguments import (
     CheckPositive,
 )
 from ngslac.output.facepoints import FacePoints
-from ngslac.output.fields import RECOVERED, SCALARS, SOLVED, VECTORS
 from ngslac.output.marks import FlatMarks, SolidMarks
 from ngslac.output.shapes import Script
 
 __all__ = ["Draw"]
-
-KINDS = (*SCALARS, *VECTORS, *RECOVERED, "macros", "segments")
 
 
 def Draw(
@@ -68,7 +65,9 @@ def Draw(
     # Importing the webgui switches NumPy's warnings off: not before somebody draws.
     from ngsolve import webgui
 
-    CheckChoice("field", field, KINDS)
+    names = self.names
+    kinds = (*names.scalars, *names.vectors, *names.recovered, "macros", "segments")
+    CheckChoice("field", field, kinds)
     CheckDisplacement("deformation", deformation, self.mesh)
     CheckNumber("scale", scale)
     if size is not None:
@@ -78,7 +77,7 @@ def Draw(
         CheckInstance("background", background, CoefficientFunction, wanted)
         CheckOnMesh("background", background, self.mesh)
     self._PairOnce()
-    if field in SOLVED:
+    if field in names.solved:
         self._WarnIfUnsolved()
     displacement = deformation
     if deformation is not None:

@@ -93,6 +93,12 @@ def CheckContacts(contacts, space, gf=None, name="contacts"):
             )
         if contact.form.lamoffset in found:  # before the next: an endless iterable repeats itself
             raise ValueError(f"{name}: two contacts share one lam: give each a LACSpace of its own")
+        if contact.form.offset != next(iter(found.values()), contact).form.offset:
+            raise ValueError(
+                f"{name}: two contacts have different fields u, such as a displacement and a "
+                "temperature: give contacts of one; heat flows through that of a displacement "
+                "with flux="
+            )
         tools = {*contact.form.ToolDofs()}
         if moved & tools:
             raise ValueError(
@@ -313,7 +319,8 @@ def CheckAxis(mat, contacts, free):
         )
     mesh = contacts[0].mesh
     across = np.asarray(mesh.ngmesh.Coordinates())[:, 0]
-    if mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
+    scalar = contacts[0].components == 1
+    if scalar or mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
         return
     found = list(_HoopStiffness(mat, contacts[0].form))
     without = [repr(name) for name, resists, _ in found if not resists]

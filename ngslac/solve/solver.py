@@ -186,7 +186,7 @@ class Equilibrium:
 
         Returns
         -------
-        (d,) array, or float with a motion
+        (d,) array, of a scalar field (1,), or float with a motion
 
         Raises
         ------
@@ -217,7 +217,8 @@ class Equilibrium:
 
         if motion is not None:
             return Work(motion)
-        return np.array([Work(CF(tuple(direction))) for direction in np.eye(mesh.dim)])
+        directions = np.eye(self.contacts[0].components)
+        return np.array([Work(CF(tuple(direction))) for direction in directions])
 
     def Merit(self, *, same_load=False) -> float | None:
         """Size of the residual at `gf`, infinite without one; None before the first solve.

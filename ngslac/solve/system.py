@@ -514,7 +514,7 @@ class System:
             tangential[table["status"] == 0] = 0
             tangential *= contact.holds_tangentially  # else the directions of an iterate before
             dofs = np.asarray(contact.form.MultiplierDofs())
-            vec.FV().NumPy()[dofs] = tangential.ravel()
+            vec.FV().NumPy()[dofs] = tangential[:, : contact.components].ravel()
             contact.AddApply(vec, forces)
         return np.where(self.residual.multipliers, 0.0, forces.FV().NumPy())
 
@@ -579,7 +579,8 @@ class System:
         form = self.contacts[0].form
         if self.islinear:
             return "", ""
-        if self._turning is None and self.bulk.islinear:
+        flat = self.bulk.islinear or self.contacts[0].components == 1
+        if self._turning is None and flat:
             self._turning = np.zeros(len(self.gf.space.mesh.GetMaterials()), dtype=bool)
         elif self._turning is None:
             self._turning = TurningMaterials(WithoutMass(self.bulk.a), form, self.gf)

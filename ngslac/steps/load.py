@@ -229,7 +229,7 @@ class LoadStepper(metaclass=Distributable):
         rows = [(step.number, step.time, step.iterations, step.cuts) for step in self.steps]
         rows = np.array(rows).reshape(-1, 4).T
         force = np.array([step.forces for step in self.steps])
-        shape = len(self.steps), len(self.solver.contacts), self.solver.contacts[0].mesh.dim
+        shape = len(self.steps), len(self.solver.contacts), self.solver.contacts[0].components
         return Columns(
             step=rows[0].astype(int),
             load=rows[1],

@@ -43,7 +43,12 @@ CHANGED, MOST_SOLVES = 1e-4, 3
 
 
 def CheckLaws(solver):
-    """Raise where a contact has a law of the user's own, of which the impacts here do not know."""
+    """Raise for laws of the user's own, of which impacts do not know, and for scalar fields."""
+    if solver.contacts[0].components == 1:
+        raise ValueError(
+            "solver is that of a scalar field, which has no inertia: integrate a temperature by a "
+            "term such as (T - old) / dt * S * dx in the bulk form, and ContactSolver"
+        )
     if solver.system.own_law:
         raise ValueError(
             "solver has a contact with law=, which TimeStepper does not know: it stops the "

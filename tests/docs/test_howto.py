@@ -10,7 +10,7 @@ from ngsolve import Det, Grad, Id, Integrate, Parameter
 from press import press, same
 from test_snippets import Fences
 
-from ngslac import LoadStepper
+from ngslac import Law, LoadStepper
 
 HOWTO = Path(__file__).parents[2] / "docs" / "howto"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
@@ -257,7 +257,7 @@ def test_heat_across_an_interface_that_resists():
     """The snippet below the script."""
     page = "heat_across_interface"
     ((film, _),) = Fences(HOWTO / f"{page}.md", {"python"})
-    exec(film, names := {})
+    exec(film, names := {"Law": Law})
     exec(Script(page).replace("tied=True)", "tied=True, law=film)"), names)
     through = sum(np.log(b / a) / k for a, b, k in ((0.05, 0.06, 15.0), (0.06, 0.1, 0.5)))
     assert names["heat"] == pytest.approx(np.pi / 2 * 80 / (through + 1 / (200 * 0.06)), rel=1e-4)

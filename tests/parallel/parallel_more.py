@@ -178,7 +178,7 @@ def expressions(world):
 
 
 @case
-def heat(world):
+def heat_flow(world):
     """A temperature that flows through contact, and on which friction depends."""
     mesh = block_on_block(world.comm)
     V, W = (space(mesh, order=2, dirichlet="bottom|top") for space in (VectorH1, H1))
@@ -194,6 +194,24 @@ def heat(world):
     out, into = contact.Flow()
     assert into - out > 1e-3
     return found | {"flow": (np.array([out, into]), None)}
+
+
+@case
+def tied_temperature(world):
+    """A scalar field that is continuous in the mean."""
+    mesh = block_on_block(world.comm)
+    S = H1(mesh, order=2, dirichlet="bottom|top")
+    X = S * LACSpace(S, slave="slave")
+    (T, q), (w, _) = X.TnT()
+    made = Problem(mesh, X, BilinearForm(X), GridFunction(X), [], Parameter(0.0))
+    made.a += (1 + T**2) * grad(T) * grad(w) * dx - made.load * w * dx
+    made.contacts.append(contact := LACContact(T, q, master="master", tied=True))
+    done = LoadStepper(made.solver(), made.load).Integrate(steps=2, **QUIET)
+    table, whole = contact.Table(), Integrate(made.u, mesh)
+    assert abs(contact.Flow()[0]) > 0.1
+    found = {"flux": table["flux"], "flow": contact.Flow(), "whole": whole}
+    found |= {"force": contact.Force(), "steps": [step.iterations for step in done]}
+    return {name: (np.array(values), None) for name, values in found.items()}
 
 
 @case

@@ -8,6 +8,7 @@ CASES = {}
 
 def case(function):
     """Enters a function of the `World` by its name; it returns the numbers to compare."""
+    assert function.__name__ not in CASES, f"two cases have the name {function.__name__}"
     CASES[function.__name__] = function
     return function
 

@@ -158,7 +158,7 @@ def test_trace_from_volume_and_boundary_agree(make, order):
 def test_equals_vectorh1_of_order_two_without_triangles(kind):
     mesh = brick(kind, 2)
     spaces = VectorH1(mesh, order=2), BubbleVectorH1(mesh, order=2, slave="bottom")
-    assert_same(*map(solution, spaces), tol=1e-13)
+    assert_same(*map(solution, spaces), tol=1e-12)  # values of up to 2, from two orders of dofs
 
 
 @pytest.mark.parametrize("order", [1, 3])
