@@ -27,7 +27,6 @@ def space(mesh, kind=VectorH1, order=2, *, macros=None, components=None, **flags
     return LACSpace(kind(mesh, order=order, **flags), slave=SLAVE[mesh.dim], **given)
 
 
-VECTOR = "has 1 component.*give a vector-valued space such as VectorH1"
 UNSTABLE = rf"1 face\(s\) of boundary '(bottom|slave)'.*unstable.*{REMEDY}"
 CLAMPED = r"face\(s\) of boundary '(bottom|slave)'.*no Dirichlet condition on the slave faces"
 REFUSED = [
