@@ -1,4 +1,4 @@
-"""Bodies of revolution in a section: rigid indenters of a half-space, press fits, NAFEMS' punch.
+"""Bodies of revolution: indenters of a half-space, press fits, NAFEMS' punch, plates and balls.
 
 The half-space ends on a square of 20 contact radii, where the displacement is that of Boussinesq's
 point load with the exact force; its error falls with the square of the distance.
@@ -12,15 +12,17 @@ from functools import cache
 import numpy as np
 from case_punch import LINEAR, LOAD, PUBLISHED, YOUNG, HalfSection
 from elasticity import Sorted
-from netgen.occ import Compound, Glue, MoveTo, OCCGeometry, X, Y
+from netgen.occ import Axes, Compound, Glue, MoveTo, OCCGeometry, WorkPlane, X, Y, Z
 from ngsolve import (
     CF,
     BilinearForm,
+    FESpace,
     GridFunction,
     Id,
     InnerProduct,
     LinearForm,
     Mesh,
+    Parameter,
     Sym,
     Variation,
     VectorH1,
@@ -31,11 +33,11 @@ from ngsolve import (
     x,
     y,
 )
-from report_bounds import Meshes, Neglected, Spread
+from report_bounds import Both, Meshes, Neglected, Spread, Stated, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import BLUE, INK, ORANGE, Figure
 
-from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import AxisymmetricGrad, NeoHooke, Stress
 
 NU = 0.3
@@ -263,6 +265,100 @@ def Benchmark(quick):
     return Outcome(rows, Figure(Draw, size=(6, 3.4)), "Pressures of the macro-elements.")
 
 
+# --- a stack of plates and balls -----------------------------------------------------------------
+
+# Displacement of the lower plate's middle [mm] and reaction [N per radian] of code_aster, and means
+# of Abaqus, Systus and Samcef with their accuracy.
+ASTER = {"middle": -0.841259653998, "reaction": 17496.6104063}
+MEANS = {"middle": (-0.81, 0.04), "reaction": (17229.58, 0.016)}
+
+
+def Ball(name, y0, radius, h):
+    """Half a disc, of which the lower and the upper half have names of their own."""
+    disc = WorkPlane(Axes((0, y0, 0), Z, X)).Circle(radius).Face()
+    corners = MoveTo(0, y0 - 2 * radius), MoveTo(0, y0)
+    ball = Glue([disc * corner.Rectangle(2 * radius, 2 * radius).Face() for corner in corners])
+    for edge in ball.edges:
+        half = "low" if edge.center.y < y0 else "high"
+        inside = abs(edge.start.y - edge.end.y) < 1e-9
+        edge.name = "inside" if inside else f"{name}_{half}"
+    Finer(ball, h, (y0 - radius, y0 + radius))
+    return ball
+
+
+def Plate(low, width, height, h, touches):
+    """A section of a plate, with small edges where its middle touches a ball."""
+    plate = MoveTo(0, low).Rectangle(width, height).Face()
+    plate.edges.name = "free"
+    Finer(plate, h, (low + height * (touches > low),))
+    return plate
+
+
+def Finer(body, h, heights):
+    """Name the axis; elements have the size h at these places on it."""
+    for edge in body.edges:
+        if abs(edge.center.x) < 1e-9:
+            edge.name = "axis"
+    for vertex in body.vertices:
+        if abs(vertex.p.x) < 1e-9 and np.abs(np.subtract(heights, vertex.p.y)).min() < 1e-9:
+            vertex.maxh = h
+
+
+@cache
+def Stacked(h, order):
+    """Middle of the lower plate and reaction per radian where the upper plate has come down."""
+    lower, upper = Plate(0, 20, 4, h, 4), Plate(34, 10, 2, h, 34)
+    lower.edges.Max(X).name, lower.edges.Max(Y).name = "rim", "seat"
+    upper.edges.Max(Y).name, upper.edges.Min(Y).name = "top", "lid"
+    balls = Ball("big", 14, 10, 0.7 * h), Ball("small", 29, 5, 0.7 * h)
+    geometry = OCCGeometry(Compound([lower, *balls, upper]), dim=2)
+    mesh = Mesh(geometry.GenerateMesh(maxh=1.5, grading=0.25)).Curve(order)
+    V = VectorH1(mesh, order=order, dirichlet="rim|top", dirichletx="axis")
+    pairs = {"big_low": "seat", "small_low": "big_high", "small_high": "lid"}
+    fes = FESpace([V, *(LACSpace(V, slave=slave, axisymmetric=True) for slave in pairs)])
+    (u, *lams), (v, *_) = fes.TnT()
+    stress = Stress(Sym(AxisymmetricGrad(u)), 2e5, NU)
+    a = BilinearForm(fes)
+    a += 2 * pi * x * InnerProduct(stress, Sym(AxisymmetricGrad(v))) * dx
+    contacts = [
+        LACContact(u, lam, master=master, finite=True)
+        for lam, master in zip(lams, pairs.values(), strict=True)
+    ]
+    gf, way = GridFunction(fes), Parameter(0)
+    solver = ContactSolver(a, gf, contacts)
+    stepper = LoadStepper(solver, way, prescribe={"top": CF((0, -way))})
+    stepper.Integrate(2.0, steps=4, printing=False)
+    forces = [abs(contact.Force()[1]) / (2 * np.pi) for contact in contacts]
+    return gf.components[0](mesh(1e-9, 1e-9))[1], forces, stepper.Table()
+
+
+def Stack(quick):
+    fine, coarse = (0.05, 0.1) if quick else (0.02, 0.05)
+    middle, forces, table = Stacked(fine, 2 if quick else 3)
+    other, other_forces, _ = Stacked(coarse, 2 if quick else 3)
+    rows, found = [], {"middle": (middle, other), "reaction": (forces[0], other_forces[0])}
+    for name, unit in ("middle", "mm"), ("reaction", "N"):
+        mean, accuracy = MEANS[name]
+        meshes = Meshes(*found[name], coarse / fine)
+        source = f"mean of three programs, code_aster {ASTER[name]:.5g}"
+        text = {
+            "middle": "displacement of the lower plate's middle",
+            "reaction": "force per radian",
+        }
+        bound = Both(Stated(accuracy, source), meshes)
+        rows.append(Row(text[name], found[name][0], mean, bound, unit))
+    text = "difference of the forces in the three contacts"
+    rows.append(Row(text, np.ptp(forces) / forces[0], 0, Tolerance(1e-8)))
+
+    def Draw(ax):
+        ax.plot([0, *table["load"]], [0, *(-table["force"][:, 2, 1] / 2e3 / np.pi)], "o-", ms=4)
+        ax.plot(2, MEANS["reaction"][0] / 1e3, "x", color=ORANGE, label="mean of three programs")
+        ax.set(xlabel="way of the upper plate [mm]", ylabel="force per radian [kN]")
+        ax.legend()
+
+    return Outcome(rows, Figure(Draw, size=(5, 3.2)), "Force over the way of the upper plate.")
+
+
 CASES = [
     Case(
         "axisym-indenters",
@@ -290,5 +386,14 @@ CASES = [
         "A. Konter, NAFEMS (2006); values of code_aster, test SSNA122.",
         "pytest tests/validation/test_cases.py -k axisym",
         Benchmark,
+    ),
+    Case(
+        "axisym-stack",
+        "Two balls between two plates",
+        "A plate is pressed 2 mm onto a ball of radius 5, which lies on one of radius 10, and that "
+        "on a plate that is held on its rim: three contacts, elastic, axisymmetric.",
+        "Validation manual of code_aster, V6.01.102 (test SSNA102).",
+        "pytest tests/validation/test_cases.py -k axisym",
+        Stack,
     ),
 ]

@@ -2,14 +2,35 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import indentation
 import materials
 import numpy as np
 from indentation import PRANDTL, Depths
 from indenter import Indenter
-from report_bounds import Meshes, Neglected, Tolerance
+from netgen.occ import Glue, MoveTo, OCCGeometry, Y
+from ngsolve import (
+    BilinearForm,
+    GridFunction,
+    IfPos,
+    Mesh,
+    Parameter,
+    Sym,
+    Variation,
+    VectorH1,
+    dx,
+    pi,
+    sqrt,
+    x,
+)
+from plasticity import J2Plasticity
+from report_bounds import Both, Element, Meshes, Neglected, Stated, Tolerance
 from report_case import Case, Outcome, Row
-from report_pictures import FromFolder
+from report_pictures import INK, Figure, FromFolder
+
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac.materials import AxisymmetricGrad
 
 
 def Indentation(quick):
@@ -44,6 +65,69 @@ def RigidPlastic():
     problem = Indenter(h=0.4, yield_stress=8.0, hardening=1.6)
     last = problem.Advance(Depths(steps=8)[0])[-1]
     return last["mean_pressure"] / problem.yield_stress, PRANDTL
+
+
+# Force [N per radian] of a rigid sphere on a rigid plastic half-space, per depth [mm]: a mean
+# pressure of three times the yield stress, and a depth of .368 a^2/R (Johnson, pages 171, 200).
+RADIUS, YIELD, DEEPEST = 500.0, 50.0, 100.0
+FULLY_PLASTIC = 3 * np.pi * RADIUS * YIELD / 0.368 / (2 * np.pi)
+# At each fifth of the depth: what code_aster computes, and the accuracy that it states.
+ASTER = (2.0680562649761e6, 4.0469773379688e6, 5.8272986321138e6, 7.6663171661817e6, 9.1189947e6)
+STATED = (0.05, 0.05, 0.05, 0.1, 0.15)
+
+
+@cache
+def Dent(h, steps):
+    """Depths and forces per radian of a rigid sphere on a block that yields without hardening."""
+    fine = MoveTo(0, -360).Rectangle(540, 360).Face()
+    fine.edges.Max(Y).name, fine.edges.Max(Y).maxh = "slave", h
+    body = Glue([fine, MoveTo(0, -1920).Rectangle(1620, 1920).Face() - fine])
+    for edge in body.edges:
+        if edge.name != "slave":
+            low = edge.center.y < -1919
+            edge.name = "axis" if edge.center.x < 1e-6 else "bottom" if low else "free"
+    mesh = Mesh(OCCGeometry(body, dim=2).GenerateMesh(maxh=200, grading=0.2))
+    V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="axis")
+    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
+    u, lam = fes.TrialFunction()
+    block = J2Plasticity(mesh, young=210e3, poisson=0.3, yield_stress=YIELD)
+    a = BilinearForm(fes)
+    energy = 2 * pi * x * block.Energy(Sym(AxisymmetricGrad(u)))
+    a += Variation(energy * dx(intrules=block.rules))
+    gf, depth = GridFunction(fes), Parameter(0)
+    strain = Sym(AxisymmetricGrad(gf.components[0]))
+    sphere = RADIUS - sqrt(IfPos(RADIUS - x, RADIUS**2 - x**2, 0))
+    contact = LACContact(u, lam, obstacle=sphere - depth)
+    stepper = LoadStepper(ContactSolver(a, gf, contact), depth)
+    first = [1, 2] if steps < 50 else [1]
+    depths, forces = [*first, *DEEPEST * np.arange(1, steps + 1) / steps], []
+    for end in depths:
+        stepper.Integrate(end, steps=1, printing=False, callback=lambda _: block.Commit(strain))
+        forces.append(-contact.Force()[1] / (2 * np.pi))
+    return np.array(depths), np.array(forces)
+
+
+def Dented(quick):
+    h, steps = (30.0, 10) if quick else (10.0, 40)
+    depths, forces = Dent(h, steps)
+    rows = []
+    for k, (aster, stated) in enumerate(zip(ASTER, STATED, strict=True), 1):
+        depth = k * DEEPEST / 5
+        exact, width = FULLY_PLASTIC * depth, np.sqrt(RADIUS * depth / 0.368)
+        source = f"for small depths, code_aster {aster:.5g}"
+        # The force grows with the square of the radius, by a face at once.
+        bound = Both(Stated(stated, source), Element(h / width, "half of one", kind="relative"))
+        found = forces[np.isclose(depths, depth)][0]
+        rows.append(Row(f"force per radian at a depth of {depth:g}", found, exact, bound, "N"))
+
+    def Draw(ax):
+        ax.plot([0, DEEPEST], [0, FULLY_PLASTIC * DEEPEST / 1e6], color=INK, label="rigid plastic")
+        ax.plot(depths, forces / 1e6, ".-", label="computed")
+        ax.plot(DEEPEST * np.arange(1, 6) / 5, np.array(ASTER) / 1e6, "x", label="code_aster")
+        ax.set(xlabel="depth [mm]", ylabel="force per radian [MN]")
+        ax.legend()
+
+    return Outcome(rows, Figure(Draw, size=(5, 3.4)), "Force over the depth.")
 
 
 def Rubber(quick):
@@ -82,6 +166,17 @@ CASES = [
         "plastic.",
         "python tutorials/examples/indentation.py --out results",
         Indentation,
+    ),
+    Case(
+        "dent",
+        "A sphere on a block that yields",
+        "A rigid sphere of radius 500 is pressed by 100 mm into a block of perfect plasticity, "
+        "with small strains and small sliding, axisymmetric. The slope of the sphere grows up to "
+        ".9, far beyond the small depths of the theory.",
+        "Johnson (1985), pages 171 and 200, as in the validation manual of code_aster, V6.04.506.",
+        "pytest tests/validation/test_cases.py -k dent",
+        Dented,
+        slow=True,
     ),
     Case(
         "materials",
