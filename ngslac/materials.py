@@ -142,7 +142,7 @@ def NeoHooke(F, young, nu, *, pressure=None) -> CoefficientFunction:
     return distortion - pressure * (J - 1) - 3 * (1 - 2 * nu) / (2 * young) * pressure**2
 
 
-def AxisymmetricGrad(u) -> CoefficientFunction:
+def AxisymmetricGrad(u, *, twist=None) -> CoefficientFunction:
     """Gradient of a displacement of a body of revolution, in components r, z and circumferential.
 
     The mesh in 2D is half of a section with ``x = r >= 0``, and forms have the factor ``2*pi*x``.
@@ -152,6 +152,9 @@ def AxisymmetricGrad(u) -> CoefficientFunction:
     ----------
     u : ngsolve.CoefficientFunction, shape (2,)
         A trial or test function or a GridFunction of a displacement space on a mesh in 2D.
+    twist : ngsolve.CoefficientFunction, optional
+        The displacement around the axis, of a scalar space: r times the angle, where that is small.
+        It is zero on the axis, which its space has to know (``dirichlet="axis"``).
 
     Returns
     -------
@@ -160,7 +163,7 @@ def AxisymmetricGrad(u) -> CoefficientFunction:
     Raises
     ------
     TypeError, ValueError
-        `u` is no coefficient function, or has no two components.
+        `u` is no coefficient function, or has no two components; `twist` is no scalar.
 
     Examples
     --------
@@ -179,9 +182,20 @@ def AxisymmetricGrad(u) -> CoefficientFunction:
     if tuple(u.dims) != (2,):
         raise ValueError(f"u must have 2 components, on a mesh in 2D; it has the shape {u.dims}")
     grad = Grad(u)
-    hoop = IfPos(x, u[0] / IfPos(x, x, 1), grad[0, 0])
-    rows = (grad[0, 0], grad[0, 1], 0), (grad[1, 0], grad[1, 1], 0), (0, 0, hoop)
-    return CoefficientFunction(sum(rows, ()), dims=(3, 3))
+    hoop = _OverRadius(u[0], grad[0, 0])
+    rows = [grad[0, 0], grad[0, 1], 0, grad[1, 0], grad[1, 1], 0, 0, 0, hoop]
+    if twist is not None:
+        CheckInstance("twist", twist, CoefficientFunction, "a scalar displacement around the axis")
+        if tuple(twist.dims) not in ((), (1,)):
+            raise ValueError(f"twist must be a scalar; it has the shape {tuple(twist.dims)}")
+        around = Grad(twist)
+        rows[2], rows[6], rows[7] = -_OverRadius(twist, around[0]), around[0], around[1]
+    return CoefficientFunction(tuple(rows), dims=(3, 3))
+
+
+def _OverRadius(value, slope):
+    """Something over the distance x from the axis, and on the axis its derivative."""
+    return IfPos(x, value / IfPos(x, x, 1), slope)
 
 
 def _Order(name, tensor):

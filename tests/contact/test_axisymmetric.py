@@ -5,10 +5,12 @@ import pytest
 from netgen.occ import Compound, Glue, MoveTo, OCCGeometry, X, Y, unit_cube
 from ngsolve import (
     CF,
+    H1,
     BilinearForm,
     Grad,
     GridFunction,
     Id,
+    IfPos,
     InnerProduct,
     Integrate,
     Mesh,
@@ -28,6 +30,7 @@ from ngslac import (
     BubbleVectorH1,
     ContactSolver,
     ContactWarning,
+    Flux,
     LACContact,
     LACSpace,
     LoadStepper,
@@ -390,3 +393,98 @@ def test_gradient():
         AxisymmetricGrad(3)
     with pytest.raises(ValueError, match="u must have 2 components"):
         AxisymmetricGrad(x)
+
+
+def test_gradient_of_a_twist():
+    """A rotation has no strain, a uniform twist of a cylinder that of Saint-Venant."""
+    mesh = section(0.0)
+    still, w = GridFunction(VectorH1(mesh, order=2)), GridFunction(H1(mesh, order=2))
+    strain = Sym(AxisymmetricGrad(still, twist=w))
+    w.Set(0.3 * x)
+    assert Integrate(InnerProduct(strain, strain), mesh) <= 1e-25
+    w.Set(0.3 * x * y)
+    exact = CF((0, 0, 0, 0, 0, 0.15 * x, 0, 0.15 * x, 0), dims=(3, 3))
+    assert Integrate(InnerProduct(strain - exact, strain - exact), mesh) <= 1e-25
+    with pytest.raises(TypeError, match="twist = 3 must be a scalar displacement"):
+        AxisymmetricGrad(still, twist=3)
+    with pytest.raises(ValueError, match="twist must be a scalar"):
+        AxisymmetricGrad(still, twist=still)
+
+
+class Fit:
+    """A shaft in a hub, too large by .01; its end turns, and friction carries the torque."""
+
+    radius, friction = 10.0, 0.2
+
+    def __init__(self, k=1e6):
+        shaft = MoveTo(0, 0).Rectangle(10, 30).Face()
+        hub = MoveTo(10, 50).Rectangle(10, 20).Face()
+        shaft.edges.name = hub.edges.name = "free"
+        shaft.edges.Min(X).name, shaft.edges.Max(X).name = "axis", "master"
+        shaft.edges.Min(Y).name, shaft.edges.Max(Y).name = "low", "end"
+        hub.edges.Min(X).name, hub.edges.Max(X).name = "slave", "rim"
+        hub.edges["slave"].maxh, shaft.edges["master"].maxh = 1.0, 1.3
+        ngmesh = OCCGeometry(Compound([shaft, hub]), dim=2).GenerateMesh(maxh=2.5)
+        for vertex in ngmesh.Points():
+            vertex[1] -= 50 * (vertex[1] > 45)
+        self.mesh, self.k = Mesh(ngmesh), k
+        V = VectorH1(self.mesh, order=2, dirichletx="axis", dirichlety="low|rim")
+        W = H1(self.mesh, order=2, dirichlet="axis|rim|end")
+        fes = V * W * LACSpace(V, slave="slave", axisymmetric=True)
+        (u, self.w, lam), (v, o, _) = fes.TnT()
+        stress = Stress(Sym(AxisymmetricGrad(u, twist=self.w)), 210e3, NU)
+        a = BilinearForm(fes)
+        a += 2 * pi * x * InnerProduct(stress, Sym(AxisymmetricGrad(v, twist=o))) * dx
+        around = Flux(self.w, self.around)
+        self.contact = LACContact(u, lam, master="master", offset=-0.01, flux=around)
+        self.gf, self.angle = GridFunction(fes), Parameter(0)
+        self.solver = ContactSolver(a, self.gf, self.contact)
+
+    def around(self, f):
+        jump, most = f.Slave(self.w) - f.Master(self.w), self.friction * f.pressure
+
+        def bounded(slipped):
+            trial = self.k * (jump - slipped)
+            return IfPos(trial - most, most, IfPos(trial + most, trial, -most))
+
+        slipped = f.History("way", lambda before: jump - bounded(before) / self.k)
+        return self.k * (jump - slipped)
+
+    def turn(self, angle):
+        """Torque on the shaft by the hub, and of the end."""
+        turned = GridFunction(self.gf.components[1].space)
+        turned.Set(angle * x, definedon=self.mesh.Boundaries("end"))
+        end = list(turned.space.GetDofs(self.mesh.Boundaries("end")))
+        self.gf.components[1].vec.FV().NumPy()[end] = turned.vec.FV().NumPy()[end]
+        self.solver.Solve(printing=False)
+        self.contact.Commit(self.gf)
+        table = self.contact.Table()
+        return self.radius * table["flux_out"] @ table["area"], self.of_end()
+
+    def of_end(self):
+        forces, arm = self.gf.vec.CreateVector(), GridFunction(self.gf.space)
+        self.solver.a.Apply(self.gf.vec, forces)
+        arm.components[1].Set(x, definedon=self.mesh.Boundaries("end"))
+        return InnerProduct(arm.vec, forces)
+
+
+def test_torque_of_a_press_fit():
+    """It grows as front after front slips, up to what friction bears, and falls elastically."""
+    fit = Fit()
+    torques = np.array([fit.turn(angle) for angle in (2e-4, 1e-3, 2e-3, 4e-3, 8e-3)])
+    assert abs(torques.sum(axis=1)).max() <= 1e-8 * abs(torques).max()
+    torque, table = torques[:, 1], fit.contact.Table()
+    bound = fit.radius * fit.friction * table["pressure"] @ table["area"]
+    assert torque[-2:] == pytest.approx(bound, rel=1e-8)
+    elastic = torque[0] / 2e-4
+    assert all(torque[1:3] < 0.999 * elastic * np.array([1e-3, 2e-3]))
+    back = fit.turn(7.9e-3)[1]
+    assert (torque[-1] - back) / 1e-4 == pytest.approx(elastic, rel=1e-6)
+    assert abs(table["way"]).max() > 0
+
+
+def test_stick_of_a_twist_is_that_of_a_tie():
+    """As the elastic part grows stiffer, at the rate of its compliance."""
+    torques = [Fit(k=k).turn(1e-4)[1] for k in (1e6, 1e7, 1e8)]
+    steps = np.diff(torques)
+    assert 0 < steps[1] < 0.15 * steps[0] < 0.02 * torques[0]
