@@ -105,11 +105,12 @@ class Residual:
     @property
     def borne(self):
         """Forces that hold idle bodies, relative to those of contact, in what was measured last."""
-        if not self.ground:
+        bulk, contact = np.abs(self.parts).sum(axis=1)
+        if not self.ground or contact <= ROUNDING * bulk:
             return 0.0
         unbalanced = np.sum(self.parts, axis=0) * self.free
         held = unbalanced - self.ground.Balanced(unbalanced)
-        return np.abs(held).sum() / (np.abs(self.parts[1]).sum() or np.inf)
+        return np.abs(held).sum() / (contact or np.inf)
 
     def State(self):
         """What the next solve depends on, as a dict."""
