@@ -151,6 +151,10 @@ public:
     for (auto & [name, values] : flowing)
       for (size_t m : Range(values))
         values[m] = Place(m).area > 0 ? law->Flowing().at(name)[m] : 0;
+    if (setup.active && kept.size()) {
+      present = setup.law ? NamedNumbers() : law->Remembered();
+      looked = setup.law ? WithKept(Places(x)) : NamedNumbers();
+    }
   }
 
   void Lean(FlatArray<double> vectors) override {
@@ -169,8 +173,8 @@ public:
   void Commit(const BaseVector & bx) override {
     Follow(bx);
     Evaluate(bx);
-    if (setup.active && kept.size())
-      kept = KeptAfter(kinematics->Jump().area, kept, Remembered(bx.FV<double>()));
+    kept = Kept();
+    Forget();
     if (setup.active)
       kinematics->Commit(bx.FV<double>(), accepted.states, states);
     Accept();
@@ -182,6 +186,7 @@ public:
     normal = accepted.normal;
     states = accepted.states;
     flowing = accepted.flowing;
+    Forget();
   }
 
   NamedNumbers GetHistory() override {
@@ -204,6 +209,7 @@ public:
     Exchange({numbers, true});
     states = std::move(saved);
     accepted.states = std::move(committed);
+    Forget();
   }
 
   void AddForces(const BaseVector & bx, FlatArray<double> tractions, BaseVector & by) override {
@@ -310,6 +316,9 @@ public:
     SaveVectors<D>(table["center"], jump.center);
     SaveVectors<D>(table["reference"], kinematics->Reference());
     table.insert(flowing.begin(), flowing.end());
+    for (auto & each : law->Flows())
+      for (size_t m : Range(states))
+        table[each.name + "growth"].Append(law->GrowthOf(each, m));
     for (size_t m : Range(states)) {
       auto & state = states[m];
       auto place = kinematics->Place(m);
@@ -342,8 +351,16 @@ public:
     return table;
   }
 
-  NamedNumbers Kept() const override { return kept; }
-  void KeepFrom(const ContactForm & other) override { kept = other.Kept(); }
+  NamedNumbers Kept() const override {
+    if (present.empty() && looked.empty())
+      return kept;
+    auto found = looked.empty() ? present : AnswerTo<D>(setup.law, looked, kept, Asked());
+    return KeptAfter(kinematics->Jump().area, kept, found);
+  }
+  void KeepFrom(const ContactForm & other) override {
+    kept = static_cast<const Form &>(other).kept;
+    Forget();
+  }
   void Reevaluate() override { law->Reevaluate(); }
   SegmentTable Segments() const override {
     CheckPaired();
@@ -607,12 +624,8 @@ private:
     return places;
   }
 
-  /// The memory after a step that ends at x.
-  NamedNumbers Remembered(FlatVector<> x) const {
-    if (!setup.law)
-      return law->Remembered();
-    return AnswerTo<D>(setup.law, WithKept(Places(x)), kept, Asked());
-  }
+  /// What is remembered is that of the last committed step.
+  void Forget() { present.clear(), looked.clear(); }
 
   NamedNumbers WithKept(NamedNumbers places) const {
     places.insert(kept.begin(), kept.end());
@@ -755,7 +768,9 @@ private:
   InterfaceFlow<D> flow;
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
   NamedNumbers flowing; // what flows through them then, by the names in the table
-  NamedNumbers kept;    // of the last committed step, by a law in place of the compiled one
+  NamedNumbers kept;    // what is remembered of the last committed step
+  NamedNumbers present; // the same at the last evaluation, empty: not known
+  NamedNumbers looked;  // or the places then, at which a law in place of the compiled one tells it
   size_t nscalars = 0;  // entries of a vector on the product space that was paired
   std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
   struct {

@@ -214,6 +214,12 @@ public:
     return flowing.at(flow.name + end)[m];
   }
   const NamedNumbers & Flowing() const { return flowing; }
+  /// How what flows out of the slave grows with the field there, at the last derivatives; 0:
+  /// unknown.
+  double GrowthOf(const Flow & flow, size_t m) const {
+    auto found = slopes.find(flow.name + "out");
+    return found == slopes.end() ? 0 : found->second(m, 2 * D + 2 + 2 * flow.field);
+  }
 
   /// Numbers of each multiplier: D, or 1 of a scalar, the jump of which has D equal components.
   int Components() const { return lam.evaluator->Dim(); }

@@ -142,7 +142,11 @@ class Fields:
     def _Side(self, field, side):
         if side not in self._sides:
             what = "a Law sees no scalar fields" if not self._sides else f"there is no {side}"
-            raise ValueError(f"{what}: give what it needs as a GridFunction or a Parameter")
+            jump = ", or what is tied by z.jump, the slave's less the master's"
+            raise ValueError(
+                f"{what}: give what it needs as a GridFunction or a Parameter"
+                + (jump if hasattr(self, "jump") else "")
+            )
         return self.SidesOf(field)[side == "master"]
 
     def SidesOf(self, field):
@@ -372,9 +376,9 @@ def Explained(name):
         yield
     except (NgException, TypeError) as error:
         raise ValueError(
-            f"{error}: so {name} is no expression that NGSolve can differentiate. A vector and a "
-            "number do not add up, a power that is no whole number is exp(a * log(.)), IfPos "
-            "stands for if, max and min, and functions are those of ngsolve"
+            f"{name} is no expression that NGSolve can differentiate: a vector and a number do not "
+            "add up, a power that is no whole number is exp(a * log(.)), IfPos stands for if, max "
+            f"and min, and functions are those of ngsolve. NGSolve says: {error}"
         ) from error
 
 

@@ -7,6 +7,7 @@ from ngsolve import Grad, GridFunction, InnerProduct, Integrate
 from ngslac.arguments import ShownPoint
 from ngslac.bodies.messages import DrivenMessage, IdleMessage
 from ngslac.contact.certificate import PointsInside
+from ngslac.contact.fields import FluxName
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.solve.inverted import InvertedError
 
@@ -41,6 +42,7 @@ class Look:
         self._LookAtPoints()
         self._LookAtSliding()
         self._LookAtRotations()
+        self._LookAtFlows()
 
     def _Say(self, kind, message):
         """Note a message, if there is one."""
@@ -128,6 +130,18 @@ class Look:
             "the partners of the start. Give LACContact finite=True, or call contact.Update(gf) "
             "between steps"
         )
+
+    def _LookAtFlows(self):
+        """What flows through contact from where its field is lower."""
+        for number, contact in enumerate(self.system.contacts):
+            table = contact.form.Table()
+            for k in range(len(contact.fluxes)):
+                message = (
+                    f"flux number {k} of contact number {number} falls where its field grows on "
+                    "the slave: is its sign right? It counts from the slave to the master"
+                )
+                uphill = table["area"] @ table[FluxName(k) + "growth"] < 0
+                self._Say(f"flow {number} {k}", message if uphill else "")
 
     def _LookAtRotations(self):
         """Rotations and strains that a bulk form does not know which is linear."""

@@ -22,7 +22,9 @@ class UnstableError(ContactConvergenceError):
     """Energy falls along a `push` (n,) out of the equilibrium at a `place`."""
 
     def __init__(self, place, push):
-        super().__init__("the equilibrium is unstable, as a law softens")
+        super().__init__(
+            "the equilibrium is unstable, as a law softens: is the sign of its traction right?"
+        )
         self.place, self.push = place, push
 
 

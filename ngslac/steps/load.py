@@ -80,8 +80,8 @@ class LoadStepper(metaclass=Distributable):
     prescribe : dict or callable, optional
         Dirichlet values that depend on the load: a displacement for each region,
         ``{"top": CF((0, -0.1 * load))}``, of which the components count that the space constrains
-        there; or ``prescribe(gf)``, which sets them. Dofs that are not constrained stay as they
-        are.
+        there, and where two regions meet those of the later one; or ``prescribe(gf)``, which sets
+        them. Dofs that are not constrained stay as they are.
     predict : bool
         Start each step from the linear extrapolation of the last two, unless the residual is far
         larger there than without.

@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from numbers import Real
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction
+from netgen.meshing import NgException
+from ngsolve import CoefficientFunction, GridFunction, Region
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
-from ngslac.arrays import AsNumPy, ScalarDofs
+from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
 
 __all__ = ["Prescribed"]
 
@@ -31,11 +32,10 @@ class Prescribed:
         space, block = form.component, form.fes.dim
         self.first = form.offset * block
         self.field = GridFunction(space)
-        fixed = ~AsNumPy(ScalarDofs(space.FreeDofs(), space))
         self.values = {key: Displacement(key, values[key], space.mesh.dim) for key in values}
         for key in values:
             region = RegionWithFaces(space.mesh, "prescribe: region", key, any=True)
-            dofs = fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
+            dofs = ConstrainedOn(space, region)
             if not np.any(dofs):
                 raise ValueError(
                     f"prescribe: no displacement is constrained on {key!r}; give the space "
@@ -59,6 +59,33 @@ class Prescribed:
                     f"prescribe: the value of {key!r} is NaN or infinite somewhere there"
                 )
             vec[self.first + dofs] = field[dofs]
+
+
+def ConstrainedOn(space, region):
+    """The scalar dofs (n,) bool of a region in the components that are constrained on it.
+
+    A vertex may belong to another boundary, too, where more components are. Where no component is
+    on a whole boundary, whatever is constrained there.
+    """
+    fixed = ~AsNumPy(ScalarDofs(space.FreeDofs(), space))
+    found = np.zeros_like(fixed)
+    for number in np.flatnonzero(AsNumPy(region.Mask())):
+        one = Region(space.mesh, region.VB(), AsBits(np.arange(len(region.Mask())) == number))
+        there = AsNumPy(ScalarDofs(space.GetDofs(one), space))
+        for part in _Components(space):
+            own = np.zeros_like(there)
+            own[part] = there[part]
+            found |= own if np.all(fixed[own]) else False
+    return found if np.any(found) else fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
+
+
+def _Components(space):
+    """Where the dofs of each component of a space are; of one without components, all."""
+    try:
+        ranges = [space.Range(k) for k in range(len(space.components))]
+        return [slice(one.start, one.stop) for one in ranges]
+    except NgException:
+        return [slice(None)]
 
 
 def Displacement(key, value, dim):

@@ -1,5 +1,7 @@
 """What flows through a contact: derivatives, closed forms, balances, histories, bad input."""
 
+import warnings
+
 import numpy as np
 import pytest
 from blocks import C, block_mesh, residual
@@ -627,3 +629,31 @@ def test_bad_input():
         make(None).Flow()
     with pytest.raises(ValueError, match="none of this contact"):
         make(Flux(T, conducted)).Flow(flux=Flux(T, conducted))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_flow_from_the_colder_side_is_told(sign):
+    warm = Warm(lambda f, T: sign * 0.3 * (f.Slave(T) - f.Master(T)))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        warm.Solve()
+    assert len(caught) == (sign < 0)
+    assert all("is its sign right?" in str(warning.message) for warning in caught)
+
+
+def test_what_is_remembered_is_shown_as_of_now():
+    """In a loop of solves; the next step begins where the last one was accepted."""
+
+    def Film(f, T):
+        way = f.History("way", lambda w: w + 0.1 * f.pressure)
+        return (1 + 0 * way) * (f.Slave(T) - f.Master(T))
+
+    warm = Warm(Film, pressure=2.0, dirichlet={"dirichlety": "bottom", "dirichletx": ".*"})
+    ways = []
+    for accepts in (False, True, True):
+        warm.Solve()
+        ways.append(warm.contact.Table()["way"].mean())
+        if accepts:
+            warm.contact.Commit(warm.gf)
+            assert warm.contact.Table()["way"].mean() == ways[-1]
+    assert ways == pytest.approx([0.2, 0.2, 0.4], rel=1e-6)

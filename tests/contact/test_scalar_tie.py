@@ -1,5 +1,6 @@
 """Scalar fields that are tied across meshes: patch tests, closed forms, steps, bad input."""
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -218,6 +219,19 @@ def test_around_an_axis():
     heat.solve(y)
     assert abs(heat.contact.Flow()[0] - np.pi) <= 1e-12
     assert Integrate((heat.T - y) ** 2, mesh) <= 1e-24
+
+
+@pytest.mark.parametrize(("bulk", "contact"), [(False, True), (True, False), (True, True)])
+def test_the_factor_of_an_axis_is_on_both_sides(bulk, contact):
+    """What is conducted as in a plane does not go with contact around an axis, nor the opposite."""
+    heat = Heat(TwoBlocks(0.1, aligned=False), axisymmetric=contact)
+    (T, _), (v, _) = heat.fes.TnT()
+    heat.a = BilinearForm((2 * pi * x if bulk else 1) * 7 * grad(T) * grad(v) * dx)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        heat.solve(y)
+    assert [bool(caught)] == [bulk != contact], [str(one.message) for one in caught]
+    assert all("factor 2*pi*x" in str(one.message) for one in caught)
 
 
 def test_one_body_is_held_by_the_other():

@@ -78,6 +78,28 @@ def test_a_motion_beyond_the_size_of_the_elements(condense):
     assert ends[0] == pytest.approx(ends[1], abs=1e-8)
 
 
+@pytest.mark.parametrize("space", ["whole", "by components"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_corner_takes_of_each_side_what_that_constrains(turned, space):
+    """The sides are held in y, the top in x, too: no matter in which order they come."""
+    if space == "whole":
+        flags = {"dirichlet": "bottom|top", "dirichlety": "left_upper|right_upper"}
+    else:
+        sides = "bottom|top|left_upper|right_upper"
+        flags = {"dirichletx": "bottom|top", "dirichlety": sides}
+
+    def sides_and_top(t):
+        given = {"top": t * PUSH, "left_upper|right_upper": t * CF((7, -0.02 * y))}
+        return dict(reversed(given.items())) if turned else given
+
+    problem, stepper, _ = driven(sides_and_top, flags=flags)
+    assert set(flags["dirichlety"].split("|")) & set(problem.mesh.GetBoundaries())
+    stepper.Integrate(steps=1, printing=False)
+    u, mesh = problem.gf.components[0], problem.mesh
+    for corner in (1e-9, 1 - 1e-9):
+        assert u(mesh(corner, 1 - 1e-9)) == pytest.approx((0.01, -0.02), abs=1e-8)
+
+
 def test_a_large_rotation():
     """Both bodies turn by a right angle in two steps: the Newton steps carry it."""
 
