@@ -151,6 +151,7 @@ public:
     for (auto & [name, values] : flowing)
       for (size_t m : Range(values))
         values[m] = Place(m).area > 0 ? law->Flowing().at(name)[m] : 0;
+    Forget();
     if (setup.active && kept.size()) {
       present = setup.law ? NamedNumbers() : law->Remembered();
       looked = setup.law ? WithKept(Places(x)) : NamedNumbers();
