@@ -266,6 +266,11 @@ class LACContact(metaclass=Distributable):
         else:
             self.Update()
 
+    @property
+    def prepared(self) -> bool:
+        """Is its scale that of a bulk, since the last `Update`?"""
+        return self.form.paired and self._state.scaled
+
     def Prepare(self, bulk, *, form=None) -> None:
         """Pair if that was not done, and look at the stiffness of both bodies in the bulk's matrix.
 

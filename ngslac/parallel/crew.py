@@ -13,6 +13,7 @@ from collections import defaultdict, deque
 
 from ngslac.errors import Portable
 from ngslac.parallel.interrupts import Interrupts
+from ngslac.parallel.plain import Difference
 
 __all__ = ["Crew", "OutOfStepError"]
 
@@ -80,22 +81,25 @@ class Crew:
         self.tasks, self._depth, self.interrupts = {}, 0, Interrupts()
         self._present = set(self.workers)
 
-    def Call(self, name, work):
-        """The result of `work` on the conductor, on all processes; workers serve meanwhile."""
+    def Call(self, name, work, arguments):
+        """The result of `work` on the conductor, on all processes; workers serve meanwhile.
+
+        `arguments` are the numbers and words by name that all have to call it with.
+        """
         self._depth += 1
         try:
             if self.conducts:
-                return self._Conduct(name, work)
+                return self._Conduct(name, work, arguments)
             with self.interrupts.Held():
-                return self._Serve(name)
+                return self._Serve(name, arguments)
         finally:
             self._depth -= 1
 
-    def _Conduct(self, name, work):
+    def _Conduct(self, name, work, arguments):
         entered = []
         try:
             with self.interrupts.Held():
-                self._Gather(name, entered)
+                self._Gather(name, entered, arguments)
             result, error = work(), None
         except BaseException as problem:
             result, error = None, problem
@@ -105,11 +109,11 @@ class Crew:
             raise error
         return result
 
-    def _Gather(self, name, entered):
+    def _Gather(self, name, entered, arguments):
         """Wait until all workers make this call; who makes any is noted in `entered`."""
-        others = {}
+        others, different = {}, None
         for rank in self.workers:
-            message = kind, depth, called, *_ = self._Hear(rank, self._depth, name)
+            message = kind, depth, called, *given = self._Hear(rank, self._depth, name)
             if depth < self._depth:
                 self.messages.PutBack(rank, message)
             else:
@@ -117,9 +121,17 @@ class Crew:
             if (kind, depth, called) != (ENTERED, self._depth, name):
                 does = {ENTERED: f"calls {called}", LEFT: "has ended"}
                 others[rank] = does.get(kind, "calls nothing")
+            elif argument := Difference(arguments, *given):
+                values = arguments.get(argument), given[0].get(argument)
+                different = (
+                    f"{name}: {argument} = {values[0]!r} on process 0 and {values[1]!r} on process "
+                    f"{rank}: give the same on all"
+                )
         if others:
             rank, does = next(iter(others.items()))
             raise OutOfStepError(f"process 0 calls {name} while process {rank} {does}: {RULE}")
+        if different:
+            raise ValueError(different)
 
     def _Hear(self, rank, depth, name=None):
         """The next message of a worker at a depth; what it calls alone is refused."""
@@ -132,8 +144,8 @@ class Crew:
             )
             self.messages.Send(rank, (END, at, None, error))
 
-    def _Serve(self, name):
-        self.messages.Send(0, (ENTERED, self._depth, name))
+    def _Serve(self, name, arguments):
+        self.messages.Send(0, (ENTERED, self._depth, name, arguments))
         while True:
             kind, depth, *rest = self.messages.Receive(0, name)
             name = None  # it has come

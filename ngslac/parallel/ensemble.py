@@ -63,7 +63,7 @@ class Ensemble:
 
     # --- calls ---------------------------------------------------------------------------------
 
-    def Call(self, name, work):
+    def Call(self, name, work, arguments):
         """What `work` gives on the conductor, on all processes; users' functions follow."""
 
         def Work():
@@ -75,12 +75,12 @@ class Ensemble:
                 self.Show()
                 self._Tidy()
 
-        return self.InStep(name, Work)
+        return self.InStep(name, Work, arguments)
 
-    def InStep(self, name, work):
+    def InStep(self, name, work, arguments):
         """See `Crew.Call`; what processes that are out of step have added loses its number."""
         try:
-            return self.crew.Call(name, work)
+            return self.crew.Call(name, work, arguments)
         except OutOfStepError:
             self._next, self.pairs.next = self._agreed
             new = [number for number in self.things if number >= self._next]

@@ -1,14 +1,51 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Values that processes send to each other as they are."""
 
+import inspect
+import math
 from dataclasses import dataclass, fields, is_dataclass
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
 
-__all__ = ["IsPlain", "Reference", "View"]
+__all__ = ["Arguments", "Difference", "IsPlain", "Reference", "View"]
 
 ATOMS = (type(None), bool, int, float, complex, str, bytes, np.ndarray, np.generic, Path)
+
+OWN = {"printing", "callback"}  # arguments that each process may choose
+SAME = 1e-9  # relative difference of numbers that were computed on each process
+
+
+def Arguments(function, args, options):
+    """Numbers and words among the arguments of a call, by their names."""
+    try:
+        given = inspect.signature(function).bind_partial(*args, **options).arguments
+    except TypeError:  # a wrong call, which is refused where it is made
+        return {}
+    return {name: value for name, value in given.items() if name not in OWN and _IsWord(value)}
+
+
+def _IsWord(value):
+    if isinstance(value, (list, tuple)):
+        return all(map(_IsWord, value))
+    return value is None or isinstance(value, (bool, Real, str))
+
+
+def Difference(ours, others):
+    """The name of an argument that is another one on another process; None: they are alike."""
+    names = [*ours, *(name for name in others if name not in ours)]
+    missing = object()
+    pairs = ((name, ours.get(name, missing), others.get(name, missing)) for name in names)
+    return next((name for name, one, other in pairs if not _Alike(one, other)), None)
+
+
+def _Alike(one, other):
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
+        return len(one) == len(other) and all(map(_Alike, one, other))
+    if isinstance(one, Real) and isinstance(other, Real):
+        return math.isclose(one, other, rel_tol=SAME) or (one != one and other != other)
+    return one == other
 
 
 @dataclass(frozen=True)

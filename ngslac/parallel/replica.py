@@ -110,9 +110,10 @@ class SpaceReplica:
         return parts
 
     def Put(self, parts, values):
-        """Write parts of workers, which have the same at shared dofs, into values (n,)."""
+        """Write parts of workers, which have the same at shared dofs, into values (n,); or None."""
         for part, (own, numbers) in zip(parts, self._Places(), strict=True):
-            values[numbers] = part[own]
+            if part is not None:
+                values[numbers] = part[own]
 
     def Add(self, parts, values):
         """Add parts of workers to values (n,)."""

@@ -30,6 +30,7 @@ def MacroElements(V, slave, macros, axisymmetric):
         ensemble.homes[own] = home
         return home.nmacros
 
-    count = ensemble.InStep("LACSpace", Make)
+    words = {"slave": slave} if isinstance(slave, str) else {}
+    count = ensemble.InStep("LACSpace", Make, words | {"axisymmetric": axisymmetric})
     faces = ensemble.things[own][0] if ensemble.things[own] else np.empty(0, np.int32)
     return count, faces, own

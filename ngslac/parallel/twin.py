@@ -13,7 +13,7 @@ from ngslac.errors import Portable
 from ngslac.parallel.bulk import RemoteForm
 from ngslac.parallel.ensemble import Ensemble
 from ngslac.parallel.functions import VECTORS
-from ngslac.parallel.plain import IsPlain, Reference, View
+from ngslac.parallel.plain import Arguments, IsPlain, Reference, View
 from ngslac.parallel.recipes import Recipe
 
 __all__ = ["CallEverywhere", "Twin"]
@@ -77,6 +77,7 @@ class Twin:
             self._ensemble,
             f"{self._kind.__name__}.{name} =",
             lambda: setattr(self._ensemble.homes[key], name, value()),
+            {},
         )
 
     def _Call(self, name, args, options):
@@ -90,7 +91,8 @@ class Twin:
             args, options = recipes()
             return getattr(ensemble.homes[key], name)(*args, **options)
 
-        return RunEverywhere(ensemble, title, Work)
+        words = Arguments(MethodType(getattr(self._kind, name), self), args, options)
+        return RunEverywhere(ensemble, title, Work, words)
 
 
 def Recipes(args, options, ensemble):
@@ -111,7 +113,7 @@ def MakeTwin(mesh, kind, args, options):
         ForgetWith(twin)
 
     twin = Twin(kind, ensemble, key)
-    RunEverywhere(ensemble, kind.__name__, Work)  # refuses wrong arguments
+    RunEverywhere(ensemble, kind.__name__, Work, Arguments(kind, args, options))
     twin._arguments.update(inspect.signature(kind).bind_partial(*args, **options).arguments)
     return twin
 
@@ -130,7 +132,8 @@ def CallEverywhere(mesh, function, args, options):
         args, options = recipes()
         return function(*args, **options)
 
-    return RunEverywhere(ensemble, function.__name__, Work)
+    words = Arguments(function, args, options)
+    return RunEverywhere(ensemble, function.__name__, Work, words)
 
 
 OnManyProcesses.Make, OnManyProcesses.Call = MakeTwin, CallEverywhere
@@ -139,8 +142,8 @@ OnManyProcesses.Make, OnManyProcesses.Call = MakeTwin, CallEverywhere
 # --- what comes back -----------------------------------------------------------------------------
 
 
-def RunEverywhere(ensemble, title, work):
-    """What `work` gives on the conductor, as all processes may have it."""
+def RunEverywhere(ensemble, title, work, arguments):
+    """What `work` gives on the conductor, as all processes may have it; see `Crew.Call`."""
     kept = []
 
     def Work():
@@ -158,7 +161,7 @@ def RunEverywhere(ensemble, title, work):
         shown = {key: Shown(ensemble, key) for key in keys if key not in before or Changes(key)}
         return packed, shown, Portable(error)
 
-    result, shown, error = ensemble.Call(title, Work)
+    result, shown, error = ensemble.Call(title, Work, arguments)
     found = Unpacked(result, ensemble, *kept[:1])
     for key, (public, text) in shown.items():
         twin = ensemble.twins.get(key)

@@ -273,8 +273,10 @@ class System:
         bulk = self.bulk
         if bulk.Assemble():
             self.linear.NewBulk()
-        for contact in self.contacts:
-            contact.Prepare(bulk.diagonal, form=bulk.elastic)
+        fresh = [contact for contact in self.contacts if not contact.prepared]
+        elastic = bulk.elastic if fresh else None
+        for contact in fresh:
+            contact.Prepare(bulk.diagonal, form=elastic)
         if not self._apart:
             CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
             free, rests = self.linear.free & ~bulk.inner, not np.any(self.values)

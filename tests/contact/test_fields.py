@@ -320,7 +320,7 @@ def test_wear_in_time(finite, dt):
     ("law", "match"),
     [
         ({"friction": lambda z: 0.1 * z.pressure**0.5}, r"friction\(z\).*exp\(a \* log"),
-        ({"friction": lambda z: 0.1 + z.slip}, r"friction\(z\).*A vector and a number"),
+        ({"friction": lambda z: 0.1 + z.slip}, r"friction\(z\).*a vector and a number"),
         ({"offset": lambda z: z.History("way", lambda w: w + z.slip)}, "History of way.*number"),
         ({"law": Law(lambda z: z.jump + z.gap)}, "traction of a Law"),
         ({"law": Law(lambda z: (0, z.gap))}, "CF of numbers: return it"),

@@ -1,7 +1,8 @@
 """Scripts that end in different ways on different processes; the argument says which.
 
 "first": the first process asks for what the others do not; "last": the last one does; "error": the
-last one raises something. With "slow" the last one is late, and all is well.
+last one raises something, with "alone" while the others wait in MPI; "differs": an argument is
+another one on each. With "slow" the last one is late, and all is well.
 """
 
 import sys
@@ -12,7 +13,7 @@ from ngsolve import CF
 from parallel_problem import QUIET, problem
 from parallel_shapes import block_on_block
 
-from ngslac.parallel import crew
+from ngslac.parallel import crew, farewell
 
 comm, end = MPI.COMM_WORLD, sys.argv[1]
 made = problem(block_on_block(comm, 0.4), friction=0.3)
@@ -20,8 +21,13 @@ made.u.Set(CF((0.01, -0.02)), definedon=made.mesh.Boundaries("top"))
 made.solver().Solve(**QUIET)  # which starts PETSc, whose end waits for all
 (contact,) = made.contacts
 last = comm.rank == comm.size - 1
-if end == "error" and last:
+if end in ("error", "alone") and last:
+    farewell.GRACE = 2.0
     raise KeyError("of the user")
+if end == "alone":
+    comm.Barrier()
+if end == "differs":
+    contact.Force(on="slave" if comm.rank else "master")
 if end == "slow":
     crew.PATIENCE = 0.1
     time.sleep(0.5 * last)

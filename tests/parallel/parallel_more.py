@@ -1,6 +1,7 @@
 """Cases of what else a user may write: other spaces, functions, options and queries."""
 
 import inspect
+import pickle
 from typing import ClassVar
 
 import numpy as np
@@ -43,6 +44,7 @@ from ngslac import (
 )
 from ngslac.materials import AxisymmetricGrad, Stress
 from ngslac.meshes import Distributed, SphereOnBlock, TwoBlocks3D
+from ngslac.parallel.crew import Messages
 
 
 def on_space(mesh, V, *more, bulk=linear, **law):
@@ -212,6 +214,31 @@ def tied_temperature(world):
     found = {"flux": table["flux"], "flow": contact.Flow(), "whole": whole}
     found |= {"force": contact.Force(), "steps": [step.iterations for step in done]}
     return {name: (np.array(values), None) for name, values in found.items()}
+
+
+@case
+def light_queries(world):
+    """What is asked of a solution moves a small part of it; a change by users is seen."""
+    made = problem(block_on_block(world.comm, 0.05), friction=0.3)
+    press(made, (0.02, -0.03), steps=1)
+    sent, send = [0], Messages.Send
+
+    def counted(self, rank, message):
+        sent[0] += len(pickle.dumps(message, protocol=5))
+        send(self, rank, message)
+
+    Messages.Send = counted
+    try:
+        force = made.contacts[0].Force()
+    finally:
+        Messages.Send = send
+    total = sent[0] if world.comm is None else world.comm.allreduce(sent[0])
+    assert total < 0.2 * 8 * made.X.ndofglobal, total
+    made.gf.vec.data = 0.5 * made.gf.vec
+    made.contacts[0].Evaluate(made.gf)
+    found = {"force": force, "half": made.contacts[0].Force()}
+    assert np.linalg.norm(found["half"]) < 0.6 * np.linalg.norm(force)
+    return {name: (values, None) for name, values in found.items()}
 
 
 @case

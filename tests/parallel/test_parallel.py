@@ -21,7 +21,7 @@ RUNS = {3: ALL, 4: MANY, 5: FEW, 2: FEW, 1: FEW}
 SAMPLE = [
     "saved", "restarted", "vtu", "hertz2d", "builder", "curved", "two_contacts", "condensed",
     "nonlinear", "augmented", "bilateral", "tied3d", "heat", "floating", "load_as_linearform",
-    "heat_flow", "tied_temperature",
+    "heat_flow", "tied_temperature", "light_queries",
     "interior_point", "selfcontact", "tied_finite", "rigid_tool", "dynamics", "dynamics_small",
     "dynamics3d", "torn_off", "too_few_iterations", "unknown_slave", "unknown_options",
     "negative_friction", "failing_callback", "failing_prescribe", "bad_loads", "bad_form",

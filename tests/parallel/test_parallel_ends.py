@@ -40,6 +40,20 @@ def test_what_is_called_on_some_processes_is_an_error_at_the_end(how, said):
     assert f"OutOfStepError: {said}" in words
 
 
+def test_an_error_on_one_process_ends_the_run():
+    """The others wait for it in a call of MPI, of which nobody can know."""
+    status, words = ended("alone")
+    assert status != 0
+    assert "KeyError: 'of the user'" in words
+    assert "process 2 has ended by an error, and others still run after 2 s" in words
+
+
+def test_an_argument_that_differs_is_refused():
+    status, words = ended("differs")
+    assert status != 0
+    assert words.count("ValueError: LACContact.Force: on = 'master' on process 0 and 'slave'") == 3
+
+
 def test_a_long_wait_is_said():
     status, words = ended("slow")
     assert status == 0, words
