@@ -134,6 +134,8 @@ class LACContact(metaclass=Distributable):
         one number per macro-element, per area.
     dt : Parameter
         Length of the present step, which steppers set; 1 before the first one.
+    components : int
+        Of `u`: as many as dimensions, or 1.
     space : LACSpace
     master : Region or None
     tool : Tool or None
@@ -198,8 +200,8 @@ class LACContact(metaclass=Distributable):
         parts = functions, flags, lengths, law, self.fluxes
         self.tool, setup = CheckedSetup(u, lam, master, *parts, self.dt)
         mesh, region = u.space.mesh, setup["master"]
-        self.components = u.dim  # as many as dimensions, or 1 of a scalar field
-        self.names = OF_SCALARS if self.components == 1 else OF_DISPLACEMENTS
+        self.components = u.dim
+        self._names = OF_SCALARS if self.components == 1 else OF_DISPLACEMENTS
         self.mesh, self.master, self.finite = mesh, region, finite
         self.tied, self.bilateral, self.own_law = tied, bilateral, law is not None
         self.stiffness, self.penetration = stiffness, penetration
@@ -472,7 +474,7 @@ class LACContact(metaclass=Distributable):
 
     def _MakeFields(self):
         """New ones, of one number or one vector per macro-element."""
-        for count, names in ((1, self.names.scalars), (self.mesh.dim, self.names.vectors)):
+        for count, names in ((1, self._names.scalars), (self.mesh.dim, self._names.vectors)):
             space = self.space.WithComponents(count)
             for name in names:
                 setattr(self, name, GridFunction(space, name=name))
@@ -481,7 +483,7 @@ class LACContact(metaclass=Distributable):
         """Take the numbers of the form; 0 where it is not paired."""
         self._recovered = None
         table = self.Table() if self.form.paired else {}
-        for name in self.names.scalars + self.names.vectors:
+        for name in self._names.scalars + self._names.vectors:
             values = table[name].ravel() if table else 0.0
             getattr(self, name).vec.FV().NumPy()[:] = values
 

@@ -54,7 +54,7 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     """
     from matplotlib import pyplot as plt
 
-    names = self.names
+    names = self._names
     along_surface = (name for name in names.vectors if name != "normal")
     CheckChoice("field", field, (*names.scalars, *along_surface, *names.recovered))
     CheckDisplacement("deformation", deformation, self.mesh)
@@ -117,7 +117,7 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     CheckDisplacement("displacement", displacement, self.mesh)
     self._PairOnce()
     self._WarnIfUnsolved()
-    names = (*self.names.scalars, *self.names.vectors, *self.names.recovered)
+    names = (*self._names.scalars, *self._names.vectors, *self._names.recovered)
     fields = {name: FieldOf(self, name) for name in names}
     fields["macro"] = NumbersOf(self, np.arange(self.space.nmacros))
     if displacement is not None:

@@ -65,7 +65,7 @@ def Draw(
     # Importing the webgui switches NumPy's warnings off: not before somebody draws.
     from ngsolve import webgui
 
-    names = self.names
+    names = self._names
     kinds = (*names.scalars, *names.vectors, *names.recovered, "macros", "segments")
     CheckChoice("field", field, kinds)
     CheckDisplacement("deformation", deformation, self.mesh)

@@ -14,7 +14,8 @@ __all__ = ["Arguments", "Difference", "IsPlain", "Reference", "View"]
 ATOMS = (type(None), bool, int, float, complex, str, bytes, np.ndarray, np.generic, Path)
 
 OWN = {"printing", "callback"}  # arguments that each process may choose
-SAME = 1e-9  # relative difference of numbers that were computed on each process
+# Differences of numbers that were computed on each process: relative, and near zero.
+SAME, NOTHING = 1e-9, 1e-14
 
 
 def Arguments(function, args, options):
@@ -44,7 +45,8 @@ def _Alike(one, other):
     if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         return len(one) == len(other) and all(map(_Alike, one, other))
     if isinstance(one, Real) and isinstance(other, Real):
-        return math.isclose(one, other, rel_tol=SAME) or (one != one and other != other)
+        near = math.isclose(one, other, rel_tol=SAME, abs_tol=NOTHING)
+        return near or (math.isnan(one) and math.isnan(other))
     return one == other
 
 
