@@ -297,6 +297,11 @@ def CheckMoves(master, space, component):
     body = Region(master.mesh, VOL, master.Neighbours(VOL).Mask())
     if component.GetDofs(body).NumSet():
         return
+    if component.TrialFunction().dim == 1:
+        raise ValueError(
+            f"master = {BoundaryNames(master)!r} has no degrees of freedom of u: define its space "
+            "on both bodies"
+        )
     for other in _Parts(space):
         moves = other.TrialFunction().dim == master.mesh.dim and other.GetDofs(body).NumSet()
         if moves and other.type != "lacspace":

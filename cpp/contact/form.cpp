@@ -107,6 +107,9 @@ public:
     CheckSize(residual.FV<double>().Size());
     auto x = bx.FV<double>();
     auto answers = Answers(x, Want::step);
+    growth.SetSize(answers.Size());
+    for (size_t m : Range(answers))
+      growth[m] = answers[m].by_jump(0, 0);
     for (size_t m : Range(convex ? answers.Size() : 0))
       answers[m].by_jump = WithoutSoftening(m, answers[m]);
     Linearize(x, answers, law->Multipliers(x), Rim::moves);
@@ -145,7 +148,7 @@ public:
       state.gap = IsScalar() ? 0 : place.gap;
       state.traction = 0.0, state.slip = 0.0;
       for (int k : Range(D))
-        state.traction(k) = traction(k), state.slip(k) = place.slip(k);
+        state.traction(k) = traction(k), state.slip(k) = IsScalar() ? 0 : place.slip(k);
       normal[m] = place.normal;
     });
     for (auto & [name, values] : flowing)
@@ -318,8 +321,11 @@ public:
     SaveVectors<D>(table["reference"], kinematics->Reference());
     table.insert(flowing.begin(), flowing.end());
     for (auto & each : law->Flows())
-      for (size_t m : Range(states))
-        table[each.name + "growth"].Append(law->GrowthOf(each, m));
+      for (size_t m : Range(states)) {
+        for (string end : {"out", "in"})
+          table[each.name + "growth_" + end].Append(law->GrowthOf(each, end.c_str(), m));
+        table[each.name + "jump"].Append(flow.JumpOf(m, each.field));
+      }
     for (size_t m : Range(states)) {
       auto & state = states[m];
       auto place = kinematics->Place(m);
@@ -328,6 +334,10 @@ public:
       table["size"].Append(jump.Size(m));
       table["prescribed"].Append(D - Trace(space->ReachOf(m)));
       table["pressure"].Append(state.pressure);
+      if (IsScalar()) {
+        table["jump"].Append(place.jump(0));
+        table["growth"].Append(growth.Size() ? growth[m] : 0);
+      }
       table["gap"].Append(state.gap);
       table["status"].Append(double(state.status));
       for (int k : Range(D)) {
@@ -769,6 +779,7 @@ private:
   InterfaceFlow<D> flow;
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
   NamedNumbers flowing; // what flows through them then, by the names in the table
+  Array<double> growth; // of what flows into the slave with the jump of a scalar, at the last step
   NamedNumbers kept;    // what is remembered of the last committed step
   NamedNumbers present; // the same at the last evaluation, empty: not known
   NamedNumbers looked;  // or the places then, at which a law in place of the compiled one tells it

@@ -64,6 +64,11 @@ public:
   size_t NMeans() const { return 2 * fields.size(); }
   /// Of a macro-element, at the last look; 0 without a partner.
   FlatVector<> Means(size_t m) { return {NMeans(), means.Data() + NMeans() * m}; }
+  /// Slave less master of a scalar field, where it was looked at last; else 0.
+  double JumpOf(size_t m, size_t field) const {
+    size_t at = NMeans() * m + 2 * field;
+    return at + 1 < means.Size() ? means[at] - means[at + 1] : 0;
+  }
 
   void Look(const Kinematics<D> & kinematics, const LACSpace & space, FlatVector<> x) {
     if (fields.empty())

@@ -214,10 +214,10 @@ public:
     return flowing.at(flow.name + end)[m];
   }
   const NamedNumbers & Flowing() const { return flowing; }
-  /// How what flows out of the slave grows with the field there, at the last derivatives; 0:
-  /// unknown.
-  double GrowthOf(const Flow & flow, size_t m) const {
-    auto found = slopes.find(flow.name + "out");
+  /// How the rate of a flow ("out", "in") grows with the field on the slave, at the last
+  /// derivatives; 0: unknown.
+  double GrowthOf(const Flow & flow, const char * end, size_t m) const {
+    auto found = slopes.find(flow.name + end);
     return found == slopes.end() ? 0 : found->second(m, 2 * D + 2 + 2 * flow.field);
   }
 

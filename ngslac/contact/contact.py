@@ -131,7 +131,7 @@ class LACContact(metaclass=Distributable):
         not known for ``finite=True`` without friction), contact direction out of the slave.
     flux : GridFunction
         Of a scalar `u`, in place of pressure, gap, traction and slip: what flows out of the slave,
-        one number per macro-element, per area.
+        one number per macro-element, per paired area.
     dt : Parameter
         Length of the present step, which steppers set; 1 before the first one.
     components : int

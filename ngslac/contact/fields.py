@@ -35,6 +35,7 @@ __all__ = [
 MIDDLES = {ET.SEGM: (0.5,), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
 ZERO = str(CF(1).Diff(Parameter(0)))  # a derivative that is zero everywhere
 TINY = 1e-150  # its square is a number, too
+NEGLIGIBLE = 1e-120  # what comes of it
 # Names of places, of columns of a table, and of answers, which nothing is kept under.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
 TAKEN |= {"pressure", "friction", "fullarea"}
@@ -348,6 +349,7 @@ class _LawOnFaces:
         means = np.zeros((len(places["area"]), values.shape[1]))
         np.add.at(means, owner, values)
         means /= np.bincount(owner, minlength=len(means))[:, None]
+        means[np.abs(means) < NEGLIGIBLE] = 0
         ends = np.cumsum([size for _, size in self._parts])[:-1]
         columns = np.split(means, ends, axis=1)
         return {name: c for (name, _), c in zip(self._parts, columns, strict=True)}
@@ -394,9 +396,9 @@ def Expression(name, value, least=-math.inf):
         raise Wrong(TypeError, name, value, "an expression of the fields: return it")
     found = Coefficient(name, value, least)
     if HoldsProxy(found):
-        raise ValueError(
-            f"{name} holds a trial function: take its means, z.Slave(T) and z.Master(T)"
-        )
+        law = "Law" in name
+        means = "what is tied by its z.jump" if law else "its means, z.Slave(T) and z.Master(T)"
+        raise ValueError(f"{name} holds a trial function: take {means}")
     return found
 
 

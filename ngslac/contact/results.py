@@ -64,7 +64,8 @@ def Table(self) -> dict[str, np.ndarray]:
         ``friction`` (n) coefficient, -1 without Coulomb friction, of a flux ``flux_out`` (n) out of
         the slave and ``flux_in`` (n) into the master, per area of the reference configuration (of
         the second flux ``flux2_out``, ...),
-        of a scalar `u` ``flux`` (n) out of the slave, beside which pressure, gap and slip are 0,
+        of a scalar `u` ``flux`` (n) out of the slave and ``jump`` (n) of its means, slave less
+        master, beside which pressure, gap and slip are 0,
         and what a ``law`` of your own keeps.
     """
     known = self.form.Table()
@@ -73,6 +74,7 @@ def Table(self) -> dict[str, np.ndarray]:
     table |= {"x": known["center"], "status": known["status"].astype(int)}
     if self.components == 1:
         table |= dict.fromkeys(("flux", "flux_out", "flux_in"), -known["traction"][:, 0])
+        table["jump"] = np.where(table["area"] == 0, np.nan, known["jump"])
     for number in range(len(self.fluxes)):
         table |= {FluxName(number) + end: known[FluxName(number) + end] for end in ("out", "in")}
     return table | self.form.Kept()

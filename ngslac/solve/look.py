@@ -135,12 +135,25 @@ class Look:
         """What flows through contact from where its field is lower."""
         for number, contact in enumerate(self.system.contacts):
             table = contact.form.Table()
-            for k in range(len(contact.fluxes)):
+            if contact.components == 1 and contact.own_law:
+                power, grows = table["jump"] * table["traction"][:, 0], table["growth"]
+                uphill = min(table["area"] @ power, table["area"] @ grows) > 0
                 message = (
-                    f"flux number {k} of contact number {number} falls where its field grows on "
-                    "the slave: is its sign right? It counts from the slave to the master"
+                    f"through contact number {number} the field flows from its lower to its higher "
+                    "side: is the sign of law right? It gives what flows into the slave"
                 )
-                uphill = table["area"] @ table[FluxName(k) + "growth"] < 0
+                self._Say(f"flow {number}", message if uphill else "")
+            for k, flux in enumerate(contact.fluxes):
+                name, parts = FluxName(k), {"out": 1 - flux.share, "in": flux.share}
+                flow = sum(part * table[name + end] for end, part in parts.items())
+                growth = sum(part * table[f"{name}growth_{end}"] for end, part in parts.items())
+                power = flow * table[name + "jump"]
+                uphill = max(table["area"] @ growth, table["area"] @ power) < 0
+                message = (
+                    f"flux number {k} of contact number {number} flows from the lower side of its "
+                    "field to the higher one: is its sign right? It counts from the slave to the "
+                    "master"
+                )
                 self._Say(f"flow {number} {k}", message if uphill else "")
 
     def _LookAtRotations(self):

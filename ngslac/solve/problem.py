@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import scipy
 from netgen.meshing import NgException
-from ngsolve import BND, ET, BitArray, GridFunction, Integrate, IntegrationRule, x, y
+from ngsolve import BND, CF, ET, BitArray, GridFunction, Integrate, IntegrationRule, x
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
@@ -45,7 +45,7 @@ UNHELD = 1e-10
 AXIS = 1e-9
 # By what factor the resistance differs from that of hoop strains where it may be one.
 ALIKE = 5.0
-# Differences of energies of conduction that are one, and two.
+# Differences of ratios of energies that are one, and two.
 SAME, DIFFERENT = 0.01, 0.03
 # Flags of a BilinearForm that leave no matrix, or not enough of it, with what to do instead.
 REFUSED = {
@@ -323,13 +323,12 @@ def CheckAxis(mat, contacts, free):
     across = np.asarray(mesh.ngmesh.Coordinates())[:, 0]
     if mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
         return
-    scalars = ScalarFields(contacts)
-    if contacts[0].components == 1:
-        form = contacts[0].form
-        scalars.append((form.component, np.r_[_Displacements(form)]))
-    for space, rows in scalars:
-        _CheckConduction(mat, space, rows, axisymmetric=flags[0])
-    if contacts[0].components == 1:
+    form = contacts[0].form
+    own = (form.component, np.r_[_Displacements(form)])
+    scalar = contacts[0].components == 1
+    for space, rows in [*ScalarFields(contacts), *([own] if scalar or flags[0] else [])]:
+        _CheckFactor(mat, space, rows, axisymmetric=flags[0])
+    if scalar:
         return
     found = list(_HoopStiffness(mat, contacts[0].form))
     without = [repr(name) for name, resists, _ in found if not resists]
@@ -352,34 +351,34 @@ def CheckAxis(mat, contacts, free):
         )
 
 
-def _CheckConduction(mat, space, rows, *, axisymmetric):
-    """Warn of a scalar field that is conducted as in a plane beside axisymmetric contact, or not.
+def _CheckFactor(mat, space, rows, *, axisymmetric):
+    """Warn of a bulk with the factor x beside contact that is not axisymmetric, or the opposite.
 
-    The energies of the functions x^2/2 and y have another ratio where each point counts by x. It
-    tells nothing where the form has more than an isotropic conduction.
+    The energies of r^2/2 and r, with the distance r from the innermost point, have another ratio
+    where each point counts by x, if what is conducted, or sheared along y, is so alike everywhere.
+    Where the form has more than that, or the bodies are thin rings, it tells nothing.
     """
-    works = []
-    for function in (x**2 / 2, y):
+    works, r = [], x - np.asarray(space.mesh.ngmesh.Coordinates())[:, 0].min()
+    for function in (r**2 / 2, r):
         gf, values = GridFunction(space), np.zeros(mat.width)
-        gf.Set(function)
+        gf.Set(function if gf.dim == 1 else CF((0, function)))
         values[rows] = gf.vec.FV().NumPy()
-        works.append((values * Multiply([mat], values))[rows])
-    weights = x**2, 1, x**3, x
+        works.append((values * Multiply([mat], values))[rows].reshape(-1, space.dim).sum(axis=1))
+    weights = r**2, 1, r**2 * x, x
     moments = [Integrate(f, space.mesh, order=4, region_wise=True).NumPy() for f in weights]
     wrong = []
     for k in range(len(space.mesh.GetMaterials())):
         dofs = AsNumPy(DofsOfMaterials(space, np.arange(len(moments[0])) == k))
         curved, straight = (work[dofs].sum() for work in works)
-        if straight > 0:
-            plane, around = (moments[i][k] / moments[i + 1][k] for i in (0, 2))
-            ours, other = (around, plane) if axisymmetric else (plane, around)
-            off, fits = (abs(curved / straight / ratio - 1) for ratio in (ours, other))
-            wrong.append(fits < SAME < DIFFERENT < off)
+        plane, around = (moments[i][k] / moments[i + 1][k] for i in (0, 2))
+        if straight > 0 and around > (1 + DIFFERENT) * plane:
+            other = plane if axisymmetric else around
+            wrong.append(abs(curved / straight / other - 1) < SAME)
     if wrong and all(wrong):
         has, is_ = ("no", "is") if axisymmetric else ("a", "is not")
         Warn(
-            f"a, the bulk form, has {has} factor 2*pi*x where it conducts a scalar field, and "
-            f"contact {is_} axisymmetric: it goes with axisymmetric=True of each LACSpace"
+            f"a, the bulk form, has {has} factor 2*pi*x, as it seems, and contact {is_} "
+            "axisymmetric: it goes with axisymmetric=True of each LACSpace"
         )
 
 

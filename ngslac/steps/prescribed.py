@@ -32,7 +32,8 @@ class Prescribed:
         space, block = form.component, form.fes.dim
         self.first = form.offset * block
         self.field = GridFunction(space)
-        self.values = {key: Displacement(key, values[key], space.mesh.dim) for key in values}
+        count = solver.contacts[0].components
+        self.values = {key: Displacement(key, values[key], count) for key in values}
         for key in values:
             region = RegionWithFaces(space.mesh, "prescribe: region", key, any=True)
             dofs = ConstrainedOn(space, region)
@@ -90,15 +91,14 @@ def _Components(space):
 
 def Displacement(key, value, dim):
     """The value of a region as a real function with `dim` components."""
-    wanted = f"a displacement with {dim} components, CF({(0,) * dim})"
+    wanted = "a number" if dim == 1 else f"a displacement with {dim} components, CF({(0,) * dim})"
     parts = value if isinstance(value, (tuple, list)) else (value,)
     if not parts or not all(isinstance(part, (Real, CoefficientFunction)) for part in parts):
         raise Wrong(TypeError, f"prescribe: the value of {key!r}", value, wanted)
     function = CoefficientFunction(value)
     if function.dim != dim:
         raise ValueError(
-            f"prescribe: the value of {key!r} has {function.dim} components, a displacement has "
-            f"{dim}"
+            f"prescribe: the value of {key!r} has {function.dim} components, u has {dim}"
         )
     if function.is_complex:
         raise ValueError(f"prescribe: the value of {key!r}, {Shown(value)}, is complex")

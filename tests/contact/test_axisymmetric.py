@@ -1,5 +1,7 @@
 """Bodies of revolution: patch tests, closed forms, the limit of a plane, mass, and bad input."""
 
+import warnings
+
 import numpy as np
 import pytest
 from netgen.occ import Compound, Glue, MoveTo, OCCGeometry, X, Y, unit_cube
@@ -488,3 +490,21 @@ def test_stick_of_a_twist_is_that_of_a_tie():
     torques = [Fit(k=k).turn(1e-4)[1] for k in (1e6, 1e7, 1e8)]
     steps = np.diff(torques)
     assert 0 < steps[1] < 0.15 * steps[0] < 0.02 * torques[0]
+
+
+@pytest.mark.parametrize("factor", [True, False])
+def test_a_bulk_without_the_factor_of_the_circumference_is_told(factor):
+    mesh = section(0.5)
+    V = VectorH1(mesh, order=2, dirichlet="bottom|top")
+    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
+    (u, lam), (v, _) = fes.TnT()
+    stress = Stress(Sym(AxisymmetricGrad(u)), YOUNG, NU)
+    a = BilinearForm(fes)
+    weight = 2 * pi * x if factor else 1
+    a += weight * InnerProduct(stress, Sym(AxisymmetricGrad(v))) * dx
+    contact, gf = LACContact(u, lam, master="master"), GridFunction(fes)
+    gf.components[0].Set((0, -0.01), definedon=mesh.Boundaries("top"))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ContactSolver(a, gf, contact).Solve(printing=False)
+    assert ["no factor 2*pi*x" in str(one.message) for one in caught] == [True] * (not factor)

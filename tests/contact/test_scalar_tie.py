@@ -234,6 +234,45 @@ def test_the_factor_of_an_axis_is_on_both_sides(bulk, contact):
     assert all("factor 2*pi*x" in str(one.message) for one in caught)
 
 
+def test_without_any_load_a_law_gives_nothing():
+    heat = Heat(TwoBlocks(0.2, aligned=False), law=Law(lambda z: -3 * z.jump))
+    assert heat.solve(0).number <= 1
+    assert heat.contact.Flow() == (0, 0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("source", [0, 0.2])
+def test_a_law_that_flows_uphill_is_told(sign, source):
+    """Not what an interface gives by itself."""
+    law = Law(lambda z: -sign * 0.3 * z.jump + source)
+    heat = Heat(TwoBlocks(0.2, aligned=False), law=law)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        heat.solve(y)
+    told = ["is the sign of law right?" in str(warning.message) for warning in caught]
+    assert told == [True] * (sign < 0)
+    table = heat.contact.Table()
+    assert table["flux"] == pytest.approx(sign * 0.3 * table["jump"] - source, rel=1e-9)
+
+
+def test_values_prescribed_by_a_stepper():
+    heat, load = Heat(TwoBlocks(0.2, aligned=False)), Parameter(0)
+    solver = ContactSolver(heat.a, heat.gf, heat.contact)
+    stepper = LoadStepper(solver, load, prescribe={"top": 3 * load, "bottom": load})
+    stepper.Integrate(1, steps=2, **QUIET)
+    assert heat.contact.Flow()[0] == pytest.approx(1, rel=1e-12)
+    with pytest.raises(ValueError, match="'top' has 2 components, u has 1"):
+        LoadStepper(solver, load, prescribe={"top": (0, load)})
+
+
+def test_a_field_of_one_body_is_refused():
+    mesh = TwoBlocks(0.5, aligned=False)
+    S = H1(mesh, order=2, definedon="upper")
+    T, q = (S * LACSpace(S, slave="slave")).TrialFunction()
+    with pytest.raises(ValueError, match="master = 'master' has no degrees of freedom of u"):
+        LACContact(T, q, master="master", tied=True)
+
+
 def test_one_body_is_held_by_the_other():
     """Heat that is made in the upper body leaves through the interface."""
     mesh = TwoBlocks(0.1, aligned=False)
