@@ -3,6 +3,7 @@
 
 import numpy as np
 import scipy
+from netgen.meshing import NgException
 from ngsolve import BaseVector, BitArray
 from ngsolve.la import SparseMatrixd
 
@@ -10,6 +11,7 @@ __all__ = [
     "AddToDiagonal",
     "AsBits",
     "AsNumPy",
+    "ComponentsOf",
     "Exported",
     "Multiply",
     "SameEntries",
@@ -48,6 +50,14 @@ def ScalarDofs(dofs, space):
     if space.dim == 1:
         return dofs
     return AsBits(AsNumPy(dofs).repeat(space.dim))
+
+
+def ComponentsOf(space):
+    """The components of a space; of one that has none nothing."""
+    try:
+        return space.components
+    except NgException:
+        return []
 
 
 def AddToDiagonal(mat, values):

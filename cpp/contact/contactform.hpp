@@ -142,7 +142,7 @@ public:
   /// Of all macro-elements, the components of vectors fastest: the values of the last evaluation,
   /// and those that stay until the next pairing.
   virtual NamedNumbers Table() const = 0;
-  /// What coefficients and laws remember, as of the last evaluation.
+  /// The memory of coefficients and laws, as of the last evaluation.
   virtual NamedNumbers Kept() const = 0;
   /// Goes on with that of another form, which has the same macro-elements.
   virtual void KeepFrom(const ContactForm & other) = 0;

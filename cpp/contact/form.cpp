@@ -107,8 +107,8 @@ public:
     CheckSize(residual.FV<double>().Size());
     auto x = bx.FV<double>();
     auto answers = Answers(x, Want::step);
-    growth.SetSize(answers.Size());
-    for (size_t m : Range(answers))
+    growth.SetSize(IsScalar() ? answers.Size() : 0);
+    for (size_t m : Range(growth))
       growth[m] = answers[m].by_jump(0, 0);
     for (size_t m : Range(convex ? answers.Size() : 0))
       answers[m].by_jump = WithoutSoftening(m, answers[m]);
@@ -635,7 +635,7 @@ private:
     return places;
   }
 
-  /// What is remembered is that of the last committed step.
+  /// The memory is that of the last committed step again.
   void Forget() { present.clear(), looked.clear(); }
 
   NamedNumbers WithKept(NamedNumbers places) const {

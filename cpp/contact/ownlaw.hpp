@@ -6,8 +6,8 @@
 #include <python_comp.hpp>
 
 namespace ngslac {
-/// What a law in place of the compiled one is asked for: a tied one has no gap and no slip, and the
-/// jump of a scalar field has one component, which all D components of vectors are here.
+/// A question to a law in place of the compiled one: if it is tied there is no gap and no slip, and
+/// the jump of a scalar field has one component, which all D components of vectors are here.
 struct AskedLaw {
   bool tied;
   int components;

@@ -61,7 +61,7 @@ def ActiveRows(contact, holds="now"):
 
 
 def AllJumps(contact):
-    """What macro-elements see of u and tools: a row for each component, on all scalar dofs."""
+    """Jumps of u and of tools on macro-elements: a row for each component, on all scalar dofs."""
     form, jump = contact.form, JumpRows(contact)
     columns = jump.indices + form.offset * form.fes.dim
     shape = jump.shape[0], contact.nscalars

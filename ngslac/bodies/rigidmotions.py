@@ -2,7 +2,6 @@
 """Rigid motions as coefficients of a displacement space."""
 
 import numpy as np
-from netgen.meshing import NgException
 from ngsolve import (
     VOL,
     BitArray,
@@ -20,6 +19,7 @@ from ngsolve import (
     z,
 )
 
+from ngslac.arrays import ComponentsOf
 from ngslac.rigid import Tables
 
 __all__ = [
@@ -38,11 +38,8 @@ ACCURACY = 1e-10
 
 def RigidMotions(space):
     """The rigid motions of the whole mesh, rotations about its middle and divided by its size."""
-    mesh, d = space.mesh, space.mesh.dim
-    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
-    center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
-    arms = [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
-    tables, names = TablesOf(space)
+    points, center, size = Vertices(space.mesh)
+    arms, (tables, names) = Arms(space.mesh), TablesOf(space)
     motions = FromVertices(space, (points - center) / size, arms, tables)
     if motions is None or not IsAccurate(space, motions, arms, tables, size):
         gf, columns = GridFunction(space), []
@@ -111,11 +108,15 @@ def Integrals(space, fields, of):
     return np.stack(columns, axis=1)
 
 
+def Vertices(mesh):
+    """The vertices of a mesh (n, d), their mean, and the size of the mesh."""
+    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, : mesh.dim]
+    return points, points.mean(axis=0), np.ptp(points, axis=0).max()
+
+
 def Arms(mesh):
     """Coordinates from the middle of the mesh, over its size."""
-    d = mesh.dim
-    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
-    center, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    _, center, size = Vertices(mesh)
     return [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
 
 
@@ -165,10 +166,7 @@ def FromVertices(space, points, arms, tables):
 
 def SameComponents(space):
     """The components of a space that are alike and as many as dimensions; else nothing."""
-    try:
-        parts = space.components
-    except NgException:  # no product
-        return []
+    parts = ComponentsOf(space)
     alike = len(parts) == space.mesh.dim and len({part.ndof for part in parts}) == 1
     return parts if alike and all(part.dim == 1 for part in parts) else []
 

@@ -33,6 +33,7 @@ from ngslac._ngslac import BoundaryVertices, LACSpace
 from ngslac.arguments import CheckInstance, CheckNumber, CheckPositive, Wrong
 from ngslac.arrays import AsBits, AsNumPy, ToCSR
 from ngslac.contact.contact import LACContact
+from ngslac.output.facepoints import OnePoint
 
 __all__ = ["Assembly", "FindContacts", "Pair"]
 
@@ -52,7 +53,7 @@ def Lattice(parts):
     kinds = {
         ET.SEGM: [(s,) for s in ticks],
         ET.QUAD: square,
-        ET.TRIG: [p for p in triangle if sum(p) < 1] if parts > 1 else [(1 / 3, 1 / 3)],
+        ET.TRIG: [p for p in triangle if sum(p) < 1],
     }
     return {kind: IntegrationRule(p, [1.0] * len(p)) for kind, p in kinds.items()}
 
@@ -351,7 +352,7 @@ class Faces:
         self.body = vertex[BoundaryVertices(mesh)[:, 0]]
         self._Name(V, vertex, count)
         at = CF((x, y, z)[:d])
-        middle = mesh.MapToAllElements(Lattice(1), BND)
+        middle = mesh.MapToAllElements(OnePoint(), BND)
         corners = mesh.MapToAllElements(Lattice(PARTS), BND)
         self.owner, self.points = corners["nr"], at(corners)
         far = np.zeros(len(self.body))
@@ -465,7 +466,7 @@ class Look:
 
 
 def Looks(faces, points, others, reach):
-    """What faces with these points see of those with the others."""
+    """The faces with these points that see others, and the others, as a `Look`."""
     spacing = faces.spacing[faces.owner[others]]
     nearest = Opposite(faces, others, points, reach.farthest, 1)
     seen, face = others[nearest], faces.owner[points]

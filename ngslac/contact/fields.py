@@ -8,17 +8,16 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import (
     CF,
-    ET,
     CoefficientFunction,
     GridFunction,
     InnerProduct,
-    IntegrationRule,
     Parameter,
 )
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import HoldsProxy, ProxyPath
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
+from ngslac.output.facepoints import OnePoint
 
 __all__ = [
     "COEFFICIENTS",
@@ -32,10 +31,9 @@ __all__ = [
     "Law",
 ]
 
-MIDDLES = {ET.SEGM: (0.5,), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
 ZERO = str(CF(1).Diff(Parameter(0)))  # a derivative that is zero everywhere
 TINY = 1e-150  # its square is a number, too
-NEGLIGIBLE = 1e-120  # what comes of it
+NEGLIGIBLE = 1e-120  # numbers that come of it alone are less
 # Names of places, of columns of a table, and of answers, which nothing is kept under.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
 TAKEN |= {"pressure", "friction", "fullarea"}
@@ -146,7 +144,7 @@ class Fields:
             jump = ", or what is tied by z.jump, the slave's less the master's"
             raise ValueError(
                 f"{what}: give what it needs as a GridFunction or a Parameter"
-                + (jump if hasattr(self, "jump") else "")
+                + (jump if "jump" in self._names else "")
             )
         return self.SidesOf(field)[side == "master"]
 
@@ -316,7 +314,8 @@ class _LawOnFaces:
         with Explained("the traction of a Law"):
             found = traction(fields)
         if d == 1:
-            found = CF((Expression("the traction of a Law", found),))
+            instead = "the jump of what is tied, z.jump"
+            found = CF((Expression("the traction of a Law", found, instead=instead),))
         if not isinstance(found, CoefficientFunction) or found.dim != d:
             raise ValueError(
                 f"the traction of a Law must have {d} components, such as z.normal, or a CF of "
@@ -364,8 +363,7 @@ class _LawOnFaces:
             for field in (*fields.values, *fields.constants.values(), *memory):
                 if len(field.vec) != space.nmacros:
                     field.space.Update(), field.Update()
-            rules = {kind: IntegrationRule([middle], [1.0]) for kind, middle in MIDDLES.items()}
-            self._at = mesh.MapToAllElements(rules, space.slave)
+            self._at = mesh.MapToAllElements(OnePoint(), space.slave)
             macros = np.array(space.macros)
             self._owner, self._known = macros[macros >= 0], known
         return self._at, self._owner
@@ -390,15 +388,13 @@ def _Slopes(name, expression, symbols):
         return [expression.Diff(symbol) for symbol in symbols]
 
 
-def Expression(name, value, least=-math.inf):
-    """What a function of the fields has returned."""
+def Expression(name, value, least=-math.inf, *, instead="its means, z.Slave(T) and z.Master(T)"):
+    """The answer of a function of the fields, checked; `instead` of a trial function in words."""
     if value is None:
         raise Wrong(TypeError, name, value, "an expression of the fields: return it")
     found = Coefficient(name, value, least)
     if HoldsProxy(found):
-        law = "Law" in name
-        means = "what is tied by its z.jump" if law else "its means, z.Slave(T) and z.Master(T)"
-        raise ValueError(f"{name} holds a trial function: take {means}")
+        raise ValueError(f"{name} holds a trial function: take {instead}")
     return found
 
 

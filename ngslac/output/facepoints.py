@@ -4,9 +4,14 @@
 import numpy as np
 from ngsolve import CF, ET, IntegrationRule, x, y, z
 
-__all__ = ["FacePoints"]
+__all__ = ["FacePoints", "OnePoint"]
 
 CENTER = {ET.SEGM: (0.5, 0), ET.TRIG: (1 / 3, 1 / 3), ET.QUAD: (0.5, 0.5)}
+
+
+def OnePoint(points=CENTER):
+    """Rules of one point for each kind of face, by default its middle."""
+    return {kind: IntegrationRule([point], [1.0]) for kind, point in points.items()}
 
 
 class FacePoints:
@@ -33,8 +38,7 @@ class FacePoints:
 
     def Evaluate(self, function, place=None):
         """Values (n, ...) of a function at the `Positions`."""
-        points = CENTER if place is None else {ET.SEGM: (place, 0)}
-        rules = {kind: IntegrationRule([point], [0]) for kind, point in points.items()}
+        rules = OnePoint() if place is None else OnePoint({ET.SEGM: (place, 0)})
         values = function(self.contact.mesh.MapToAllElements(rules, self.region))
         return values.reshape(len(self.macro), -1)
 

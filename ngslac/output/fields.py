@@ -29,7 +29,7 @@ class FieldNames:
 
     @property
     def solved(self):
-        """What only a solution has."""
+        """Names of fields that only a solution has."""
         return {*self.scalars, *self.vectors, *self.recovered} - {"gap", "normal"}
 
 

@@ -113,7 +113,7 @@ class Crew:
         """Wait until all workers make this call; who makes any is noted in `entered`."""
         others, different = {}, None
         for rank in self.workers:
-            message = kind, depth, called, *given = self._Hear(rank, self._depth, name)
+            message = kind, depth, called, *theirs = self._Hear(rank, self._depth, name)
             if depth < self._depth:
                 self.messages.PutBack(rank, message)
             else:
@@ -121,8 +121,8 @@ class Crew:
             if (kind, depth, called) != (ENTERED, self._depth, name):
                 does = {ENTERED: f"calls {called}", LEFT: "has ended"}
                 others[rank] = does.get(kind, "calls nothing")
-            elif argument := Difference(arguments, *given):
-                values = arguments.get(argument), given[0].get(argument)
+            elif argument := Difference(arguments, *theirs):
+                values = arguments.get(argument), theirs[0].get(argument)
                 different = (
                     f"{name}: {argument} = {values[0]!r} on process 0 and {values[1]!r} on process "
                     f"{rank}: give the same on all"

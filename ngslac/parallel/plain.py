@@ -35,10 +35,11 @@ def _IsWord(value):
 
 def Difference(ours, others):
     """The name of an argument that is another one on another process; None: they are alike."""
-    names = [*ours, *(name for name in others if name not in ours)]
     missing = object()
-    pairs = ((name, ours.get(name, missing), others.get(name, missing)) for name in names)
-    return next((name for name, one, other in pairs if not _Alike(one, other)), None)
+    for name in [*ours, *others]:
+        if not _Alike(ours.get(name, missing), others.get(name, missing)):
+            return name
+    return None
 
 
 def _Alike(one, other):

@@ -132,29 +132,36 @@ class Look:
         )
 
     def _LookAtFlows(self):
-        """What flows through contact from where its field is lower."""
+        """Fields that flow through contact from their lower to their higher side."""
         for number, contact in enumerate(self.system.contacts):
-            table = contact.form.Table()
             if contact.components == 1 and contact.own_law:
-                power, grows = table["jump"] * table["traction"][:, 0], table["growth"]
-                uphill = min(table["area"] @ power, table["area"] @ grows) > 0
-                message = (
-                    f"through contact number {number} the field flows from its lower to its higher "
-                    "side: is the sign of law right? It gives what flows into the slave"
-                )
-                self._Say(f"flow {number}", message if uphill else "")
-            for k, flux in enumerate(contact.fluxes):
-                name, parts = FluxName(k), {"out": 1 - flux.share, "in": flux.share}
-                flow = sum(part * table[name + end] for end, part in parts.items())
-                growth = sum(part * table[f"{name}growth_{end}"] for end, part in parts.items())
-                power = flow * table[name + "jump"]
-                uphill = max(table["area"] @ growth, table["area"] @ power) < 0
-                message = (
-                    f"flux number {k} of contact number {number} flows from the lower side of its "
-                    "field to the higher one: is its sign right? It counts from the slave to the "
-                    "master"
-                )
-                self._Say(f"flow {number} {k}", message if uphill else "")
+                self._LookAtLaw(number, contact.form.Table())
+            elif contact.fluxes:
+                self._LookAtFluxes(number, contact.fluxes, contact.form.Table())
+
+    def _LookAtLaw(self, number, table):
+        """That of a tied scalar field, as the last Newton step knew it."""
+        power = table["jump"] * table["traction"][:, 0]
+        uphill = min(table["area"] @ power, table["area"] @ table["growth"]) > 0
+        message = (
+            f"through contact number {number} the field flows from its lower to its higher side: "
+            "is the sign of law right? It gives what flows into the slave"
+        )
+        self._Say(f"flow {number}", message if uphill else "")
+
+    def _LookAtFluxes(self, number, fluxes, table):
+        """Each `Flux`, without the heat that it sets free."""
+        for k, flux in enumerate(fluxes):
+            name, parts = FluxName(k), {"out": 1 - flux.share, "in": flux.share}
+            flow = sum(part * table[name + end] for end, part in parts.items())
+            growth = sum(part * table[f"{name}growth_{end}"] for end, part in parts.items())
+            power = flow * table[name + "jump"]
+            uphill = max(table["area"] @ growth, table["area"] @ power) < 0
+            message = (
+                f"flux number {k} of contact number {number} flows from the lower side of its "
+                "field to the higher one: is its sign right? It counts from the slave to the master"
+            )
+            self._Say(f"flow {number} {k}", message if uphill else "")
 
     def _LookAtRotations(self):
         """Rotations and strains that a bulk form does not know which is linear."""

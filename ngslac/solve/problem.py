@@ -323,14 +323,14 @@ def CheckAxis(mat, contacts, free):
     across = np.asarray(mesh.ngmesh.Coordinates())[:, 0]
     if mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
         return
-    form = contacts[0].form
-    own = (form.component, np.r_[_Displacements(form)])
-    scalar = contacts[0].components == 1
-    for space, rows in [*ScalarFields(contacts), *([own] if scalar or flags[0] else [])]:
+    form, fields, scalar = contacts[0].form, ScalarFields(contacts), contacts[0].components == 1
+    if scalar or flags[0]:  # of displacements in a plane hoop strains tell
+        fields.append((form.component, np.r_[_Displacements(form)]))
+    for space, rows in fields:
         _CheckFactor(mat, space, rows, axisymmetric=flags[0])
     if scalar:
         return
-    found = list(_HoopStiffness(mat, contacts[0].form))
+    found = list(_HoopStiffness(mat, form))
     without = [repr(name) for name, resists, _ in found if not resists]
     if flags[0] and without:
         raise ValueError(

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 from numbers import Real
 
 import numpy as np
-from netgen.meshing import NgException
 from ngsolve import CoefficientFunction, GridFunction, Region
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
-from ngslac.arrays import AsBits, AsNumPy, ScalarDofs
+from ngslac.arrays import AsBits, AsNumPy, ComponentsOf, ScalarDofs
 
 __all__ = ["Prescribed"]
 
@@ -76,17 +75,15 @@ def ConstrainedOn(space, region):
         for part in _Components(space):
             own = np.zeros_like(there)
             own[part] = there[part]
-            found |= own if np.all(fixed[own]) else False
+            if np.all(fixed[own]):
+                found |= own
     return found if np.any(found) else fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
 
 
 def _Components(space):
-    """Where the dofs of each component of a space are; of one without components, all."""
-    try:
-        ranges = [space.Range(k) for k in range(len(space.components))]
-        return [slice(one.start, one.stop) for one in ranges]
-    except NgException:
-        return [slice(None)]
+    """Slices of the dofs of each component of a space; of one without components, all."""
+    ranges = [space.Range(k) for k in range(len(ComponentsOf(space)))]
+    return [slice(one.start, one.stop) for one in ranges] or [slice(None)]
 
 
 def Displacement(key, value, dim):
