@@ -24,6 +24,7 @@ FLOORS = (
         "parallel",
         "solve",
         "steps",
+        "analysis",
         "reference",
         "installation",
     ),
