@@ -115,7 +115,7 @@ class CondensedSystem:
     def __init__(self, numbering, mat, contact):
         PETSc = LoadPETSc()
         self.numbering, self.mat, self.contact = numbering, mat, contact
-        rows = numbering.new[contact.dofs if contact else []]
+        rows = numbering.new[contact.dofs] if contact else np.empty(0, dtype=int)
         self._local = PETSc.Vec().createSeq(len(rows), comm=PETSc.COMM_SELF)
         where = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
         self._work = numbering.Vector()

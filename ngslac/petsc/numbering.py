@@ -11,38 +11,65 @@ __all__ = ["Numbering"]
 class Numbering:
     """Rows of PETSc's matrices: blocks of nodes, each rank's one after the other.
 
-    A node belongs to the lowest rank that has one of its dofs, or else to rank 0. Collective, as
-    all methods are.
+    A node belongs to the lowest rank that has one of its dofs, or else to rank 0. Rank 0 knows all
+    dofs, every other rank its own ones. Collective, as all methods are.
+
+    Attributes
+    ----------
+    new : (n,) int or None
+        On rank 0: the row of each dof.
+    rows : (k,) int
+        Those of the free ones of this rank's dofs.
+    used : (len(dofs),) bool
+        Which of its dofs are free; -1 stands for none.
+    held : (stop - start,) float
+        1 in this rank's rows of no free dof, else 0.
     """
 
-    def __init__(self, comm, n, dofs, nodes):
+    def __init__(self, comm, n, dofs, nodes, free):
         PETSc = LoadPETSc()
         self._comm, self.comm = comm, PETSc.COMM_SELF if comm is None else comm
         self.rank, ranks = (0, 1) if comm is None else (comm.rank, comm.size)
-        self.n = n
-        owner = np.full(n, ranks, dtype=np.int32)
-        owner[dofs[dofs >= 0]] = self.rank
-        if ranks > 1:
-            owner = Least(comm, owner)
-        rows = self._place = None
+        self.n, self.new, self._place, counts = n, None, None, None
+        every = self._Gather(dofs)
         if self.rank == 0:
-            owner[owner == ranks] = 0
-            rows, self._place = Rows(owner, nodes.blocks, ranks)
-        # Row of each dof; blocks of each rank; rows of a block.
-        self.new, counts, self.width = self.Tell(rows)
+            owner = Owners(every, n, ranks)
+            self.new, self._place, *counts = Rows(owner, nodes.blocks, ranks)
+        # Blocks of each rank; rows of a block.
+        counts, self.width = self.Tell(counts)
         starts = np.concatenate([[0], np.cumsum(counts)]) * self.width
         # All rows, those of dofs and what fills up the blocks; this rank's.
         self.size, self.start, self.stop = int(starts[-1]), *map(int, starts[self.rank :][:2])
-        self._Scatter(PETSc)
+        self.used, self.rows = self._Scatter(every, free)
+        vec = self.Vector()
+        self._scatter, self._all = PETSc.Scatter.toZero(vec)
+        self.held = self.Put(None if free is None else 1.0 - free, vec, fill=1.0).array.copy()
+
+    def _Gather(self, dofs):
+        """The dofs of all ranks, on rank 0: messages of one rank each, which stay small."""
+        if self.rank:
+            self._comm.send(dofs, 0)
+            return None
+        others = range(1, 1 if self._comm is None else self._comm.size)
+        return [dofs, *(self._comm.recv(source=rank) for rank in others)]
+
+    def _Scatter(self, every, free):
+        """Which of this rank's dofs are free, and the rows of these."""
+        if self.rank:
+            return self._comm.recv(source=0)
+        for rank, dofs in enumerate(every[1:], start=1):
+            self._comm.send(self._Own(dofs, free), rank)
+        return self._Own(every[0], free)
+
+    def _Own(self, dofs, free):
+        used = dofs >= 0
+        used[used] = free[dofs[used]]
+        return used, self.new[dofs[used]]
 
     @property
     def sizes(self):
         """Of a square matrix: local and global ones."""
         return ((self.stop - self.start, self.size),) * 2
-
-    def _Scatter(self, PETSc):
-        vec = self.Vector()
-        self._scatter, self._all = PETSc.Scatter.toZero(vec)
 
     def Vector(self):
         """A vector of zeros."""
@@ -99,17 +126,16 @@ class Numbering:
         return self._all.array[self.new] if self.rank == 0 else None
 
 
-def Least(comm, values):
-    """The least on all ranks, entry by entry."""
-    from mpi4py import MPI
-
-    least = np.empty_like(values)
-    comm.Allreduce(values, least, MPI.MIN)
-    return least
+def Owners(every, n, ranks):
+    """The lowest of the ranks that have a dof in their list of dofs, for each of n; or else 0."""
+    owner = np.zeros(n, dtype=np.int32)
+    for rank in reversed(range(ranks)):
+        owner[every[rank][every[rank] >= 0]] = rank
+    return owner
 
 
 def Rows(owner, blocks, ranks):
-    """Row of each dof, blocks of each rank, rows of a block; and the place of each block."""
+    """Row of each dof, place of each block; blocks of each rank, rows of a block."""
     k, width = blocks.shape
     of_block = np.where(blocks >= 0, owner[blocks], ranks).min(axis=1)
     order = np.argsort(of_block, kind="stable")
@@ -118,4 +144,4 @@ def Rows(owner, blocks, ranks):
     rows = place[:, None] * width + np.arange(width)
     new = np.full(len(owner), -1, dtype=np.int32)
     new[blocks[blocks >= 0]] = rows[blocks >= 0]
-    return (new, np.bincount(of_block, minlength=ranks), width), place
+    return new, place, np.bincount(of_block, minlength=ranks), width

@@ -23,13 +23,13 @@ __all__ = ["PetscSystem"]
 class PetscSystem:
     """Bulk matrices of all ranks and the contacts of rank 0 as one system; collective throughout.
 
-    Dofs have the numbers of a product space of displacements and multipliers that rank 0 knows.
+    Dofs have the numbers of a product space of displacements and multipliers, of which rank 0 knows
+    all n and which are free; every other rank knows those of its own part of the bulk alone.
     """
 
     def __init__(self, comm, n, dofs, free=None, nodes=None):
-        self.dofs = np.asarray(dofs, dtype=np.int64)
-        self.numbering = Numbering(comm, n, self.dofs, nodes)
-        self.free = free if comm is None else comm.bcast(free)
+        self.numbering = Numbering(comm, n, np.asarray(dofs, dtype=np.int64), nodes, free)
+        self.free = free
         self._nodes, self._bulk, self._scale, self._multigrid = nodes, None, None, None
         self._direct, self.krylov = PetscDirect(self.numbering), 0
         self.Forget()
@@ -41,26 +41,12 @@ class PetscSystem:
 
     def SetBulk(self, mat):
         """Take this rank's part of the bulk's matrix; entries of the same dofs are added."""
-        part = rows = None
+        numbering, part, rows = self.numbering, None, None
         if mat is not None:
-            part, rows = self._FreePart(ToCSR(mat).tocoo())
-        numbering = self.numbering
-        held = np.ones(numbering.size)
-        held[numbering.new[self.free]] = 0
-        held = held[numbering.start : numbering.stop]
+            part, rows = ToCSR(mat)[numbering.used][:, numbering.used], numbering.rows
         self.Forget()
         self._bulk = self._scale = None
-        self._bulk = Assembled(numbering, part, rows, held)
-
-    def _FreePart(self, mat):
-        """Entries of free dofs, and the rows of these."""
-        used = self.dofs >= 0
-        used[used] = self.free[self.dofs[used]]
-        kept = used[mat.row] & used[mat.col]
-        number = np.cumsum(used) - 1
-        where = number[mat.row[kept]], number[mat.col[kept]]
-        part = scipy.sparse.csr_matrix((mat.data[kept], where), shape=(used.sum(),) * 2)
-        return part, self.numbering.new[self.dofs[used]]
+        self._bulk = Assembled(numbering, part, rows, numbering.held)
 
     def SetContacts(self, mats=None, multipliers=None, scale=None, shift=None):
         """Take what contacts add to the bulk, and how the sum is scaled."""

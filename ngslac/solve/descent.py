@@ -53,7 +53,7 @@ class Descent:
             newton.Record(state, damping)
             if newton.Converged(state):
                 return newton.Accept()
-            if len(newton.history) == begin + BEGUN and not system.stability.Softens():
+            if len(newton.history) == begin + BEGUN and not system.Softens():
                 break
             now = max(state.equilibrium, state.constraint)
             steady = damping >= 1 and abs(now - size) < STEADY * size

@@ -232,7 +232,7 @@ class Newton:
     def Accept(self):
         """The last line, if the state that it tells of is possible."""
         Look(self.system)()
-        self.system.stability.Check()
+        self.system.stability.Check(self.system)
         if advice := self._RubberAdvice():
             self.system.notes["rubber"] = advice
         self.system.restless = self.system.slid = False

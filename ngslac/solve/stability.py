@@ -2,8 +2,8 @@
 """Is an equilibrium of laws that soften stable?"""
 
 import numpy as np
-import scipy
 
+from ngslac.arrays import ToCSR
 from ngslac.errors import ContactConvergenceError
 
 __all__ = ["Stability", "UnstableError"]
@@ -36,45 +36,29 @@ class Stability:
     themselves, and what is condensed is not looked at.
     """
 
-    def __init__(self, system):
-        self.system, self.push = system, None
+    def __init__(self):
+        self.push = None
 
     @property
     def softened(self):
         """Did a law soften in the state looked at last?"""
         return self.push is not None
 
-    def Softens(self):
-        """Does a law soften in the present state?"""
-        contacts = self.system.contacts
-        return any(contact.form.Softens(self.system.gf.vec) for contact in contacts)
-
-    def Check(self):
-        """Raise an `UnstableError`, if the state is an unstable equilibrium."""
-        system = self.system
+    def Check(self, system):
+        """Raise an `UnstableError`, if the state of a System is an unstable equilibrium."""
         if not system.own_law or system.bulk.a.condense:
             return
-        if not self.Softens():
+        if not system.Softens():
             self.push = None
             return
-        growth = self._Iterate(self._Softening())
+        growth = self._Iterate(system, Softening(system))
         if growth > GROWS:
             length = LENGTH * np.min(system.Sizes())
             push = length / np.abs(self.push).max() * self.push
             raise UnstableError(system.Place(), push)
 
-    def _Softening(self):
-        """The part that the matrix of a descent leaves out, which is assembled last; for SciPy."""
-        system, found = self.system, []
-        state = system.Measure()
-        for convex in (False, True):
-            system.Linearize(state, convex=convex)
-            found.append(sum(_AsSciPy(contact.form.mat) for contact in system.contacts))
-        return found[1] - found[0]
-
-    def _Iterate(self, softening):
+    def _Iterate(self, system, softening):
         """The growth of `push`, which becomes the motion that grows most."""
-        system = self.system
         displacements = system.residual.displacements
         moves = displacements & system.linear.free
         random = np.random.default_rng(0).normal(size=len(moves)) * moves
@@ -93,6 +77,10 @@ class Stability:
         return growth
 
 
-def _AsSciPy(mat):
-    rows, columns, values = (np.array(entries) for entries in mat.COO())
-    return scipy.sparse.csr_matrix((values, (rows, columns)), shape=(mat.height, mat.width))
+def Softening(system):
+    """The part that the matrix of a descent leaves out, which is assembled last; for SciPy."""
+    state, found = system.Measure(), []
+    for convex in (False, True):
+        system.Linearize(state, convex=convex)
+        found.append(sum(ToCSR(contact.form.mat) for contact in system.contacts))
+    return found[1] - found[0]

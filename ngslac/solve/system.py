@@ -107,7 +107,7 @@ class System:
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
         self.restless = self.slid = False
-        self.notes, self._said, self.stability = {}, set(), Stability(self)
+        self.notes, self._said, self.stability = {}, set(), Stability()
         self.lean = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
@@ -141,6 +141,10 @@ class System:
     def own_law(self):
         """Has a contact a law of the user's own, of which only Newton's method knows?"""
         return any(contact.own_law for contact in self.contacts)
+
+    def Softens(self):
+        """Does a law soften in the present state?"""
+        return any(contact.form.Softens(self.gf.vec) for contact in self.contacts)
 
     @property
     def islinear(self):

@@ -1,5 +1,7 @@
 """ContactSolver in 2D and 3D: the law, quadratic convergence, the same solution by every route."""
 
+import gc
+import weakref
 from functools import partial
 
 import numpy as np
@@ -307,3 +309,17 @@ def test_a_path_in_two_directions_leaves_its_trace():
         assert force[0] > 0  # x goes back
         assert force[1] < 0
         assert np.linalg.norm(force[:2]) == pytest.approx(0.05 * force[2], rel=1e-2)
+
+
+def test_a_solver_that_nobody_holds_is_freed_at_once():
+    """With its factors: nothing in it refers back to it."""
+    problem = press(friction=0.1)
+    solver = solved(problem)
+    parts = [weakref.ref(part) for part in (solver, solver.system, solver.linear)]
+    gc.collect()
+    gc.disable()
+    try:
+        del solver
+        assert [part() for part in parts] == [None] * 3
+    finally:
+        gc.enable()
