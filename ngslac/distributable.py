@@ -8,7 +8,13 @@ from functools import wraps
 
 from ngsolve import FESpace, Mesh
 
-__all__ = ["Distributable", "OnDistributedMeshes", "OnManyProcesses", "WarnOfCopies"]
+__all__ = [
+    "Distributable",
+    "DistributedMesh",
+    "OnDistributedMeshes",
+    "OnManyProcesses",
+    "WarnOfCopies",
+]
 
 # By which Open MPI, and MPICH and its kin, tell how many processes there are, and which this is.
 STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"))
