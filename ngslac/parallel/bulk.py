@@ -10,7 +10,8 @@ from ngsolve import BaseMatrix, CoefficientFunction, GridFunction
 from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 
 from ngslac._ngslac import FormDiagonal, ProxyPath
-from ngslac.arrays import AsBits, AsNumPy, ToCSR
+from ngslac.arrays import AsBits, AsNumPy, Multiply, ToCSR
+from ngslac.bodies.mass import MassByProducts, MassMatrix
 from ngslac.bodies.parts import PartsOf
 from ngslac.bulkforms import BulkForm, ScaleMatrix, WithDiagonal, WithMass
 from ngslac.parallel.plain import Reference
@@ -103,6 +104,16 @@ class RemoteForm(BulkForm):
         self.space = ensemble.Space(self.replica)
         self._matrices, self._diagonal = WeakValueDictionary(), None  # these hold the form
         ensemble.Need(number, self)
+
+    def Derived(self, task, path, density, *own):
+        """The form that a task of all processes makes of this one; `own` is for this process."""
+        ensemble = self.ensemble
+        if isinstance(density, CoefficientFunction):
+            density = Reference("original", ensemble.NumberOf(density))
+        order = self.number, path, density
+        make = partial(ensemble.crew.tasks[task], *order, *own)
+        number = ensemble.Order(task, *order, own=make)[0]
+        return RemoteForm(ensemble, number, ensemble.things[number].form)
 
     # --- forces --------------------------------------------------------------------------------
 
@@ -207,13 +218,16 @@ def _(form: RemoteForm, factor):
 
 @WithMass.register
 def _(form: RemoteForm, factor, density, u, _):
-    ensemble = form.ensemble
-    if isinstance(density, CoefficientFunction):
-        density = Reference("original", ensemble.NumberOf(density))
-    order = form.number, ProxyPath(u, "u"), density
-    own = partial(ensemble.crew.tasks["mass"], *order, factor)
-    number = ensemble.Order("mass", *order, own=own)[0]
-    return RemoteForm(ensemble, number, ensemble.things[number].form)
+    return form.Derived("heavy", ProxyPath(u, "u"), density, factor)
+
+
+@MassMatrix.register
+def _(form: RemoteForm, density, proxies, contact, free):
+    mass = form.Derived("mass", ProxyPath(proxies[0], "u"), density)
+    mass.Assemble()
+    mat, diagonal = mass.mat, mass.Sum(mass.Ask("Diagonal"))
+    parts = partial(PartsOf, mat, contact.form, None)
+    return MassByProducts(lambda values: Multiply([mat], values), diagonal, free, parts)
 
 
 @WithDiagonal.register

@@ -3,7 +3,7 @@
 
 from functools import partial
 
-from ngsolve import BaseVector, Integrate, LinearForm, Parameter
+from ngsolve import BaseVector, BilinearForm, InnerProduct, Integrate, LinearForm, Parameter, dx
 from ngsolve.la import PARALLEL_STATUS, DynamicVectorExpression
 
 from ngslac.bulkforms import Integrand, WithMass
@@ -44,7 +44,12 @@ class UserFunctions:
     @property
     def tasks(self):
         """For the workers of a Crew."""
-        return {"call": self.Call, "integral": self.Integral, "mass": self.AddMass}
+        return {
+            "call": self.Call,
+            "integral": self.Integral,
+            "heavy": self.AddMass,
+            "mass": self.MakeMass,
+        }
 
     def Call(self, number, *args):
         """What a function says here; of loads the values, and are they to be added up?"""
@@ -71,13 +76,26 @@ class UserFunctions:
 
     def AddMass(self, number, path, density, factor=None):
         """The number of a form with inertia."""
-        ensemble = self._ensemble
-        part = ensemble.things[number]
-        u, v = part.form.space.TnT()
-        for k in path:
-            u, v = u[k], v[k]
-        density = ensemble.things[density.key] if isinstance(density, Reference) else density
+        part = self._ensemble.things[number]
         factor = Parameter(1.0) if factor is None else factor
-        ensemble.AddParameter(factor)
-        form = WithMass(part.form, factor, density, u, v)
-        return ensemble.Add(FormPart(form, part.replica))
+        self._ensemble.AddParameter(factor)
+        form = WithMass(part.form, factor, self._Density(density), *Proxies(part, path))
+        return self._ensemble.Add(FormPart(form, part.replica))
+
+    def MakeMass(self, number, path, density):
+        """The number of the form of inertia alone, on the space of another form."""
+        part = self._ensemble.things[number]
+        form = BilinearForm(self._Density(density) * InnerProduct(*Proxies(part, path)) * dx)
+        return self._ensemble.Add(FormPart(form, part.replica))
+
+    def _Density(self, density):
+        known = isinstance(density, Reference)
+        return self._ensemble.things[density.key] if known else density
+
+
+def Proxies(part, path):
+    """Trial and test function of the component of a FormPart's space that a path leads to."""
+    u, v = part.form.space.TnT()
+    for k in path:
+        u, v = u[k], v[k]
+    return u, v

@@ -4,9 +4,7 @@
 import numpy as np
 import scipy
 
-from ngslac.arrays import ToCSR
 from ngslac.bodies.freedom import NullSpace
-from ngslac.bodies.parts import ConnectedParts
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
 
 __all__ = ["Conservation"]
@@ -34,8 +32,8 @@ class Conservation:
         self.mass, self._space = mass, form.component
         first, dofs = form.offset * block, form.component.ndof
         self._own = slice(first, first + dofs * block)
-        part = ConnectedParts(mass.mat, form.offset, dofs).repeat(block)
-        self._used = ToCSR(mass.mat).diagonal()[self._own] > 0
+        part = mass.matrix.Parts()
+        self._used = mass.matrix.diagonal[self._own] > 0
         # Each dof that nothing uses is a part of its own, without mass.
         self._body = np.zeros(len(part), dtype=int)
         self._body[self._used] = np.unique(part[self._used], return_inverse=True)[1]

@@ -2,29 +2,25 @@
 """Mass, time integration and constrained velocities: what dynamics adds to a contact problem."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from ngsolve import (
     VOL,
-    BilinearForm,
     BitArray,
     CoefficientFunction,
     GridFunction,
     IfPos,
-    InnerProduct,
     Integrate,
     Parameter,
     Region,
-    dx,
     pi,
     x,
 )
 
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
-from ngslac.arrays import Multiply, SameMatrix, ToCSR
+from ngslac.arrays import Multiply
+from ngslac.bodies.mass import MassMatrix
 from ngslac.bulkforms import Integrand, ScaleMatrix, WithMass, WithoutMass
-from ngslac.linear.parts import PartsInverse
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
 
@@ -74,9 +70,16 @@ class Scheme:
 
 
 class Mass:
-    """The mass matrix of the displacement on the product space, and motions under constraints."""
+    """The mass of the displacement on the product space of a form, and motions under constraints.
 
-    def __init__(self, contact, density, free):
+    Attributes
+    ----------
+    matrix : WholeMass or what stands for it
+    rows, free : (n,) bool
+        Dofs of the displacement, and the free ones of them.
+    """
+
+    def __init__(self, a, contact, density, free):
         form = contact.form
         space = form.fes
         self.u, self.v = Displacement(space, form)
@@ -91,9 +94,7 @@ class Mass:
         first = form.offset * space.dim
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
-        self.mat = BilinearForm(density * InnerProduct(self.u, self.v) * dx).Assemble().mat
-        self._entries, self._compliance = ToCSR(self.mat), (None, None)
-        self._entries.eliminate_zeros()  # which stand where components would be coupled
+        self.matrix = MassMatrix(a, density, (self.u, self.v), contact, self.free)
 
     def _CheckPositive(self, order):
         """The masses of the materials, all finite and > 0."""
@@ -121,30 +122,11 @@ class Mass:
 
     def Times(self, values):
         """M times a numpy vector."""
-        return self._entries @ values
-
-    @cached_property
-    def _inverse(self):
-        return PartsInverse(self._entries, self.free)
+        return self.matrix.Times(values)
 
     def Solve(self, forces):
         """The accelerations of the free dofs under forces; 0 elsewhere."""
-        return self._inverse.Solve(forces)
-
-    def _Compliance(self, rows):
-        """What constraints see of the motion that impulses (k,) of their own cause, as function."""
-        last, known = self._compliance
-        if last is not None and SameMatrix(rows, last):
-            return known
-        matrix, transposed = self._inverse.Complement(rows), rows.T.tocsr()
-
-        def Seen(impulses):
-            if matrix is not None:
-                return np.einsum("ij,j->i", matrix, impulses)  # BLAS threads fight for cores
-            return rows @ self.Solve(transposed @ impulses)
-
-        self._compliance = rows, Seen
-        return Seen
+        return self.matrix.Solve(forces)
 
     def Energy(self, velocity):
         """Kinetic energy."""
@@ -162,22 +144,7 @@ class Mass:
         rate = wrong - loose @ (loose.T @ wrong)
         if np.linalg.norm(rate) <= ROUNDING * np.linalg.norm(wrong):
             return velocity
-        seen = self._Compliance(rows)
-        # Conjugate gradients for the impulses: as well conditioned as the mass matrix.
-        impulses, direction = np.zeros_like(rate), rate.copy()
-        residual = rate.copy()
-        square = start = residual @ residual
-        for _ in range(10 * len(rate) + 50):
-            if square <= 1e-28 * start:
-                break
-            image = seen(direction)
-            step = square / (direction @ image)
-            impulses += step * direction
-            residual -= step * image
-            residual -= loose @ (loose.T @ residual)
-            before, square = square, residual @ residual
-            direction = residual + square / before * direction
-        return velocity - self.Solve(rows.T @ impulses)
+        return velocity - self.matrix.Follow(rows, rate, loose)
 
     def _WithoutMass(self, rows):
         """An orthonormal basis, as columns, of what constraints see of motions without mass."""

@@ -141,7 +141,7 @@ class TimeStepper(metaclass=Distributable):
         CheckInstance("time", self.time, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
         self.energy = CheckEnergy(energy)
         free = solver.system.residual.free
-        self.mass = Mass(solver.contacts[0], density, free)
+        self.mass = Mass(solver.a, solver.contacts[0], density, free)
         self.form = DynamicForm(solver.a, self.mass, self.scheme)
         self.static = solver
         self.prescribe = prescribe
