@@ -9,9 +9,10 @@ from ngslac.distributable import DistributedMesh
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import LU, Factor, OneBLASThread
 from ngslac.linear.refine import Refine
+from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import Equilibrium
 
-__all__ = ["Factors", "Tangent"]
+__all__ = ["AsBefore", "ContactMatrix", "Factors", "Static", "Tangent"]
 
 # Relative residual up to which a state counts as converged: that of `Solve` is 1e-10.
 CONVERGED = 1e-6
@@ -36,7 +37,8 @@ class Tangent:
     """
 
     def __init__(self, solver):
-        system = Static(solver).system
+        static = Static(solver)
+        system = static.system
         if system.bulk.a.condense:
             raise ValueError(
                 "solver: the bulk was made with condense=True, which leaves no matrix of all dofs: "
@@ -44,6 +46,10 @@ class Tangent:
             )
         if system.scale is None:
             raise ValueError("solver has not solved anything: call solver.Solve() first")
+        with AsBefore(static):
+            self._Linearize(system)
+
+    def _Linearize(self, system):
         state = system.Measure()
         if not max(state.equilibrium, state.constraint) <= CONVERGED:
             raise ValueError(
@@ -51,9 +57,7 @@ class Tangent:
                 f"{max(state.equilibrium, state.constraint):.1e}): call solver.Solve() first"
             )
         system.Assemble()
-        system.Linearize(state)
-        self.bulk = ToCSR(system.bulk.mat)
-        self.contact = sum(ToCSR(contact.form.mat) for contact in system.contacts)
+        self.bulk, self.contact = ToCSR(system.bulk.mat), ContactMatrix(system)
         self.free, self.multipliers = system.residual.free, system.residual.multipliers
         self.scale = system.scale
 
@@ -65,6 +69,32 @@ class Tangent:
     def Factors(self, matrix=None):
         """Those of the tangent, or of a matrix of the same size, on the free dofs."""
         return Factors(self.matrix if matrix is None else matrix, self.free, self.scale)
+
+
+def ContactMatrix(system):
+    """The part of the contacts in the tangent, (n, n), as they were measured last."""
+    vec = system.gf.vec
+    residual = vec.CreateVector()
+    for contact in system.contacts:
+        contact.form.AssembleStep(vec, residual, False)
+    return sum(ToCSR(contact.form.mat) for contact in system.contacts)
+
+
+class AsBefore:
+    """A context at the end of which solver and contacts are as they were."""
+
+    def __init__(self, static):
+        self._static, self._state = static, Snapshot(static)
+        self._memories = [contact.form.Kept() for contact in static.contacts]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._state.Restore()
+        for contact, memory in zip(self._static.contacts, self._memories, strict=True):
+            if any(np.any(memory[name] != now) for name, now in contact.form.Kept().items()):
+                contact.Evaluate(self._static.gf)  # of a state that is not that of a commit
 
 
 def Static(solver):

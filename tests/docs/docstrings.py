@@ -1,8 +1,8 @@
 """What the public names are, and what their docstrings say, in numpy's style.
 
-Public are the names of `ngslac`, `ngslac.materials`, `ngslac.reference` and `ngslac.tools`, the
-classes of what their methods return, and all methods and properties of these classes without an
-underscore. The arguments of compiled classes are read from the stubs.
+Public are the names of `ngslac`, `ngslac.analysis`, `ngslac.materials`, `ngslac.reference` and
+`ngslac.tools`, the classes of what their methods return, and all methods and properties of these
+classes without an underscore. The arguments of compiled classes are read from the stubs.
 """
 
 import ast
@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 
 import ngslac
+import ngslac.analysis
 import ngslac.materials
 import ngslac.reference
 import ngslac.tools
@@ -170,7 +171,7 @@ def _Members(cls, name):
 def PublicNames():
     """All of them."""
     things = {name: getattr(ngslac, name) for name in ngslac.__all__ if name[0] != "_"}
-    for room in (ngslac.materials, ngslac.reference, ngslac.tools):
+    for room in (ngslac.analysis, ngslac.materials, ngslac.reference, ngslac.tools):
         things |= {name: getattr(room, name) for name in room.__all__}
     things |= {cls.__name__: cls for cls in RESULTS}
     names = []

@@ -34,6 +34,7 @@ case_tools
 case_materials
 case_series
 case_dynamics
+case_modes
 case_laws
 case_wear
 case_adhesion

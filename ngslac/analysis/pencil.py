@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The eigenvalue problem of small vibrations, and how it is solved."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh
+
+from ngslac.analysis.tangent import Factors, Tangent
+from ngslac.errors import LinearSolveError
+
+__all__ = ["GROWS", "WRONG", "Pencil"]
+
+# Shifts, over the square of the highest frequency that the mesh knows: where bodies float 0 fails.
+SHIFTS = (0.0, 1e-12, 1e-9, 1e-6)
+# Squares of frequencies, over the rounding in the product with the stiffness, that are zero.
+ROUNDING = 100 * np.finfo(float).eps
+# Difference of a matrix from its transpose, relative to its size, that is rounding.
+SYMMETRIC = 1e-11
+# Relative residual of an eigenpair that is no eigenpair; growth over the size of an eigenvalue.
+WRONG, GROWS = 1e-6, 1e-6
+# So many dofs are dense algebra. Squares of frequencies beyond the highest one: constraints.
+SMALL, BEYOND = 300, 1e4
+# Accuracy of ARPACK, the least size of its space, and how often that is made anew.
+ACCURATE, LEAST_SPACE, MOST_ROUNDS = 1e-11, 30, 300
+
+
+@dataclass(frozen=True)
+class Pencil:
+    """The eigenvalue problem  (K + lambda D + lambda^2 M) x = 0  on the free dofs; D may be None.
+
+    `heavy` (n,) bool: free dofs that have mass; `highest`: about the square of the highest
+    frequency that the mesh knows.
+    """
+
+    K: object
+    D: object
+    M: object
+    heavy: np.ndarray
+    tangent: Tangent
+    symmetric: bool
+    highest: float
+
+    @classmethod
+    def Of(cls, tangent, mass, dampings):
+        """That of a Tangent, a mass matrix and a list of damping matrices."""
+        keep, units = (scipy.sparse.diags(x.astype(float)) for x in (tangent.free, tangent.scale))
+        D = (keep @ sum(dampings) @ keep).tocsr() if dampings else None
+        M, K = ((keep @ mat @ keep).tocsr() for mat in (mass, tangent.matrix))
+        scaled = units @ K @ units
+        symmetric = abs(scaled - scaled.T).max() <= SYMMETRIC * abs(scaled).max()
+        heavy = M.diagonal() > 0
+        highest = np.max(np.abs(tangent.bulk.diagonal()[heavy]) / M.diagonal()[heavy])
+        return cls(K, D, M, heavy, tangent, bool(symmetric), float(highest))
+
+    def Modes(self, count):
+        """Eigenvalues (k,) of the lowest frequencies, and vectors; one more may be there."""
+        squares, vectors, lowest = self._First(count + 1)
+        if self.D is None:
+            values = 1j * np.sqrt(squares.astype(complex))
+            values = np.where(values.imag == 0, np.abs(values.real), values)  # both of +-
+        else:
+            values, vectors = self._Damped(np.sqrt(lowest), count)
+        values, vectors = self._Lowest(values, vectors, count)
+        return values, self._Normal(vectors)
+
+    def _First(self, count):
+        """As `_Squares`, with the lowest one that is not zero, by a shift of its size if not 0."""
+        for share in SHIFTS:
+            try:
+                squares, vectors = self._Squares(share * self.highest, count)
+                lowest = np.min(np.abs(squares[squares != 0]), initial=np.inf)
+                lowest = float(min(lowest, SHIFTS[-1] * self.highest))
+                return *(self._Squares(lowest, count) if share else (squares, vectors)), lowest
+            except LinearSolveError as error:
+                failure = error
+        raise failure
+
+    def _Squares(self, shift, count):
+        """Squares of angular frequencies without damping, nearest to zero, and vectors."""
+        factors = Factors(self.K + shift * self.M, self.tangent.free, self.tangent.scale)
+        if np.count_nonzero(self.heavy) <= SMALL:
+            found, vectors = self._Dense(factors, count)
+            found = found - shift
+        else:
+            inverse = LinearOperator(self.K.shape, matvec=factors.Solve, dtype=float)
+            start = factors.Solve(self.M @ (self.tangent.scale * Random(len(self.heavy))))
+            options = {"sigma": -shift, "OPinv": inverse, "v0": start}
+            method = eigsh if self.symmetric else eigs
+            found, vectors = Tried(method, self.K, count, self.M, **options)
+        return np.where(np.abs(found) <= self._Zero(vectors), 0.0, found), vectors
+
+    def _Dense(self, factors, count):
+        """The same, with the shift added, by dense algebra on what has mass."""
+        heavy = self.heavy
+        moved, mass = factors.Solve(self.M[:, heavy].toarray()), self.M[heavy][:, heavy].toarray()
+        if self.symmetric:
+            found, parts = scipy.linalg.eigh(mass @ moved[heavy], mass)
+        else:
+            found, parts = scipy.linalg.eig(moved[heavy])
+        first = np.argsort(-np.abs(found))[:count]
+        first = first[found[first] != 0]
+        return 1 / found[first], moved @ parts[:, first] / found[first]
+
+    def _Damped(self, shift, count):
+        """Eigenvalues with damping near a real one, and vectors: of (x, lambda x / shift)."""
+        n, scale, move = len(self.heavy), self.tangent.scale, self.D + shift * self.M
+        factors = Factors(self.K + shift * move, self.tangent.free, scale)
+
+        def Inverse(z):
+            x, y = np.split(z.ravel(), 2)
+            x, y = scale * x, shift * scale * y
+            moved = -factors.Solve(self.M @ y + move @ x)
+            return np.concatenate([moved / scale, (x + shift * moved) / (shift * scale)])
+
+        inverse = LinearOperator((2 * n, 2 * n), matvec=Inverse, dtype=float)
+        if np.count_nonzero(self.heavy) <= SMALL:
+            found, vectors = scipy.linalg.eig(inverse @ np.eye(2 * n))
+            first = np.argsort(-np.abs(found))[: 2 * count + 2]
+            found, vectors = found[first], vectors[:, first]
+        else:
+            start = Inverse(Random(2 * n))
+            found, vectors = Tried(eigs, inverse, 2 * count + 2, v0=start)
+        vectors = scale[:, None] * vectors[:n]
+        values = shift + 1 / found
+        zero = np.abs(values) ** 2 <= self._Zero(vectors)
+        return np.where(zero, 0.0, values), vectors
+
+    def _Zero(self, vectors):
+        """Squares of frequencies that rounding makes of zero, for each vector."""
+        size = np.abs(vectors)
+        with np.errstate(divide="ignore"):
+            return ROUNDING * np.sum(size * (abs(self.K) @ size), axis=0) / self._Masses(vectors)
+
+    def _Masses(self, vectors):
+        """The modal mass of each vector."""
+        return np.sum(vectors.conj() * (self.M @ vectors), axis=0).real
+
+    def _Lowest(self, values, vectors, count):
+        """One of two conjugate ones each, the first ones by size; a pair that flutters is whole."""
+        size = np.abs(values)
+        keep = np.flatnonzero((values.imag >= 0) & (size**2 <= BEYOND * self.highest))
+        size = size[keep]
+        keep = keep[np.argsort(size - GROWS * values[keep].real, kind="stable")]
+        values, vectors = values[keep], vectors[:, keep]
+        if len(values) > count:
+            last, other = values[count - 1 : count + 1]
+            small = GROWS * abs(last)
+            count += bool(abs(last + other.conj()) <= small < abs(last.real))
+        return values[:count], vectors[:, :count]
+
+    def _Normal(self, vectors):
+        """Modal mass 1, and the largest entry of what has mass is real and positive."""
+        vectors = vectors / np.sqrt(self._Masses(vectors))
+        largest = np.argmax(np.abs(vectors) * self.heavy[:, None], axis=0)
+        there = vectors[largest, np.arange(vectors.shape[1])]
+        return vectors * (there.conj() / np.abs(there))
+
+    def Residuals(self, values, vectors):
+        """Of the eigenpairs (k,), relative to the forces of inertia, or to rounding."""
+        inertia = (self.M @ vectors) * values**2
+        left = self.K @ vectors + inertia
+        if self.D is not None:
+            left = left + (self.D @ vectors) * values
+        stress = abs(self.K) @ np.abs(vectors)
+        left, inertia, stress = (
+            np.linalg.norm(self.tangent.scale[:, None] * forces, axis=0)
+            for forces in (left, inertia, stress)
+        )
+        return left / np.maximum(inertia, stress * ROUNDING / WRONG)
+
+
+def Random(size):
+    """The same numbers (size,) each time."""
+    return np.random.default_rng(1).standard_normal(size)
+
+
+def Tried(method, mat, count, *args, **options):
+    """Eigenvalues and vectors that ARPACK finds; fewer than asked for where others are far away."""
+    size = min(max(3 * count, LEAST_SPACE), mat.shape[0] - 1)
+    known = {"ncv": size, "tol": ACCURATE, "maxiter": MOST_ROUNDS, "which": "LM"}
+    try:
+        return method(mat, count, *args, **known, **options)
+    except ArpackError as error:
+        if len(getattr(error, "eigenvalues", ())):
+            return error.eigenvalues, error.eigenvectors
+        raise LinearSolveError(f"no mode was found: {error}") from error
