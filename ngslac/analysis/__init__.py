@@ -2,5 +2,8 @@
 """What a converged contact state says besides its solution: errors, derivatives, modes."""
 
 from ngslac.analysis.modes import Modes
+from ngslac.analysis.record import Record
+from ngslac.analysis.sensitivity import Sensitivity
+from ngslac.analysis.shape import Shape
 
-__all__ = ["Modes"]
+__all__ = ["Modes", "Record", "Sensitivity", "Shape"]

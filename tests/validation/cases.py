@@ -40,6 +40,7 @@ case_wear
 case_adhesion
 case_heat
 case_restart
+case_sensitivity
 """
 MODULES = [import_module(name) for name in NAMES.split()]
 CASES = {case.name: case for module in MODULES for case in module.CASES}

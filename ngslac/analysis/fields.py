@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Coefficients that are fields: entries that do not touch each other are varied at once."""
+
+import numpy as np
+from netgen.meshing import NgException
+from ngsolve import BilinearForm, ds, dx
+from scipy.optimize._numdiff import group_columns
+
+from ngslac.analysis.variables import Entries
+from ngslac.arrays import ToCSR
+
+__all__ = ["Groups", "Reach"]
+
+
+def Reach(field, space):
+    """Rows of a residual that each entry of a field changes, ones in (n, entries), or None.
+
+    They are those of the elements on which the entry lives, whatever the integrand is.
+    """
+    own = field.space
+    if own.dim != 1 or space.dim != 1 or field.components:
+        return None
+    form = BilinearForm(trialspace=own, testspace=space)
+    product = 0.0 * own.TrialFunction() * space.TestFunction()[0][0]
+    try:
+        form += product * dx + product * ds
+        form.Assemble()
+    except NgException:
+        return None
+    found = ToCSR(form.mat)
+    found.data[:] = 1
+    return found
+
+
+def Groups(entries, reach):
+    """Directions that vary many of the entries at once, no two of which change the same row."""
+    groups = group_columns(reach)
+    chosen = (np.flatnonzero(groups == number) for number in range(groups.max() + 1))
+    return [Entries(entries.values, entries.start, some) for some in chosen]

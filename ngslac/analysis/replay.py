@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What was computed once more: residuals and functionals beside the converged states."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from netgen.meshing import NgException
+from ngsolve import LinearForm
+
+from ngslac.analysis.record import Record, Stage
+from ngslac.contact.state import FormState
+from ngslac.solve.solver import ContactSolver
+from ngslac.steps.prescribed import Prescribed
+
+__all__ = ["Course", "Node", "Replay"]
+
+
+@dataclass
+class Course:
+    """Start and steps of what was computed: of one solve, or of a Record.
+
+    Attributes
+    ----------
+    states : list of dict
+        Of the contacts where it began.
+    scales : list of (m,) array
+        Of the rows of the multipliers of the contacts.
+    fresh : bool
+        Did it begin without a history?
+    load, begin : Parameter and float, or None
+        What the steps set, and its value where it began.
+    remembers : bool
+        Does a step depend on those before it?
+    """
+
+    solver: ContactSolver
+    stages: list
+    states: list
+    scales: list
+    fresh: bool
+    prescribed: Prescribed
+    load: object = None
+    begin: float = 0.0
+    commit: object = None
+    memory: list = field(default_factory=list)
+    kept: list = field(default_factory=list)
+
+    @property
+    def remembers(self):
+        """Does a step depend on those before it?"""
+        rubs = self.solver.system.rubs or self.solver.system.own_law
+        return len(self.stages) > 1 and (rubs or bool(self.memory))
+
+
+def CourseOf(solver, prescribe):
+    """That of a solver, or of a Record."""
+    contacts = solver.solver.contacts if isinstance(solver, Record) else solver.contacts
+    scales = [contact.form.History()["c"] for contact in contacts]
+    if isinstance(solver, Record):
+        record, static = solver, solver.solver
+        if prescribe is not None:
+            raise ValueError("prescribe= is that of the stepper: leave it out with a Record")
+        if not record.stages:
+            raise ValueError(
+                "the Record is empty: give it to stepper.Integrate as callback=, and integrate"
+            )
+        given = record.stepper._prescribed
+        start = record.states, scales, record.fresh, given, record.stepper.load, record.begin
+        return Course(static, [*record.stages], *start, record.commit, record.memory, record.kept)
+    values = solver.gf.vec.FV().NumPy().copy()
+    ended = [c for c in contacts if c._accepted is not None and c.holds_tangentially]
+    if any(np.array_equal(c._accepted, values) for c in ended):
+        raise ValueError(
+            "the contacts have accepted this solution as the end of a step, and what slipped in "
+            "it is no longer known: give Record(stepper) to Integrate as the callback, and that "
+            "Record in place of the solver"
+        )
+    states = [contact.State() for contact in contacts]
+    fresh = all(contact._accepted is None for contact in contacts)
+    stage = Stage(None, contacts[0].dt.Get(), values)
+    return Course(solver, [stage], states, scales, fresh, Prescribed(solver, prescribe))
+
+
+@dataclass
+class Node:
+    """A problem at a variation: the histories of its contacts, and of its bulk."""
+
+    direction: object
+    way: float
+    shadows: list
+    kept: list
+
+
+class Replay:
+    """A context in which steps are looked at once more; at its end everything is as before."""
+
+    def __init__(self, course):
+        self.course, self.solver = course, course.solver
+        self.gf, self.system = self.solver.gf, self.solver.system
+        self.direction = None
+
+    def __enter__(self):
+        course, system, contacts = self.course, self.system, self.solver.contacts
+        things = [system, system.residual, system.bulk, *contacts]
+        self._kept = [(thing, vars(thing).copy()) for thing in things]
+        arrays = [each.vec.FV().NumPy() for each in (self.gf, *course.memory)]
+        self._values = [(array, array.copy()) for array in arrays]
+        parameters = [contact.dt for contact in contacts]
+        parameters += [course.load] if course.load is not None else []
+        self._parameters = [(each, each.Get()) for each in parameters]
+        self._rhs = system.bulk.rhs if isinstance(system.bulk.rhs, LinearForm) else None
+        if self._rhs:
+            self._loads = self._rhs.vec.FV().NumPy().copy()
+            self._rhs.Assemble()
+            # What was added to the vector by hand.
+            self._added = self._loads - self._rhs.vec.FV().NumPy()
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self._PutBack()
+        except KeyboardInterrupt:
+            self._PutBack()
+            raise
+
+    def _PutBack(self):
+        if self.direction is not None:
+            self.direction.Set(0)
+        for parameter, value in self._parameters:
+            parameter.Set(value)
+        for array, values in self._values:
+            array[:] = values
+        if self._rhs:
+            self._rhs.vec.FV().NumPy()[:] = self._loads
+        self._Attributes()
+        for contact in self.solver.contacts:
+            contact._Fill()
+        self._Attributes()  # of which Fill has changed some
+        if self.course.load is not None:
+            self.system.bulk.Forget()
+
+    def _Attributes(self):
+        for thing, attributes in self._kept:
+            vars(thing).update(attributes)
+
+    # --- going through the steps -----------------------------------------------------------------
+
+    def Start(self, direction=None, way=0.0):
+        """The Node of a variation where the steps began."""
+        if direction and direction.moves and not self.course.fresh:
+            raise ValueError(
+                "the contacts have a history of earlier steps, made in the present shape: make the "
+                "Record before the first step"
+            )
+        self.direction = direction or self.direction
+        if direction:
+            direction.Set(way)
+        shadows, course = [], self.course
+        if course.load is not None:
+            course.load.Set(course.begin)
+        for contact, state, scale in zip(
+            self.solver.contacts, course.states, course.scales, strict=True
+        ):
+            old = contact._state
+            shadow = FormState(old.setup, old.stiffness)
+            shadows.append(shadow)
+            apart = state["paired"] is None
+            if apart or (direction and direction.moves):
+                around = None if apart else shadow._Function(state["paired"])
+                shadow.Pair(around, active=bool(state.get("active", True)))
+                shadow.Scale(self.system.bulk.diagonal, self.system.bulk.elastic)
+                # The same in all variations, as it is a factor of rows of the residual.
+                shadow.form.SetHistory(shadow.form.History() | {"c": scale})
+            else:
+                shadow.SetState(state, self._At(course.stages[0].values))
+        return Node(direction, way, shadows, [values.copy() for values in course.kept])
+
+    def _At(self, values):
+        self.gf.vec.FV().NumPy()[:] = values
+        return self.gf
+
+    def Go(self, node, stage, values):
+        """Make the problem that of a node in a step, with a solution (n,)."""
+        if node.direction:
+            node.direction.Set(node.way)
+        course, contacts = self.course, self.solver.contacts
+        for contact, shadow in zip(contacts, node.shadows, strict=True):
+            contact._state = shadow
+        for each, kept in zip(course.memory, node.kept, strict=True):
+            each.vec.FV().NumPy()[:] = kept
+        if self._rhs:  # which steps do not assemble
+            for parameter, value in self._parameters:
+                parameter.Set(value)
+            self._rhs.Assemble()
+            self._rhs.vec.FV().NumPy()[:] += self._added
+        for contact in contacts:
+            contact.dt.Set(stage.dt)
+        if stage.load is not None:
+            course.load.Set(stage.load)
+        self._At(values)
+        if course.prescribed:
+            course.prescribed.Set()
+
+    def Residual(self, node, stage, way=0.0):
+        """That (n,) of a node at a step, and the solution, which goes a way (n,) with the node."""
+        self.Go(node, stage, stage.values + node.way * way)
+        vec, forces = self.gf.vec, self.gf.vec.CreateVector()
+        self.solver.a.Apply(vec, forces)
+        for contact in self.solver.contacts:
+            contact.form.Follow(vec)
+            contact.form.AddApply(vec, forces)
+        found = forces.FV().NumPy() - self.system.bulk.load
+        return found, vec.FV().NumPy().copy()
+
+    def Look(self, node, stage, values, functional):
+        """The value of a functional at a node, for a solution (n,) of a step."""
+        self.Go(node, stage, values)
+        for contact in self.solver.contacts:
+            contact.form.Follow(self.gf.vec)
+            contact.Evaluate(self.gf)
+        return functional.Value(self.gf)
+
+    def Commit(self, node, stage, values):
+        """Go on to the next step."""
+        self.Go(node, stage, values)
+        for shadow in node.shadows:
+            shadow.Commit(self.gf)
+        if self.course.commit:
+            self.course.commit(stage.step)
+        node.kept = [each.vec.FV().NumPy().copy() for each in self.course.memory]
+
+    def MayBe(self, direction, way):
+        """The Node of a variation where the steps began, or None where there is no problem."""
+        try:
+            node = self.Start(direction, way)
+            residual, _ = self.Residual(node, self.course.stages[0])
+        except NgException:
+            return None
+        return node if np.all(np.isfinite(residual)) else None
