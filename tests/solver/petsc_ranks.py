@@ -76,6 +76,9 @@ def main():
             difference = np.linalg.norm(seen["scale"] * x - seen["x"]) / np.linalg.norm(seen["x"])
             found[method] = difference, error
     found["krylov"] = system.krylov
+    parts = [*vars(system).values(), *vars(system.numbering).values()]
+    longest = max((len(part) for part in parts if isinstance(part, np.ndarray)), default=0)
+    found["longest"] = WORLD.gather((longest, len(dofs)))
     system.SetContacts(*mine([], np.zeros(0, dtype=int), seen["scale"]))
     try:
         system.Solve(*mine(seen["b"]))

@@ -90,5 +90,7 @@ def test_any_number_of_ranks_solves_the_same_system():
         assert found["iterative"][1] < 1e-9
         assert found["iterative"][0] < 1e-7
         assert found["singular fails"]
+        _, *workers = found["longest"]
+        assert all(longest <= own for longest, own in workers)  # nothing of what others have
         krylov.append(found["krylov"])
     assert abs(krylov[1] - krylov[0]) <= 3
