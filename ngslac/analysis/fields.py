@@ -4,8 +4,8 @@
 import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BilinearForm, ds, dx
-from scipy.optimize._numdiff import group_columns
 
+from ngslac.analysis.colours import Colours
 from ngslac.analysis.variables import Entries
 from ngslac.arrays import ToCSR
 
@@ -34,6 +34,6 @@ def Reach(field, space):
 
 def Groups(entries, reach):
     """Directions that vary many of the entries at once, no two of which change the same row."""
-    groups = group_columns(reach)
+    groups = Colours(reach)
     chosen = (np.flatnonzero(groups == number) for number in range(groups.max() + 1))
     return [Entries(entries.values, entries.start, some) for some in chosen]

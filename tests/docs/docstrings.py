@@ -18,6 +18,9 @@ import ngslac.analysis
 import ngslac.materials
 import ngslac.reference
 import ngslac.tools
+from ngslac.analysis.adapt import AdaptStep
+from ngslac.analysis.estimate import ErrorEstimate
+from ngslac.analysis.goal import GoalError
 from ngslac.contact.certificate import Certificate, Excess
 from ngslac.contact.report import ContactReport
 from ngslac.output.segments import Segments
@@ -29,6 +32,9 @@ from ngslac.steps.load import Step
 STUBS = Path(ngslac.__file__).with_name("_ngslac.pyi")
 STUB_CLASSES = {n.name: n for n in ast.parse(STUBS.read_text()).body if hasattr(n, "bases")}
 RESULTS = (
+    AdaptStep,
+    ErrorEstimate,
+    GoalError,
     EnergyBalance,
     TimeStep,
     Iteration,

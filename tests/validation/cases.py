@@ -14,6 +14,7 @@ case_balance
 case_invariance
 case_infsup
 case_signorini
+case_adaptive
 case_wavy
 case_mms_large
 case_hertz

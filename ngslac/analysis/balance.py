@@ -1,0 +1,425 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Forces at faces and in elements that a discrete solution does not balance."""
+
+import numpy as np
+from ngsolve import (
+    BND,
+    CF,
+    L2,
+    BilinearForm,
+    BoundaryFromVolumeCF,
+    CoefficientFunction,
+    Grad,
+    GridFunction,
+    InnerProduct,
+    Integrate,
+    LinearForm,
+    Region,
+    VectorFacetFESpace,
+    VectorL2,
+    ds,
+    dx,
+    specialcf,
+)
+
+from ngslac._ngslac import ContactForm, LACSpace, RegionWithFaces, Side
+from ngslac.analysis.tangent import CONVERGED, Static
+from ngslac.arguments import CheckFunction, CheckInstance, Wrong
+from ngslac.arrays import AsNumPy, Multiply
+from ngslac.recovery.surface import SlaveSurface
+
+__all__ = ["Balance", "CheckSimplices", "ContactPoints", "FaceElements"]
+
+SMALL = 1e-6  # a displacement gradient at which the modulus is looked at
+# Of the forces at work: a larger imbalance means that stress or loads are not those of the bulk.
+# Curved elements have some, by the points of their integrals.
+UNBALANCED, ROUNDING = 1e-2, 1e-12
+# Arguments of a contact's form that say where it is, and those that do not matter for that.
+COEFFICIENTS = "friction", "tresca", "offset"
+KNOWN = {"master", "tool", "obstacle", *COEFFICIENTS, "tied", "bilateral", "finite", "edges"}
+KNOWN |= {"adjust", "maxdist", "penetration"}
+SIMPLICES = {10, 20}  # netgen's numbers of triangles and tetrahedra
+
+
+class Balance:
+    """The stress of a solver's solution, its loads and contact tractions.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    dim : int
+    u : GridFunction
+        Displacement.
+    stress : CoefficientFunction (d, d)
+    modulus, size : GridFunction
+        Shear modulus and size of each element, constant on elements.
+    homogeneous : bool
+        Is it that of an adjoint solution, for which there are no loads and no gaps?
+    """
+
+    homogeneous = False
+
+    def __init__(self, solver, stress, force, tractions):
+        self.static = static = Static(solver)
+        Refuse(static)
+        self.contacts = static.contacts
+        form = self.contacts[0].form
+        self.mesh, self.space = form.fes.mesh, form.component
+        self.dim, self.order = self.mesh.dim, self.space.globalorder
+        self.first = form.offset * form.fes.dim
+        self.u = GridFunction(self.space)
+        self.entries = static.gf.vec.FV().NumPy().copy()
+        count = len(self.u.vec.FV())
+        self.u.vec.FV().NumPy()[:] = self.entries[self.first : self.first + count]
+        self.free = static.system.residual.free[self.first : self.first + count]
+        self.law = stress
+        self.multipliers = [
+            self.entries[c.form.MultiplierDofs()].reshape(c.space.nmacros, -1)
+            for c in self.contacts
+        ]
+        self.stress = Tensor(stress, Grad(self.u), self.dim)
+        self.force = None if force is None else Vector("force", force, self.dim)
+        self.tractions = Tractions(tractions, self.mesh, self.dim)
+        self._Numbers()
+        self._CheckBalance()
+
+    def _Numbers(self):
+        """Functions that are constant on elements."""
+        constant = L2(self.mesh, order=0)
+        self.modulus, self.size, self.number = (GridFunction(constant) for _ in range(3))
+        self.modulus.Set(self.Modulus())
+        volume = Integrate(CF(1), self.mesh, element_wise=True).NumPy()
+        self.size.vec.FV().NumPy()[:] = volume ** (1 / self.dim)
+        self.number.vec.FV().NumPy()[:] = np.arange(self.mesh.ne)
+        # Force per area and displacement by which the elements at a surface take up one of it.
+        self.stiffness = 4 * self.modulus.vec.FV().NumPy() / self.size.vec.FV().NumPy()
+
+    def Modulus(self):
+        """Shear modulus near the state without stress."""
+        d = self.dim
+        shear = CF(tuple(SMALL * (k == 1) for k in range(d * d)), dims=(d, d))
+        return (self.law(shear) - self.law(0 * shear))[0, 1] / SMALL
+
+    def Elementwise(self, density, where=dx):
+        """Integrals (ne,) over elements or over their boundaries."""
+        return np.array(Integrate(density * where, self.mesh, element_wise=True).NumPy())
+
+    @property
+    def energy(self):
+        """Norm of the solution: the root of the integral of stress times gradient."""
+        return float(np.sqrt(abs(Integrate(InnerProduct(self.stress, Grad(self.u)), self.mesh))))
+
+    # --- tractions -------------------------------------------------------------------------------
+
+    def Contact(self, space):
+        """Work (n,) of the contact tractions in the functions of a space like that of u."""
+        work = 0
+        for contact, tractions in zip(self.contacts, self.multipliers, strict=True):
+            form = contact.form if space is self.space else Other(contact, space, self)
+            jump = form.JumpMatrix(Side.both).CreateTranspose()
+            work = work + Multiply([jump], tractions.ravel())
+        return work
+
+    def Outer(self, space, *, weight=1):
+        """LinearForm of the surface loads."""
+        v = space.TestFunction()
+        loads = LinearForm(space)
+        for region, traction in self.tractions:
+            loads += weight * InnerProduct(traction, v) * ds(definedon=region, bonus_intorder=2)
+        return loads.Assemble().vec.FV().NumPy().copy()
+
+    def _CheckBalance(self):
+        v = self.space.TestFunction()
+        parts = [LinearForm(InnerProduct(self.stress, Grad(v)) * dx(bonus_intorder=2))]
+        if self.force is not None:
+            parts.append(LinearForm(-self.force * v * dx(bonus_intorder=2)))
+        parts = [part.Assemble().vec.FV().NumPy() for part in parts]
+        parts += [-self.Outer(self.space), -self.Contact(self.space)]
+        size = max(np.linalg.norm(part[self.free]) for part in parts)
+        error = np.linalg.norm(sum(parts)[self.free])
+        if not error <= max(UNBALANCED * size, self._Rounding()):
+            raise ValueError(
+                f"stress, force and tractions leave {error / size:.2g} of the forces unbalanced: "
+                "they must be those of the bulk form and of rhs, and the solver must have "
+                f"converged (to {CONVERGED:g} or better)"
+            )
+
+    def _Rounding(self):
+        """Forces that are none beside those of a displacement as large as the present one."""
+        modulus, size = (f.vec.FV().NumPy() for f in (self.modulus, self.size))
+        largest = np.abs(self.u.vec.FV().NumPy()).max(initial=0)
+        forces = np.mean(modulus) * np.max(size) ** (self.dim - 2) * largest
+        return ROUNDING * forces * np.sqrt(len(self.free))
+
+    def Held(self, region):
+        """Which components (d,) of the displacement are prescribed on a boundary."""
+        parts = self._Parts()
+        if parts is None:
+            dofs = AsNumPy(self.space.GetDofs(region))
+            free = self.free.reshape(len(dofs), -1)[dofs]
+            return ~free.any(axis=0) if len(free) else np.zeros(self.dim, bool)
+        ends = np.cumsum([0, *(part.ndof for part in parts)])
+        held = np.zeros(self.dim, bool)
+        for k, part in enumerate(parts):
+            dofs = AsNumPy(part.GetDofs(region))
+            held[k] = dofs.any() and not self.free[ends[k] : ends[k + 1]][dofs].any()
+        return held
+
+    def _Parts(self):
+        return None if self.space.dim > 1 else list(self.space.components)
+
+    def Supports(self):
+        """Pairs of boundary region and held components (d,), where any is."""
+        names = dict.fromkeys(self.mesh.GetBoundaries())
+        regions = [Region(self.mesh, BND, f"^{name}$" if name else "^$") for name in names]
+        pairs = [(region, self.Held(region)) for region in regions]
+        return [(region, held) for region, held in pairs if held.any()]
+
+    def Sides(self):
+        """Region of slave and master of all contacts."""
+        total = None
+        for contact in self.contacts:
+            for side in (contact.space.slave, contact.master):
+                if side is not None:
+                    total = side if total is None else total + side
+        return total
+
+    # --- what is left ----------------------------------------------------------------------------
+
+    def Divergence(self):
+        """Of the stress, plus the body force: what elements do not balance."""
+        rows = [GridFunction(VectorL2(self.mesh, order=self.order)) for _ in range(self.dim)]
+        for k, row in enumerate(rows):
+            row.Set(CF(tuple(self.stress[k, j] for j in range(self.dim))))
+        total = CF(tuple(sum(Grad(row)[j, j] for j in range(self.dim)) for row in rows))
+        return total if self.force is None else total + self.force
+
+    def FacetResidual(self, besides=()):
+        """Jumps of tractions and what boundaries do not balance: two GridFunctions on facets.
+
+        The first is that of all faces but those of contacts, the second of these. The regions of
+        `besides` do not count.
+        """
+        faces = VectorFacetFESpace(self.mesh, order=self.order)
+        p, q = faces.TnT()
+        normal = specialcf.normal(self.dim)
+        out = LinearForm(faces)
+        out += InnerProduct(self.stress * normal, q) * dx(element_boundary=True)
+        left = out.Assemble().vec
+        left.FV().NumPy()[:] -= self.Outer(faces) + self.Contact(faces)
+        mass = BilinearForm(p * q * dx(element_boundary=True), symmetric=True).Assemble()
+        bulk, contact = GridFunction(faces), GridFunction(faces)
+        bulk.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * left
+        values, ends = bulk.vec.FV().NumPy(), [0, *np.cumsum([c.ndof for c in faces.components])]
+        for region, held in self.Supports():
+            for k in np.flatnonzero(held):
+                dofs = AsNumPy(faces.components[k].GetDofs(region))
+                values[ends[k] : ends[k + 1]][dofs] = 0
+        for region in besides:
+            values[AsNumPy(faces.GetDofs(region))] = 0
+        sides = AsNumPy(faces.GetDofs(self.Sides()))
+        contact.vec.FV().NumPy()[sides] = values[sides]
+        values[sides] = 0
+        outer = AsNumPy(faces.GetDofs(self.mesh.Boundaries(".*")))
+        contact.vec.FV().NumPy()[:] *= np.sqrt(2)  # an inner face belongs to two elements
+        values[outer] *= np.sqrt(2)
+        return bulk, contact
+
+
+class ContactPoints:
+    """What is known at the quadrature points of a contact.
+
+    Attributes
+    ----------
+    weight : (q,)
+    element : (q,) int
+        Of the slave's body.
+    macro : (q,) int
+    normal, traction, violation : (q, d)
+        Contact direction; traction on the slave; the displacement by which contact conditions are
+        violated: gaps of closed macro-elements, which are 0 in the mean, overlaps of open ones, and
+        slip where they stick.
+    stiffness : (q,)
+        Force per area and displacement, of the element.
+    work : (q,)
+        Of friction where it does not oppose the slip, and of pressure in overlaps, >= 0; per area.
+    """
+
+    def __init__(self, contact, balance):
+        self.surface = surface = SlaveSurface(contact)
+        face, at = surface.table[:, 0].astype(int), surface.table[:, 2:4]
+        of = BoundaryFromVolumeCF(balance.number)
+        self.weight, table = surface.weight, contact.Table()
+        self.element = np.rint(surface.Evaluate(of, face, at)[:, 0]).astype(int)
+        self.macro, tractions = surface.macro, balance.multipliers[balance.contacts.index(contact)]
+        self.normal, self.traction = table["normal"][self.macro], tractions[self.macro]
+        self.stiffness = self._Stiffness(balance, of)
+        self._SetViolation(contact, balance, table)
+
+    def _SetViolation(self, contact, balance, table):
+        surface, normal = self.surface, self.normal
+        jump = surface.Jump(Moved(contact, balance))
+        mean = self._Mean(jump)
+        gap = surface.gap * np.sum(surface.normal * normal, axis=1) - np.sum(jump * normal, axis=1)
+        status = table["status"][self.macro]
+        across = jump - mean - np.sum((jump - mean) * normal, axis=1)[:, None] * normal
+        closed = status > 0
+        held = closed & (status == 1) & contact.holds_tangentially
+        if contact.own_law:
+            self.violation, self.work = np.zeros_like(jump), np.zeros(len(gap))
+            return
+        if contact.tied or balance.homogeneous:
+            counts = closed[:, None] * (jump - mean) - (closed & ~held)[:, None] * across
+            self.violation, self.work = counts, np.zeros(len(gap))
+            return
+        normal_part, penetration = self._Normal(gap, closed, contact, balance)
+        self.violation = normal_part[:, None] * normal + np.where(held[:, None], across, 0)
+        slip = across + np.nan_to_num(table["slip"])[self.macro]
+        drag = self.traction - np.sum(self.traction * normal, axis=1)[:, None] * normal
+        work = np.linalg.norm(drag, axis=1) * np.linalg.norm(slip, axis=1)
+        work = work + np.sum(drag * slip, axis=1)
+        self.work = np.where(closed & (status == 2), work, 0) + penetration
+
+    def _Stiffness(self, balance, of):
+        """Of both bodies in series (q,): either takes up a part of a displacement."""
+        master = self.surface.table[:, 1].astype(int)
+        soft, faced = 1 / balance.stiffness[self.element], master >= 0
+        if faced.any():
+            number = self.surface.Evaluate(of, master[faced], self.surface.table[faced, 4:6])
+            soft[faced] += 1 / balance.stiffness[np.rint(number[:, 0]).astype(int)]
+        return 1 / soft
+
+    def _Normal(self, gap, closed, contact, balance):
+        """Gaps that count, and pressure times penetration where that is less than all gaps."""
+        overlap = np.maximum(-gap, 0)
+        if contact.bilateral:
+            return gap, np.zeros(len(gap))
+        pressure = -np.sum(self.traction * self.normal, axis=1)
+        work = np.where(closed, np.maximum(pressure, 0) * overlap, 0)
+        whole, part = (self._Sums(self.stiffness * g * g) for g in (gap, overlap))
+        fewer = (part + 2 * self._Sums(work) < whole)[self.macro]
+        fewer |= ~closed
+        return np.where(fewer, -overlap, gap), np.where(fewer, work, 0)
+
+    def _Sums(self, values):
+        return np.bincount(self.macro, self.weight * values, len(self.surface.area))
+
+    def _Mean(self, jump):
+        surface = self.surface
+        sums = [self._Sums(column) for column in jump.T]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (np.stack(sums, axis=1) / surface.area[:, None])[self.macro]
+
+    def Sum(self, values, count):
+        """Integrals (ne,) over the faces of elements, of values (q,) at the points."""
+        return np.bincount(self.element, self.weight * values, count)
+
+
+def Moved(contact, balance):
+    """The displacement counted from where the surfaces were paired."""
+    paired = contact._state.paired
+    moved = GridFunction(balance.space)
+    values = moved.vec.FV().NumPy()
+    values[:] = balance.u.vec.FV().NumPy()
+    moves = contact.master is not None and not balance.homogeneous
+    if moves and paired is not None and len(paired):
+        values -= paired[balance.first : balance.first + len(values)]
+    return moved
+
+
+def Other(contact, space, balance):
+    """The form of a contact on the same macro-elements for another displacement space."""
+    macros = np.array(contact.space.macros)
+    numbers = macros[macros >= 0].tolist()
+    multipliers = LACSpace(space, slave=contact.space.slave, macros=numbers)
+    product = space * multipliers
+    u, lam = product.TrialFunction()
+    setup = contact._state.setup
+    plain = {name: None if name in COEFFICIENTS else value for name, value in setup.items()}
+    plain = {name: value for name, value in plain.items() if name in KNOWN}
+    form = ContactForm(**(plain | {"u": u, "lam": lam, "law": None, "kept": {}}))
+    paired, start = contact._state.paired, None
+    if paired is not None and len(paired):
+        first = GridFunction(balance.space)
+        count = len(first.vec.FV())
+        first.vec.FV().NumPy()[:] = paired[balance.first : balance.first + count]
+        start = GridFunction(product)
+        start.components[0].Set(first, definedon=balance.Sides())
+    form.Update(start, None)
+    return form
+
+
+def FaceElements(region):
+    """Number, volume element and area of each face of a boundary region."""
+    mesh = region.mesh
+    number = GridFunction(L2(mesh, order=0))
+    number.vec.FV().NumPy()[:] = np.arange(mesh.ne)
+    area = np.array(Integrate(CF(1), region, element_wise=True).NumPy())
+    sums = np.array(Integrate(BoundaryFromVolumeCF(number), region, element_wise=True).NumPy())
+    faces = np.flatnonzero(area > 0)
+    return faces, np.rint(sums[faces] / area[faces]).astype(int), area[faces]
+
+
+# --- arguments -----------------------------------------------------------------------------------
+
+
+def Refuse(static):
+    """Raise ValueError for problems that the estimators do not know."""
+    mesh = static.gf.space.mesh
+    if mesh.comm.size > 1:
+        raise ValueError("solver: errors are estimated in one process: gather the mesh")
+    static.system.CheckSpace()
+    if not static.history:
+        raise ValueError("solver has not solved anything: call solver.Solve() first")
+    for contact in static.contacts:
+        reasons = {
+            "finite=True": contact.finite,
+            "edges=True": contact._state.setup["edges"],
+            "a scalar field": contact.components == 1,
+            "an axisymmetric problem": contact.space.axisymmetric,
+            "a contact that is switched off": not contact.active,
+        }
+        found = [reason for reason, holds in reasons.items() if holds]
+        if found:
+            raise ValueError(f"contacts: errors are not estimated for {found[0]}")
+
+
+def Tensor(law, gradient, dim):
+    """The stress that a function returns for a displacement gradient."""
+    CheckFunction("stress", law, "a function of the displacement gradient")
+    if law is None:
+        raise Wrong(TypeError, "stress", law, "a function of the displacement gradient")
+    value = law(gradient)
+    CheckInstance("stress(H)", value, CoefficientFunction, "a matrix as CoefficientFunction")
+    if tuple(value.dims) != (dim, dim):
+        raise ValueError(f"stress(H) must have the shape ({dim}, {dim}), not {tuple(value.dims)}")
+    return value
+
+
+def Vector(name, value, dim):
+    """A vector-valued function, or a sequence of numbers."""
+    value = CF(tuple(value)) if isinstance(value, (tuple, list)) else value
+    CheckInstance(name, value, CoefficientFunction, f"a vector with {dim} components")
+    if value.dim != dim:
+        raise ValueError(f"{name} must have {dim} components, not {value.dim}")
+    return value
+
+
+def Tractions(tractions, mesh, dim):
+    """Pairs of region and function."""
+    if tractions is None:
+        return []
+    CheckInstance("tractions", tractions, dict, "a dict from boundary names to tractions")
+    return [
+        (RegionWithFaces(mesh, "tractions", region), Vector("tractions", value, dim))
+        for region, value in tractions.items()
+    ]
+
+
+def CheckSimplices(mesh):
+    """Raise ValueError for elements that are not bisected."""
+    elements = mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()
+    if set(np.unique(elements.NumPy()["type"])) - SIMPLICES:
+        raise ValueError(
+            "mesh has elements that are not refined one by one: take triangles or tetrahedra"
+        )
