@@ -19,18 +19,22 @@ from ngsolve import (
     VectorL2,
     ds,
     dx,
+    pi,
     specialcf,
+    x,
 )
 
 from ngslac._ngslac import ContactForm, LACSpace, RegionWithFaces, Side
 from ngslac.analysis.tangent import CONVERGED, Static
 from ngslac.arguments import CheckFunction, CheckInstance, Wrong
 from ngslac.arrays import AsNumPy, Multiply
+from ngslac.materials import AxisymmetricGrad
 from ngslac.recovery.surface import SlaveSurface
 
 __all__ = ["Balance", "CheckSimplices", "ContactPoints", "FaceElements"]
 
-SMALL = 1e-6  # a displacement gradient at which the modulus is looked at
+# A displacement gradient at which the modulus is looked at; part of a size that is none.
+SMALL = 1e-6
 # Of the forces at work: a larger imbalance means that stress or loads are not those of the bulk.
 # Curved elements have some, by the points of their integrals.
 UNBALANCED, ROUNDING = 1e-2, 1e-12
@@ -39,6 +43,50 @@ COEFFICIENTS = "friction", "tresca", "offset"
 KNOWN = {"master", "tool", "obstacle", *COEFFICIENTS, "tied", "bilateral", "finite", "edges"}
 KNOWN |= {"adjust", "maxdist", "penetration"}
 SIMPLICES = {10, 20}  # netgen's numbers of triangles and tetrahedra
+
+
+class Straight:
+    """Integrals and derivatives in plane and in space."""
+
+    weight = CF(1)
+
+    def __init__(self, dim):
+        self.dim = dim  # rows of a stress
+
+    def Gradient(self, u):
+        """Of a displacement."""
+        return Grad(u)
+
+    def Traction(self, stress, normal):
+        """Force per area."""
+        return stress * normal
+
+    def Around(self, stress):
+        """What is in the divergence of a stress besides derivatives of its rows."""
+        return CF((0,) * self.dim)
+
+    def Positive(self, size):
+        """The weight, > 0 everywhere, of elements with a size."""
+        return self.weight
+
+
+class Round:
+    """The same in half of a section of a body of revolution."""
+
+    weight, dim = 2 * pi * x, 3
+    Gradient = staticmethod(AxisymmetricGrad)
+
+    def Traction(self, stress, normal):
+        """Force per area, in the section."""
+        return CF((stress[0, 0], stress[0, 1], stress[1, 0], stress[1, 1]), dims=(2, 2)) * normal
+
+    def Around(self, stress):
+        """What is in the divergence of a stress besides derivatives of its rows."""
+        return CF((stress[0, 0] - stress[2, 2], stress[1, 0])) / x
+
+    def Positive(self, size):
+        """The weight, > 0 also on the axis, of elements with a size."""
+        return self.weight + SMALL * size
 
 
 class Balance:
@@ -50,7 +98,9 @@ class Balance:
     dim : int
     u : GridFunction
         Displacement.
-    stress : CoefficientFunction (d, d)
+    kind : Straight or Round
+        How it is integrated.
+    stress : CoefficientFunction (d, d), around an axis (3, 3)
     modulus, size : GridFunction
         Shear modulus and size of each element, constant on elements.
     homogeneous : bool
@@ -77,7 +127,9 @@ class Balance:
             self.entries[c.form.MultiplierDofs()].reshape(c.space.nmacros, -1)
             for c in self.contacts
         ]
-        self.stress = Tensor(stress, Grad(self.u), self.dim)
+        axisymmetric = self.contacts[0].space.axisymmetric
+        self.kind = kind = Round() if axisymmetric else Straight(self.dim)
+        self.stress = Tensor(stress, kind.Gradient(self.u), kind.dim)
         self.force = None if force is None else Vector("force", force, self.dim)
         self.tractions = Tractions(tractions, self.mesh, self.dim)
         self._Numbers()
@@ -96,18 +148,20 @@ class Balance:
 
     def Modulus(self):
         """Shear modulus near the state without stress."""
-        d = self.dim
+        d = self.kind.dim
         shear = CF(tuple(SMALL * (k == 1) for k in range(d * d)), dims=(d, d))
         return (self.law(shear) - self.law(0 * shear))[0, 1] / SMALL
 
     def Elementwise(self, density, where=dx):
         """Integrals (ne,) over elements or over their boundaries."""
+        density = self.kind.weight * density
         return np.array(Integrate(density * where, self.mesh, element_wise=True).NumPy())
 
     @property
     def energy(self):
         """Norm of the solution: the root of the integral of stress times gradient."""
-        return float(np.sqrt(abs(Integrate(InnerProduct(self.stress, Grad(self.u)), self.mesh))))
+        work = InnerProduct(self.stress, self.kind.Gradient(self.u))
+        return float(np.sqrt(abs(np.sum(self.Elementwise(work)))))
 
     # --- tractions -------------------------------------------------------------------------------
 
@@ -120,19 +174,20 @@ class Balance:
             work = work + Multiply([jump], tractions.ravel())
         return work
 
-    def Outer(self, space, *, weight=1):
+    def Outer(self, space):
         """LinearForm of the surface loads."""
-        v = space.TestFunction()
+        v, weight = space.TestFunction(), self.kind.weight
         loads = LinearForm(space)
         for region, traction in self.tractions:
             loads += weight * InnerProduct(traction, v) * ds(definedon=region, bonus_intorder=2)
         return loads.Assemble().vec.FV().NumPy().copy()
 
     def _CheckBalance(self):
-        v = self.space.TestFunction()
-        parts = [LinearForm(InnerProduct(self.stress, Grad(v)) * dx(bonus_intorder=2))]
+        v, where = self.space.TestFunction(), dx(bonus_intorder=2)
+        works = [InnerProduct(self.stress, self.kind.Gradient(v))]
         if self.force is not None:
-            parts.append(LinearForm(-self.force * v * dx(bonus_intorder=2)))
+            works.append(-self.force * v)
+        parts = [LinearForm(self.kind.weight * work * where) for work in works]
         parts = [part.Assemble().vec.FV().NumPy() for part in parts]
         parts += [-self.Outer(self.space), -self.Contact(self.space)]
         size = max(np.linalg.norm(part[self.free]) for part in parts)
@@ -192,6 +247,7 @@ class Balance:
         for k, row in enumerate(rows):
             row.Set(CF(tuple(self.stress[k, j] for j in range(self.dim))))
         total = CF(tuple(sum(Grad(row)[j, j] for j in range(self.dim)) for row in rows))
+        total = total + self.kind.Around(self.stress)
         return total if self.force is None else total + self.force
 
     def FacetResidual(self, besides=()):
@@ -202,12 +258,13 @@ class Balance:
         """
         faces = VectorFacetFESpace(self.mesh, order=self.order)
         p, q = faces.TnT()
-        normal = specialcf.normal(self.dim)
-        out = LinearForm(faces)
-        out += InnerProduct(self.stress * normal, q) * dx(element_boundary=True)
+        traction = self.kind.Traction(self.stress, specialcf.normal(self.dim))
+        edge = dx(element_boundary=True)
+        out = LinearForm(self.kind.weight * InnerProduct(traction, q) * edge)
         left = out.Assemble().vec
         left.FV().NumPy()[:] -= self.Outer(faces) + self.Contact(faces)
-        mass = BilinearForm(p * q * dx(element_boundary=True), symmetric=True).Assemble()
+        mass = BilinearForm(self.kind.Positive(self.size) * p * q * edge, symmetric=True)
+        mass.Assemble()
         bulk, contact = GridFunction(faces), GridFunction(faces)
         bulk.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * left
         values, ends = bulk.vec.FV().NumPy(), [0, *np.cumsum([c.ndof for c in faces.components])]
@@ -331,7 +388,8 @@ def Other(contact, space, balance):
     """The form of a contact on the same macro-elements for another displacement space."""
     macros = np.array(contact.space.macros)
     numbers = macros[macros >= 0].tolist()
-    multipliers = LACSpace(space, slave=contact.space.slave, macros=numbers)
+    around = contact.space.axisymmetric
+    multipliers = LACSpace(space, slave=contact.space.slave, macros=numbers, axisymmetric=around)
     product = space * multipliers
     u, lam = product.TrialFunction()
     setup = contact._state.setup
@@ -376,7 +434,6 @@ def Refuse(static):
             "finite=True": contact.finite,
             "edges=True": contact._state.setup["edges"],
             "a scalar field": contact.components == 1,
-            "an axisymmetric problem": contact.space.axisymmetric,
             "a contact that is switched off": not contact.active,
         }
         found = [reason for reason, holds in reasons.items() if holds]

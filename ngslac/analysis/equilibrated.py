@@ -435,7 +435,8 @@ def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> Error
     Raises
     ------
     ValueError, TypeError
-        As of `ResidualEstimate`; a nonlinear stress, first order, other elements.
+        As of `ResidualEstimate`; a nonlinear stress, first order, other elements, an axisymmetric
+        problem.
 
     Notes
     -----
@@ -476,6 +477,10 @@ def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> Error
 def Check(balance):
     """Raise ValueError for what cannot be equilibrated."""
     CheckSimplices(balance.mesh)
+    if balance.contacts[0].space.axisymmetric:
+        raise ValueError(
+            "contacts: the equilibrated estimate is not known around an axis, take ResidualEstimate"
+        )
     if balance.order < 2:
         raise ValueError(
             "the displacement space has order 1, which does not balance the moments of patches: "

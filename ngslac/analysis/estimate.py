@@ -104,7 +104,8 @@ def ResidualEstimate(solver, stress, *, force=None, tractions=None) -> ErrorEsti
         With a converged solution, or a stepper. It is not changed.
     stress : callable
         Gets the displacement gradient (d, d) and returns the (first Piola-Kirchhoff) stress (d, d)
-        of the bulk, such as ``lambda H: Stress(Sym(H), E, nu)``.
+        of the bulk, such as ``lambda H: Stress(Sym(H), E, nu)``. Around an axis ``H`` is that of
+        `AxisymmetricGrad`, (3, 3).
     force : (d,) CoefficientFunction, optional
         Body force, per volume.
     tractions : dict, optional
@@ -119,7 +120,7 @@ def ResidualEstimate(solver, stress, *, force=None, tractions=None) -> ErrorEsti
     ------
     ValueError, TypeError
         Nothing is solved; stress and loads do not balance in the displacement space, so that they
-        are not those of the bulk; an axisymmetric or distributed problem, ``finite=True`` or
+        are not those of the bulk; a distributed problem, ``finite=True`` or
         ``edges=True``.
 
     Notes

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from ngsolve import CF, Grad, GridFunction, LinearForm
+from ngsolve import CF, GridFunction, LinearForm
 
 from ngslac._ngslac import Side
 from ngslac.analysis.balance import Balance
@@ -165,8 +165,8 @@ def Adjoint(balance, tangent, entries):
     values = adjoint.u.vec.FV().NumPy()
     values[:] = entries[own]
     size = np.abs(values).max() / balance.size.vec.FV().NumPy().min() or 1.0
-    step, now = STEP / size, Grad(balance.u)
-    change = CF(step) * Grad(adjoint.u)
+    step, now = STEP / size, balance.kind.Gradient(balance.u)
+    change = CF(step) * balance.kind.Gradient(adjoint.u)
     adjoint.stress = (balance.law(now + change) - balance.law(now - change)) / (2 * step)
     forces = -(tangent.contact.T @ entries)[own]
     jumps = [ToCSR(c.form.JumpMatrix(Side.both)) for c in balance.contacts]
