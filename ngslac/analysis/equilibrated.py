@@ -168,7 +168,10 @@ class Equilibration:
         touching.data = (touching.data > 1e-10 * touching.data.max()).astype(float)
         self.touching = touching
         inside, mass = Owner(self.row, Numbered(constant))
-        normal = lambda s, t: (s * self.normal) * (t * self.normal)  # noqa: E731
+
+        def normal(s, t):
+            return (s * self.normal) * (t * self.normal)
+
         through, facet = (
             Diagonal(self.row, factor, normal, edge) for factor in (CF(1), Numbered(facets))
         )
@@ -200,8 +203,8 @@ class Equilibration:
             for k in np.flatnonzero(held):
                 self.prescribed[k] &= ~dofs
         s, t = self.row.TnT()
-        trace = lambda f: f.Trace() * self.normal  # noqa: E731
-        boundary = BilinearForm(trace(s) * trace(t) * ds, check_unused=False).Assemble()
+        traces = [f.Trace() * self.normal for f in (s, t)]
+        boundary = BilinearForm(traces[0] * traces[1] * ds, check_unused=False).Assemble()
         free = AsBits(outer)
         self._project = boundary.mat.Inverse(free, "sparsecholesky") if outer.any() else None
 
@@ -219,7 +222,7 @@ class Equilibration:
         """Stresses by their energy, with equilibrium and symmetry as constraints."""
         d, unit, size = self.dim, self.unit, self.balance.size
         modulus = self.balance.modulus
-        (*s, u, r), (*t, v, q) = map(lambda f: self._Split(f), self.space.TnT())
+        (*s, u, r), (*t, v, q) = map(self._Split, self.space.TnT())
         S, T = Rows(s), Rows(t)
         weight = SYMMETRY * self.korn**2 / (2 * modulus)
         form = unit * (self.compliance(S, T) + weight * InnerProduct(Skew(S), Skew(T)))
@@ -488,8 +491,9 @@ def Check(balance):
         )
     twice = balance.law(2 * Grad(balance.u)) - 2 * balance.stress
     skew = balance.stress - balance.stress.trans
-    square = lambda t: Integrate(InnerProduct(t, t), balance.mesh)  # noqa: E731
-    if max(square(twice), square(skew)) > LINEAR**2 * square(balance.stress):
+    stresses = twice, skew, balance.stress
+    *wrong, size = (Integrate(InnerProduct(t, t), balance.mesh) for t in stresses)
+    if max(wrong) > LINEAR**2 * size:
         raise ValueError(
             "stress is not linear in the displacement gradient, or not symmetric: the equilibrated "
             "estimator is for linear elasticity, take ResidualEstimate"
