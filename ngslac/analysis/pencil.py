@@ -2,6 +2,7 @@
 """The eigenvalue problem of small vibrations, and how it is solved."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
@@ -24,6 +25,11 @@ WRONG, GROWS = 1e-6, 1e-6
 SMALL, BEYOND = 300, 1e4
 # Accuracy of ARPACK, the least size of its space, and how often that is made anew.
 ACCURATE, LEAST_SPACE, MOST_ROUNDS = 1e-11, 30, 300
+# Dofs for each mode up to which dense algebra is as fast.
+DENSE = 4
+# Relative difference of copies of an eigenvalue, how often more of them are looked for, and the
+# relative square of vectors that depend on others.
+COPY, MOST_COPIES, DEPENDENT = 1e-8, 100, 1e-12
 
 
 @dataclass(frozen=True)
@@ -80,19 +86,32 @@ class Pencil:
     def _Squares(self, shift, count):
         """Squares of angular frequencies without damping, nearest to zero, and vectors."""
         factors = Factors(self.K + shift * self.M, self.tangent.free, self.tangent.scale)
-        if np.count_nonzero(self.heavy) <= SMALL:
+        if self._IsSmall(count):
             found, vectors = self._Dense(factors, count)
-            found = found - shift
         else:
-            inverse = LinearOperator(self.K.shape, matvec=factors.Solve, dtype=float)
-            start = factors.Solve(self.M @ (self.tangent.scale * Random(len(self.heavy))))
-            options = {"sigma": -shift, "OPinv": inverse, "v0": start}
-            method = eigsh if self.symmetric else eigs
-            found, vectors = Tried(method, self.K, count, self.M, **options)
-        return np.where(np.abs(found) <= self._Zero(vectors), 0.0, found), vectors
+
+            def Some(project, number, seed):
+                start = self.tangent.scale * Random(len(self.heavy), seed)
+                inverse = LinearOperator(self.K.shape, lambda f: project(factors.Solve(f)))
+                options = {"sigma": -shift, "OPinv": inverse, "v0": inverse @ (self.M @ start)}
+                method = eigsh if self.symmetric else eigs
+                squares, vectors = Tried(method, self.K, number, self.M, **options)
+                return 1 / (squares + shift), vectors
+
+            def Apply(vectors):
+                return factors.Solve(self.M @ vectors)
+
+            known = Apply, lambda vectors: self.M @ vectors
+            found, vectors = WithCopies(Some, *known, count, symmetric=self.symmetric)
+        squares = 1 / found - shift
+        return np.where(np.abs(squares) <= self._Zero(vectors), 0.0, squares), vectors
+
+    def _IsSmall(self, count):
+        """Is dense algebra as fast?"""
+        return np.count_nonzero(self.heavy) <= max(SMALL, DENSE * count)
 
     def _Dense(self, factors, count):
-        """The same, with the shift added, by dense algebra on what has mass."""
+        """Inverse squares with the shift added, by dense algebra on what has mass."""
         heavy = self.heavy
         moved, mass = factors.Solve(self.M[:, heavy].toarray()), self.M[heavy][:, heavy].toarray()
         if self.symmetric:
@@ -101,7 +120,7 @@ class Pencil:
             found, parts = scipy.linalg.eig(moved[heavy])
         first = np.argsort(-np.abs(found))[:count]
         first = first[found[first] != 0]
-        return 1 / found[first], moved @ parts[:, first] / found[first]
+        return found[first], moved @ parts[:, first] / found[first]
 
     def _Damped(self, shift, count):
         """Eigenvalues with damping near a real one, and vectors: of (x, lambda x / shift)."""
@@ -109,21 +128,28 @@ class Pencil:
         factors = Factors(self.K + shift * move, self.tangent.free, scale)
 
         def Inverse(z):
-            x, y = np.split(z.ravel(), 2)
-            x, y = scale * x, shift * scale * y
+            x, y = np.split(z, 2)
+            x, y = (x.T * scale).T, shift * (y.T * scale).T
             moved = -factors.Solve(self.M @ y + move @ x)
-            return np.concatenate([moved / scale, (x + shift * moved) / (shift * scale)])
+            return np.concatenate([moved, (x + shift * moved) / shift]) / units(z)
 
-        inverse = LinearOperator((2 * n, 2 * n), matvec=Inverse, dtype=float)
-        if np.count_nonzero(self.heavy) <= SMALL:
-            found, vectors = scipy.linalg.eig(inverse @ np.eye(2 * n))
+        def units(z):
+            return np.tile(scale, 2).reshape(-1, *[1] * (z.ndim - 1))
+
+        def Some(project, number, seed):
+            inverse = LinearOperator((2 * n, 2 * n), lambda z: project(Inverse(z.ravel())))
+            return Tried(eigs, inverse, number, v0=inverse @ Random(2 * n, seed))
+
+        if self._IsSmall(count):
+            found, vectors = scipy.linalg.eig(Inverse(np.eye(2 * n)))
             first = np.argsort(-np.abs(found))[: 2 * count + 2]
             found, vectors = found[first], vectors[:, first]
         else:
-            start = Inverse(Random(2 * n))
-            found, vectors = Tried(eigs, inverse, 2 * count + 2, v0=start)
+            found, vectors = WithCopies(Some, Inverse, lambda z: z, 2 * count + 2, symmetric=False)
         vectors = scale[:, None] * vectors[:n]
         values = shift + 1 / found
+        isreal = np.abs(values.imag) <= COPY * np.abs(values)  # copies are a pair by rounding
+        values = np.where(isreal, values.real, values)
         zero = np.abs(values) ** 2 <= self._Zero(vectors)
         return np.where(zero, 0.0, values), vectors
 
@@ -171,9 +197,63 @@ class Pencil:
         return left / np.maximum(inertia, stress * ROUNDING / WRONG)
 
 
-def Random(size):
+def Random(size, seed):
     """The same numbers (size,) each time."""
-    return np.random.default_rng(1).standard_normal(size)
+    return np.random.default_rng(seed).standard_normal(size)
+
+
+def WithCopies(some, apply, weigh, count, *, symmetric):
+    """The `count` eigenvalues of an operator with the largest size or more, and vectors.
+
+    A Krylov space knows one vector of each eigenvalue, and others by rounding errors only. So it is
+    looked for more, across those that are known, until all that is found is smaller.
+
+    Parameters
+    ----------
+    some : callable
+        ``some(project, number, seed)``: eigenvalues and vectors of the operator with a projection.
+    apply, weigh : callable
+        The operator, and the matrix of an inner product in which it may be symmetric; of columns.
+    """
+    values, vectors = some(lambda x: x, count, 1)
+    number = 2  # a pair may be complex
+    for seed in range(2, MOST_COPIES):
+        least = np.sort(np.abs(values))[-count:][0]
+        basis = Basis(vectors, weigh)
+        try:
+            more, others = some(partial(Across, basis, weigh(basis)), number, seed)
+        except LinearSolveError:
+            break
+        if not np.any(np.abs(more) >= (1 - COPY) * least):
+            break
+        basis, number = Basis(np.hstack([vectors, others]), weigh), max(2, count // 2)
+        moved = apply(basis)
+        small = basis.T @ weigh(moved)
+        if symmetric:
+            values, parts = scipy.linalg.eigh(0.5 * (small + small.T))
+        else:
+            values, parts = scipy.linalg.eig(small)
+        vectors = moved @ parts / values
+    return values, vectors
+
+
+def Across(basis, weighed, x):
+    """The part of x across an orthonormal basis, whose columns are weighed, too."""
+    for _ in range(2):  # the second time for rounding errors
+        x = x - basis @ (weighed.T @ x)
+    return x
+
+
+def Basis(vectors, weigh):
+    """An orthonormal basis of the space of vectors, which may be complex, in an inner product."""
+    parts = np.hstack([vectors.real, vectors.imag]) if np.iscomplexobj(vectors) else vectors
+    gram = parts.T @ weigh(parts)
+    sizes = np.sqrt(gram.diagonal())
+    known = sizes > 0
+    parts = parts[:, known] / sizes[known]
+    values, turns = np.linalg.eigh(parts.T @ weigh(parts))
+    large = values > DEPENDENT * values[-1]
+    return parts @ (turns[:, large] / np.sqrt(values[large]))
 
 
 def Tried(method, mat, count, *args, **options):

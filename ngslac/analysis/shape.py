@@ -4,7 +4,7 @@
 from itertools import combinations
 
 import numpy as np
-from ngsolve import CF, ET, VOL, IntegrationRule, Mesh, x, y, z
+from ngsolve import CF, ET, VOL, CoefficientFunction, IntegrationRule, Mesh, x, y, z
 
 from ngslac.arguments import CheckDisplacement, CheckInstance, CheckNumber
 from ngslac.errors import RefuseCopy
@@ -71,6 +71,9 @@ class Shape:
             )
         if isinstance(velocity, tuple):
             velocity = CF(velocity)
+        CheckInstance(
+            "velocity", velocity, CoefficientFunction, f"a field with {mesh.dim} components"
+        )
         CheckDisplacement("velocity", velocity, mesh)
         self.mesh, self.velocity = mesh, AtPoints(mesh, velocity)
         if not np.all(np.isfinite(self.velocity)):

@@ -8,6 +8,7 @@ from ngsolve import CoefficientFunction, LinearForm, ds
 from ngslac.analysis.tangent import AsBefore, ContactMatrix, Tangent
 from ngslac.arguments import CheckNumber, CheckPositive, CheckValues, Coefficient
 from ngslac.bodies.constraints import AllJumps
+from ngslac.errors import Warn
 
 __all__ = ["SteadyTangent"]
 
@@ -42,6 +43,12 @@ def SteadyTangent(static, speed=None, slope=0.0):
             matrices.append(ContactMatrix(static.system))
     if not slides:
         return tangent, None
+    if any(slide.contact.finite and slide.contact.mesh.dim == 3 for slide in slides):
+        Warn(
+            "friction of large sliding in 3D turns with the slave about its normal here, in place "
+            "of keeping its direction: where bodies turn about that, take small sliding, from the "
+            "deformed state by contact.Update(gf), to see how much that matters"
+        )
     # The rows are linear in 1 / (1 + length), which is 0 for a long slip.
     tangent.contact = (3 * matrices[1] - 2 * matrices[0]).tocsr()
     damping = sum(slide.Damping(tangent.contact, speed, slope) for slide in slides)

@@ -86,6 +86,7 @@ class AsBefore:
     def __init__(self, static):
         self._static, self._state = static, Snapshot(static)
         self._memories = [contact.form.Kept() for contact in static.contacts]
+        self._accepted = [contact._accepted for contact in static.contacts]
 
     def __enter__(self):
         return self
@@ -95,6 +96,8 @@ class AsBefore:
         for contact, memory in zip(self._static.contacts, self._memories, strict=True):
             if any(np.any(memory[name] != now) for name, now in contact.form.Kept().items()):
                 contact.Evaluate(self._static.gf)  # of a state that is not that of a commit
+        for contact, accepted in zip(self._static.contacts, self._accepted, strict=True):
+            contact._accepted = accepted  # which the state of a solver does not tell
 
 
 def Static(solver):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy
 from motions import on_ground
+from netgen.occ import Compound, MoveTo, OCCGeometry, Y
 from ngsolve import (
     CF,
     BilinearForm,
@@ -11,9 +12,11 @@ from ngsolve import (
     GridFunction,
     Id,
     InnerProduct,
+    Mesh,
     Norm,
     NumberSpace,
     Parameter,
+    Sym,
     Variation,
     VectorH1,
     dx,
@@ -33,10 +36,10 @@ from ngslac import (
     LoadStepper,
     tools,
 )
-from ngslac.analysis import Modes, modes, steadysliding
+from ngslac.analysis import Modes, Sensitivity, modes, pencil, steadysliding
 from ngslac.analysis.tangent import Tangent
 from ngslac.errors import ContactWarning
-from ngslac.materials import NeoHooke
+from ngslac.materials import NeoHooke, Stress
 from ngslac.steps.inertia import Mass
 
 FOOT = 4 / 3  # stiffness of the slider's foot, also along and across
@@ -403,3 +406,36 @@ def test_the_method_of_solution_does_not_matter():
     augmented.Solve(printing=False)
     found = Modes(augmented, density=1, count=4).frequencies
     assert found == pytest.approx(Modes(solved(one), density=1, count=4).frequencies, rel=1e-6)
+
+
+@pytest.mark.parametrize("damping", [None, (0.1, 0.01)])
+def test_equal_bodies_have_a_copy_of_each_mode(damping, monkeypatch):
+    """A Krylov space knows one vector of an eigenvalue alone; beyond 300 dofs it is used."""
+    blocks = [MoveTo(2 * k, 0).Rectangle(1, 1).Face() for k in range(6)]
+    for block in blocks:
+        block.edges.name = "free"
+        block.edges.Min(Y).name = "slave"
+    mesh = Mesh(OCCGeometry(Compound(blocks), dim=2).GenerateMesh(maxh=0.5))
+    V = VectorH1(mesh, order=3)
+    fes = V * LACSpace(V, slave="slave")
+    (u, lam), (v, _) = fes.TnT()
+    a = BilinearForm(fes)
+    a += InnerProduct(Stress(Sym(Grad(u)), 10, 0.3), Grad(v)) * dx + v[1] * dx
+    solver = ContactSolver(a, GridFunction(fes), LACContact(u, lam, obstacle=0, friction=0.5))
+    solver.Solve(printing=False)
+    options = {"density": 1, "damping": damping}
+    found = [Modes(solver, count=count, **options).eigenvalues for count in (4, 7, 18)]
+    monkeypatch.setattr(pencil, "SMALL", 10_000)  # by dense algebra
+    exact = Modes(solver, count=20, **options).eigenvalues
+    assert np.sum(np.abs(exact - exact[-1]) < 1e-3) > 1
+    for some in found:
+        assert some == pytest.approx(exact[: len(some)], rel=1e-7, abs=1e-9)
+
+
+def test_a_derivative_may_follow():
+    """The contact does not take the state for the end of a step."""
+    problem = press(friction=0.1)
+    solver = solved(problem)
+    before = Sensitivity(solver, problem.contact.Force).By(problem.load)
+    Modes(solver, density=1, count=2)
+    assert Sensitivity(solver, problem.contact.Force).By(problem.load) == pytest.approx(before)

@@ -44,7 +44,8 @@ def command(ranks, file, folder, saved, cases):
 
 def done(file):
     """What the cases that have ended have left."""
-    lines = file.read_text().splitlines() if file.exists() else []
+    text = file.read_text() if file.exists() else ""
+    lines = text[: text.rfind("\n") + 1].splitlines()  # the last one may be half written
     return {found["case"]: found for found in map(json.loads, lines)}
 
 
