@@ -164,6 +164,8 @@ class Adapt:
     def Solve(self, *, printing=True, callback=None, **options) -> list[AdaptStep]:
         """Solve and refine until the estimate is below `tol`; call it again after a change of load.
 
+        Each further call makes the problem anew, with the values that it prescribes then.
+
         Parameters
         ----------
         printing : bool
@@ -186,6 +188,9 @@ class Adapt:
         CheckFlag("printing", printing)
         CheckFunction("callback", callback)
         begin = len(self.steps)
+        self._CheckMade()
+        if begin:  # what the problem prescribes may be something else by now
+            self._MakeAnew()
         while True:
             last = self.solver.Solve(printing=False, **options)
             found = self._estimate(self.solver)
@@ -210,8 +215,29 @@ class Adapt:
                 return done
             self.Refine(Doerfler(found.squares, self.marking))
 
+    def _CheckMade(self):
+        """Raise where the last refinement has left no solver."""
+        if self.solver is None:
+            raise ValueError(
+                "problem(mesh) failed on the present mesh, and what was solved before is lost: "
+                "make another Adapt"
+            )
+
+    def _MakeAnew(self, marked=None):
+        """The problem, from what there is; before that refine the marked elements (ne,) bool."""
+        carried = Carried(self.solver, self._carried)
+        if marked is not None:
+            self.solver = None  # it loses its mesh
+            self.mesh.SetRefinementFlags(marked.tolist())
+            self.mesh.Refine()
+            if self._order > 1:
+                self.mesh.Curve(self._order)
+        self.solver = self._Made()
+        carried.Put(self.solver)
+
     def Commit(self) -> None:
         """Accept the solution as the end of a load step: slip and laws go on from there."""
+        self._CheckMade()
         for contact in self.solver.contacts:
             contact.Commit(self.solver.gf)
 
@@ -228,18 +254,13 @@ class Adapt:
             It has another shape, no bool, or is all False. After an error of `problem` on the
             refined mesh make another Adapt: the last solver has lost its mesh.
         """
+        self._CheckMade()
         marked = np.asarray(marked)
         if marked.dtype != bool or marked.shape != (self.mesh.ne,):
             raise ValueError(f"marked must be an array of bool with {self.mesh.ne} entries")
         if not marked.any():
             raise ValueError("marked has no element: there is nothing to refine")
-        carried = Carried(self.solver, self._carried)
-        self.mesh.SetRefinementFlags(marked.tolist())
-        self.mesh.Refine()
-        if self._order > 1:
-            self.mesh.Curve(self._order)
-        self.solver = self._Made()
-        carried.Put(self.solver)
+        self._MakeAnew(marked)
 
 
 class Carried:

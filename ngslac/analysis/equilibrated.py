@@ -35,7 +35,14 @@ from ngsolve import (
     z,
 )
 
-from ngslac.analysis.balance import Balance, CheckSimplices, ContactPoints, FaceElements
+from ngslac.analysis.balance import (
+    Balance,
+    CheckSimplices,
+    ContactPoints,
+    Diagonal,
+    FaceElements,
+    Numbered,
+)
 from ngslac.analysis.colours import Colours
 from ngslac.analysis.estimate import Consistency, ErrorEstimate
 from ngslac.analysis.shapes import Constants, Rule
@@ -196,7 +203,7 @@ class Equilibration:
         work.FV().NumPy()[:] = balance.Outer(faces) + balance.Contact(faces)
         mass = BilinearForm(p * q * dx(element_boundary=True), symmetric=True).Assemble()
         self.traction.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * work
-        outer = AsNumPy(self.row.GetDofs(self.mesh.Boundaries(".*")))
+        outer = (self.facet >= 0) & balance.outer[self.facet]
         self.prescribed = np.repeat(outer[None], d, axis=0)
         for region, held in balance.Supports():
             dofs = AsNumPy(self.row.GetDofs(region))
@@ -286,13 +293,6 @@ def Turns(matrix, dim):
     return [matrix[i, j] - matrix[j, i] for i, j in pairs]
 
 
-def Numbered(space):
-    """The function with the value k at the dof k."""
-    numbers = GridFunction(space)
-    numbers.vec.FV().NumPy()[:] = np.arange(space.ndof)
-    return numbers
-
-
 def Owner(space, numbers):
     """An element (n,) where each function of a space lives, and its square.
 
@@ -302,13 +302,6 @@ def Owner(space, numbers):
     there = plain > 0
     number = np.floor(weighted / np.where(there, plain, 1) + 1e-6)
     return np.where(there, number, -1).astype(int), plain
-
-
-def Diagonal(space, factor, product, measure):
-    """Squares (n,) of the functions of a space."""
-    s, t = space.TnT()
-    form = BilinearForm(factor * product(s, t) * measure, check_unused=False)
-    return ToCSR(form.Assemble().mat).diagonal()
 
 
 def CornersOf(mesh):
@@ -449,9 +442,10 @@ def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> Error
     to what polynomials of such a degree see of them. What contact conditions in the mean add is
     estimated: gaps count as displacements that the elements at both surfaces take up, or by the
     work of the pressure in overlaps. With Coulomb friction the bound of the tangential traction is
-    that of the solution. Springs count as loads. Prager and Synge, Quart. Appl. Math. 5 (1947); for
-    contact Weiss and Wohlmuth, Math. Comp. 78 (2009); weak symmetry: Bertrand, Kober, Moldenhauer
-    and Starke, Numer. Methods Partial Differ. Equ. 37 (2021).
+    that of the solution. Springs count as loads, and prescribed displacements as the space has
+    them. Prager and Synge, Quart. Appl. Math. 5 (1947); for contact Weiss and Wohlmuth, Math. Comp.
+    78 (2009); weak symmetry: Bertrand, Kober, Moldenhauer and Starke, Numer. Methods Partial
+    Differ. Equ. 37 (2021).
 
     Examples
     --------
