@@ -6,10 +6,11 @@ from netgen.meshing import NgException
 from ngsolve import BilinearForm, ds, dx
 
 from ngslac.analysis.colours import Colours
+from ngslac.analysis.learnt import SurfaceDofs
 from ngslac.analysis.variables import Entries
-from ngslac.arrays import ToCSR
+from ngslac.arrays import AsNumPy, ToCSR
 
-__all__ = ["Groups", "Reach"]
+__all__ = ["AtSurfaces", "Groups", "Reach"]
 
 
 def Reach(field, space):
@@ -30,6 +31,12 @@ def Reach(field, space):
     found = ToCSR(form.mat)
     found.data[:] = 1
     return found
+
+
+def AtSurfaces(reach, contacts):
+    """Entries (bool) that change a row of the surfaces of contacts."""
+    rows = np.logical_or.reduce([AsNumPy(SurfaceDofs(contact)) for contact in contacts])
+    return reach[rows].getnnz(axis=0) > 0
 
 
 def Groups(entries, reach):

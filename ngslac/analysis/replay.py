@@ -7,6 +7,7 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import LinearForm
 
+from ngslac.analysis.learnt import Learnt
 from ngslac.analysis.record import Record, Stage
 from ngslac.contact.state import FormState
 from ngslac.solve.solver import ContactSolver
@@ -29,6 +30,8 @@ class Course:
         Did it begin without a history?
     load, begin : Parameter and float, or None
         What the steps set, and its value where it began.
+    learnt : list of Learnt
+        How the contacts follow the stiffness, once it was gone through.
     remembers : bool
         Does a step depend on those before it?
     """
@@ -44,6 +47,7 @@ class Course:
     commit: object = None
     memory: list = field(default_factory=list)
     kept: list = field(default_factory=list)
+    learnt: list = field(default_factory=list)
 
     @property
     def remembers(self):
@@ -153,27 +157,58 @@ class Replay:
                 "Record before the first step"
             )
         self.direction = direction or self.direction
+        course, moves = self.course, bool(direction and direction.moves)
+        self._SetLoad(course.begin)
+        self._Remember(course.kept)
+        for k, learnt in enumerate(course.learnt):
+            if learnt.Needs(moves):
+                self.direction.Set(0)
+                learnt.Measure(self._Shadow(k, moves), moves)
         if direction:
             direction.Set(way)
-        shadows, course = [], self.course
-        if course.load is not None:
-            course.load.Set(course.begin)
-        for contact, state, scale in zip(
-            self.solver.contacts, course.states, course.scales, strict=True
-        ):
-            old = contact._state
-            shadow = FormState(old.setup, old.stiffness)
-            shadows.append(shadow)
-            apart = state["paired"] is None
-            if apart or (direction and direction.moves):
-                around = None if apart else shadow._Function(state["paired"])
-                shadow.Pair(around, active=bool(state.get("active", True)))
-                shadow.Scale(self.system.bulk.diagonal, self.system.bulk.elastic)
-                # The same in all variations, as it is a factor of rows of the residual.
-                shadow.form.SetHistory(shadow.form.History() | {"c": scale})
-            else:
-                shadow.SetState(state, self._At(course.stages[0].values))
+        shadows = [self._Shadow(k, moves) for k in range(len(course.states))]
+        # The stiffness is learnt in the first step.
+        self._SetLoad(course.stages[0].load)
+        if not course.learnt:
+            course.learnt = [self._Learnt(k, shadow) for k, shadow in enumerate(shadows)]
+        for k, (shadow, learnt) in enumerate(zip(shadows, course.learnt, strict=True)):
+            if learnt.follows and (direction or self._IsApart(k)):
+                learnt.Learn(shadow, course.scales[k], moves)
         return Node(direction, way, shadows, [values.copy() for values in course.kept])
+
+    def _SetLoad(self, load):
+        if load is not None and self.course.load is not None:
+            self.course.load.Set(load)
+
+    def _Remember(self, kept):
+        for each, values in zip(self.course.memory, kept, strict=True):
+            each.vec.FV().NumPy()[:] = values
+
+    def _IsApart(self, k):
+        """Was a contact not paired yet?"""
+        return self.course.states[k]["paired"] is None
+
+    def _Shadow(self, k, moves):
+        """The FormState of a contact where the steps began, `moves`: paired anew."""
+        state, old, apart = self.course.states[k], self.solver.contacts[k]._state, self._IsApart(k)
+        shadow = FormState(old.setup, old.stiffness)
+        if apart or moves:
+            around = None if apart else shadow._Function(state["paired"])
+            shadow.Pair(around, active=bool(state.get("active", True)))
+            shadow.Scale(self.system.bulk.diagonal, self.system.bulk.elastic)
+            # A factor of rows of the residual.
+            shadow.form.SetHistory(shadow.form.History() | {"c": self.course.scales[k]})
+        else:
+            shadow.SetState(state, self._At(self.course.stages[0].values))
+        return shadow
+
+    def _Learnt(self, k, shadow):
+        """How a contact follows the stiffness: not where friction has a history of other steps."""
+        contact = self.solver.contacts[k]
+        learnt = Learnt(contact, self.system.bulk.elastic)
+        if self.course.fresh or not contact.holds_tangentially:
+            learnt.Compare(shadow, self._IsApart(k))
+        return learnt
 
     def _At(self, values):
         self.gf.vec.FV().NumPy()[:] = values
@@ -186,8 +221,7 @@ class Replay:
         course, contacts = self.course, self.solver.contacts
         for contact, shadow in zip(contacts, node.shadows, strict=True):
             contact._state = shadow
-        for each, kept in zip(course.memory, node.kept, strict=True):
-            each.vec.FV().NumPy()[:] = kept
+        self._Remember(node.kept)
         if self._rhs:  # which steps do not assemble
             for parameter, value in self._parameters:
                 parameter.Set(value)

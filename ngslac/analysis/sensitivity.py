@@ -8,14 +8,15 @@ from netgen.meshing import NgException
 from ngsolve import BilinearForm, GridFunction, Variation
 from ngsolve.comp import SumOfIntegrals
 
-from ngslac.analysis.fields import Groups, Reach
+from ngslac.analysis.fields import AtSurfaces, Groups, Reach
 from ngslac.analysis.record import Record
 from ngslac.analysis.replay import CourseOf, Replay
 from ngslac.analysis.tangent import CONVERGED, Factors, Tangent
 from ngslac.analysis.variables import DirectionsOf, Entries
 from ngslac.arguments import CheckInstance, IsFunction, Wrong
+from ngslac.bodies.messages import FloatingMessage
 from ngslac.distributable import DistributedMesh
-from ngslac.errors import RefuseCopy, Warn
+from ngslac.errors import LinearSolveError, RefuseCopy, Warn
 from ngslac.solve.residual import Norm
 from ngslac.solve.solver import ContactSolver
 
@@ -140,8 +141,13 @@ class Sensitivity:
     -----
     Variables are an ngsolve.Parameter, wherever it occurs; a GridFunction that is a coefficient,
     with a derivative for each of its entries; a `Shape`; or a thing of your own with ``Get()`` and
-    ``Set(value)``, such as a constant of a law in NumPy. The contact direction between both
-    surfaces, which depends on the stiffer one, counts as fixed but for a Shape.
+    ``Set(value)``, such as a constant of a law in NumPy.
+
+    What a contact learns of the stiffness of both bodies follows, as in full solves by new contacts
+    or after ``contact.Update()``: the contact direction where normals differ, and the scale of
+    sharp ends and of a slave that is held along the surface. A contact that was kept from solves
+    with other values keeps that as it is, and so does friction with a history of steps before those
+    that are looked at: derivatives then are those of solves that keep it.
 
     Examples
     --------
@@ -227,8 +233,14 @@ class Sensitivity:
         -------
         array
             Of a number the gradient (k,); of m numbers the Jacobian (m, k).
+
+        Raises
+        ------
+        TypeError, ValueError
+            `variables` is no list, or as of `By`.
         """
         count = np.ndim(self.value)
+        CheckInstance("variables", variables, (list, tuple), "a list of variables, such as [mu]")
         parts = [np.asarray(self.By(variable)) for variable in variables]
         parts = [part[..., None] if part.ndim == count else part for part in parts]
         return np.concatenate(parts, axis=-1) if parts else np.zeros((*np.shape(self.value), 0))
@@ -273,8 +285,8 @@ class Sensitivity:
             if self._adjoint:
                 slope = self._functional.Slope(self.solver.gf)
                 self._CheckSlope(replay, node, stage, slope)
-                factors = self._tangents[-1].factors
-                self._duals.append(factors.Solve(slope, transposed=True))
+                known = self._tangents[-1]
+                self._duals.append(self._Solve(known, slope, transposed=True))
             if number + 1 < len(self._course.stages):
                 replay.Commit(node, stage, stage.values)
         value = np.stack(values) if self._path else values[0]
@@ -293,7 +305,9 @@ class Sensitivity:
         ]
         change, known = (sides[0] - sides[1]) / (2 * CHANGE), slope @ stage.values
         size = max(abs(change), abs(known))
-        if abs(change - known) > SLOPE * size + CHANGE * abs(sides[0]):
+        # What cancels out in balance leaves rounding.
+        parts = abs(sides[0]) + np.sum(np.abs(slope * stage.values))
+        if abs(change - known) > SLOPE * size + CHANGE * parts:
             raise ValueError(
                 "functional changes with the solution by more than by its trial functions: write "
                 "u, lam, ... = fes.TrialFunction() in place of gf and of fields of the contact, or "
@@ -313,9 +327,21 @@ class Sensitivity:
                     f"solver is not in equilibrium at its solution (relative residual {worst:.1e}):"
                     " solve again after a change of Parameters, and record all steps"
                 )
-        tangent = Tangent(self.solver)
+        for contact in self.solver.contacts:  # which way it slipped in the step before is past
+            contact.form.BeginSolve()
+        tangent = Tangent(self.solver, keeping=False)
         forces = max(system.residual.forces, system.residual.converged)
         return Linearized(tangent.Factors(), tangent.scale, residual, forces)
+
+    def _Solve(self, known, forces, transposed=False):
+        """With the tangent of a step; an error that names what floats, if that is why it fails."""
+        try:
+            return known.factors.Solve(forces, transposed=transposed)
+        except LinearSolveError as error:
+            floating = self.solver.system.WhatFloats()
+            if not floating:
+                raise
+            raise LinearSolveError(f"{error}: {FloatingMessage(floating)}") from error
 
     # --- differences -----------------------------------------------------------------------------
 
@@ -333,9 +359,9 @@ class Sensitivity:
             if node is None:
                 return np.inf
             each = zip(self._Residuals(replay, node), base, known, strict=True)
-            return max(Norm(k.scale * (new - old)) / k.forces for new, old, k in each)
+            return max(Relative(Norm(k.scale * (new - old)), k.forces) for new, old, k in each)
 
-        step = self._Suitable(Change, CHANGE * (direction.size or 1.0))
+        step = self._Suitable(Change, CHANGE * (direction.size or 1.0), direction.most)
         if step is None:
             step = CHANGE * (direction.size or 1.0)
             self._WarnIfVoid(replay, direction, step)
@@ -353,8 +379,8 @@ class Sensitivity:
                 replay.Commit(node, stage, stage.values)
         return found
 
-    def _Suitable(self, change, step):
-        """A step by which residuals change neither too much nor too little, or None."""
+    def _Suitable(self, change, step, most):
+        """A step up to `most` by which residuals change just enough, or None."""
         for _ in range(TRIALS):
             size = change(step)
             if GOOD[0] <= size <= GOOD[1]:
@@ -362,7 +388,10 @@ class Sensitivity:
             if not size <= 1:  # or infinite
                 step *= FAR
             else:
-                step *= CHANGE / size if size > NOTHING else 1 / FAR
+                longer = step * (CHANGE / size if size > NOTHING else 1 / FAR)
+                if longer > most:
+                    return None
+                step = longer
         return None
 
     def _WarnIfVoid(self, replay, direction, step):
@@ -397,14 +426,12 @@ class Sensitivity:
             found.append(sum(looks) / step - dual @ forces)
         return np.stack(found), []
 
-    def _Together(self, replay, field, entries, step, weights):
+    def _Together(self, replay, field, probe, step, weights):
         """The derivatives by all entries of a field, or None where they need one by one."""
         course, space = self._course, self.solver.gf.space
         reach = Reach(field, space) if self._adjoint and not course.prescribed else None
         if reach is None:
             return None
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], reach.shape[1])
-        probe = Entries(entries.values, entries.start, slice(None), signs)
         nodes = self._Nodes(replay, probe, step, weights)
         for stage in course.stages:
             looks = [replay.Look(n, stage, stage.values, self._functional) for n, _ in nodes]
@@ -417,19 +444,26 @@ class Sensitivity:
             for row, stage, dual in zip(found, course.stages, self._duals, strict=True):
                 forces, _ = self._Forces(replay, nodes, stage, step)
                 row[group.chosen] = -(reach.T @ (dual * forces))[group.chosen]
-        # Else an entry changes other rows than those of its elements.
-        errors = np.abs(found @ signs - expected)
-        return found if np.all(errors <= CONVERGED * np.abs(found).sum(axis=1)) else None
+
+        def Fits():  # else an entry changes other rows than those of its elements
+            errors = np.abs(found @ probe.factors - expected)
+            return np.all(errors <= CONVERGED * np.abs(found).sum(axis=1))
+
+        if not Fits():  # by the stiffness at the surfaces all contact changes
+            for number in np.flatnonzero(AtSurfaces(reach, self.solver.contacts)):
+                entry = Entries(probe.values, probe.start, number)
+                found[:, number] = self._Adjoint(replay, entry, step, weights)[0]
+        return found if Fits() else None
 
     def _Direct(self, replay, direction, step, weights):
         """The derivatives of the values at all steps, and of their solutions."""
         nodes, found, ways = self._Nodes(replay, direction, step, weights), [], []
         for stage, known in zip(self._course.stages, self._tangents, strict=True):
             forces, driven = self._Forces(replay, nodes, stage, step)
-            way = driven - known.factors.Solve(forces)
+            way = driven - self._Solve(known, forces)
             for _ in range(REFINED if self._rough else 0):
                 forces, _ = self._Forces(replay, nodes, stage, step, way)
-                way = way - known.factors.Solve(forces)
+                way = way - self._Solve(known, forces)
             sums = 0.0
             for node, weight in nodes:
                 values = stage.values + node.way * way
@@ -439,6 +473,11 @@ class Sensitivity:
             found.append(np.asarray(sums / step))
             ways.append(way)
         return np.stack(found), ways
+
+
+def Relative(change, forces):
+    """A change in relation to the forces at work; where there are none, any is as good."""
+    return change / forces if forces else CHANGE * bool(change)
 
 
 def AtVerge(contact):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts, linearized at a converged state."""
 
+from contextlib import nullcontext
+
 import numpy as np
 
 from ngslac.arguments import CheckInstance
@@ -36,7 +38,7 @@ class Tangent:
         Factors by which rows and columns of the matrix become free of units.
     """
 
-    def __init__(self, solver):
+    def __init__(self, solver, *, keeping=True):
         static = Static(solver)
         system = static.system
         if system.bulk.a.condense:
@@ -46,7 +48,8 @@ class Tangent:
             )
         if system.scale is None:
             raise ValueError("solver has not solved anything: call solver.Solve() first")
-        with AsBefore(static):
+        # Else the caller puts back what changes.
+        with AsBefore(static) if keeping else nullcontext():
             self._Linearize(system)
 
     def _Linearize(self, system):

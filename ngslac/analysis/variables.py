@@ -12,6 +12,8 @@ from ngslac.arguments import CheckNumber, Wrong
 
 __all__ = ["DirectionsOf", "Entries"]
 
+# Largest step of the entries of a field, relative to the field.
+MOST = 1e3
 WANTED = (
     "an ngsolve.Parameter, a GridFunction that is a coefficient, a Shape, or a thing with Get() "
     "and Set(value)"
@@ -24,7 +26,7 @@ class Scalar:
 
     parameter: Any
     start: float
-    moves = False
+    moves, most = False, np.inf
 
     @property
     def size(self):
@@ -49,7 +51,12 @@ class Entries:
     @property
     def size(self):
         """Of usual changes."""
-        return float(np.max(np.abs(self.start)))
+        return float(np.max(np.abs(self.start), initial=0))
+
+    @property
+    def most(self):
+        """The largest step, a multiple of its size; none is known of a field that is zero."""
+        return MOST * self.size or np.inf
 
     def Set(self, way):
         """Vary by so much; 0 brings back what was there."""
@@ -63,7 +70,7 @@ class Motion:
 
     shape: Shape
     start: np.ndarray
-    moves = True
+    moves, most = True, np.inf
 
     @property
     def size(self):
@@ -97,12 +104,22 @@ def DirectionsOf(variable, solver, load=None):
 
 def FieldDirections(field, solver):
     """One for each coefficient of a GridFunction, and all of them at once."""
-    own = [solver.gf, *(getattr(c, name) for c in solver.contacts for name in c._names.scalars)]
-    if field.space == solver.gf.space or any(field is gf for gf in own):
+    names = [(c, n) for c in solver.contacts for n in c._names.scalars + c._names.vectors]
+    results = [solver.gf, *(getattr(contact, name) for contact, name in names)]
+    if field.space == solver.gf.space or any(Overlap(field, gf) for gf in results):
         raise ValueError("variable is a result, not a coefficient: differentiate the functional")
     if field.space.is_complex:
         raise ValueError("variable is a complex GridFunction: give a real one")
     values = field.vec.FV().NumPy()
     start = values.copy()
     each = [Entries(values, start, number) for number in range(len(start))]
-    return each, Entries(values, start, slice(None))
+    # Other signs, as adding a constant changes no gradient.
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], len(start))
+    return each, Entries(values, start, slice(None), signs)
+
+
+def Overlap(one, other):
+    """Have two GridFunctions entries in common, as one that is a component of the other?"""
+    if one.space.is_complex or other.space.is_complex:
+        return one is other
+    return np.may_share_memory(one.vec.FV().NumPy(), other.vec.FV().NumPy())

@@ -25,6 +25,7 @@ from ngsolve import (
     VectorH1,
     ds,
     dx,
+    grad,
     sqrt,
     x,
     y,
@@ -36,6 +37,7 @@ from varied import TOL, Moved, close, differences, solve, velocity
 
 from ngslac import ContactSolver, ContactWarning, LACContact, LACSpace, Law, tools
 from ngslac.analysis import Sensitivity, Shape
+from ngslac.errors import LinearSolveError
 
 
 def scaled(young):
@@ -245,6 +247,87 @@ def test_by_the_entries_of_fields(monkeypatch):
     total = s.Gradient([young, problem.load])
     assert total.shape == (mesh.ne + 1,)
     assert total[-1] == s.By(problem.load)
+
+
+@pytest.mark.parametrize("where", ["offset", "bulk"])
+def test_a_field_of_which_the_gradient_occurs(where):
+    """Adding a constant to it changes nothing."""
+    mesh = press().mesh
+    field = GridFunction(H1(mesh, order=1))
+    field.Set(0.3 + 0.1 * x + 0.2 * y)
+    slope = grad(field)
+    law = {"offset": 0.02 * slope[0] * x} if where == "offset" else {}
+    young = 1 + 10 * InnerProduct(slope, slope) if where == "bulk" else CF(1)
+
+    def Solved():
+        problem = press(change=lambda _: mesh, friction=0.15, bulk=scaled(young), **law)
+        return problem, solve(problem)
+
+    problem, solver = Solved()
+    look = lambda problem: Integrate(problem.gf.components[0][1] * x * ds("top"), mesh)  # noqa: E731
+    integral = problem.X.TrialFunction()[0][1] * x * ds("top")
+    adjoint = Sensitivity(solver, integral).By(field)
+    direct = Sensitivity(solver, lambda: look(problem)).By(field)
+    values, expected = field.vec.FV().NumPy(), []
+    chosen = np.argsort(-np.abs(adjoint))[:5]
+
+    class Entry:
+        def __init__(self, number):
+            self.number = number
+
+        def Get(self):
+            return values[self.number]
+
+        def Set(self, value):
+            values[self.number] = value
+
+    for number in chosen.tolist():
+        expected.append(differences(Entry(number), lambda: look(Solved()[0]), 1e-5))
+    close(adjoint[chosen], expected)
+    close(direct[chosen], expected)
+
+
+def test_what_is_not_loaded_yet_has_a_derivative():
+    force = Parameter(0.0)
+    problem = press(offset=0.01, spring=0, flags={"dirichlet": "bottom|top"})
+    u, v = problem.X.TrialFunction()[0], problem.X.TestFunction()[0]
+    problem.a += force * v[1] * ds("right_upper")
+    value = lambda: Integrate(problem.gf.components[0][1] * ds("slave"), problem.mesh)  # noqa: E731
+    solver = solve(problem)
+    assert value() == 0
+    found = [Sensitivity(solver, f).By(force) for f in (value, u[1] * ds("slave"))]
+    expected = differences(force, lambda: solve(problem) and value(), 1e-4)
+    assert abs(expected) > 1e-6
+    close(found, [expected, expected])
+
+
+@pytest.mark.parametrize("law", [{"friction": 0.3}, {"tresca": 1.0}, {"tied": True}])
+def test_a_functional_that_is_zero_in_balance(law):
+    aside = Parameter(0.0)
+    problem = press(spring=0, **law)
+    lam, v = problem.X.TrialFunction()[1], problem.X.TestFunction()[0]
+    problem.a += ((1 + x) * v[1] - aside * v[0]) * ds("top")
+    solver = solve(problem)
+    s = Sensitivity(solver, lam[0] * ds("slave"))
+    assert abs(s.value) < 1e-12
+    close(abs(s.By(aside)), Integrate(CF(1) * ds("top"), problem.mesh), 1e-8)
+    held = problem.gf.components[1][0] ** 2 + 0 * lam[0]  # that is not zero
+    with pytest.raises(ValueError, match="TrialFunction"):
+        Sensitivity(solver, held * ds("slave"))
+
+
+def test_what_floats_is_named():
+    problem = press(spring=0)
+    u, v = problem.X.TnT()[0][0], problem.X.TnT()[1][0]
+    problem.a += v[1] * ds("top")
+    with pytest.warns(ContactWarning, match="free"):
+        solver = solve(problem)
+    with pytest.raises(LinearSolveError, match="'upper' floats"):
+        Sensitivity(solver, u[0] * dx)
+    before = problem.gf.vec.FV().NumPy().copy()
+    with pytest.raises(LinearSolveError, match="'upper' floats"):
+        Sensitivity(solver, problem.contact.Force).By(Shape(problem.mesh, velocity(2)))
+    assert np.array_equal(before, problem.gf.vec.FV().NumPy())
 
 
 def test_by_loads_and_dirichlet_values():
@@ -492,8 +575,11 @@ def test_bad_input_is_refused():
     s = Sensitivity(solver, u[0] ** 2 * dx)
     with pytest.raises(TypeError, match="variable"):
         s.By(1.0)
-    with pytest.raises(ValueError, match="result"):
-        s.By(problem.gf)
+    for field in (problem.gf, problem.gf.components[0], problem.contact.traction):
+        with pytest.raises(ValueError, match="result"):
+            s.By(field)
+    with pytest.raises(TypeError, match="a list of variables"):
+        s.Gradient(MU)
     with pytest.raises(ValueError, match="another mesh"):
         s.By(Shape(press().mesh, velocity(2)))
     with pytest.warns(ContactWarning, match="hardly changes"):

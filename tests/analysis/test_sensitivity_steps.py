@@ -23,7 +23,7 @@ from press import press, stress
 from scipy.optimize import least_squares
 from varied import TOL, Slide, close, differences, velocity
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper, tools
 from ngslac.analysis import Record, Sensitivity, Shape
 
 STEPS = {"mu": 1e-5, "young": 1e-4, "spring": 1e-2}
@@ -119,6 +119,38 @@ def test_of_an_obstacle_that_touches_on_the_way():
     assert closed[0] < closed[1] < closed[-1]
     found = Sensitivity(record, contact.Force).By(mu)
     close(found, differences(mu, lambda: Run()[2], 1e-5))
+
+
+def test_of_a_tool_that_touches_on_the_way():
+    depth, mesh = Parameter(0.06), brick("trig", 6, 3)
+
+    def Make():
+        load = Parameter(0)
+        V = VectorH1(mesh, order=2, dirichlet="top")
+        X = V * LACSpace(V, slave="bottom")
+        (u, lam), (v, _) = X.TnT()
+        a = BilinearForm(InnerProduct(stress(u), Sym(Grad(v))) * dx)
+        tool = tools.Plane((0.5, -0.08), (0.1, 1)).Moved(shift=(-0.05 * load, depth * load))
+        contact = LACContact(u, lam, obstacle=tool, friction=0.25, finite=True)
+        return contact, LoadStepper(ContactSolver(a, GridFunction(X), contact), load)
+
+    def Run():
+        contact, stepper = Make()
+        record, forces = Record(stepper), []
+
+        def Note(step):
+            record(step)
+            forces.append(contact.Force())
+
+        stepper.Integrate(steps=4, callback=Note, printing=False, tol=TOL)
+        return contact, record, np.array(forces)
+
+    contact, record, forces = Run()
+    assert not np.any(forces[0])
+    assert np.all(forces[-1])
+    s = Sensitivity(record, contact.Force)
+    close(s.value, forces, 1e-9)
+    close(s.By(depth), differences(depth, lambda: Run()[2], 1e-6))
 
 
 def test_adjoint_where_no_step_depends_on_another():
