@@ -2,7 +2,7 @@
 """What contacts learnt of the stiffness of both bodies, which changes with design variables."""
 
 import numpy as np
-import scipy.sparse
+import scipy
 from ngsolve import BilinearForm
 
 from ngslac._ngslac import FormDiagonal

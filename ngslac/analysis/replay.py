@@ -68,8 +68,8 @@ def CourseOf(solver, prescribe):
             raise ValueError(
                 "the Record is empty: give it to stepper.Integrate as callback=, and integrate"
             )
-        given = record.stepper._prescribed
-        start = record.states, scales, record.fresh, given, record.stepper.load, record.begin
+        driven = record.stepper._prescribed
+        start = record.states, scales, record.fresh, driven, record.stepper.load, record.begin
         return Course(static, [*record.stages], *start, record.commit, record.memory, record.kept)
     values = solver.gf.vec.FV().NumPy().copy()
     ended = [c for c in contacts if c._accepted is not None and c.holds_tangentially]

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from netgen.meshing import NgException
-from ngsolve import CF, IfPos, Norm, exp
-from press import press, solved
+from ngsolve import CF, Id, IfPos, Norm, Sym, Trace, exp
+from press import LAME, MU, press, solved
 
 from ngslac import AugmentedLagrangianSolver, Law, LoadStepper, TimeStepper, tools
+from ngslac.analysis import Modes, ResidualEstimate, Sensitivity
 
 LIMITS = Path(__file__).resolve().parents[2] / "docs" / "limits.md"
 FLOOR = {2: ((0, 0), (0, 1)), 3: ((0, 0, 0), (0, 0, 1))}
@@ -73,6 +74,24 @@ def recovered(problem):
     assert problem.contact.Recovered().pressure is not None
 
 
+def estimated(problem):
+    solver, push = solved(problem), problem.load * CF(problem.push)
+    springs = {"top": -1000 * (problem.gf.components[0] - push)}
+    found = ResidualEstimate(
+        solver, lambda H: 2 * MU * Sym(H) + LAME * Trace(H) * Id(H.dims[0]), tractions=springs
+    )
+    assert 0 < found.relative < 1
+
+
+def differentiated(problem):
+    solver = solved(problem)
+    assert np.any(Sensitivity(solver, problem.contact.Force).By(problem.load))
+
+
+def vibrating(problem):
+    assert np.all(Modes(solved(problem), density=1.0, count=2).frequencies > 0)
+
+
 USES = {
     "`LoadStepper`": lambda p: LoadStepper(p.solver(), p.load).Integrate(2, printing=False),
     "`TimeStepper`": lambda p: TimeStepper(p.solver(), 1.0, dt=0.05).Integrate(0.2, printing=False),
@@ -81,6 +100,9 @@ USES = {
     ),
     "switched off and on": off_and_on,
     "recovered pressure": recovered,
+    "estimates and `Adapt`": estimated,
+    "`Sensitivity`": differentiated,
+    "`Modes`": vibrating,
 }
 
 
@@ -89,6 +111,7 @@ def run(row, column, dim):
     given |= {"friction": 0.3} if row in USES else LAWS[row]
     given = surroundings(column, dim) | given
     problem = press(nonlinear=given.get("finite", False), **given)
+    problem.push = given["push"]
     if row in USES:
         USES[row](problem)
     else:
