@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a converged contact state says besides its solution: errors, derivatives, modes."""
+"""Errors, derivatives and modes of a converged contact state."""
 
 from ngslac.analysis.adapt import Adapt
 from ngslac.analysis.equilibrated import EquilibratedEstimate

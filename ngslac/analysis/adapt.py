@@ -348,7 +348,7 @@ def Fill(gf, noted, contacts, shares):
 
 
 def Kept(contact):
-    """What laws remember of the last committed step, (n, k) by name."""
+    """The memory of laws after the last committed step, (n, k) by name."""
     history = contact.form.History() if contact.form.paired else {}
     kept = {name: values for name, values in history.items() if name.startswith(REMEMBERED)}
     return {name: np.reshape(v, (contact.space.nmacros, -1)) for name, v in kept.items()}

@@ -40,9 +40,9 @@ __all__ = [
     "Balance",
     "CheckSimplices",
     "ContactPoints",
-    "Diagonal",
     "FaceElements",
     "Numbered",
+    "Owner",
 ]
 
 # A displacement gradient at which the modulus is looked at; part of a size that is none.
@@ -74,7 +74,7 @@ class Straight:
         return stress * normal
 
     def Around(self, stress):
-        """What is in the divergence of a stress besides derivatives of its rows."""
+        """The part of the divergence of a stress that is no derivative of its rows."""
         return CF((0,) * self.dim)
 
     def Positive(self, size):
@@ -93,7 +93,7 @@ class Round:
         return CF((stress[0, 0], stress[0, 1], stress[1, 0], stress[1, 1]), dims=(2, 2)) * normal
 
     def Around(self, stress):
-        """What is in the divergence of a stress besides derivatives of its rows."""
+        """The part of the divergence of a stress that is no derivative of its rows."""
         return CF((stress[0, 0] - stress[2, 2], stress[1, 0])) / x
 
     def Positive(self, size):
@@ -151,11 +151,11 @@ class Balance:
     def _Numbers(self):
         """Functions that are constant on elements."""
         constant = L2(self.mesh, order=0)
-        self.modulus, self.size, self.number = (GridFunction(constant) for _ in range(3))
+        self.modulus, self.size = GridFunction(constant), GridFunction(constant)
         self.modulus.Set(self.Modulus())
         volume = Integrate(CF(1), self.mesh, element_wise=True).NumPy()
         self.size.vec.FV().NumPy()[:] = volume ** (1 / self.dim)
-        self.number.vec.FV().NumPy()[:] = np.arange(self.mesh.ne)
+        self.number = Numbered(constant)
         # Force per area and displacement by which the elements at a surface take up one of it.
         self.stiffness = 4 * self.modulus.vec.FV().NumPy() / self.size.vec.FV().NumPy()
 
@@ -299,6 +299,15 @@ class Balance:
         total = total + self.kind.Around(self.stress)
         return total if self.force is None else total + self.force
 
+    def OnFacets(self, faces, work):
+        """The function on facets that does this work (BaseVector) in those of their space."""
+        p, q = faces.TnT()
+        weight, edge = self.kind.Positive(self.size), dx(element_boundary=True)
+        mass = BilinearForm(weight * p * q * edge, symmetric=True).Assemble()
+        found = GridFunction(faces)
+        found.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * work
+        return found
+
     def FacetResidual(self, besides=()):
         """Jumps of tractions and what boundaries do not balance: two GridFunctions on facets.
 
@@ -306,16 +315,13 @@ class Balance:
         `besides` do not count.
         """
         faces = VectorFacetFESpace(self.mesh, order=self.order)
-        p, q = faces.TnT()
+        q = faces.TestFunction()
         traction = self.kind.Traction(self.stress, specialcf.normal(self.dim))
         edge = dx(element_boundary=True)
         out = LinearForm(self.kind.weight * InnerProduct(traction, q) * edge)
         left = out.Assemble().vec
         left.FV().NumPy()[:] -= self.Outer(faces) + self.Contact(faces)
-        mass = BilinearForm(self.kind.Positive(self.size) * p * q * edge, symmetric=True)
-        mass.Assemble()
-        bulk, contact = GridFunction(faces), GridFunction(faces)
-        bulk.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * left
+        bulk, contact = self.OnFacets(faces, left), GridFunction(faces)
         values, ends = bulk.vec.FV().NumPy(), [0, *np.cumsum([c.ndof for c in faces.components])]
         for region, held in self.Supports():
             for k in np.flatnonzero(held):
@@ -326,7 +332,9 @@ class Balance:
         sides = AsNumPy(faces.GetDofs(self.Sides()))
         contact.vec.FV().NumPy()[sides] = values[sides]
         values[sides] = 0
-        outer = np.concatenate([self.outer[FacetOf(part)] for part in faces.components])
+        facets = Numbered(FacetFESpace(self.mesh, order=0))
+        owners = (Owner(part, facets, measure=edge)[0] for part in faces.components)
+        outer = np.concatenate([(facet >= 0) & self.outer[facet] for facet in owners])
         contact.vec.FV().NumPy()[:] *= np.sqrt(2)  # an inner face belongs to two elements
         values[outer] *= np.sqrt(2)
         return bulk, contact
@@ -346,16 +354,19 @@ def Diagonal(space, factor, product, measure):
     return ToCSR(form.Assemble().mat).diagonal()
 
 
-def FacetOf(space):
-    """The facet (n,) of each function of a space of them; 0 of those that a refinement left."""
-    numbers = Numbered(FacetFESpace(space.mesh, order=0))
-    edge = dx(element_boundary=True)
-    plain, weighted = (Diagonal(space, f, InnerProduct, edge) for f in (CF(1), numbers))
-    return np.rint(weighted / np.where(plain > 0, plain, 1)).astype(int)
+def Owner(space, numbers, product=InnerProduct, measure=dx):
+    """The number (n,) of an element or facet where each function of a space lives, and its square.
+
+    A refined mesh keeps facets that were cut: theirs are -1 and 0.
+    """
+    plain, weighted = (Diagonal(space, f, product, measure) for f in (CF(1), numbers))
+    there = plain > 0
+    number = np.floor(weighted / np.where(there, plain, 1) + 1e-6)
+    return np.where(there, number, -1).astype(int), plain
 
 
 class ContactPoints:
-    """What is known at the quadrature points of a contact.
+    """Tractions and violated conditions at the quadrature points of a contact.
 
     Attributes
     ----------
@@ -491,8 +502,7 @@ def Other(contact, space, balance):
 def FaceElements(region):
     """Number, volume element and area of each face of a boundary region."""
     mesh = region.mesh
-    number = GridFunction(L2(mesh, order=0))
-    number.vec.FV().NumPy()[:] = np.arange(mesh.ne)
+    number = Numbered(L2(mesh, order=0))
     area = np.array(Integrate(CF(1), region, element_wise=True).NumPy())
     sums = np.array(Integrate(BoundaryFromVolumeCF(number), region, element_wise=True).NumPy())
     faces = np.flatnonzero(area > 0)
@@ -504,9 +514,6 @@ def FaceElements(region):
 
 def Refuse(static):
     """Raise ValueError for problems that the estimators do not know."""
-    mesh = static.gf.space.mesh
-    if mesh.comm.size > 1:
-        raise ValueError("solver: errors are estimated in one process: gather the mesh")
     static.system.CheckSpace()
     space = static.contacts[0].form.component
     if space.dim == 1 and not ComponentsOf(space) and static.contacts[0].components > 1:

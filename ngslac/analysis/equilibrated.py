@@ -39,9 +39,9 @@ from ngslac.analysis.balance import (
     Balance,
     CheckSimplices,
     ContactPoints,
-    Diagonal,
     FaceElements,
     Numbered,
+    Owner,
 )
 from ngslac.analysis.colours import Colours
 from ngslac.analysis.estimate import Consistency, ErrorEstimate
@@ -179,12 +179,9 @@ class Equilibration:
         def normal(s, t):
             return (s * self.normal) * (t * self.normal)
 
-        through, facet = (
-            Diagonal(self.row, factor, normal, edge) for factor in (CF(1), Numbered(facets))
-        )
+        facet, through = Owner(self.row, Numbered(facets), normal, edge)
         size = self.balance.size.vec.FV().NumPy()[inside]
         crosses = through * size > CROSSES * mass
-        facet = np.rint(facet / np.where(crosses, through, 1)).astype(int)
         self.facet, self.element = np.where(crosses, facet, -1), np.where(crosses, -1, inside)
         self.multipliers = np.concatenate(
             [Owner(part, Numbered(constant))[0] for part in self._Others()]
@@ -197,12 +194,9 @@ class Equilibration:
         """Tractions on boundaries, as functions on facets, and where they hold."""
         balance, d = self.balance, self.dim
         faces = VectorFacetFESpace(self.mesh, order=balance.order + 1)
-        p, q = faces.TnT()
-        self.traction = GridFunction(faces)
-        work = self.traction.vec.CreateVector()
+        work = GridFunction(faces).vec
         work.FV().NumPy()[:] = balance.Outer(faces) + balance.Contact(faces)
-        mass = BilinearForm(p * q * dx(element_boundary=True), symmetric=True).Assemble()
-        self.traction.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * work
+        self.traction = balance.OnFacets(faces, work)
         outer = (self.facet >= 0) & balance.outer[self.facet]
         self.prescribed = np.repeat(outer[None], d, axis=0)
         for region, held in balance.Supports():
@@ -245,7 +239,7 @@ class Equilibration:
         return [*functions[:d], functions[d], functions[d + 1 :]]
 
     def _Load(self, hat):
-        """What a patch has to balance, and the stress that it should be near to."""
+        """The loads of a patch, and the stress to which its own is to be near."""
         balance = self.balance
         *t, v, _ = self._Split(self.space.TestFunction())
         near = self.unit * self.compliance(hat * balance.stress, Rows(t))
@@ -293,17 +287,6 @@ def Turns(matrix, dim):
     return [matrix[i, j] - matrix[j, i] for i, j in pairs]
 
 
-def Owner(space, numbers):
-    """An element (n,) where each function of a space lives, and its square.
-
-    A refined mesh keeps facets that were cut: theirs are -1 and 0.
-    """
-    plain, weighted = (Diagonal(space, factor, InnerProduct, dx) for factor in (CF(1), numbers))
-    there = plain > 0
-    number = np.floor(weighted / np.where(there, plain, 1) + 1e-6)
-    return np.where(there, number, -1).astype(int), plain
-
-
 def CornersOf(mesh):
     """Vertices (ne, d + 1) of the elements, and all points (nv, d)."""
     ng, d = mesh.ngmesh, mesh.dim
@@ -320,7 +303,7 @@ def ElementOfFace(mesh):
 
 
 class Oscillation:
-    """What a stress does not balance of the data, by what it is worth at most: roots of energies.
+    """The largest energy that data can have which a stress does not balance, as roots.
 
     It has no linear part on a face, or in an element.
     """
@@ -331,7 +314,7 @@ class Oscillation:
         self.soft = np.sqrt(2 * balance.modulus.vec.FV().NumPy())
 
     def Surface(self):
-        """What tractions add (ne,) to the energy of the difference of stresses.
+        """The part (ne,) of tractions in the energy of the difference of stresses.
 
         Those of contacts are polynomials on parts of the master's faces only. What the stress in
         equilibrium lacks of them, each element takes up by a displacement, the stress of which is

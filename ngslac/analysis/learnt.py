@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What contacts learnt of the stiffness of both bodies, which changes with design variables."""
+"""The stiffness of both bodies as contacts learnt it, which changes with design variables."""
 
 import numpy as np
 import scipy
@@ -12,7 +12,7 @@ __all__ = ["Learnt", "SurfaceDofs"]
 
 # Relative difference of two stiffnesses that are the same.
 SAME = 1e-9
-# What is learnt: the contact direction, and the scale of sharp ends.
+# Things that are learnt: the contact direction, and the scale of sharp ends.
 NAMES = ("share", "end_c")
 
 

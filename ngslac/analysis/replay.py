@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What was computed once more: residuals and functionals beside the converged states."""
+"""Steps once more, with residuals and functionals beside the converged states."""
 
 from dataclasses import dataclass, field
 
@@ -116,7 +116,7 @@ class Replay:
         if self._rhs:
             self._loads = self._rhs.vec.FV().NumPy().copy()
             self._rhs.Assemble()
-            # What was added to the vector by hand.
+            # Users may have added something to the vector.
             self._added = self._loads - self._rhs.vec.FV().NumPy()
         return self
 

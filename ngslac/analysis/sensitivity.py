@@ -11,11 +11,10 @@ from ngsolve.comp import SumOfIntegrals
 from ngslac.analysis.fields import AtSurfaces, Groups, Reach
 from ngslac.analysis.record import Record
 from ngslac.analysis.replay import CourseOf, Replay
-from ngslac.analysis.tangent import CONVERGED, Factors, Tangent
+from ngslac.analysis.tangent import CONVERGED, Factors, Static, Tangent
 from ngslac.analysis.variables import DirectionsOf, Entries
 from ngslac.arguments import CheckInstance, IsFunction, Wrong
 from ngslac.bodies.messages import FloatingMessage
-from ngslac.distributable import DistributedMesh
 from ngslac.errors import LinearSolveError, RefuseCopy, Warn
 from ngslac.solve.residual import Norm
 from ngslac.solve.solver import ContactSolver
@@ -165,11 +164,9 @@ class Sensitivity:
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, solver, functional, *, prescribe=None):
-        if DistributedMesh([solver]) is not None:
-            raise ValueError("solver is that of a distributed mesh: differentiate in one process")
         wanted = "a ContactSolver, or a Record of the steps of a LoadStepper"
         CheckInstance("solver", solver, (ContactSolver, Record), wanted)
-        static = solver.solver if isinstance(solver, Record) else solver
+        static = Static(solver)
         self._integrals = isinstance(functional, SumOfIntegrals)
         if self._integrals:
             self._functional = Integrals(functional, static.gf.space)
@@ -305,7 +302,7 @@ class Sensitivity:
         ]
         change, known = (sides[0] - sides[1]) / (2 * CHANGE), slope @ stage.values
         size = max(abs(change), abs(known))
-        # What cancels out in balance leaves rounding.
+        # Parts that cancel out in balance leave rounding errors.
         parts = abs(sides[0]) + np.sum(np.abs(slope * stage.values))
         if abs(change - known) > SLOPE * size + CHANGE * parts:
             raise ValueError(

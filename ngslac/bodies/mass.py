@@ -64,20 +64,13 @@ class WholeMass:
         `loose` (k, j) is an orthonormal basis of rates that nothing with mass has to have.
         """
         seen = self._Compliance(rows)
-        # Conjugate gradients for the impulses: as well conditioned as the mass matrix.
-        impulses, direction = np.zeros_like(rates), rates.copy()
-        residual = rates.copy()
-        square = start = residual @ residual
-        for _ in range(10 * len(rates) + 50):
-            if square <= 1e-28 * start:
-                break
-            image = seen(direction)
-            step = square / (direction @ image)
-            impulses += step * direction
-            residual -= step * image
-            residual -= loose @ (loose.T @ residual)
-            before, square = square, residual @ residual
-            direction = residual + square / before * direction
+
+        def Seen(impulses):
+            image = seen(impulses)
+            return image - loose @ (loose.T @ image)
+
+        # As well conditioned as the mass matrix.
+        impulses = ConjugateGradients(Seen, rates, lambda left: left, 10 * len(rates) + 50)
         return self.Solve(rows.T @ impulses)
 
     def _Compliance(self, rows):
@@ -120,7 +113,7 @@ class MassByProducts:
 
     def Solve(self, forces):
         """The accelerations of the free dofs under forces (n,); 0 elsewhere."""
-        return self._Least(forces, lambda left: self._inverse * left)
+        return ConjugateGradients(self.Times, forces, lambda left: self._inverse * left)
 
     def Follow(self, rows, rates, loose):
         """See WholeMass."""
@@ -143,21 +136,25 @@ class MassByProducts:
             return moved
 
         start = moves @ Impulses(rates)
-        return start + self._Least(-self.Times(start), Project)
+        return start + ConjugateGradients(self.Times, -self.Times(start), Project)
 
-    def _Least(self, forces, precondition):
-        """Where the motions of a preconditioner balance forces (n,) with inertia."""
-        found, left = np.zeros(len(forces)), 1.0 * forces
-        direction = moved = precondition(left)
-        square = start = left @ moved
-        for _ in range(MOST):
-            if not square > ROUNDING**2 * start:
-                break
-            image = self.Times(direction)
-            step = square / (direction @ image)
-            found = found + step * direction
-            left = left - step * image
-            moved = precondition(left)
-            before, square = square, left @ moved
-            direction = moved + square / before * direction
-        return found
+
+def ConjugateGradients(times, right, precondition, most=MOST):
+    """Solve with a symmetric operator to rounding errors, in so many iterations at most.
+
+    The solution is in the space that the preconditioner leads to.
+    """
+    found, left = np.zeros(len(right)), 1.0 * right
+    direction = moved = precondition(left)
+    square = start = left @ moved
+    for _ in range(most):
+        if not square > ROUNDING**2 * start:
+            break
+        image = times(direction)
+        step = square / (direction @ image)
+        found = found + step * direction
+        left = left - step * image
+        moved = precondition(left)
+        before, square = square, left @ moved
+        direction = moved + square / before * direction
+    return found
