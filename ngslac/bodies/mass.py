@@ -65,12 +65,14 @@ class WholeMass:
         """
         seen = self._Compliance(rows)
 
+        def Project(left):
+            return left - loose @ (loose.T @ left)
+
         def Seen(impulses):
-            image = seen(impulses)
-            return image - loose @ (loose.T @ image)
+            return Project(seen(impulses))
 
         # As well conditioned as the mass matrix.
-        impulses = ConjugateGradients(Seen, rates, lambda left: left, 10 * len(rates) + 50)
+        impulses = ConjugateGradients(Seen, rates, Project, 10 * len(rates) + 50)
         return self.Solve(rows.T @ impulses)
 
     def _Compliance(self, rows):
