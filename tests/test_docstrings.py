@@ -66,4 +66,4 @@ def test_example_of_reference(name):
 def test_the_main_names_have_examples():
     main = {"LACSpace", "LACContact", "ContactSolver", "LoadStepper", "FormSum", "SplitSlaveFaces"}
     assert main <= NAMES.keys()
-    assert {"HertzLine", "TwistPoint", "TwistPoint.FromAngle"} <= REFERENCE
+    assert {"HertzLine", "HertzPoint"} <= REFERENCE

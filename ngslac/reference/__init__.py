@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Closed-form solutions and benchmark data, used by tests and tutorials.
+"""Closed-form solutions of Hertz, Cattaneo and Mindlin, and the constants of Dundurs.
 
 Pressure is positive in compression; tractions act on the slave, which is body 1. Any consistent
 system of units: with N and mm, pressures are in MPa. Needs NumPy and SciPy only.
@@ -13,8 +13,6 @@ from .mindlin import (
     MindlinPointReversal,
     MindlinReversal,
 )
-from .spence import SpenceLine, StickZone
-from .twist import TwistPoint, TwistReversal
 
 __all__ = [
     "CattaneoMindlin",
@@ -25,19 +23,19 @@ __all__ = [
     "HertzPoint",
     "MindlinPointReversal",
     "MindlinReversal",
-    "SpenceLine",
-    "StickZone",
-    "TwistPoint",
-    "TwistReversal",
 ]
 
-# Names of version 0.1.0 that served tests alone, and the file in tests/reference that has them now.
+# Names of version 0.1.0 that are no longer part of the package, and the file that has them now.
 MOVED = {
-    "ElasticSignorini": "exact_signorini.py",
-    "ElasticSignoriniDisc": "exact_disc.py",
-    "FrictionSlab": "exact_slab.py",
-    "GRECO_SLAB": "exact_slab.py",
-    "ScalarSignorini": "exact_signorini.py",
+    "ElasticSignorini": "tests/reference/exact_signorini.py",
+    "ElasticSignoriniDisc": "tests/reference/exact_disc.py",
+    "FrictionSlab": "tests/reference/exact_slab.py",
+    "GRECO_SLAB": "tests/reference/exact_slab.py",
+    "ScalarSignorini": "tests/reference/exact_signorini.py",
+    "SpenceLine": "tests/reference/exact_spence.py",
+    "StickZone": "tests/reference/exact_spence.py",
+    "TwistPoint": "tutorials/examples/lubkin.py",
+    "TwistReversal": "tutorials/examples/lubkin.py",
 }
 
 
@@ -45,6 +43,6 @@ def __getattr__(name):
     if name in MOVED:  # `from ngslac.reference import` would hide the words of an AttributeError
         raise ImportError(
             f"ngslac.reference.{name} left the package after version 0.1.0: copy the file "
-            f"tests/reference/{MOVED[name]} of the sources, and import {name} from there"
+            f"{MOVED[name]} of the sources, with those that it imports, and import {name} from it"
         )
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

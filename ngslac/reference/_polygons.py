@@ -67,16 +67,6 @@ class PolygonEdges:
         half = np.sqrt(np.maximum(radius**2 - distance**2, 0.0))
         return half, np.clip(start, -half, half), np.clip(end, -half, half)
 
-    def RootIntegral(self, radius):
-        """Integral of sqrt(radius^2 - x^2 - y^2) over the part of each edge in the disc."""
-        half, *ends = self.Chord(radius)
-
-        def primitive(s):
-            root = np.sqrt(np.maximum(half**2 - s**2, 0.0))
-            return 0.5 * (s * root + half**2 * np.arctan2(s, root))
-
-        return primitive(ends[1]) - primitive(ends[0])
-
 
 def semi_ellipsoid_mean(vertices, radius):
     """Average sqrt(1 - (x^2 + y^2)/radius^2), zero outside the disc, exactly over polygons.

@@ -14,9 +14,9 @@ import pytest
 import twistblocks
 from ngsolve import BND, CF, Integrate
 from patch3d import Case, Cases, Run, Solve
+from published import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
 from ngslac.meshes import CheckNonMatching3D
-from ngslac.reference.ironing import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
 approx = pytest.approx
 

@@ -13,7 +13,6 @@ ELASTIC = {"young1": 1.0, "nu1": 0.3, "young2": 1.0, "nu2": 0.3}
 PAIR = {"force": 1.0, "radius1": 10.0} | ELASTIC
 LINE, POINT = reference.HertzLine(**PAIR), reference.HertzPoint(**PAIR)
 PARTIAL = {"shear": 0.1, "friction": 0.3}
-TWIST = {"hertz": POINT, "moment": 0.01, "friction": 0.3}
 
 MADE = {
     "ContactModulus": ELASTIC,
@@ -30,10 +29,6 @@ MADE = {
         "start": reference.CattaneoMindlinPoint(hertz=POINT, **PARTIAL),
         "shear": 0.05,
     },
-    "TwistPoint": TWIST,
-    "TwistReversal": {"start": reference.TwistPoint(**TWIST), "moment": 0.005},
-    "SpenceLine": {"hertz": LINE, "friction": 0.2},
-    "StickZone": {"beta": 0.1, "friction": 0.2},
 }
 # Valid arguments of methods, and the kind of each by its name.
 VALID = {"angle": 0.001, "approach": 0.1, "body": 1, "depth": 0.1, "friction": 0.3, "hertz": POINT}

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from exact_disc import ElasticSignoriniDisc
 from exact_signorini import ElasticSignorini, ScalarSignorini
+from exact_spence import SpenceLine
+from lubkin import TwistPoint
 
 from ngslac.reference import (
     CattaneoMindlin,
     CattaneoMindlinPoint,
     HertzLine,
     HertzPoint,
-    SpenceLine,
-    TwistPoint,
 )
 
 PAIR = dict(force=120, radius1=30, radius2=60, young1=2e4, nu1=0.25, young2=2e4, nu2=0.25)

@@ -5,6 +5,7 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from lubkin import TwistPoint
 from scipy.special import ellipe, ellipk, ellipkm1
 
 from ngslac.reference import (
@@ -12,7 +13,6 @@ from ngslac.reference import (
     CattaneoMindlinPoint,
     HertzLine,
     HertzPoint,
-    TwistPoint,
 )
 
 FRICTION, FORCE = 0.3, 120.0

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from exact_spence import SpenceLine, StickZone
 from scipy.optimize import brentq
 from scipy.special import ellipk, ellipkm1
-
-from ngslac.reference import SpenceLine, StickZone
 
 
 @pytest.fixture

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from notebooks import Tutorial
-
-from ngslac.reference.ironing import DECK, PUBLISHED, TIMES
+from published import DECK, PUBLISHED, TIMES
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,10 @@ from pathlib import Path
 import nbformat
 import numpy as np
 import pytest
+from exact_spence import SpenceLine
 from notebooks import CONTACT, FOLDER, HERTZ, Tutorial
+
+from ngslac.reference import HertzLine
 
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
@@ -95,7 +98,7 @@ VALUES = dict(
     rows=rows, frictionless=row0, resultant=resultant, inclined=inclined, force=force, F=F,
     halfwidth=hertz.halfwidth, peak=hertz.peak, ends=ends, status=status,
     pressure=table["pressure"], hertz=hertz.MeanPressure(ends[:-1], ends[1:]),
-    friction=-table["tangential"], spence=-spence.MeanTraction(ends[:-1], ends[1:]),
+    friction=-table["tangential"], x=x, spence=Spence(x),
 )
 """
 hertz = Tutorial(HERTZ, HERTZ_VALUES, pictures=1)
@@ -138,8 +141,12 @@ def test_hertz_small_contact_has_the_friction_of_spence(small):
     """Exercise 2: with a hundredth of the load the bodies are half-planes."""
     x = small.ends / small.halfwidth
     middle, lengths = (x[:-1] + x[1:]) / 2, np.diff(x)
-    assert lengths @ small.friction == pytest.approx(lengths @ small.spence, rel=0.03)
+    line = HertzLine(force=small.force, radius1=50, young1=210e3, nu1=0.3, young2=70e3, nu2=0.3)
+    spence = SpenceLine(hertz=line, friction=small.F)
+    exact = -spence.MeanTraction(small.ends[:-1], small.ends[1:])
+    np.testing.assert_allclose(small.spence, spence.Traction(small.x), atol=1e-9 * small.peak)
+    assert lengths @ small.friction == pytest.approx(lengths @ exact, rel=0.03)
     # Macro by macro the load steps show, more so in the middle, which few of them have seen.
     outer = (middle > 0.3) & (middle < 0.9)
-    np.testing.assert_allclose(small.friction[outer], small.spence[outer], rtol=0.1)
+    np.testing.assert_allclose(small.friction[outer], exact[outer], rtol=0.1)
     assert middle[small.status == 2].min() == pytest.approx(0.9063, abs=1.5 * lengths.max())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from elasticity import Material, Pair, Sorted
+from exact_spence import SpenceLine
 from ngsolve import Integrate, Parameter, VectorH1, ds, dx, y
 from problems_punch import CoupledPunch, StickRatio
 from report_bounds import Element, Means, MeshSpread, Tolerance
@@ -18,7 +19,7 @@ from report_case import Case, Outcome, Row
 from report_pictures import BLUE, GREY, INK, ORANGE, Figure, Profile
 
 from ngslac.meshes import HertzMesh
-from ngslac.reference import CattaneoMindlin, HertzLine, SpenceLine
+from ngslac.reference import CattaneoMindlin, HertzLine
 
 RADIUS = 50.0
 OPEN, STICK, SLIP = 0, 1, 2

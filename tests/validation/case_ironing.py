@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import ironing
 import numpy as np
+from published import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 from report_bounds import Exact, Spread
 from report_case import Case, Outcome, Row
 from report_pictures import Bodies, Figure
-
-from ngslac.reference.ironing import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
 CODE_ASTER = PUBLISHED["code_aster 2020"]
 

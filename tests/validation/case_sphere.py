@@ -7,11 +7,10 @@ from functools import cache
 import cattaneo3d
 import numpy as np
 import twist
+from lubkin import TwistPoint
 from report_bounds import Element, Meshes
 from report_case import Case, Outcome, Row
 from report_pictures import BLUE, INK, ORANGE, Figure
-
-from ngslac.reference import TwistPoint
 
 PushedSphere, TwistedSphere = cache(cattaneo3d.Solve), cache(twist.Solve)
 

@@ -1,6 +1,6 @@
 """Half-planes of different materials under a growing normal load, with the coupling in full.
 
-`ngslac.reference.SpenceLine` takes the pressure from the problem without friction (Goodman). Here
+`exact_spence.SpenceLine` takes the pressure from the problem without friction (Goodman). Here
 the friction acts back on the pressure, as in the finite element model. The equations are those of
 an increment of the load: a flat punch on |t| < 1 with pressure p and friction q,
 

@@ -19,11 +19,11 @@ import numpy as np
 from command import Columns, Communicator, Count, Main, NotNegative, Picture, Positive
 from driven import RigidMotion
 from ngsolve import *
+from published import PUBLISHED, TIMES
 
 from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
 from ngslac.meshes import Distributed, geometry
-from ngslac.reference.ironing import PUBLISHED, TIMES
 
 YOUNG, POISSON = {"die": 6896.0, "slab": 689.6}, 0.32  # MPa
 LENGTH, HEIGHT, CLEARANCE = 12.0, 4.0, 0.2  # of the slab, and of the die above it, in mm

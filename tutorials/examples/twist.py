@@ -15,10 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from command import Positive
+from lubkin import TwistPoint
 from movedsphere import Sphere
 from stickzone import FIRST, Example, Results, Row, Summary
-
-from ngslac.reference import TwistPoint
 
 COLUMNS = ["angle", "moment_ratio", "moment_exact", "stick_ratio", "stick_ratio_fit"]
 COLUMNS += ["stick_ratio_exact", "traction_misfit"]

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: LGPL-2.1-or-later
 """Published forces of the shallow ironing problem.
 
 The curves were read from the figures of the papers and agree with each other to about 20 %. Kept
@@ -13,10 +12,6 @@ friction 0.3 and CONT003 a without friction.
 >>> vertical[TIMES.index(1.5)], horizontal[TIMES.index(1.5)]
 (360, 173)
 """
-
-from __future__ import annotations
-
-__all__ = ["DECK", "DECK_SMOOTH", "PUBLISHED", "TIMES"]
 
 TIMES = (0.4, 0.6, 0.8, 1.0, 1.05, 1.1, 1.25, 1.5, 1.75, 1.9)
 

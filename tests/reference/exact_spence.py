@@ -1,17 +1,14 @@
-# SPDX-License-Identifier: LGPL-2.1-or-later
 """Two bodies of different materials, pressed together ever harder with friction (Spence)."""
 
 from dataclasses import dataclass
 from math import exp, inf, pi, sqrt
 
 import numpy as np
+from lubkin import integral_mean
 from scipy.special import ellipkinc, xlogy
 
-from ._checks import finite, instance, nonnegative, points
-from ._means import integral_mean
-from .hertz import HertzLine
-
-__all__ = ["SpenceLine", "StickZone"]
+from ngslac.reference import HertzLine
+from ngslac.reference._checks import finite, instance, nonnegative, points
 
 
 def _theta(nome):
