@@ -10,7 +10,7 @@ from ngsolve import GridFunction, Mesh, VectorH1
 
 from ngslac import LACContact, LACSpace
 from ngslac.meshes import TwoBlocks3D
-from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.boxes import Cells, StructuredBox
 
 
 def paired(mesh, slave="slave", master="master", at=lambda _: None):
@@ -31,7 +31,7 @@ def two_cubes(body, line):
         if name == body:
             points[(points[:, 0] == lateral[1]) & (points[:, 2] == 0), 0] = line
         faces = [(label if s == side else f"{s}_{name}", face) for s, face in box.faces]
-        AddBody(mesh, name, Cells(points, box.cells, faces))
+        Cells(points, box.cells, faces).AddTo(mesh, name)
     mesh.Compress()
     return Mesh(mesh)
 
@@ -59,7 +59,7 @@ def test_master_faces_without_area():
 def test_a_surface_without_body():
     """Faces that belong to no volume element have no displacement and no outside."""
     mesh = NetgenMesh(dim=3)
-    AddBody(mesh, "body", StructuredBox([0, 0.5, 1], [0, 0.5, 1], [0, 1], "hex"))
+    StructuredBox([0, 0.5, 1], [0, 0.5, 1], [0, 1], "hex").AddTo(mesh, "body")
     sheet = mesh.Add(FaceDescriptor(surfnr=9, domin=0, bc=9))
     mesh.SetBCName(8, "sheet")
     corners = [(0, 0, -0.1), (0, 1, -0.1), (1, 1, -0.1), (1, 0, -0.1)]

@@ -12,38 +12,27 @@ grading : float
 scale : float
     Factor for all coordinates, e.g. ``1e-3`` for metres in place of millimetres.
 angle : float, rotation : (3, 3) array_like or (axis, float)
-    Rotation about the origin, in 2D in degrees, in 3D see `RotationMatrix`. The topology of the
-    mesh depends neither on it nor on the scale.
+    Rotation about the origin: in 2D counter-clockwise in degrees, in 3D a rotation matrix, or an
+    axis ("x", "y", "z" or three numbers) and the degrees by which to turn about it. The topology
+    of the mesh depends neither on it nor on the scale.
 
 For several processes see `Distributed`.
 """
 
 from ngslac.meshes.blocks import TwoBlocks
 from ngslac.meshes.blocks3d import TwoBlocks3D
-from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
-from ngslac.meshes.cords import CordMesh, DiscInRing
+from ngslac.meshes.boxes import StructuredBox
 from ngslac.meshes.cylinders import CylinderOnBlock
 from ngslac.meshes.distributed import Distributed
 from ngslac.meshes.facetable import FaceTable
-from ngslac.meshes.geometry import CheckNonMatching
-from ngslac.meshes.geometry3d import CheckNonMatching3D, RotationMatrix
-from ngslac.meshes.hertz import HertzMesh, IndentationMesh, PointForce
+from ngslac.meshes.hertz import HertzMesh
 from ngslac.meshes.spheres import SphereOnBlock, TwoSpheres
 
 __all__ = [
-    "AddBody",
-    "Cells",
-    "CheckNonMatching",
-    "CheckNonMatching3D",
-    "CordMesh",
     "CylinderOnBlock",
-    "DiscInRing",
     "Distributed",
     "FaceTable",
     "HertzMesh",
-    "IndentationMesh",
-    "PointForce",
-    "RotationMatrix",
     "SphereOnBlock",
     "StructuredBox",
     "TwoBlocks",

@@ -10,7 +10,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import ArcOfCircle, Glue, Pnt
 from ngsolve import Mesh
 
-from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.boxes import Cells
 from ngslac.meshes.geometry import (
     Body,
     CheckNonMatching,
@@ -21,6 +21,7 @@ from ngslac.meshes.geometry import (
     Line,
     MovePoints,
     NonMatchingDivisions,
+    RotationMatrix,
     Side,
 )
 from ngslac.meshes.sizes import (
@@ -227,9 +228,9 @@ def _StructuredMesh(sides, quads, scale, angle):
     """A grid in each block."""
     ngmesh = NetgenMesh(dim=2)
     for side in sides:
-        AddBody(ngmesh, side.name, _Grid(side, quads))
+        _Grid(side, quads).AddTo(ngmesh, side.name)
     ngmesh.Compress()
-    MovePoints(ngmesh, scale, angle)
+    MovePoints(ngmesh, scale * RotationMatrix(("z", angle)))
     return Mesh(ngmesh)
 
 
@@ -238,7 +239,7 @@ def _Grid(side, quads):
     xs, rows = side.Nodes(), Divisions(abs(side.end), side.h)
     node, y = np.arange((rows + 1) * len(xs)).reshape(rows + 1, -1), side.Height(xs)
     ys = y + np.arange(rows + 1)[:, None] / rows * (side.end - y)
-    points = np.column_stack([np.tile(xs, rows + 1), ys.ravel(), np.zeros(node.size)])
+    points = np.column_stack([np.tile(xs, rows + 1), ys.ravel()])
     sense = -1 if side.end < 0 else 1  # the lower grid is numbered downwards
     cells = []
     for i, j in np.ndindex(rows, len(xs) - 1):

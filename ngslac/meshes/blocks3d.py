@@ -12,9 +12,8 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Box, OCCGeometry, Pnt
 from ngsolve import Mesh
 
-from ngslac.meshes.boxes import AddBody, Cells, SideOf, StructuredBox
-from ngslac.meshes.geometry import CheckNonMatching, Incline
-from ngslac.meshes.geometry3d import RotationMatrix
+from ngslac.meshes.boxes import Cells, SideOf, StructuredBox
+from ngslac.meshes.geometry import CheckNonMatching, Incline, RotationMatrix
 from ngslac.meshes.sizes import CheckAlike, CheckElements, CheckFinite, CheckPositive
 
 __all__ = ["TwoBlocks3D"]
@@ -128,7 +127,7 @@ def TwoBlocks3D(
         else:
             options = {"perturb": perturb, "fixed": (0.0, width), "seed": seed + i}
             box = StructuredBox(*grids[i], z[i], kinds[i], names=names, **options)
-        AddBody(ngmesh, name, replace(box, points=frame.Map(box.points)))
+        replace(box, points=frame.Map(box.points)).AddTo(ngmesh, name)
     ngmesh.Compress()
     mesh = Mesh(ngmesh)
     CheckNonMatching(mesh)

@@ -2,7 +2,7 @@
 """Structured boxes of every element shape, made by hand: no mesher, no geometry.
 
 A grid of cubes is cut into cells, each written with its first face counter-clockwise seen from
-inside, as on paper. Netgen wants the opposite orientation, which `AddBody` gives.
+inside, as on paper. Netgen wants the opposite orientation, which `Cells.AddTo` gives.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from netgen.meshing import Element1D, Element2D, Element3D, FaceDescriptor, Mesh
 from ngslac.arguments import CheckCount
 from ngslac.meshes.sizes import CheckElements
 
-__all__ = ["KINDS", "AddBody", "Cells", "SideOf", "StructuredBox"]
+__all__ = ["KINDS", "Cells", "SideOf", "StructuredBox"]
 
 # The corners of a cube: 0-3 below and 4-7 above, both counter-clockwise; 8 is its middle.
 _KUHN = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
@@ -45,16 +45,40 @@ _SIDES = ("left", "right", "front", "back", "bottom", "top")
 
 @dataclass(frozen=True)
 class Cells:
-    """Points (n, 3), cells (tuples of point numbers), and the outer faces with their names.
+    """Points (n, d), cells (tuples of point numbers), and the outer faces with their names.
 
     To map a mesh, replace the points; the map has to keep the orientation.
     `faces` are pairs of a name and the point numbers, counter-clockwise seen from outside. In 2D
-    they are edges, with the body on their left, and z = 0.
+    they are edges, with the body on their left.
     """
 
     points: np.ndarray
     cells: list
     faces: list
+
+    def AddTo(self, ngmesh, name) -> None:
+        """Become the body `name` of a netgen mesh, whose ``Compress()`` is to be called at the end.
+
+        Faces of equal names become one boundary of this body.
+        """
+        dim = ngmesh.dim
+        domain, index = ngmesh.AddRegion(name, dim=dim), {}
+        points = np.pad(self.points, [(0, 0), (0, 3 - self.points.shape[1])])
+        numbers = [ngmesh.Add(MeshPoint(Pnt(*p))) for p in points]
+        for cell in self.cells:
+            corners = [numbers[i] for i in cell]
+            if dim == 2:
+                ngmesh.Add(Element2D(domain, corners))
+            else:
+                ngmesh.Add(Element3D(domain, [corners[i] for i in _MIRRORED[len(cell)]]))
+        for label, face in self.faces:
+            corners = [numbers[i] for i in face]
+            if label not in index:
+                index[label] = _AddBoundary(ngmesh, label, domain)
+            if dim == 2:
+                ngmesh.Add(Element1D(corners, index=index[label]))
+            else:
+                ngmesh.Add(Element2D(index[label], corners))
 
 
 def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), seed=0) -> Cells:
@@ -82,15 +106,23 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     Returns
     -------
     Cells
-        To be added to a mesh by `AddBody`.
+        Their ``AddTo(ngmesh, name)`` makes them a body of a netgen mesh; their ``points`` may be
+        replaced before (``dataclasses.replace``) by a map that keeps the orientation.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from ngslac.meshes.boxes import StructuredBox
-    >>> box = StructuredBox(np.linspace(0, 1, 3), [0, 1], [0, 1], "prism")
+    >>> from netgen.meshing import Mesh as NetgenMesh
+    >>> from ngsolve import Integrate, Mesh
+    >>> from ngslac.meshes import StructuredBox
+    >>> box = StructuredBox(np.linspace(0, 2, 3), [0, 1], [0, 1], "prism")
     >>> len(box.points), len(box.cells), len(box.faces)
     (12, 4, 14)
+    >>> ngmesh = NetgenMesh(dim=3)
+    >>> box.AddTo(ngmesh, "brick")
+    >>> ngmesh.Compress()
+    >>> round(Integrate(1, Mesh(ngmesh)), 12)
+    2.0
     """
     if kind not in KINDS:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, but is {kind!r}")
@@ -112,50 +144,6 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     cells = [tuple(int(cube[i]) for i in cell) for cube in cubes for cell in KINDS[kind]]
     faces = _NamedFaces(flat, cells, names or (lambda side, centre: side))
     return Cells(points, cells, faces)
-
-
-def AddBody(ngmesh, name, box) -> None:
-    """Add cells as the body `name` to a netgen mesh of dimension 2 or 3.
-
-    Equal names of faces become one boundary of this body.
-
-    Parameters
-    ----------
-    ngmesh : netgen.meshing.Mesh
-        The mesh; call ``Compress()`` after the last body.
-    name : str
-        Name of the material.
-    box : Cells
-        Points, cells and outer faces.
-
-    Examples
-    --------
-    >>> from netgen.meshing import Mesh as NetgenMesh
-    >>> from ngsolve import Integrate, Mesh
-    >>> from ngslac.meshes.boxes import AddBody, StructuredBox
-    >>> ngmesh = NetgenMesh(dim=3)
-    >>> AddBody(ngmesh, "brick", StructuredBox([0, 1, 2], [0, 1], [0, 1], "hex"))
-    >>> ngmesh.Compress()
-    >>> round(Integrate(1, Mesh(ngmesh)), 12)
-    2.0
-    """
-    dim = ngmesh.dim
-    domain, index = ngmesh.AddRegion(name, dim=dim), {}
-    numbers = [ngmesh.Add(MeshPoint(Pnt(*p))) for p in box.points]
-    for cell in box.cells:
-        corners = [numbers[i] for i in cell]
-        if dim == 2:
-            ngmesh.Add(Element2D(domain, corners))
-        else:
-            ngmesh.Add(Element3D(domain, [corners[i] for i in _MIRRORED[len(cell)]]))
-    for label, face in box.faces:
-        corners = [numbers[i] for i in face]
-        if label not in index:
-            index[label] = _AddBoundary(ngmesh, label, domain)
-        if dim == 2:
-            ngmesh.Add(Element1D(corners, index=index[label]))
-        else:
-            ngmesh.Add(Element2D(index[label], corners))
 
 
 def _AddBoundary(ngmesh, label, domain):

@@ -11,7 +11,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import OCCGeometry
 from ngsolve import BND, Mesh
 
-from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.boxes import Cells
 from ngslac.meshes.geometry import (
     Arc,
     Body,
@@ -115,7 +115,7 @@ def _Extruded(plane, scale):
     """Draw the plane meshes of the bodies into the depth; their y becomes z."""
     out = NetgenMesh(dim=3)
     for mesh, (name, layers) in zip(plane, LAYERS.items(), strict=True):
-        AddBody(out, name, _Prisms(mesh, np.linspace(0, THICKNESS, layers + 1), scale))
+        _Prisms(mesh, np.linspace(0, THICKNESS, layers + 1), scale).AddTo(out, name)
     out.Compress()
     return Mesh(out)
 

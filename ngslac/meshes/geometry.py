@@ -12,21 +12,11 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from netgen.occ import (
-    ArcOfCircle,
-    Axis,
-    Compound,
-    Edge,
-    Face,
-    OCCGeometry,
-    Pnt,
-    Segment,
-    Wire,
-    Z,
-)
+from netgen.occ import ArcOfCircle, Axis, Compound, Edge, Face, OCCGeometry, Pnt, Segment, Vec, Wire
 from ngsolve import CF, Integrate, Mesh
+from scipy.spatial.transform import Rotation
 
-from ngslac.meshes.sizes import CheckFinite, CheckPositive
+from ngslac.meshes.sizes import CheckFinite
 
 
 def Incline(shape, slope, reach, height):
@@ -118,75 +108,96 @@ def _Distance(p, q):
     return math.hypot(p.x - q.x, p.y - q.y)
 
 
-def GenerateMesh(shapes, *, order=1, scale=1.0, angle=0.0, **options):
-    """Mesh bodies, then scale and rotate (degrees, about the origin) the result.
+def RotationMatrix(rotation) -> np.ndarray:
+    """Return the matrix (3, 3) of a rotation: None, the matrix itself, or an axis and an angle.
+
+    The axis is "x", "y", "z" or three numbers, not all zero; the angle by which to turn about it
+    is in degrees, counter-clockwise seen from its tip.
+    """
+    if rotation is None:
+        return np.eye(3)
+    if len(rotation) == 2:
+        axis, angle = rotation
+        axis = [c == axis for c in "xyz"] if isinstance(axis, str) else axis
+        axis = np.array(axis, dtype=float)
+        valid = axis.shape == (3,) and np.isfinite(axis).all() and np.any(axis)
+        if not (valid and math.isfinite(angle)):
+            raise ValueError(f"a rotation needs an axis of three numbers and an angle: {rotation}")
+        e = axis / np.abs(axis).max()  # whose square neither over- nor underflows
+        e, t = e / np.linalg.norm(e), math.radians(angle)
+        cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
+        return np.eye(3) + math.sin(t) * cross + (1 - math.cos(t)) * cross @ cross
+    matrix = np.array(rotation, dtype=float)
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), rtol=0, atol=1e-12):
+        raise ValueError("a rotation must be an orthogonal matrix of size 3 x 3")
+    if np.linalg.det(matrix) < 0:
+        raise ValueError("a rotation must not be a reflection: its determinant is -1")
+    return matrix
+
+
+def GenerateMesh(faces, *, order=1, scale=1.0, angle=0.0, **options):
+    """Mesh plane bodies, then scale and rotate (degrees, about the origin) the result.
 
     The mesh is always generated in the original frame by ``OCCGeometry.GenerateMesh``, which gets
-    the `options`. For another frame its points are moved, and the geometry is replaced by the
-    transformed shape, on which `Curve` projects. Numbering and connectivity are therefore the same
-    for all of them.
+    the `options`, so that numbering and connectivity are the same for all frames.
     """
-    angle = math.fmod(angle, 360)  # OCC takes turn after turn away
-    shape = Compound(shapes)
+    shape = Compound(faces)
     ngmesh = OCCGeometry(shape, dim=2).GenerateMesh(minedgelen=None, **options)
-    area, wanted = Integrate(CF(1), Mesh(ngmesh)), sum(face.mass for face in shape.faces)
-    if abs(area - wanted) > 0.05 * wanted:  # netgen skips a face that it fails to mesh
-        hint = "change the element size or grading"
-        raise RuntimeError(f"netgen meshed an area of {area:g} of {wanted:g}: {hint}")
-    if scale != 1.0 or angle != 0.0:
-        MovePoints(ngmesh, scale, angle)
-        shape = shape.Scale(Pnt(0, 0, 0), scale).Rotate(Axis(Pnt(0, 0, 0), Z), angle)
-        ngmesh.SetGeometry(OCCGeometry(shape, dim=2))
+    return _Placed(ngmesh, shape, shape.faces, order, scale, ("z", angle))
+
+
+def GenerateMesh3D(solids, *, order=1, scale=1.0, rotation=None, **options):
+    """Mesh two bodies far apart, then bring them together and go on as `GenerateMesh` does.
+
+    Apart they are meshed independently of each other: Netgen's element sizes are a function of
+    the position. ``solids(distance)`` returns the upper and the lower body, the latter moved down.
+    """
+    shape = Compound(solids(0.0))
+    low, high = shape.bounding_box
+    distance = 2 * (high[2] - low[2])
+    # One thread makes the same mesh in less time.
+    ngmesh = OCCGeometry(Compound(solids(distance))).GenerateMesh(parallel_meshing=False, **options)
+    for point in ngmesh.Points():
+        if point.p[2] < high[2] - distance:
+            point[2] = point.p[2] + distance
+    return _Placed(ngmesh, shape, shape.solids, order, scale, rotation)
+
+
+def _Placed(ngmesh, shape, bodies, order, scale, rotation):
+    """The mesh scaled, rotated and curved on its shape; a body that netgen left out is an error."""
+    dim, matrix = ngmesh.dim, RotationMatrix(rotation)
+    MovePoints(ngmesh, scale * matrix)
+    wanted = scale**dim * sum(body.mass for body in bodies)
+    if scale != 1.0:
+        shape = shape.Scale(Pnt(0, 0, 0), scale)
+    turn = Rotation.from_matrix(matrix).as_rotvec(degrees=True)
+    if turn.any():
+        shape = shape.Rotate(Axis(Pnt(0, 0, 0), Vec(*turn)), float(np.linalg.norm(turn)))
+    ngmesh.SetGeometry(OCCGeometry(shape, dim=dim))
     mesh = Mesh(ngmesh)
     mesh.Curve(order)
+    size = Integrate(CF(1), mesh)
+    if abs(size - wanted) > 0.05 * wanted:
+        kind, hint = ("an area", "a volume")[dim - 2], "change the sizes or the grading"
+        raise RuntimeError(f"netgen meshed {kind} of {size:g} of {wanted:g}: {hint}")
     return mesh
 
 
-def MovePoints(ngmesh, scale, angle):
-    """Scale and rotate (degrees, about the origin) the points of a netgen mesh in place."""
-    c, s = scale * math.cos(math.radians(angle)), scale * math.sin(math.radians(angle))
-    for point in ngmesh.Points():
-        x, y, _ = point.p
-        point[0], point[1] = c * x - s * y, s * x + c * y
+def MovePoints(ngmesh, matrix):
+    """Multiply the points of a netgen mesh by a matrix (3, 3), in place."""
+    points = np.array([point.p for point in ngmesh.Points()]) @ matrix.T
+    for point, new in zip(ngmesh.Points(), points, strict=True):
+        point[0], point[1], point[2] = new
 
 
 def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4) -> float:
-    """Raise if a slave vertex faces a master vertex; return the smallest relative distance.
+    """Raise if a vertex of one side faces one of the other; return the smallest distance.
 
     Distances are measured along the line (in 3D: the plane) that fits the master vertices best, in
     units of the mean master edge. Vertices at the ends (on the rims) of both sides, such as common
     corners, may coincide; but in 3D no face of one side may have all its vertices at those of a
     face of the other.
-
-    Parameters
-    ----------
-    mesh : ngsolve.Mesh
-        Mesh of two separate bodies.
-    slave, master : str
-        Patterns of the two contact boundaries.
-    tol : float
-        Smallest allowed relative distance.
-
-    Returns
-    -------
-    float
-        The smallest distance of a slave vertex from the master vertices, relative to their
-        spacing, without those at the ends (on the rims) of both.
-
-    Raises
-    ------
-    ValueError
-        If the meshes match somewhere, or a boundary does not exist.
-
-    Examples
-    --------
-    >>> from ngslac.meshes import CheckNonMatching, TwoBlocks, TwoBlocks3D
-    >>> round(CheckNonMatching(TwoBlocks(1 / 2, 1 / 3, structured=True)), 6)
-    0.5
-    >>> round(CheckNonMatching(TwoBlocks3D("hex", "hex", 2, 3)), 6)
-    0.707107
     """
-    CheckPositive(tol=tol)
     (s, s_rim, s_faces), (m, m_rim, m_faces) = (_BoundaryNodes(mesh, p) for p in (slave, master))
     centre = m.mean(axis=0)
     along = np.linalg.svd(m - centre)[2][: mesh.dim - 1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Plane meshes of a cylinder on a block, for the Hertz problem and indentation; nodal forces."""
+"""Plane meshes of a cylinder on a block, for the Hertz problem."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from ngsolve import BBND, CF, BaseVector, InnerProduct, LinearForm, Mesh, SymbolicLFI
+from ngsolve import Mesh
 
-from ngslac.arguments import CheckPoint
 from ngslac.meshes.geometry import (
     Arc,
     Body,
@@ -32,47 +31,10 @@ from ngslac.meshes.sizes import (
     Graded,
 )
 
-__all__ = ["HertzMesh", "IndentationMesh", "PointForce"]
+__all__ = ["HertzMesh"]
 
 
-def PointForce(space, force, *, vertex="load", component=None) -> BaseVector:
-    """Return the load vector of a force at a named vertex.
-
-    Parameters
-    ----------
-    space : ngsolve.FESpace
-        Displacement space (`VectorH1` or another vector-valued H1 space of any order), or a
-        product space that contains it.
-    force : sequence of float
-        Force (2D: force per unit of thickness).
-    vertex : str
-        Name of the vertex.
-    component : int, optional
-        Number of the displacement in a product space; without it, `space` is the
-        displacement space itself.
-
-    Returns
-    -------
-    ngsolve.BaseVector
-        The vector of the linear form v -> force . v(vertex) on `space`.
-
-    Notes
-    -----
-    In a form the same force reads
-    ``-load * InnerProduct(CF(force), v) * ds(definedon=mesh.BBoundaries("load"))``.
-    """
-    CheckPoint("force", force, space.mesh.dim)
-    region = space.mesh.BBoundaries(vertex)
-    if not any(region.Mask()):
-        raise ValueError(f"the mesh has no vertex named {vertex!r}")
-    v = space.TestFunction()
-    v = v if component is None else v[component]
-    form = LinearForm(space)
-    form += SymbolicLFI(InnerProduct(CF(tuple(force)), v), BBND, definedon=region)
-    return form.Assemble().vec
-
-
-_RADIUS, _PUNCH = 50.0, 100.0  # meshed with these radii: netgen has absolute lengths inside
+_RADIUS = 50.0  # all is meshed with this radius: netgen has absolute lengths inside
 
 
 def HertzMesh(
@@ -184,68 +146,3 @@ def _Block(width, height, end, nm, half):
     points += [(0, 0)] if half else [(-end, 0), (left, 0)]
     names = ["bottom", "side", "top", "master", *(["sym"] if half else ["top", "side"])]
     return Polygon(points, names, "block", master=nm)
-
-
-# ---------------------------------------------------------------- indentation
-
-
-def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0, grading=0.3) -> Mesh:
-    """Mesh of half a block and of the lowest part of a cylinder that touches it at the origin.
-
-    Bodies (materials): "block" and "cylinder", of which only a slice above the arc is meshed: it is
-    meant to be rigid. Boundaries: "slave" (the block's top where contact can be), "top" (the rest),
-    "side", "bottom", "sym" (x = 0, block); "master" (the arc) and "back" (all else of the
-    cylinder).
-
-    Parameters
-    ----------
-    h : float
-        Edge length on the slave side; the arc's edges are nearly twice as long, and curved.
-    radius : float
-        Of the cylinder.
-    zone : float
-        Half width of the slave side.
-    size : float
-        Half width and height of the block.
-    grading
-        See `ngslac.meshes`.
-
-    Returns
-    -------
-    ngsolve.Mesh
-        Curved of order 3.
-    """
-    CheckPositive(h=h, radius=radius, zone=zone, size=size)
-    CheckGrading(grading)
-    CheckAlike(radius=radius, zone=zone, size=size)
-    scale = radius / _PUNCH
-    h, zone, size = h / scale, zone / scale, size / scale
-    if not zone < min(0.8 * size, 0.5 * _PUNCH):
-        raise ValueError(f"zone = {zone * scale:g} is too long for the block or the cylinder")
-    CheckElements(Graded(h, grading, zone, size, 2), h=h * scale, grading=grading)
-    mesh = GenerateMesh(
-        [_HalfBlock(size, zone, Divisions(zone, h)), _Segment(zone, Divisions(zone, h))],
-        order=3,
-        scale=scale,
-        maxh=size / 5,
-        grading=grading,
-    )
-    CheckNonMatching(mesh)
-    return mesh
-
-
-def _HalfBlock(size, zone, count):
-    corners = [(0, -size), (size, -size), (size, 0), (zone, 0), (0, 0)]
-    return Polygon(corners, ("bottom", "side", "top", "slave", "sym"), "block", slave=count)
-
-
-def _Segment(zone, count):
-    """The slice between the arc and a level line; its nodes avoid those of the slave side."""
-    reach = 1.1 * zone
-    angle = math.asin(reach / _PUNCH)
-    nodes = [_PUNCH * math.asin(k * zone / count / _PUNCH) for k in range(count + 1)]
-    edges = NonMatchingDivisions(nodes, 0, _PUNCH * angle, 1.8 * zone / count)
-    point, level = Touching(_PUNCH), _PUNCH * (1 - math.cos(angle)) + 0.3 * zone
-    corners = [point(angle), (reach, level), (0, level), point(0)]
-    back = [Line(p, q, "back") for p, q in pairwise(corners)]
-    return Body([Arc(point, 0, angle, "master", edges), *back], "cylinder")

@@ -9,8 +9,7 @@ from itertools import pairwise
 from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
 from ngsolve import Mesh
 
-from ngslac.meshes.geometry import CheckNonMatching
-from ngslac.meshes.geometry3d import GenerateMesh3D
+from ngslac.meshes.geometry import CheckNonMatching, GenerateMesh3D
 from ngslac.meshes.sizes import (
     CheckAlike,
     CheckElements,

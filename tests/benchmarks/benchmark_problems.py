@@ -23,7 +23,8 @@ from ngsolve import (
 
 from ngslac import LACContact, LACSpace
 from ngslac.materials import Stress
-from ngslac.meshes import CheckNonMatching, HertzMesh, SphereOnBlock, TwoBlocks3D
+from ngslac.meshes import HertzMesh, SphereOnBlock, TwoBlocks3D
+from ngslac.meshes.geometry import CheckNonMatching
 
 __all__ = ["HERTZ_FORCE", "SIZES", "Problem", "Refined"]
 

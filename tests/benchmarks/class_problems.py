@@ -41,7 +41,7 @@ from ngsolve import (
 from ngslac import LACContact, LACSpace
 from ngslac.materials import NeoHooke, Stress
 from ngslac.meshes import TwoBlocks, TwoBlocks3D
-from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import StructuredBox
 
 __all__ = [
     "Blocks",
@@ -257,7 +257,7 @@ def CubeMesh(n, count):
         parity = sum(cell) % 2
         grid = [np.linspace(c, c + 1, n + 1 + parity) for c in cell]
         names = lambda side, _, cell=cell: CubeSide(side, cell, count)  # noqa: E731
-        AddBody(ngmesh, ("even", "odd")[parity], StructuredBox(*grid, "tet", names=names))
+        StructuredBox(*grid, "tet", names=names).AddTo(ngmesh, ("even", "odd")[parity])
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -295,7 +295,7 @@ def SheetMesh(n, count, thickness):
         names = lambda side, _, ends=ends: ends.get(side, "side")  # noqa: E731
         height = thickness * np.array([k, k + 1])
         box = StructuredBox(line, line, height, "tet", names=names)
-        AddBody(ngmesh, ("even", "odd")[k % 2], box)
+        box.AddTo(ngmesh, ("even", "odd")[k % 2])
     ngmesh.Compress()
     return Mesh(ngmesh)
 

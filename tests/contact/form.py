@@ -7,7 +7,7 @@ from bricks import brick
 from ngsolve import CF, GridFunction, VectorH1, cos, sin, x, y, z
 
 from ngslac import LACContact, LACSpace, tools
-from ngslac.meshes.geometry3d import RotationMatrix
+from ngslac.meshes.geometry import RotationMatrix
 
 POSITIONS = (x, y, z)
 

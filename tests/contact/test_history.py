@@ -6,7 +6,7 @@ from blocks import C, block_mesh, contact_form, macro_dofs, moved, residual, vec
 from netgen.meshing import NgException
 from ngsolve import CF, BitArray, GridFunction, x, y, z
 
-from ngslac.meshes.geometry3d import RotationMatrix
+from ngslac.meshes.geometry import RotationMatrix
 
 SLOPE, AZIMUTH = 20.0, 30.0
 TURN = ((0.3, -1.0, 0.6), 50.0)

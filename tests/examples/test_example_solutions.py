@@ -16,7 +16,7 @@ from ngsolve import BND, CF, Integrate
 from patch3d import Case, Cases, Run, Solve
 from published import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 
-from ngslac.meshes import CheckNonMatching3D
+from ngslac.meshes.geometry import CheckNonMatching
 
 approx = pytest.approx
 
@@ -239,7 +239,7 @@ def test_twist_mesh():
     for name, area in areas.items():
         found = Integrate(1, mesh, BND, definedon=mesh.Boundaries(name))
         assert found == approx(area, abs=1e-12)
-    CheckNonMatching3D(mesh, slave="upper_bottom", master="lower_top")
+    CheckNonMatching(mesh, slave="upper_bottom", master="lower_top")
 
 
 def test_patches_are_of_all_kinds():

@@ -5,6 +5,8 @@ from math import asin, cos, hypot, pi, radians, sin, sqrt, tan
 from unittest.mock import ANY
 
 import pytest
+from cords import CordMesh, DiscInRing
+from indenter import IndentationMesh
 
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
@@ -82,9 +84,9 @@ PUNCH |= Sizes(1e-8, master=100 * asin(5.5 / 100)) | {"cylinder": ANY, "back": A
 RISES = {"flat": 0.0, "oblique": tan(radians(15))}
 
 CASES = {  # function, its arguments, sizes of materials and boundaries
-    "punch": (meshes.IndentationMesh, {"h": 0.5}, PUNCH),
-    "cord": (meshes.CordMesh, {"h": 4.0}, CORD),
-    "ring": (meshes.DiscInRing, {"h": 4.0, "clearance": 2.0}, RING),
+    "punch": (IndentationMesh, {"h": 0.5}, PUNCH),
+    "cord": (CordMesh, {"h": 4.0}, CORD),
+    "ring": (DiscInRing, {"h": 4.0, "clearance": 2.0}, RING),
 }
 for half in (0, 1):
     CASES[f"hertz {half}"] = meshes.HertzMesh, {"h": 1.0, "half": half}, Hertz(half)

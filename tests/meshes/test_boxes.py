@@ -10,6 +10,7 @@ from ngsolve import BND, ET, VOL, Mesh
 
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
+from ngslac.meshes.geometry import CheckNonMatching, RotationMatrix
 
 TYPES = {  # cells, cells per cube, faces below and above, faces per square
     "tet": (ET.TET, 6, ET.TRIG, 2),
@@ -23,7 +24,7 @@ UNIT = [np.linspace(0, 1, 4)] * 3
 
 def Box(*args, **options):
     ngmesh = NetgenMesh(dim=3)
-    meshes.AddBody(ngmesh, "box", meshes.StructuredBox(*args, **options))
+    meshes.StructuredBox(*args, **options).AddTo(ngmesh, "box")
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -77,17 +78,15 @@ def test_names_by_position():
 
 @pytest.mark.parametrize("rotation", [None, ("x", 30.0), ((1.0, 2.0, -0.5), 67), ([0, 0, 2], -90)])
 def test_rotations(rotation):
-    matrix = meshes.RotationMatrix(rotation)
+    matrix = RotationMatrix(rotation)
     assert matrix @ matrix.T == pytest.approx(np.eye(3), abs=1e-15)
     assert np.linalg.det(matrix) == pytest.approx(1)
-    assert meshes.RotationMatrix(matrix) == pytest.approx(matrix, abs=0)
-    assert meshes.RotationMatrix(("z", 90)) @ [1, 0, 0] == pytest.approx([0, 1, 0])
-    assert meshes.RotationMatrix(([1, 1, 1], 120)) @ [1, 2, 3] == pytest.approx([3, 1, 2])
+    assert RotationMatrix(matrix) == pytest.approx(matrix, abs=0)
+    assert RotationMatrix(("z", 90)) @ [1, 0, 0] == pytest.approx([0, 1, 0])
+    assert RotationMatrix(([1, 1, 1], 120)) @ [1, 2, 3] == pytest.approx([3, 1, 2])
 
 
 def test_distance_is_relative_to_the_master_size():
     plane = meshes.TwoBlocks(1 / 2, 1 / 3, structured=True)  # nodes 1/2 and 1/3, 2/3
-    assert meshes.CheckNonMatching(plane) == pytest.approx(0.5)
-    assert meshes.CheckNonMatching3D(meshes.TwoBlocks3D("hex", None, 2, 3)) == pytest.approx(
-        math.sqrt(0.5)
-    )
+    assert CheckNonMatching(plane) == pytest.approx(0.5)
+    assert CheckNonMatching(meshes.TwoBlocks3D("hex", None, 2, 3)) == pytest.approx(math.sqrt(0.5))

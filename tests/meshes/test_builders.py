@@ -13,13 +13,9 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
 from ngslac.meshes.cylinders import _Prisms
-from ngslac.meshes.geometry import NonMatchingDivisions
+from ngslac.meshes.geometry import CheckNonMatching, NonMatchingDivisions, RotationMatrix
 
 TURN = ((1.0, 2.0, -0.5), 67.0)
-
-
-def Distance(mesh):
-    return (meshes.CheckNonMatching if mesh.dim == 2 else meshes.CheckNonMatching3D)(mesh)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -38,7 +34,7 @@ def test_names_sizes_and_orientation(name):
     one, other = (vertices_of(mesh.Materials(body)) for body in dict.fromkeys(mesh.GetMaterials()))
     assert not one & other
     assert len(one | other) == mesh.nv
-    assert "ring" in name or Distance(mesh) > 5e-4
+    assert "ring" in name or CheckNonMatching(mesh) > 5e-4
 
 
 FRAMES = {
@@ -73,7 +69,7 @@ def test_frame_and_units(make, options, which):
     assert connectivity(moved) == connectivity(mesh)
     assert moved.GetBoundaries() == mesh.GetBoundaries()
     assert moved.GetCurveOrder() == mesh.GetCurveOrder()
-    matrix = meshes.RotationMatrix(frame.get("rotation", ("z", frame.get("angle", 0.0))))
+    matrix = RotationMatrix(frame.get("rotation", ("z", frame.get("angle", 0.0))))
     matrix = frame.get("scale", 1.0) * matrix[: mesh.dim, : mesh.dim]
     size = np.abs(samples(mesh)).max() * frame.get("scale", 1.0)
     # OCC projects points to spheres with a precision of its own.
@@ -114,7 +110,7 @@ def test_overhang(kind, overhang, aligned):
     for name, size in rims.items():
         assert area(mesh, name.format(wide)) == pytest.approx(size if aligned else 0, rel=1e-12)
     assert volume(mesh, body) == pytest.approx(1 + outside, rel=3e-10)
-    assert Distance(mesh) > least
+    assert CheckNonMatching(mesh) > least
 
 
 @pytest.mark.parametrize(
@@ -125,7 +121,7 @@ def test_overhang(kind, overhang, aligned):
     ],
 )
 def test_equal_or_nested_sizes_do_not_match(make, options):
-    assert Distance(make(**options)) > 5e-4
+    assert CheckNonMatching(make(**options)) > 5e-4
 
 
 class TestHertz:
@@ -227,26 +223,13 @@ def test_prisms_have_one_orientation_whatever_that_of_the_triangles(side):
     assert volumes.sum() / 2 == pytest.approx(1)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_point_force_is_the_value_at_the_vertex(order):
-    mesh = meshes.HertzMesh(2, order=order)  # isoparametric: linear fields are in the space
-    scalar = ngs.H1(mesh, order=order)
-    for V in (ngs.VectorH1(mesh, order=order), ngs.VectorValued(scalar, 2), scalar**2):
-        u, load = ngs.GridFunction(V), meshes.PointForce(V, (5, -7))
-        u.Set(ngs.CF((ngs.x + 2 * ngs.y, ngs.y - 3 * ngs.x)))
-        assert load.InnerProduct(u.vec) == pytest.approx(5 * 200 - 7 * 100, rel=1e-12)
-        assert np.count_nonzero(load.FV().NumPy()) == 2
-    X = ngs.L2(mesh, order=0) * V
-    both = meshes.PointForce(X, (5, -7), component=1).FV().NumPy()
-    assert np.all(both[: mesh.ne] == 0)
-    assert both[mesh.ne :] == pytest.approx(load.FV().NumPy(), abs=0)
-
-
-@pytest.mark.parametrize("module", ["geometry", "geometry3d"])
-def test_a_face_that_netgen_left_out(module, monkeypatch):
-    monkeypatch.setattr(f"ngslac.meshes.{module}.Integrate", lambda *_: 0.5)
-    with pytest.raises(RuntimeError, match=r"netgen meshed an? (area|volume) of 0.5 of .*change"):
-        meshes.HertzMesh(2) if module == "geometry" else meshes.SphereOnBlock(2)
+@pytest.mark.parametrize(
+    ("make", "kind"), {"HertzMesh": "an area", "SphereOnBlock": "a volume"}.items()
+)
+def test_a_face_that_netgen_left_out(make, kind, monkeypatch):
+    monkeypatch.setattr("ngslac.meshes.geometry.Integrate", lambda *_: 0.5)
+    with pytest.raises(RuntimeError, match=rf"netgen meshed {kind} of 0.5 of .*change"):
+        getattr(meshes, make)(2)
 
 
 def test_no_division_avoids_what_is_everywhere():

@@ -17,7 +17,7 @@ from ngsolve import (
 from press import linear, neo_hooke
 
 from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.meshes import AddBody, Cells, StructuredBox
+from ngslac.meshes.boxes import Cells, StructuredBox
 
 LENGTH, HEIGHT, WIDTH = 1.0, 0.1, 0.15
 
@@ -65,20 +65,14 @@ def Mesh2D(overlap, n, layers):
     """Upper beam from x = 0, lower one up to x = 2 - overlap."""
     ngmesh = NetgenMesh(dim=2)
     up = np.linspace(0, LENGTH, n + 1)
-    AddBody(
-        ngmesh,
-        "upper",
-        Grid(up, np.linspace(0, HEIGHT, layers + 1), ("under", "end_upper", "top", "clamp")),
+    Grid(up, np.linspace(0, HEIGHT, layers + 1), ("under", "end_upper", "top", "clamp")).AddTo(
+        ngmesh, "upper"
     )
-    AddBody(
-        ngmesh,
-        "lower",
-        Grid(
-            up + LENGTH - overlap,
-            np.linspace(-HEIGHT, 0, layers + 1),
-            ("bottom", "clamp", "over", "end_lower"),
-        ),
-    )
+    Grid(
+        up + LENGTH - overlap,
+        np.linspace(-HEIGHT, 0, layers + 1),
+        ("bottom", "clamp", "over", "end_lower"),
+    ).AddTo(ngmesh, "lower")
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -95,11 +89,9 @@ def Mesh3D(overlap, n, layers, wide, kind="hex", narrow=0.0):
     def name(table):
         return lambda side, centre: table.get(side, "side_" + table["top"])
 
-    AddBody(ngmesh, "upper", StructuredBox(up, own, z, kind, names=name(upper)))
-    AddBody(
-        ngmesh,
-        "lower",
-        StructuredBox(up + LENGTH - overlap, y, z - HEIGHT, kind, names=name(lower)),
+    StructuredBox(up, own, z, kind, names=name(upper)).AddTo(ngmesh, "upper")
+    StructuredBox(up + LENGTH - overlap, y, z - HEIGHT, kind, names=name(lower)).AddTo(
+        ngmesh, "lower"
     )
     ngmesh.Compress()
     return Mesh(ngmesh)

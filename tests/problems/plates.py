@@ -18,14 +18,14 @@ from press import Press
 
 from ngslac import LACContact, LACSpace
 from ngslac.materials import Stress
-from ngslac.meshes import AddBody, StructuredBox
+from ngslac.meshes import StructuredBox
 
 THICKNESS, YOUNG = 0.02, 1e5
 
 
 def body(ngmesh, name, x, y, z, kind):
     box = StructuredBox(x, y, z, kind, names=lambda side, centre: f"{name}_{side}")
-    AddBody(ngmesh, name, box)
+    box.AddTo(ngmesh, name)
 
 
 def plates(kind="tet", *, n=(16, 19), friction=None, both=False, order=2, **flags):

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, CF, BilinearForm, GridFunction, Mesh, ds, x, y, z
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
-from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.boxes import Cells
 
 # Kinds of surfaces: "edge" in the plane, "trig", "quad" and "mixed" in space.
 FLAT = ("trig", "quad", "mixed")
@@ -65,19 +64,7 @@ def add_sheet(ngmesh, sheet, motion):
     points = motion(np.concatenate([near, near + depth])[used])
     cells = [tuple(number[i] for i in cell) for cell in cells]
     faces = [(name, tuple(number[i] for i in f)) for name, f in [*faces, *sides.values()]]
-    (AddBody if dim == 3 else add_body)(ngmesh, sheet.name, Cells(points, cells, faces))
-
-
-def add_body(ngmesh, name, body):
-    """A body in the plane."""
-    domain, regions = ngmesh.AddRegion(name, dim=2), {}
-    ids = [ngmesh.Add(MeshPoint(Pnt(*p, 0))) for p in body.points]
-    for cell in body.cells:
-        ngmesh.Add(Element2D(domain, [ids[i] for i in cell]))
-    for label, edge in body.faces:
-        if label not in regions:
-            regions[label] = ngmesh.AddRegion(label, dim=1)
-        ngmesh.Add(Element1D([ids[i] for i in edge], index=regions[label]))
+    Cells(points, cells, faces).AddTo(ngmesh, sheet.name)
 
 
 def sheet_mesh(*sheets, motion=lambda points: points):

@@ -10,7 +10,7 @@ from ngsolve.nonlinearsolvers import NewtonSolver
 from press import linear, numpy, two_blocks
 
 from ngslac import AugmentedLagrangianSolver, ContactSolver, FormSum, LACContact, LACSpace
-from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import StructuredBox
 
 BODIES = {"top": (2, "hex"), "middle": (3, "prism"), "base": (2, "tet")}  # divisions, shape
 TRACTION = {2: (0.1, -1.0), 3: (0.1, 0.05, -1.0)}
@@ -31,7 +31,7 @@ def three_blocks():
         lateral = np.linspace(-wider, 1 + wider, n + 1)
         names = lambda side, _, body=body: f"{body}_{side}"  # noqa: E731
         height = [0.5 * level, 0.5 * level + 0.5]
-        AddBody(mesh, body, StructuredBox(lateral, lateral, height, kind, names=names))
+        StructuredBox(lateral, lateral, height, kind, names=names).AddTo(mesh, body)
     mesh.Compress()
     return Mesh(mesh)
 

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Compound, Face, OCCGeometry, Rectangle, Segment, Wire
 from ngsolve import Mesh
 
-from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes.boxes import Cells, StructuredBox
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def _AddBoxes(ngmesh, block):
     cells = StructuredBox(*grid, block.kind or "hex", names=lambda side, _: f"{block.name}_{side}")
     if block.bend:
         cells = Cells(block.bend(cells.points), cells.cells, cells.faces)
-    AddBody(ngmesh, block.name, Closed(cells, block.name) if block.closed else cells)
+    (Closed(cells, block.name) if block.closed else cells).AddTo(ngmesh, block.name)
 
 
 def Closed(cells, name):

@@ -9,7 +9,7 @@ from netgen.occ import OCCGeometry
 from ngsolve import CF, Integrate, x, y, z
 from notebooks import ROOT, Files
 
-from ngslac.meshes import CheckNonMatching3D
+from ngslac.meshes.geometry import CheckNonMatching
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +40,7 @@ def test_parts_are_meshed_separately(script):
         for name in mesh.GetMaterials()
     ]
     assert not nodes[0] & nodes[1]
-    assert CheckNonMatching3D(mesh) > 1e-3
+    assert CheckNonMatching(mesh) > 1e-3
 
 
 def test_faces_found_by_position(script):

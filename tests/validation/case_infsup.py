@@ -25,7 +25,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
 
 from ngslac import LACContact, LACSpace
-from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import StructuredBox
 
 RIM = "left|right|front|back"
 DIGIT = HalfDigit(1e-3)
@@ -70,7 +70,7 @@ def Cube(n, kind, perturb=0.0):
     """The unit cube in n x n x n/2 bricks, twice as high as wide, cut into cells of one kind."""
     mesh = NetgenMesh(dim=3)
     lateral, height = np.linspace(0, 1, n + 1), np.linspace(0, 1, n // 2 + 1)
-    AddBody(mesh, "body", StructuredBox(lateral, lateral, height, kind, perturb=perturb, seed=1))
+    StructuredBox(lateral, lateral, height, kind, perturb=perturb, seed=1).AddTo(mesh, "body")
     mesh.Compress()
     return Mesh(mesh)
 

@@ -44,7 +44,7 @@ from report_case import Case, Outcome, Row
 from report_pictures import BLUE, GREEN, INK, ORANGE, Figure
 
 from ngslac import ContactSolver, LACContact, LACSpace, SplitSlaveFaces
-from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import StructuredBox
 
 OUTSIDE = 0.1  # of the master beyond the slave
 COLOURS = (BLUE, ORANGE, GREEN, INK)
@@ -107,7 +107,7 @@ def BoxMesh(kind, n):
         def Name(side, _, names=names, other=other):
             return names.get(side, other)
 
-        AddBody(mesh, body, StructuredBox(sides, sides, height, kind, names=Name))
+        StructuredBox(sides, sides, height, kind, names=Name).AddTo(mesh, body)
     mesh.Compress()
     return Mesh(mesh)
 

@@ -17,8 +17,8 @@ from report_bounds import Rounding
 from report_case import Case, Outcome, Row
 from report_pictures import BLUE, INK, ORANGE, Bodies, Figure, Matplotlib, Strip
 
-from ngslac.meshes import RotationMatrix, TwoBlocks, TwoBlocks3D
-from ngslac.meshes.geometry3d import CheckNonMatching3D
+from ngslac.meshes import TwoBlocks, TwoBlocks3D
+from ngslac.meshes.geometry import CheckNonMatching, RotationMatrix
 
 CONDITION_3D = 1e4  # scaled by the diagonal, of order 3 on split tetrahedra: 9.8e3
 CODE_ASTER = "code_aster, test SSNP170 (manual V6.03.170)"
@@ -99,7 +99,7 @@ def Blocks(space, cells=None, *, slave="slave", **options):
     n = (4, 3) if space == "P1" else (3, 2)  # P1 has vertex stars as macro-elements
     mesh = TwoBlocks3D(*cells, **{"n_slave": n, "n_master": n[::-1], **options})
     V = Displacements(mesh, space, slave=slave, dirichlet=HELD)
-    assert CheckNonMatching3D(V.mesh) > 1e-3
+    assert CheckNonMatching(V.mesh) > 1e-3
     return V
 
 

@@ -19,8 +19,7 @@ from report_bounds import Spread, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import Bodies, Figure
 
-from ngslac.meshes import CheckNonMatching
-from ngslac.meshes.geometry import Arc, Body, GenerateMesh, Line
+from ngslac.meshes.geometry import Arc, Body, CheckNonMatching, GenerateMesh, Line
 
 YOUNG = {"pin": 210e3, "sheet": 70e3}  # MPa
 FORCE = 10e3  # N/mm

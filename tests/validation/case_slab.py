@@ -19,7 +19,7 @@ from report_case import Case, Outcome, Row
 from report_pictures import BLUE, GREY, INK, Figure, Profile
 from scipy.optimize import brentq
 
-from ngslac.meshes.boxes import AddBody, StructuredBox
+from ngslac.meshes.boxes import StructuredBox
 
 __all__ = ["CASES", "SLICE", "Solve"]
 
@@ -58,7 +58,7 @@ def SliceOfCells(kind, order, length):
     up = Graded(0.02 / n[1], GRECO_SLAB.height, n[1])
     mesh = NetgenMesh(dim=3)
     grid = (length * g for g in (along, np.array([0.0, SLICE]), up))
-    AddBody(mesh, "slab", StructuredBox(*grid, kind))
+    StructuredBox(*grid, kind).AddTo(mesh, "slab")
     mesh.Compress()
     return Mesh(mesh)
 

@@ -18,8 +18,8 @@ from report_case import Case, Outcome, Row
 from report_pictures import Figure
 from slavefaces import SlaveFaces
 
-from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
-from ngslac.meshes.geometry3d import CheckNonMatching3D
+from ngslac.meshes.boxes import Cells, StructuredBox
+from ngslac.meshes.geometry import CheckNonMatching
 from ngslac.meshes.spheres import TwoSpheres
 from ngslac.reference import HertzPoint
 
@@ -120,16 +120,16 @@ def BlockUnderSphere(elements, size):
             return "slave" if max(centre[:2]) < size else "surface"
         return symmetry.get(side, "side")
 
-    AddBody(out, "block", StructuredBox(grid, grid, -grid[::-1], names=Name))
+    StructuredBox(grid, grid, -grid[::-1], names=Name).AddTo(out, "block")
     fine = np.linspace(0, 1.15 * size, 2 * elements + 1)
     names = {"bottom": "master"}
     box = StructuredBox(fine, fine, [0, size], names=lambda side, _: names.get(side, "rigid"))
     points = box.points.copy()
     points[:, 2] += RADIUS - np.sqrt(RADIUS**2 - (points[:, :2] ** 2).sum(axis=1))
-    AddBody(out, "sphere", Cells(points, box.cells, box.faces))
+    Cells(points, box.cells, box.faces).AddTo(out, "sphere")
     out.Compress()
     mesh = Mesh(out)
-    CheckNonMatching3D(mesh)
+    CheckNonMatching(mesh)
     return mesh
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, Mesh
 
-from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.boxes import Cells
 
 __all__ = ["SectorMesh", "SliceMesh"]
 
@@ -38,7 +38,7 @@ def SliceMesh(plane, thickness):
 def _Swept(plane, Ends, back):
     mesh = NetgenMesh(dim=3)
     for name in dict.fromkeys(plane.GetMaterials()):
-        AddBody(mesh, name, _Body(plane, plane.Materials(name), Ends, back))
+        _Body(plane, plane.Materials(name), Ends, back).AddTo(mesh, name)
     mesh.Compress()
     return Mesh(mesh)
 

@@ -8,7 +8,8 @@ from case_patch import HELD, LAWS, OBLIQUE_3D, Blocks, Errors, Linear, Stress, T
 from elasticity import NAMES, Displacements, Material, Pair
 from ngsolve import CF, GridFunction, InnerProduct, Integrate, ds, x, y, z
 
-from ngslac.meshes import RotationMatrix, TwoBlocks
+from ngslac.meshes import TwoBlocks
+from ngslac.meshes.geometry import RotationMatrix
 
 TOL = {2: 1e-12, 3: 1e-11}
 SHAPES = ["tet", "hex", "prism", "prism_side", "pyramid"]

@@ -34,7 +34,7 @@ from ngsolve import (
 from plasticity import J2Plasticity, LogStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes.boxes import AddBody, Cells
+from ngslac.meshes.boxes import Cells
 from ngslac.tools import Polygon, Revolved
 
 BLANK, THICKNESS = 0.85, 0.04  # radius
@@ -108,7 +108,7 @@ def Side(ends):
 
 def Blank(h):
     ngmesh = NetgenMesh(dim=3)
-    AddBody(ngmesh, "blank", Sheet(Plan(h)))
+    Sheet(Plan(h)).AddTo(ngmesh, "blank")
     ngmesh.Compress()
     return Mesh(ngmesh)
 

@@ -1,11 +1,66 @@
 """Block, cylinder and solver of the example `indentation`, and what is measured in a step."""
 
+import math
+from itertools import pairwise
+
 import numpy as np
 from ngsolve import *
 from plasticity import J2Plasticity, PlaneStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes import IndentationMesh
+from ngslac.meshes.geometry import (
+    Arc,
+    Body,
+    Divisions,
+    GenerateMesh,
+    Line,
+    NonMatchingDivisions,
+    Polygon,
+    Touching,
+)
+
+PUNCH = 100.0  # all is meshed with this radius: netgen has absolute lengths
+
+
+def IndentationMesh(h, *, radius=100.0, zone=5.0, size=40.0):
+    """Mesh of half a block and of the lowest part of a cylinder that touches it at the origin.
+
+    Bodies (materials): "block" and "cylinder", of which only a slice above the arc is meshed: it is
+    meant to be rigid. Boundaries: "slave" (the block's top where contact can be), "top" (the rest),
+    "side", "bottom", "sym" (x = 0, block); "master" (the arc) and "back" (all else of the
+    cylinder).
+
+    `h` is the length of the slave edges, the arc's are nearly twice as long and curved; `zone` is
+    the half width of the slave side, `size` the half width and the height of the block.
+    """
+    scale = radius / PUNCH
+    h, zone, size = h / scale, zone / scale, size / scale
+    if not zone < min(0.8 * size, 0.5 * PUNCH):
+        raise ValueError(f"zone = {zone * scale:g} is too long for the block or the cylinder")
+    return GenerateMesh(
+        [HalfBlock(size, zone, Divisions(zone, h)), CylinderSlice(zone, Divisions(zone, h))],
+        order=3,
+        scale=scale,
+        maxh=size / 5,
+        grading=0.3,
+    )
+
+
+def HalfBlock(size, zone, count):
+    corners = [(0, -size), (size, -size), (size, 0), (zone, 0), (0, 0)]
+    return Polygon(corners, ("bottom", "side", "top", "slave", "sym"), "block", slave=count)
+
+
+def CylinderSlice(zone, count):
+    """The slice between the arc and a level line; its nodes avoid those of the slave side."""
+    reach = 1.1 * zone
+    angle = math.asin(reach / PUNCH)
+    nodes = [PUNCH * math.asin(k * zone / count / PUNCH) for k in range(count + 1)]
+    edges = NonMatchingDivisions(nodes, 0, PUNCH * angle, 1.8 * zone / count)
+    point, level = Touching(PUNCH), PUNCH * (1 - math.cos(angle)) + 0.3 * zone
+    corners = [point(angle), (reach, level), (0, level), point(0)]
+    back = [Line(p, q, "back") for p, q in pairwise(corners)]
+    return Body([Arc(point, 0, angle, "master", edges), *back], "cylinder")
 
 
 class Indenter:

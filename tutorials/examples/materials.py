@@ -17,12 +17,12 @@ from collections import namedtuple
 
 import numpy as np
 from command import Count, Main, Picture, Positive
+from cords import CordMesh, DiscInRing
 from deformed import DrawField
 from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import Stress
-from ngslac.meshes import CordMesh, DiscInRing
 
 RADIUS, OUTER = 50.0, 100.0  # of cord and disc; of the ring
 CASES = ("rubber", "thermal")

@@ -16,10 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 from command import Main, NotNegative, Picture
 from ngsolve import *
+from scipy.spatial.transform import Rotation
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
 from ngslac.materials import Stress
-from ngslac.meshes import RotationMatrix, TwoBlocks3D
+from ngslac.meshes import TwoBlocks3D
 
 YOUNG, POISSON, PRESSURE = 2000.0, 0.3, 25.0
 PARTITIONS = ("agglomerated", "bubble", "split")
@@ -53,7 +54,9 @@ class Case:
         tangent = np.cross(normal, [0.3, 0.8, 0.1])
         tangent /= np.linalg.norm(tangent)
         axes = np.column_stack([tangent, np.cross(normal, tangent), normal])
-        return RotationMatrix(TURN if self.oblique else None) @ axes
+        axis, angle = TURN
+        turn = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis), degrees=True)
+        return turn.as_matrix() @ axes if self.oblique else axes
 
     @property
     def stress(self):

@@ -18,7 +18,7 @@ from ngsolve import *
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.materials import NeoHooke
-from ngslac.meshes import AddBody, StructuredBox
+from ngslac.meshes import StructuredBox
 
 WIDTH, HEIGHT = 1.0, 1.5  # of the upper block, in mm
 LOWER_WIDTH, LOWER_HEIGHT = 1.6, 0.4
@@ -43,7 +43,7 @@ def TwistMesh(n=3):
     ):
         grid = width * np.linspace(-0.5, 0.5, faces + 1)
         box = StructuredBox(grid, grid, z, names=lambda side, _, name=name: f"{name}_{side}")
-        AddBody(mesh, name, box)
+        box.AddTo(mesh, name)
     mesh.Compress()
     return Mesh(mesh)
 

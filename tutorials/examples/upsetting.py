@@ -12,6 +12,7 @@ over the rim; for that the mesh is too coarse there.)
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 from command import Columns, Count, Main, NotNegative, Picture, Positive
@@ -32,7 +33,7 @@ from ngsolve import (
 from plasticity import J2Plasticity, LogStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.meshes.boxes import AddBody, Cells, StructuredBox
+from ngslac.meshes import StructuredBox
 from ngslac.tools import Plane
 
 RADIUS, HALF = 10.0, 15.0  # of the billet, half of its length
@@ -52,7 +53,7 @@ def Billet(n):
     grid = np.linspace(0, 1, n + 1)
     box = StructuredBox(grid, grid, grid, names=lambda side, centre: names.get(side, side))
     ngmesh = NetgenMesh(dim=3)
-    AddBody(ngmesh, "billet", Cells(Round(box.points), box.cells, box.faces))
+    replace(box, points=Round(box.points)).AddTo(ngmesh, "billet")
     ngmesh.Compress()
     return Mesh(ngmesh)
 
