@@ -5,14 +5,14 @@ import argparse
 import sys
 
 from ngslac.installation.inventory import Inventory
-from ngslac.installation.selfcheck import CASES
+from ngslac.installation.selfcheck import CASES, Differs
 
 CHECK = "python -m ngslac --check"
 
 
 def Check():
     """Solve small problems, print what becomes of them; the number of those that fail."""
-    found = {case.name: case.Differs() for case in CASES}
+    found = {name: Differs(*case) for name, case in CASES.items()}
     for name, differs in found.items():
         print(f"{name + ':':16}{differs or 'pass'}")
     wrong = sum(map(bool, found.values()))
