@@ -5,8 +5,8 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// An argument as it was given. Signatures show it as T; what is no T gets a message that names the
-/// argument, the value and what is wanted, in place of a list of signatures.
+/// An argument as the caller passed it. Signatures show it as T; for any other type the error names
+/// the argument, its value and the wanted type, where pybind11 would list signatures.
 template <typename T>
 struct __attribute__((visibility("hidden"))) Argument { // as pybind11, whose object it holds
   py::object value;
@@ -15,7 +15,7 @@ struct __attribute__((visibility("hidden"))) Argument { // as pybind11, whose ob
   /// `name`: of function and argument; `wanted`: what the value has to be
   T As(const string & name, const string & wanted) const {
     py::detail::make_caster<T> caster;
-    // Whatever is true or false by accident is no flag, a flag is no number, and bytes are no text.
+    // Objects that merely convert to bool are no flags, a flag is no number, and bytes are no text.
     constexpr bool isflag = std::is_same_v<T, bool>;
     bool odd = PyBytes_Check(value.ptr()) || (!isflag && PyBool_Check(value.ptr()));
     if (IsNone() || odd || !caster.load(value, !isflag))
@@ -36,7 +36,7 @@ struct __attribute__((visibility("hidden"))) Argument { // as pybind11, whose ob
   }
 };
 
-/// Throws for arguments that there are not.
+/// Throws if an argument is left over: the function has none of that name.
 inline void CheckNoMore(const string & name, const py::args & positional, const py::kwargs & named,
                         const string & all) {
   if (positional.size())

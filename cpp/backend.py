@@ -59,12 +59,12 @@ def dynamic_metadata(field, settings, project):
     return Readme(project["urls"]["Repository"])
 
 
-# In Markdown, a link or picture whose target is a file of the sources.
+# A link or picture in Markdown to a file of the sources.
 LINK = re.compile(r"(!?)\[([^][]*)\]\((?!\w+:|#)([^)]*)\)")
 
 
 def Readme(repository):
-    """The README for a package index, which has none of the files that it refers to."""
+    """The README with absolute links, for a package index that lacks the files of the sources."""
 
     def Absolute(link):
         picture, text, file = link.groups()

@@ -5,7 +5,7 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// What Python gives for numbers, in one piece.
+/// Numbers passed by Python, contiguous in memory.
 template <typename T>
 using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
 

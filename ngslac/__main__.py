@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What is installed, and with ``--check`` whether it works: ``python -m ngslac``."""
+"""Print the installed versions and, with ``--check``, test them: ``python -m ngslac``."""
 
 import argparse
 import sys
@@ -11,7 +11,7 @@ CHECK = "python -m ngslac --check"
 
 
 def Check():
-    """Solve small problems, print what becomes of them; the number of those that fail."""
+    """Solve small problems, print the results, and return the number of failures."""
     found = {name: Differs(*case) for name, case in CASES.items()}
     for name, differs in found.items():
         print(f"{name + ':':16}{differs or 'pass'}")
@@ -21,7 +21,7 @@ def Check():
 
 
 def main(arguments=None):
-    """Print versions, and check if asked to; the exit status, 1 for a check that failed."""
+    """Print versions, and run the check if asked to; return the exit status, 1 for a failure."""
     parser = argparse.ArgumentParser(prog="python -m ngslac", description=__doc__)
     parser.add_argument(
         "--check", action="store_true", help="solve small problems with known solutions"

@@ -65,7 +65,7 @@ def ShownPoint(point):
 
 
 def Wrong(kind, name, value, wanted):
-    """The error of this kind, in the words of all of them."""
+    """An error of this kind, in the wording that all checks share."""
     return kind(f"{name} = {Shown(value)} must be {wanted}")
 
 
@@ -206,7 +206,7 @@ def CheckDisplacement(name, value, mesh):
 
 
 def CheckState(state, *keys):
-    """What `State` returned: a dict with these keys."""
+    """Check that a state is a dict with these keys, as `State` returns it."""
     wanted = "the dict that State() of a thing made in the same way returned"
     CheckInstance("state", state, dict, wanted)
     if missing := [key for key in keys if key not in state]:
@@ -241,7 +241,7 @@ def CheckOnMesh(name, function, mesh):
 
 
 def CheckValues(name, function):
-    """What can be evaluated: a number, or a function without trial and test functions."""
+    """Check for a number, or a function without trial and test functions."""
     if isinstance(function, CoefficientFunction) and HoldsProxy(function):
         raise ValueError(
             f"{name} holds a trial or test function, which has no values: take the GridFunction, "

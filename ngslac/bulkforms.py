@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Verbs of a bulk form and its matrix besides those that NGSolve gives them.
 
-They are for one process here. A class that needs others registers them beside itself.
+These are for one process. A class that needs other ones registers them in its own module.
 """
 
 from abc import ABC, abstractmethod
@@ -21,7 +21,7 @@ __all__ = [
 
 
 class BulkForm(ABC):  # noqa: B024
-    """A BilinearForm, or what has its verbs and stands for one."""
+    """A BilinearForm, or an object with its methods that stands for one."""
 
 
 BulkForm.register(BilinearForm)
@@ -56,7 +56,7 @@ def WithDiagonal(operator):
 
 
 class Integrand(ABC):
-    """A function of which nothing but the integral is known here."""
+    """A function of which only the integral is known."""
 
     @abstractmethod
     def Integrate(self):

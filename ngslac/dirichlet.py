@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Dirichlet conditions of displacement spaces that hold nothing: NGSolve takes them in silence."""
+"""Dirichlet conditions of displacement spaces that hold nothing: NGSolve accepts them silently."""
 
 from ngsolve import BBBND, BBND, BND, FESpace, ProductSpace, Region, VectorValued
 
@@ -32,12 +32,12 @@ def KeepPatterns() -> None:
 
 
 def Unheld(space) -> str:
-    """What is wrong with Dirichlet conditions that hold nothing, or of which a part does not."""
+    """Describe Dirichlet conditions that hold nothing, or of which a part does not."""
     return "; ".join(filter(None, (_Words(space.mesh, *c) for c in _Conditions(space))))
 
 
 def WarnOfUnheld(space) -> str:
-    """Warn of what `Unheld` says; returns it."""
+    """Warn with the text of `Unheld`, and return it."""
     words = Unheld(space)
     if words:
         Warn(words)
@@ -45,7 +45,7 @@ def WarnOfUnheld(space) -> str:
 
 
 def Blame(error, words):
-    """Say in the error of a body that nothing holds which conditions hold nothing."""
+    """Add to the error about an unheld body which conditions hold nothing."""
     if isinstance(error, FloatingBodyError) and words and words not in str(error):
         error.args = (f"{error}. Note: {words}",)
 

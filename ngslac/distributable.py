@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Classes and functions that know what to do with a mesh that NGSolve distributes."""
+"""Classes and functions that also work on a mesh that NGSolve distributes."""
 
 import inspect
 import os
@@ -21,7 +21,7 @@ STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_R
 
 
 class OnManyProcesses:
-    """What runs calls on a distributed mesh, once there is one.
+    """Functions that run calls on a distributed mesh; set as soon as there is one.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Distributable(type):
         return inspect.Signature(others)
 
     def __call__(cls, *args, **options):
-        """An object, or what stands for it."""
+        """An object, or its stand-in."""
         mesh = DistributedMesh([*args, *options.values()])
         if mesh is not None:
             return OnManyProcesses.Make(mesh, cls, args, options)
@@ -75,14 +75,14 @@ def DistributedMesh(things):
 
 
 def MeshOf(thing):
-    """That of a space, of what lives on one, or of what stands for an object."""
+    """The mesh of a space, of an object on a space, or of a stand-in."""
     space = thing if isinstance(thing, FESpace) else getattr(thing, "space", None)
     mesh = getattr(space if isinstance(space, FESpace) else thing, "mesh", None)
     return mesh if isinstance(mesh, Mesh) else None
 
 
 def WarnOfCopies(mesh):
-    """Say it where mpiexec has started many processes, but each has the whole mesh."""
+    """Warn where mpiexec has started many processes, but each has the whole mesh."""
     for size, rank in STARTED:
         count = int(os.environ.get(size, 1))
         if count > 1 and mesh.comm.size == 1 and os.environ.get(rank) == "0":

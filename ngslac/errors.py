@@ -99,7 +99,7 @@ class FloatingBodyError(ContactConvergenceError):
 
 
 class ContactWarning(UserWarning):
-    """A result that was found, and that may not be what was meant.
+    """A result was found, but it may not be the intended one.
 
     The message says where, how much, and what to do about it. Turn it into an error by
     ``warnings.simplefilter("error", ContactWarning)``.
@@ -130,7 +130,7 @@ def Warn(message: str, kind=None) -> None:
 
 
 def RefuseCopy(self, *_):
-    """In place of what `pickle` and `copy` call, for things that hold meshes and matrices."""
+    """Refuse `pickle` and `copy` for objects that hold meshes and matrices."""
     raise TypeError(
         f"a {type(self).__name__} can be neither pickled nor copied: make another one in the same "
         "way; SaveState and LoadState carry the state from one to the other"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Loads besides those of the bulk form, as users hand them over: checked, and as numbers."""
+"""Loads besides those of the bulk form: checked, and as numbers."""
 
 import numpy as np
 from ngsolve import BaseVector, GridFunction, LinearForm

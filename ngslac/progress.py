@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What NGSolve's status line and progress bar show of a long computation."""
+"""Progress of a long computation on NGSolve's status line and progress bar."""
 
 import shutil
 import sys
@@ -33,7 +33,7 @@ class Progress:
     ----------
     name : str
     begin, end : float
-        Of the quantity that `At` is told: 0 and 100 percent.
+        Values of the quantity that `At` gets, for 0 and 100 percent.
     """
 
     # Where the outermost one was entered: an interrupt may keep it from leaving.

@@ -26,8 +26,8 @@ __all__ = ["CheckPoints", "Direction", "Tool"]
 class Tool:
     """A rigid body given by its signed distance; made by the functions of this module.
 
-    ``-tool`` is all that the tool is not, such as a cavity; ``tool | other`` is both as one. Tools
-    are not changed: each method returns another one. Combine tools first, then move them.
+    ``-tool`` is the complement of the tool, such as a cavity; ``tool | other`` is both as one.
+    Tools are not changed: each method returns another one. Combine tools first, then move them.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Tool:
 
     @property
     def compiled(self) -> RigidTool:
-        """What the compiled form takes, a RigidTool."""
+        """The RigidTool for the compiled form."""
         return RigidTool(self._shape, list(self._motions), list(self._drives))
 
     def Distance(self, points) -> np.ndarray:
         """Signed distances (n,) of points (n, d), with the present values of all Parameters.
 
-        What the travel adds that follows from forces is not known here.
+        The travel that follows from forces is not included.
 
         Parameters
         ----------

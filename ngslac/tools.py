@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Rigid tools that are no meshes: what they are, and how they move.
+"""Rigid tools without a mesh, and their motion.
 
 A tool is given by its signed distance in the coordinates of the space, > 0 outside. It is the
 `obstacle` of a `LACContact` with ``finite=True``.
@@ -40,7 +40,7 @@ __all__ = [
 
 
 def Plane(point, normal) -> Tool:
-    """What lies behind a plane, in 2D behind a line.
+    """The half space behind a plane, in 2D behind a line.
 
     Parameters
     ----------

@@ -4,10 +4,10 @@
 #include "space/lacspace.hpp"
 
 namespace ngslac {
-/// Tells when a function may have other values than before.
+/// Detects when the values of a function may have changed.
 ///
-/// It does where one of its Parameters has another value, and always if it depends on what does not
-/// tell: a GridFunction, or a function of the user's own.
+/// They may if one of its Parameters has another value, and always if it depends on a GridFunction
+/// or on a function of the user's own, whose changes nothing reports.
 class Watch {
   shared_ptr<CoefficientFunction> function;
   Array<shared_ptr<CoefficientFunction>> parameters;
@@ -20,9 +20,9 @@ public:
   explicit operator bool() const { return function != nullptr; }
   const CoefficientFunction & operator*() const { return *function; }
 
-  /// The next WhereChanged runs.
+  /// Makes the next WhereChanged run its function.
   void Forget() { known = false; }
-  /// Runs f() if the values may be others than when it last ran without an exception.
+  /// Runs f() if the values may have changed since it last ran without an exception.
   template <typename F>
   void WhereChanged(F f) {
     Array<double> now = Values();

@@ -25,13 +25,13 @@ struct ContactFields {
   /// A number that the contact remembers: its field when the step begins, and its value at the end.
   using History = std::pair<shared_ptr<GridFunction>, shared_ptr<CoefficientFunction>>;
 
-  /// Slip, a component each, gap, pressure, traction, a component each, and of each scalar field
-  /// the means on slave and master.
+  /// The components of the slip, gap, pressure, the components of the traction, and the means of
+  /// each scalar field on slave and master.
   std::vector<shared_ptr<GridFunction>> values;
   std::vector<shared_ptr<CoefficientFunction>> scalars; // trial functions
   std::vector<Flow> flows;
-  /// Derivatives by them (null: 0) of those of "friction", "tresca" and "offset" that depend on
-  /// them, and of flows.
+  /// Derivatives by these trial functions (null: 0) of flows, and of "friction", "tresca" and
+  /// "offset" where these depend on fields.
   std::map<string, std::vector<shared_ptr<CoefficientFunction>>> slopes;
   std::map<string, History> memory;
 };
@@ -93,8 +93,8 @@ public:
   virtual void Follow(const BaseVector & x) = 0;
   /// Chooses c of every macro-element from the diagonal of the bulk matrix.
   virtual void SetStiffness(FlatVector<> diagonal, double factor) = 0;
-  /// Learns which body is the stiffer one: from such a diagonal, or from a form, which knows
-  /// nothing of condensation and inertia.
+  /// Determines which body is the stiffer one, from such a diagonal or from a form, which has
+  /// neither condensation nor inertia.
   virtual void LearnStiffness(FlatVector<> diagonal) = 0;
   virtual void LearnStiffness(const BilinearForm & bulk) = 0;
   virtual void SetConstant(double c) = 0;
@@ -102,24 +102,24 @@ public:
   virtual void AssembleLinearization(const BaseVector & x) = 0;
   /// Matrix and residual of the next Newton step. Same as AddApply and AssembleLinearization, but
   /// a macro-element whose slip direction turned round since the last call has to pass stick.
-  /// convex: the matrix knows nothing of how laws soften.
+  /// convex: the matrix leaves out the softening of laws.
   virtual void AssembleStep(const BaseVector & x, BaseVector & residual, bool convex) = 0;
   /// Does a law soften anywhere at x?
   virtual bool Softens(const BaseVector & x) = 0;
   /// Forgets the slip directions of the last iteration.
   virtual void BeginSolve() = 0;
   virtual void Evaluate(const BaseVector & x) = 0;
-  /// Finite sliding: a traction with the pressure p gets  -p times the vector of its macro-element
-  /// in addition, in what is computed from now on; empty: none.
+  /// Finite sliding: from now on -p times the vector of the macro-element is added to each traction
+  /// with the pressure p; empty: nothing is added.
   virtual void Lean(FlatArray<double> vectors) = 0;
-  /// Pressures are even on whole macro-elements, also where contact ends inside of them, until that
-  /// is taken back: for methods that know means only.
+  /// Makes pressures uniform on macro-elements, also where contact ends inside of them, until it is
+  /// called with false: for methods that use means only.
   virtual void SetEven(bool even) = 0;
   /// Accepts x as the end of a step: the next slip increment counts from there.
   virtual void Commit(const BaseVector & x) = 0;
   /// Pairing, motion and states as at the last Commit, or Update if none came after it.
   virtual void Restore() = 0;
-  /// What a later solve depends on, besides the configuration of the pairing.
+  /// The state that a later solve depends on, besides the configuration of the pairing.
   virtual NamedNumbers GetHistory() = 0;
   virtual void SetHistory(NamedNumbers history) = 0;
   /// Subtracts the virtual work of tractions at x, d numbers for each macro-element, and of loads
@@ -136,7 +136,7 @@ public:
   /// Factors that bring the rows and columns of the multipliers to the size of the bulk's.
   virtual void AddScale(FlatVector<> scale) = 0;
   virtual shared_ptr<SparseMatrix<double>> JumpMatrix(Side side) = 0;
-  /// That of its rows: as long as it is the same, so is the matrix.
+  /// The number of its rows: the matrix is the same as long as this number is.
   virtual size_t JumpNumber() const = 0;
 
   /// Of all macro-elements, the components of vectors fastest: the values of the last evaluation,
@@ -144,19 +144,20 @@ public:
   virtual NamedNumbers Table() const = 0;
   /// The memory of coefficients and laws, as of the last evaluation.
   virtual NamedNumbers Kept() const = 0;
-  /// Goes on with that of another form, which has the same macro-elements.
+  /// Takes over the memory of another form on the same macro-elements.
   virtual void KeepFrom(const ContactForm & other) = 0;
   /// Resultants of the tractions of the last evaluation, and their moments (3 numbers) about the
   /// origin.
   virtual NamedNumbers Resultants() const = 0;
-  /// The means of what Parameters and other functions may have changed since the last evaluation.
+  /// Evaluates the means of coefficients again, since Parameters and other functions may have
+  /// changed.
   virtual void Reevaluate() = 0;
   /// see SegmentTable
   virtual SegmentTable Segments() const = 0;
   /// see MakePointTable
   virtual Array<double> Points() const = 0;
   virtual size_t NSegments() const = 0;
-  /// How deep the search sees from macro-elements.
+  /// How deep the search reaches from each macro-element.
   virtual Array<double> Depths() const = 0;
   /// How deep macro-elements lie behind the master that is too deep for the search to find; else 0.
   virtual Array<double> Overlaps() const = 0;
@@ -165,10 +166,10 @@ public:
   virtual Array<double> GapRanges(FlatVector<> x) = 0;
 
   shared_ptr<SparseMatrix<double>> Mat() const { return mat; }
-  /// Scalar dofs of what is unknown of the motion of a rigid tool.
+  /// Scalar dofs of the unknowns in the motion of a rigid tool.
   virtual FlatArray<int> ToolDofs() const = 0;
-  /// What the macro-elements see of them, as JumpMatrix tells it of displacements: d rows each, a
-  /// number for each unknown.
+  /// How these unknowns move the macro-elements, as JumpMatrix has it for displacements: d rows for
+  /// each macro-element, a number for each unknown.
   virtual Array<double> ToolRows() const = 0;
   /// Of each scalar field on the interface: its space, and its first entry in a vector on the
   /// product space.

@@ -5,14 +5,14 @@
 namespace ngslac {
 using namespace ngbla;
 
-/// The points of a macro-element that contact ends in, where it was looked at last.
+/// The points of a macro-element inside of which contact ends, at the last evaluation.
 struct EndPoints {
   Array<double> area;  // of each point
   Array<double> gap;   // of each point, with its clearance
   double pressure = 0; // of the multiplier
 };
 
-/// The pressure of a macro-element that contact ends in: the mean of projections at points,
+/// The pressure of a macro-element inside of which contact ends: the mean of projections at points,
 ///   p = sum A_k p_k / A,   p_k = max(0, q - c g_k),
 /// with q = p. One multiplier remains, but the pressure goes to where the surfaces meet. It belongs
 /// to the potential  sum A_k/(2c) (max(0, p - c g_k)^2 - p^2),  and is exact for a constant

@@ -22,7 +22,7 @@ Array<int> DofsOf(FlatArray<int> segments, const Pairing<D> & pairing, const Fac
 /// They differ from their mean by the share of the end in it, and forces spread in the same way.
 template <int D>
 class EndRows {
-  Matrix<> closing;        // by what each dof (columns) closes the gaps (rows)
+  Matrix<> closing;        // how much each dof (columns) closes the gaps (rows)
   Vector<> start;          // gaps without displacements
   Array<Vec<D>> positions; // where the forces of the points act
 

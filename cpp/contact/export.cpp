@@ -84,7 +84,7 @@ NamedNumbers FromLaw(py::object found, size_t macros) {
   return FromDict(arrays);
 }
 
-/// A function in Python, called and released with the lock of the interpreter, whoever has it.
+/// A Python function, called and released under the lock of the interpreter, from any thread.
 ContactLaw LawOf(py::object function) {
   if (function.is_none())
     return {};

@@ -62,7 +62,7 @@ private:
   Array<Matrix<>> conversion; // empty for plain faces
 };
 
-/// A displacement on the faces of a surface that are wanted.
+/// A displacement on the selected faces of a surface.
 template <int D>
 class FaceDisplacement {
   FaceShapes<D> shapes;

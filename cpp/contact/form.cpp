@@ -14,7 +14,7 @@ unique_ptr<Kinematics<D>> MakeKinematics(const KinematicsParts<D> & parts) {
   return parts.setup.finite ? MakeFiniteSliding<D>(parts) : MakeSmallSliding<D>(parts);
 }
 
-/// A contact form: a law, and the kinematics that tells where macro-elements are.
+/// A contact form: a law, and the kinematics that locate the macro-elements.
 template <int D>
 class Form final : public ContactForm {
 public:
@@ -54,7 +54,7 @@ public:
     SetScales(kinematics->JumpWithRows(), diagonal, factor);
     auto & c = law->c;
     if (std::none_of(c.begin(), c.end(), [](double value) { return value > 0; })) {
-      // nothing has a partner yet: the slave alone tells the size
+      // nothing has a partner yet: the size is that of the slave alone
       auto & slave = *kinematics->Surfaces().slave;
       auto all = PairWithObstacle<D>(slave, 2 * u.Order(slave));
       MacroJump<D> whole(*space, slave, all);
@@ -140,7 +140,7 @@ public:
       auto place = Place(m);
       auto & state = states[m];
       state.status = answers[m].status;
-      // What is left of the multiplier of an open one is rounding, or part of an iteration.
+      // The multiplier of an open macro-element holds only rounding, or part of an iteration.
       bool acts = setup.active && state.status != Status::open;
       Vec<D> traction = acts ? law->Multiplier(m, x) : Vec<D>(0.0);
       // A scalar field has no direction: no pressure, no gap.
@@ -492,7 +492,7 @@ private:
     return place;
   }
 
-  /// Everything as it is now is that of a committed step.
+  /// Stores the present state as that of a committed step.
   void Accept() {
     accepted.normal = normal;
     accepted.states = states;
@@ -559,7 +559,7 @@ private:
         value = known ? sum / known : otherwise;
   }
 
-  /// Looks at x, with scales for the law.
+  /// Evaluates the kinematics at x, and sets scales for the law.
   void Prepare(const BaseVector & x) {
     CheckSize(x.FV<double>().Size());
     law->Reevaluate();
@@ -571,7 +571,7 @@ private:
     kinematics->At(x.FV<double>());
   }
 
-  /// How much of an answer is asked for; a step knows the slip directions of the last one.
+  /// Which parts of an answer are needed; a step uses the slip directions of the one before.
   enum class Want { values, derivatives, step };
   /// The answers of the law at x.
   Array<Answer<D>> Answers(FlatVector<> x, Want want) {
@@ -652,7 +652,7 @@ private:
     return tractions;
   }
 
-  /// The multipliers are the tractions, and their rows say what these should be.
+  /// The multipliers are the tractions, and their rows determine them.
   void AddResidual(FlatVector<> x, FlatArray<Answer<D>> answers, FlatVector<> y) {
     auto tractions = law->Multipliers(x);
     ParallelFor(states.Size(), [&](size_t m) {
@@ -780,9 +780,9 @@ private:
   Array<Vec<D>> normal; // of the macro-elements at the last evaluation
   NamedNumbers flowing; // what flows through them then, by the names in the table
   Array<double> growth; // of what flows into the slave with the jump of a scalar, at the last step
-  NamedNumbers kept;    // what is remembered of the last committed step
+  NamedNumbers kept;    // the memory after the last committed step
   NamedNumbers present; // the same at the last evaluation, empty: not known
-  NamedNumbers looked;  // or the places then, at which a law in place of the compiled one tells it
+  NamedNumbers looked;  // or the places there, from which a user's law computes it
   size_t nscalars = 0;  // entries of a vector on the product space that was paired
   std::array<size_t, 2> meshsize; // faces and vertices of the mesh that was paired
   struct {

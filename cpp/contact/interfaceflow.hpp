@@ -174,7 +174,7 @@ private:
     pairing = surfaces.pairing;
   }
 
-  /// Throws where something looks at a field that is not there.
+  /// Throws where a coefficient uses a field that does not exist there.
   void CheckSeen(size_t i, const Pairing<D> & pairs) const {
     for (auto & segment : pairs.segments)
       if (int face = i % 2 ? segment.master : segment.slave;

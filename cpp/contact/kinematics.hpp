@@ -8,7 +8,7 @@
 #include "pairfinder.hpp"
 
 namespace ngslac {
-/// Between which limits the gap varies over the points of a macro-element that have a partner.
+/// The smallest and the largest gap at the points of a macro-element that have a partner.
 template <int D>
 struct GapRange {
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
@@ -102,11 +102,11 @@ public:
   /// traction.
   virtual PlaceRows<D> RowsOf(size_t m, const Vec<D> & traction, Rim rim, BlockSum & stiffness,
                               LocalHeap & lh) const = 0;
-  /// Learns which body is the stiffer one from the diagonal of the bulk matrix.
+  /// Determines which body is the stiffer one, from the diagonal of the bulk matrix.
   virtual void LearnStiffness(FlatVector<> diagonal) = 0;
   /// Accepts x as the end of a step, with the states before and after it.
   virtual void Commit(FlatVector<> x, FlatArray<MacroState> before, FlatArray<MacroState> now) = 0;
-  /// Everything is as it was at the last Commit.
+  /// Restores the state of the last Commit.
   virtual void Restore() = 0;
   /// The numbers of the last commit that a later solve depends on, written or read.
   virtual void Exchange(History & history) = 0;

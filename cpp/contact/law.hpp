@@ -13,7 +13,7 @@ struct FrictionBound {
   bool is_coulomb; // proportional to the pressure, else it is Tresca's
 };
 
-/// What the law needs to know of one macro-element.
+/// The data of one macro-element that the law uses.
 template <int D>
 struct LawData {
   Vec<D> normal;    // out of the slave body

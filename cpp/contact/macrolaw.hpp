@@ -284,7 +284,7 @@ public:
   double Clearance(size_t m) const { return offset[m] + adjusted[m]; }
   /// The gap between the surfaces at the start counts as zero if it is as small as is adjusted.
   void Adjust(size_t m, double gap) { adjusted[m] = fabs(gap) <= adjust ? -gap : 0; }
-  /// What clearances ask of a search for partners.
+  /// How much farther clearances make the search for partners reach.
   SearchMargin Margin() const {
     SearchMargin margin{adjust, adjust};
     for (double value : offset)
@@ -351,7 +351,7 @@ public:
     return give.Size() ? scale / (1 + scale * give[m]) : scale;
   }
 
-  /// Does it look at slip?
+  /// Does the law depend on slip?
   bool Slides(size_t m) const { return own || Depends() || max(friction[m], threshold[m]) >= 0; }
   /// Slip that comes back when the tangential traction is taken away: it counts on.
   Vec<D> ElasticSlip(size_t m, const Vec<D> & normal, FlatVector<> x) const {

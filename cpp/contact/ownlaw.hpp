@@ -50,8 +50,8 @@ public:
   }
 };
 
-/// Throws unless a law has given a traction, derivatives, what it keeps, and nothing but what is
-/// known, all of its size.
+/// Throws unless a law has returned a traction, derivatives and its memory, each of its size, and
+/// nothing that is unknown.
 inline void CheckAnswer(const NamedNumbers & found, const NamedNumbers & kept, size_t macros,
                         const AskedLaw & asked) {
   size_t vector = asked.components, matrix = vector * vector;
@@ -96,7 +96,7 @@ Mat<D, D> Turn(const Vec<D> & normal, const Vec<D> & vector) {
   return InnerProduct(normal, vector) * Id<D>() - normal * Trans(vector);
 }
 
-/// That of a law that gives none: does the traction act, and grow with slip?
+/// The status for a law that returns none: does the traction act, and grow with slip?
 ///
 /// It slides where it does not grow with slip in the direction of the tangential traction, or in
 /// that of the slip, which is another one where friction is anisotropic.
@@ -144,7 +144,7 @@ Answer<D> AnswerFrom(const TableRow<D> & found, const TableRow<D> & place, bool 
   return answer;
 }
 
-/// Throws where what a law has given is no number.
+/// Throws where a law has returned NaN or an infinite number.
 template <int D>
 void CheckFinite(const NamedNumbers & found, const NamedNumbers & places, size_t m,
                  const AskedLaw & asked) {

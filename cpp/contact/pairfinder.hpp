@@ -3,8 +3,8 @@
 #include "toolpath.hpp"
 
 namespace ngslac {
-/// What the gap of contact differs by from that between the surfaces: openings and overlaps are
-/// searched so much farther.
+/// The difference between the gap of the contact and that between the surfaces, by which the search
+/// for openings and overlaps reaches farther.
 struct SearchMargin {
   double farther = 0, deeper = 0;
   bool operator==(const SearchMargin & other) const {
@@ -23,7 +23,7 @@ struct Paired {
   Array<ToolDof<D>> unknowns = Array<ToolDof<D>>(); // how those of a tool move it there
 };
 
-/// What it means that slave and master do not meet.
+/// How to treat a slave and a master that do not meet.
 enum class Meeting {
   now,  // they are the wrong ones, or in the wrong place
   later // bodies may be apart, or come off each other
@@ -46,7 +46,8 @@ public:
   /// displacement: the reference one.
   unique_ptr<Surface<D>> Slave(shared_ptr<CoefficientFunction> displacement) const;
   unique_ptr<Surface<D>> Master(shared_ptr<CoefficientFunction> displacement) const;
-  /// Throws where they never meet but have to, and where nothing pairs since all is too deep.
+  /// Throws where the surfaces have to meet but never do, and where nothing pairs as all lies too
+  /// deep.
   Paired<D> Pair(unique_ptr<Surface<D>> slave, unique_ptr<Surface<D>> master, SearchMargin margin,
                  Meeting meeting = Meeting::now) const;
   /// Some faces of the slave once more, with more points.

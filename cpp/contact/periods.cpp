@@ -4,7 +4,8 @@
 namespace ngslac {
 namespace {
 constexpr double same_translation = 1e-6; // of translations, relative to their length
-// Images are looked for so far from the nearest one: what flies away in a trial step needs none.
+// Images are searched within this distance of the nearest one: a body that flies away in a trial
+// step needs none.
 constexpr int farthest_image = 20;
 
 template <int D>

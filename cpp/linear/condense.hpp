@@ -130,7 +130,7 @@ private:
   void Supports(FlatArray<int> multipliers);
   Array<int> FreeDofs(int m) const;
   void FillTerm(int m);
-  /// Numbers the constraints, and stacks what the macro-elements have to say.
+  /// Numbers the constraints, and stacks the rows of the macro-elements.
   void NumberConstraints();
   void FillLifts();
   /// rows(m), k x dofs, of all macro-elements one below the other, on the free displacements.
@@ -142,7 +142,7 @@ private:
   void ClearFixed(FlatVector<> x) const;
   /// u += s B r
   void AddLift(double s, FlatVector<> r, FlatVector<> u) const;
-  /// Bl^T f: what the constraints have to carry.
+  /// Bl^T f: the forces that the constraints carry.
   Vector<> Reactions(FlatVector<> f) const;
   /// f - G (multipliers that r determines) - K u
   Vector<> Left(FlatVector<> rhs, FlatVector<> u, FlatVector<> image) const;

@@ -6,8 +6,8 @@ namespace ngslac {
 /// Sweeps over overlapping stars of nodes, each of which solves for all of a star at once.
 ///
 /// A star holds a vertex and the nodes of edges, faces and elements around it; where that is the
-/// vertex alone these are Gauss-Seidel sweeps. What inside of elements couples more strongly than
-/// single nodes can tell, as where stiffness jumps there, a star knows. (Multiplicative Schwarz
+/// vertex alone these are Gauss-Seidel sweeps. Stars resolve strong couplings inside of elements
+/// that sweeps over single nodes miss, as where the stiffness jumps there. (Multiplicative Schwarz
 /// method; for high order Schoeberl, Melenk, Pechstein, Zaglmayr, IMA J. Numer. Anal. 28 (2008)
 /// 1-24.)
 class StarSweeps {

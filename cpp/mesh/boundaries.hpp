@@ -5,11 +5,11 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// What users mean by a pattern of boundary names or a region; `name`: of function and argument;
-/// `any`: a region may be of any dimension.
+/// The region that a user's pattern of boundary names, or region, stands for; `name`: of function
+/// and argument; `any`: a region may be of any dimension.
 Region BoundaryRegion(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                       bool any = false);
-/// The same for what has faces, such as the side of a contact.
+/// The same for boundaries that must have faces, such as the side of a contact.
 Region RegionWithFaces(shared_ptr<MeshAccess> mesh, const string & name, py::handle boundary,
                        bool any = false);
 

@@ -5,8 +5,7 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// A pattern of region names in which what is a name, all of it or between two |, stands for
-/// itself.
+/// A pattern of region names. A name in it, as a whole or between two |, stands for itself.
 string LiteralNames(const MeshAccess & ma, VorB vb, const string & pattern);
 
 /// The region of a pattern; std::regex_error if it is neither a name nor a regular expression.
@@ -15,6 +14,6 @@ Region NamedRegion(shared_ptr<MeshAccess> mesh, VorB vb, const string & pattern)
 /// Of the alternatives of a pattern, as NGSolve reads it, those that match no name.
 Array<string> Unmatched(shared_ptr<MeshAccess> mesh, VorB vb, const string & pattern);
 
-/// The names that there are, the closest one, and what is special in patterns, for messages.
+/// For messages: the existing names, the closest one, and the special characters of patterns.
 string NamesInstead(const MeshAccess & ma, VorB vb, const string & pattern);
 } // namespace ngslac

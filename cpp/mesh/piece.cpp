@@ -11,7 +11,7 @@ using netgen::PointIndex;
 using netgen::Segment;
 using netgen::SurfaceElementIndex;
 
-// Netgen has no function that tells the numbers of segments.
+// Netgen has no function for the numbers of segments.
 Array<int> netgen::ParallelMeshTopology::* NumbersOfSegments();
 template <auto member>
 struct SegmentNumbers {

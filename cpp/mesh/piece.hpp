@@ -5,7 +5,7 @@
 namespace ngslac {
 using namespace ngcomp;
 
-/// What one process has of a distributed mesh, in global numbers, as tables with a row each.
+/// The part of a distributed mesh on one process, in global numbers, as tables with a row each.
 ///
 /// Points count from 0. Columns of integers: number in the whole mesh (of points, surface and
 /// volume elements), type, region, number of points, points; of surface elements and segments also

@@ -9,7 +9,7 @@ constexpr double tolerance = 0.002;
 constexpr int most_divisions = 4;
 
 int Divisions(const Surface<3> & surface, size_t face) {
-  // Compared before it is an integer: of a collapsed face it may be any number, or none.
+  // Compared before the conversion to an integer: for a collapsed face it may be huge, or NaN.
   double wanted = ceil(sqrt(surface.Bulge(face) / tolerance));
   return wanted > 1 ? int(min(wanted, double(most_divisions))) : 1;
 }

@@ -24,8 +24,7 @@ void Without(const Piece & piece, const Polygon & hole, double tolerance, Array<
     rest.Append(Piece{polygon, piece.master, piece.gap, piece.tilt});
 }
 
-/// What the parts of two pieces have in common the nearer one keeps: whatever one loses another
-/// keeps.
+/// The nearer of two pieces keeps the part that both cover, so that no part gets lost.
 void Separate(Array<Piece> & old, Array<Piece> & parts, double tolerance) {
   Array<Piece> all;
   for (auto & other : old) {

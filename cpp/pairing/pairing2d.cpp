@@ -203,8 +203,9 @@ private:
     }
   }
 
-  /// A part that sees past the end of a master to another one far behind is not about to touch that
-  /// one: in the average it would let the part before the end go through.
+  /// A part of the slave that looks past the end of a master may see another one far behind. It is
+  /// not about to touch that one, and in the average it would let the part before the end go
+  /// through.
   void LeaveFarParts() {
     auto distance = [&](size_t i, double xi) {
       auto hit = nearest[i].second ? FindHit(nearest[i].first, xi) : nullopt;

@@ -6,14 +6,14 @@
 
 namespace ngslac {
 namespace {
-// Relative to a facet, in the plane; nothing smaller is told apart, nor what is smaller than the
+// Relative to a facet, in the plane: smaller distances are not resolved, nor are those below the
 // rounding errors of positions.
 constexpr double clip_tolerance = 1e-14;
 // Master facets that overlap by more than this are two layers, the nearer one is the partner.
 constexpr double layer_tolerance = 1e-9;
 // Part of a facet that the slits between curved master faces may leave free.
 constexpr double widest_slits = 5e-3;
-// Area of a face that is none, relative to its diameter squared.
+// Area of a degenerate face, relative to its diameter squared.
 constexpr double degenerate = 1e-12;
 // How far beyond an edge to look for a neighbour, relative to the facet; where there may be slits
 // between divided faces farther than they are wide.
@@ -68,7 +68,7 @@ public:
   }
 
 private:
-  /// A length relative to a facet, but none that positions do not know.
+  /// A length relative to a facet, at least the rounding error of positions.
   double Length(const FacetMap & map, double relative) const {
     return max(relative * map.GetFacet().size, rounding);
   }
@@ -103,8 +103,9 @@ private:
     pieces.RemoveHidden(Length(map, layer_tolerance));
   }
 
-  /// A part that sees past the end of a master to another one far behind is not about to touch that
-  /// one: in the average it would let the part before the end go through.
+  /// A part of the slave that looks past the end of a master may see another one far behind. It is
+  /// not about to touch that one, and in the average it would let the part before the end go
+  /// through.
   void LeaveFarPieces(const FacetMap & map) {
     double size = map.GetFacet().size, nearest = numeric_limits<double>::infinity();
     Array<double> distance;

@@ -4,7 +4,7 @@
 #include "lacspace.hpp"
 
 namespace ngslac {
-/// The arguments of LACSpace as they were given.
+/// The arguments of LACSpace as the caller passed them.
 struct SpaceArguments {
   Argument<shared_ptr<FESpace>> displacement;
   Argument<std::variant<Region, string>> slave;

@@ -179,8 +179,8 @@ VorB KindOf(const string & flag) {
                                              : BND;
 }
 
-/// The flags of BubbleVectorH1, where names of boundaries stand for themselves. Throws for those
-/// that NGSolve falls over, or takes without a word.
+/// The flags of BubbleVectorH1, where names of boundaries stand for themselves. Throws for flags on
+/// which NGSolve crashes, or which it ignores silently.
 py::dict CheckedBubbleArguments(const Argument<shared_ptr<MeshAccess>> & mesh,
                                 const py::kwargs & flags) {
   auto on = mesh.As(Named("mesh"), "an ngsolve.Mesh");

@@ -89,7 +89,7 @@ static py::tuple ElementDofs(const FESpace & fes) {
   return py::make_tuple(ToNumPy(counts), ToNumPy(all));
 }
 
-/// What spaces, forms and functions of NGSolve know, but do not tell Python.
+/// Data of spaces, forms and functions of NGSolve that their Python classes do not show.
 void ExportQueries(py::module & m) {
   m.def("DofFingerprint", &DofFingerprint, py::arg("fes"),
         "A number that differs for spaces that number the dofs of their elements in different "

@@ -175,7 +175,7 @@ struct Groups {
   }
 };
 
-/// What a face that is left over asks of the group that it joins.
+/// The requirements of a left-over face on the group that it joins.
 struct Wishes {
   bool small = false;   // it is below its limit
   bool reaches = false; // its support moves wherever the face moves
@@ -210,7 +210,7 @@ public:
     }
   }
 
-  /// Layer by layer what can move, however large groups become.
+  /// Joins the faces that can move layer by layer, however large groups become.
   void JoinMovable(const Wishes & wishes) {
     Array<pair<int, int>> layer;
     do {

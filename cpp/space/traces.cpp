@@ -36,7 +36,7 @@ public:
   FaceSums(const FESpace & afes, const Faces & faces, int face, LocalHeap & lh)
       : fes(afes), ei(faces.Id(face)), dim(afes.GetMeshAccess()->GetDimension()),
         components(afes.GetEvaluator(BND)->Dim()) {
-    // Where no outside is known the normals of the mesh have to do.
+    // Where the outside is unknown, the normals of the mesh are used.
     sign = (dim == 2 ? faces.Outward<2>(face, lh) : faces.Outward<3>(face, lh)) < 0 ? -1 : 1;
     fes.GetDofNrs(ei, dofs);
     int n = fes.GetDimension() * dofs.Size();

@@ -21,7 +21,7 @@ public:
   Surface(const Region & region, shared_ptr<CoefficientFunction> displacement, int order);
 
   size_t Size() const { return faces.Size(); }
-  /// Faces of the mesh: what comes after them are images.
+  /// Number of faces of the mesh; the faces after these are images.
   size_t BaseSize() const { return base; }
   /// Appends the faces of the mesh once more, moved.
   void Repeat(const Vec<D> & shift);
@@ -56,8 +56,8 @@ public:
   }
   /// largest distance of two corners, the local size of everything that needs a tolerance
   double Diameter(size_t face) const;
-  /// How exactly the mesh knows the positions of a face: far from the origin of the coordinates
-  /// what is nearer than that cannot be told apart.
+  /// The precision of positions on a face: far from the origin of the coordinates smaller distances
+  /// cannot be resolved.
   double Rounding(size_t face) const;
   /// farthest that the face is from the (bi)linear one with its corners, relative to the diameter
   double Bulge(size_t face) const;

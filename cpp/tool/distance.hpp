@@ -7,14 +7,14 @@ using namespace ngfem;
 
 /// How far a point is from a tool, > 0 outside, and the derivative of that by the point.
 ///
-/// Where the nearest point is not unique or cannot be told, the gradient is 0.
+/// Where the nearest point is not unique or not known, the gradient is 0.
 template <int D>
 struct Nearness {
   double distance;
   Vec<D> gradient;
 };
 
-/// What a tool is made of, of any dimension.
+/// The shape of a tool, in any dimension.
 class ToolShape {
 public:
   virtual ~ToolShape() = default;

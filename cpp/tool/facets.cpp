@@ -8,7 +8,7 @@ namespace {
 // Nearer than that, relative to the size of the tool, a point lies on its surface.
 constexpr double touching = 1e-13;
 
-/// What lies beyond the sides of facets: in 3D their edges, in 2D their end points.
+/// The neighbours of facets across their sides: in 3D edges, in 2D end points.
 template <int D>
 class EdgeMap {
   using Side = std::array<int, D - 1>; // its points, in the order of the facet
@@ -48,8 +48,8 @@ private:
   }
 };
 
-/// Throws where facets are none, have corners that there are not, or leave the surface open
-/// (unless that is allowed) or without two sides.
+/// Throws for facets that are degenerate or have unknown corners, and for a surface that is open
+/// (unless that is allowed) or has no two sides.
 template <int D>
 void CheckFacets(const FacetList<D> & list, bool closed) {
   if (list.corners.Size() == 0)

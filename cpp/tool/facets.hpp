@@ -14,7 +14,7 @@ struct FacetList {
 
 /// A tool whose surface consists of plane facets, with the exact signed distance.
 ///
-/// The sign is told by the normal where the nearest point lies: of a facet, and on edges and at
+/// The sign follows from the normal at the nearest point: of a facet, and on edges and at
 /// vertices the sum of those around, at vertices weighted by the angles (Baerentzen and Aanaes
 /// 2005).
 template <int D>

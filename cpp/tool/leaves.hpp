@@ -17,7 +17,7 @@ inline bool IsByDomain(const CoefficientFunction & part) {
   return string(typeid(part).name()).find("DomainWise") != string::npos;
 }
 
-/// What users may know a part of an expression by.
+/// The name under which users may know a part of an expression.
 inline string NameOf(const CoefficientFunction & part) {
   string name = part.GetDescription(), type = typeid(part).name();
   if (name != type)

@@ -4,7 +4,7 @@
 #include "twofold.hpp"
 
 namespace ngslac {
-/// What lies behind a plane, in 2D a line.
+/// The half space behind a plane, in 2D behind a line.
 template <int D>
 class HalfSpace final : public SignedDistance<D> {
   Vec<D> point, normal; // unit, out of the tool
@@ -18,7 +18,7 @@ public:
   Mat<D, D> Hessian(const Vec<D> &) const override { return Mat<D, D>(0.0); }
 };
 
-/// What is near a point, in 3D also near a straight line: a ball, a disc, an infinite cylinder.
+/// All that is near a point, or in 3D near a straight line: a disc, a ball, an infinite cylinder.
 template <int D>
 class Ball final : public SignedDistance<D> {
   Vec<D> center;
@@ -34,7 +34,7 @@ class Ball final : public SignedDistance<D> {
       difference.AddSquare(-1, apart.Along(axis));
     difference.AddSquare(-1, Twofold(radius));
     double distance = difference.Value() / (length + radius);
-    // Squares of extreme numbers are none.
+    // Squares of extreme numbers over- or underflow.
     return fabs(length - radius) > 0.1 * radius || !isfinite(distance) ? length - radius : distance;
   }
 
@@ -153,7 +153,7 @@ public:
   }
 };
 
-/// All that a tool is not.
+/// The complement of a tool.
 template <int D>
 class Complement final : public SignedDistance<D> {
   SomeTool<D> tool;

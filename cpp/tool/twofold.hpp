@@ -14,7 +14,7 @@ public:
   explicit Twofold(double value) : high(value) {}
 
   double Value() const { return high + low; }
-  /// What the value leaves out.
+  /// The remainder that the value leaves out.
   double Rest() const { return low - (Value() - high); }
 
   void Add(double a) {

@@ -25,12 +25,12 @@ from ngslac.solve.solver import Equilibrium
 
 __all__ = ["Adapt", "AdaptStep", "Doerfler"]
 
-REMEMBERED = "law: "  # how the names begin, in a history, of what laws remember
+REMEMBERED = "law: "  # prefix of the names under which a history holds the memory of laws
 
 
 @dataclass(frozen=True)
 class AdaptStep:
-    """A mesh on which was solved.
+    """One mesh of an adaptive solution.
 
     Attributes
     ----------
@@ -69,9 +69,9 @@ def Doerfler(squares, theta):
 class Adapt:
     """Solve, estimate, mark, refine: until the error is small enough.
 
-    It works on a copy of the mesh. Each mesh gets a problem of its own by `problem`; what it starts
-    from is the solution on the last mesh. Contact is paired anew, and what was committed of it is
-    carried over: slip counts from the same displacement, and what laws remember is that of the old
+    It works on a copy of the mesh. Each mesh gets a problem of its own by `problem`, and starts
+    from the solution on the last mesh. Contact is paired anew, and its committed state is carried
+    over: slip counts from the same displacement, and the memory of laws is averaged over the old
     macro-elements by the overlap of areas. New points lie on the geometry of the mesh.
 
     Parameters
@@ -189,7 +189,7 @@ class Adapt:
         CheckFunction("callback", callback)
         begin = len(self.steps)
         self._CheckMade()
-        if begin:  # what the problem prescribes may be something else by now
+        if begin:  # the prescribed values may have changed
             self._MakeAnew()
         while True:
             last = self.solver.Solve(printing=False, **options)
@@ -224,7 +224,7 @@ class Adapt:
             )
 
     def _MakeAnew(self, marked=None):
-        """The problem, from what there is; before that refine the marked elements (ne,) bool."""
+        """Make the problem anew; before that refine the marked elements (ne,) bool."""
         carried = Carried(self.solver, self._carried)
         if marked is not None:
             self.solver = None  # it loses its mesh
@@ -264,7 +264,7 @@ class Adapt:
 
 
 class Carried:
-    """A solution and what contacts know of the past, on a mesh that is about to be refined.
+    """A solution and the history of its contacts, on a mesh that is about to be refined.
 
     `functions` are kept from mesh to mesh: NGSolve prolongates those made before its refinement.
     """
@@ -313,7 +313,7 @@ class Carried:
         return self.functions[name]
 
     def Put(self, solver):
-        """Into the solver of the refined mesh."""
+        """Set all in the solver of the refined mesh."""
         static = Static(solver)
         gf, held, contacts = static.gf, static.constrained, static.contacts
         if len(contacts) != len(self.contacts):
@@ -355,7 +355,7 @@ def Kept(contact):
 
 
 def Averaged(kept, share):
-    """The same of macro-elements by the areas that they have of those before, as in a history."""
+    """The same for the new macro-elements, averaged by their areas in the former ones."""
     return {name: (share @ values).ravel() for name, values in kept.items()}
 
 

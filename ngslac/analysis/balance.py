@@ -45,7 +45,7 @@ __all__ = [
     "Owner",
 ]
 
-# A displacement gradient at which the modulus is looked at; part of a size that is none.
+# A displacement gradient at which the modulus is evaluated; part of a size that is rounding.
 SMALL = 1e-6
 # Of the forces at work: a larger imbalance means that stress or loads are not those of the bulk.
 # Curved elements have some, by the points of their integrals.
@@ -196,7 +196,7 @@ class Balance:
         return loads.Assemble().vec.FV().NumPy().copy()
 
     def _CheckStart(self):
-        """No stress without a displacement: the energy would be another one."""
+        """Raise for a stress without a displacement, with which the energy would differ."""
         start = self.law(0 * self.kind.Gradient(self.u))
         sizes = [np.sum(self.Elementwise(InnerProduct(t, t))) for t in (start, self.stress)]
         if sizes[0] > ROUNDING**2 * sizes[1]:
@@ -226,7 +226,7 @@ class Balance:
     def _Resultants(self, parts):
         """The largest work of forces together in motions without strain gradients, relative.
 
-        What each node has too little of it adds up there, such as a forgotten weight.
+        Small imbalances of single nodes add up in them, such as those of a forgotten weight.
         """
         works, sizes = [], []
         for factor in (CF(1), *(x, y, z)[: self.dim]):
@@ -240,7 +240,7 @@ class Balance:
         return max(works) / (max(sizes) or 1.0)
 
     def _Rounding(self):
-        """Forces that are none beside those of a displacement as large as the present one."""
+        """Forces that are rounding beside those of a displacement as large as the present one."""
         modulus, size = (f.vec.FV().NumPy() for f in (self.modulus, self.size))
         largest = np.abs(self.u.vec.FV().NumPy()).max(initial=0)
         forces = np.mean(modulus) * np.max(size) ** (self.dim - 2) * largest
@@ -291,7 +291,7 @@ class Balance:
     # --- what is left ----------------------------------------------------------------------------
 
     def Divergence(self):
-        """Of the stress, plus the body force: what elements do not balance."""
+        """Divergence of the stress plus the body force: the imbalance within elements."""
         rows = [GridFunction(VectorL2(self.mesh, order=self.order)) for _ in range(self.dim)]
         for k, row in enumerate(rows):
             row.Set(CF(tuple(self.stress[k, j] for j in range(self.dim))))
@@ -309,7 +309,7 @@ class Balance:
         return found
 
     def FacetResidual(self, besides=()):
-        """Jumps of tractions and what boundaries do not balance: two GridFunctions on facets.
+        """Jumps of tractions, and the imbalance at boundaries: two GridFunctions on facets.
 
         The first is that of all faces but those of contacts, the second of these. The regions of
         `besides` do not count.
@@ -421,7 +421,7 @@ class ContactPoints:
         self.work = np.where(closed & (status == 2), work, 0) + penetration
 
     def _Shifted(self, gap, contact, table):
-        """Gaps with what is added to them: an offset, and that of an adjusted start."""
+        """Gaps plus an offset and the adjustment of the start."""
         offset = contact._state.setup["offset"]
         if isinstance(offset, CoefficientFunction):
             face, at = self.surface.table[:, 0].astype(int), self.surface.table[:, 2:4]
@@ -513,7 +513,7 @@ def FaceElements(region):
 
 
 def Refuse(static):
-    """Raise ValueError for problems that the estimators do not know."""
+    """Raise ValueError for problems that the estimators do not cover."""
     static.system.CheckSpace()
     space = static.contacts[0].form.component
     if space.dim == 1 and not ComponentsOf(space) and static.contacts[0].components > 1:

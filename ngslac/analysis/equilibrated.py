@@ -303,7 +303,7 @@ def ElementOfFace(mesh):
 
 
 class Oscillation:
-    """The largest energy that data can have which a stress does not balance, as roots.
+    """Roots of the largest energy that unbalanced parts of the data can have.
 
     It has no linear part on a face, or in an element.
     """
@@ -336,7 +336,7 @@ class Oscillation:
         return added
 
     def _Loads(self):
-        """Faces, places and forces of what tractions at the points of contacts have besides."""
+        """Faces, places and forces of the remaining tractions at the points of contacts."""
         loads = []
         for contact in self.balance.contacts:
             points = ContactPoints(contact, self.balance)
@@ -376,7 +376,7 @@ class Oscillation:
         return self.found.compliance.Strain(difference)(at).reshape(self.mesh.ne, -1, d, d)
 
     def Body(self):
-        """Roots of energies (ne,), of what body forces have besides polynomials."""
+        """Roots of energies (ne,) of body forces less their polynomial part."""
         rows = self.found.solution.components[: self.mesh.dim]
         left = CF(tuple(div(row) for row in rows))
         left = left if self.balance.force is None else left + self.balance.force
@@ -455,7 +455,7 @@ def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> Error
 
 
 def Check(balance):
-    """Raise ValueError for what cannot be equilibrated."""
+    """Raise ValueError for problems that cannot be equilibrated."""
     CheckSimplices(balance.mesh)
     if balance.contacts[0].space.axisymmetric:
         raise ValueError(

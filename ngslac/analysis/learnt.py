@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The stiffness of both bodies as contacts learnt it, which changes with design variables."""
+"""The stiffness of both bodies as contacts measured it, which changes with design variables."""
 
 import numpy as np
 import scipy
@@ -36,7 +36,7 @@ class Learnt:
         self.scales = {}
 
     def Compare(self, shadow, apart):
-        """See from a FormState of the present problem, left as it is, whether it follows."""
+        """Set `follows` by comparison with a FormState of the present problem."""
         if not isinstance(self.elastic, BilinearForm):
             return
         form = shadow.form

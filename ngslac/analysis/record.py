@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The converged steps of a load stepper, for a look back at them."""
+"""The converged steps of a load stepper, recorded for derivatives."""
 
 from dataclasses import dataclass, field
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Steps once more, with residuals and functionals beside the converged states."""
+"""Repeat steps, to evaluate residuals and functionals near the converged states."""
 
 from dataclasses import dataclass, field
 
@@ -96,7 +96,7 @@ class Node:
 
 
 class Replay:
-    """A context in which steps are looked at once more; at its end everything is as before."""
+    """A context in which steps are evaluated again; at its end everything is as before."""
 
     def __init__(self, course):
         self.course, self.solver = course, course.solver

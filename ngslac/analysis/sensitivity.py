@@ -21,11 +21,11 @@ from ngslac.solve.solver import ContactSolver
 
 __all__ = ["Sensitivity"]
 
-# Change of the residual, relative to the forces at work, that differences are made of.
+# Change of the residual, relative to the forces at work, from which differences are formed.
 CHANGE = 1e-5
 # Changes that are as good; and how often another step is tried.
 GOOD, TRIALS = (1e-7, 1e-4), 8
-# Factor of a step that is far too long; change that says nothing of how long one should be.
+# Factor for a step that is far too long; change that is too small to choose a step by.
 FAR, NOTHING = 1e-3, 1e-12
 # Relative distance to another status that is none: the derivative is that of one side.
 VERGE = 1e-7
@@ -96,14 +96,13 @@ class Number:
 class Sensitivity:
     """Derivatives of a functional of a converged contact problem, and of its solution.
 
-    What is in contact, sticks or slips stays so for small changes: there the solution has a
+    For small changes the status of contact (open, stick or slip) stays: then the solution has a
     derivative, which solves the linearized problem, see `Tangent`. How residuals change with a
     variable follows from central differences at the solution, each of one evaluation, to some 1e-9.
     By the adjoint method all variables together need one linear solve; that is taken where the
     functional is a sum of integrals and no step depends on the one before. Else, as with friction
     through several steps, with large sliding in 3D, and for functions of your own, each variable
-    needs one per step.
-    Nothing of solver, contacts, mesh and variables is changed.
+    needs one per step. Nothing of solver, contacts, mesh and variables is changed.
 
     Parameters
     ----------
@@ -392,7 +391,7 @@ class Sensitivity:
         return None
 
     def _WarnIfVoid(self, replay, direction, step):
-        """Say that a variable changes neither the problem nor the functional."""
+        """Warn that a variable changes neither the problem nor the functional."""
         stage, values = self._course.stages[-1], []
         for way in (0.0, step):
             node = replay.Start(direction, way)
@@ -478,7 +477,7 @@ def Relative(change, forces):
 
 
 def AtVerge(contact):
-    """How many macro-elements are as near to another status as rounding errors are large."""
+    """How many macro-elements are within rounding errors of another status."""
     if contact.tied or contact.own_law or contact.components == 1:
         return 0
     table, known = contact.Table(), contact.form.Table()

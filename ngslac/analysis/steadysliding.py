@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The linearized system of a state in which what slips goes on slipping, at some speed."""
+"""The linearized system of a state of steady sliding, at some speed."""
 
 import numpy as np
 import scipy

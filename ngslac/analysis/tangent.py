@@ -100,7 +100,7 @@ class AsBefore:
             if any(np.any(memory[name] != now) for name, now in contact.form.Kept().items()):
                 contact.Evaluate(self._static.gf)  # of a state that is not that of a commit
         for contact, accepted in zip(self._static.contacts, self._accepted, strict=True):
-            contact._accepted = accepted  # which the state of a solver does not tell
+            contact._accepted = accepted  # which the state of a solver does not contain
 
 
 def Static(solver):

@@ -52,7 +52,7 @@ class Placed:
     _contacts: list = field(default_factory=list)
 
     def Forget(self, contacts):
-        """Forget what was found with other states of contacts than these."""
+        """Drop the results for other states of contacts than these."""
         if self._contacts != contacts:
             self._contacts, self.found = contacts, {}
 
@@ -115,7 +115,7 @@ class Bodies:
         random = np.random.default_rng(1).standard_normal(len(self.names))
         moved = self._ForcesOf(parts, forces, random)
         scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
-        # Mostly constraints hold a part, or nothing does, which a random motion tells.
+        # Mostly constraints hold a part, or nothing does: a random motion shows which.
         held = [
             not np.linalg.norm(moved[dofs]) <= self.resists * scale
             for (dofs, _), scale in zip(parts, scales, strict=True)
@@ -173,7 +173,7 @@ class Bodies:
                 for some in (resistance <= EXACT, resistance > EXACT)
             ]
             weights, resistance = (np.concatenate(p, axis=-1) for p in zip(*apart, strict=True))
-        # A few macro-elements of a curved surface do not tell where its center is; friction does.
+        # A few macro-elements of a curved surface do not determine its center; friction does.
         rubs = any(contact.holds_tangentially for contact in contacts)
         vague = (resistance <= EXACT) & np.any(coarse > TIGHT) & (not rubs)
         mesh = np.concatenate([*(m for *_, m, _ in slides), np.where(vague, COARSE, resistance)])
@@ -318,7 +318,7 @@ class Bodies:
         blocks = scipy.linalg.block_diag(np.zeros((0, 0)), *(own for _, own in self.floating))
         count = blocks.shape[1]
         wanted = np.concatenate([blocks @ weights[:count], weights[count:]])
-        # Of two that are as good, as where bodies float together, the first and not what rounds up.
+        # Of two equally good ones, as where bodies float together, take the first.
         wanted *= 1 - 1e-6 * np.arange(len(wanted))[:, None]
         *_, pivots = scipy.linalg.qr(wanted.T, pivoting=True)
         chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: weights.shape[1]])]
@@ -363,7 +363,7 @@ class Bodies:
             yield part, combinations, self.first + own, self.motions[own] @ combinations
 
     def PoissonRatio(self, mat):
-        """The largest one of all bodies, as the matrix of the bulk tells."""
+        """The largest one of all bodies, from the matrix of the bulk."""
         return PoissonRatio(self.space, self.part, Forces(mat, self.first, self.count))
 
     def _Rigid(self, values):

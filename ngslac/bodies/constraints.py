@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What contact prevents, as rows of a sparse matrix on the displacements."""
+"""The motions that contact prevents, as rows of a sparse matrix on the displacements."""
 
 import numpy as np
 import scipy
@@ -41,7 +41,7 @@ CONTACT, SLAVE, MASTER = "normal", "slave_normal", "facing"
 def ActiveRows(contact, holds="now"):
     """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas.
 
-    Of slipping contact `holds` says what it prevents: "now" approach alone, "rubbing" all motion
+    `holds` selects what slipping contact prevents: "now" approach alone, "rubbing" all motion
     where there is friction, "closed" what all of contact would prevent if it were closed.
     """
     table, d = contact.Table(), contact.components
@@ -86,7 +86,7 @@ class Sight:
         return *place, *tells, contact.holds_tangentially
 
     def Resistances(self, motions, holds, normals=CONTACT):
-        """Resistance to the columns of a sparse matrix (n, k), as the last look has shown it.
+        """Resistance to the columns of a sparse matrix (n, k), as of the last `Look`.
 
         Arrays: (r, k) the parts that contact prevents; (r,) how much of a motion along the surface
         the mesh makes one across it; (s, k) all relative motion of the macro-elements at work.
@@ -180,7 +180,7 @@ def _ToolWay(contact, values):
 
 
 def ToolRows(contact):
-    """What each macro-element sees of the unknown motion of a tool, like `JumpRows`.
+    """How the unknown motion of a tool moves it relative to macro-elements, like `JumpRows`.
 
     On all scalar dofs.
     """
@@ -193,5 +193,5 @@ def ToolRows(contact):
 
 
 def JumpRows(contact):
-    """What each macro-element sees of a displacement, times its area: d rows of each, sparse."""
+    """Sparse rows, d for each macro-element: the mean jump of a displacement times the area."""
     return ToCSR(contact.form.JumpMatrix(Side.both))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Motions that nothing resists, and what drives them."""
+"""Motions that nothing resists, and the forces that drive them."""
 
 from dataclasses import dataclass
 

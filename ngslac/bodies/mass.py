@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The mass matrix of a displacement, and what a mesh that is distributed does in its place."""
+"""The mass matrix of a displacement, and its counterpart for a distributed mesh."""
 
 from functools import cached_property, singledispatch
 
@@ -76,7 +76,7 @@ class WholeMass:
         return self.Solve(rows.T @ impulses)
 
     def _Compliance(self, rows):
-        """What constraints see of the motion that impulses (k,) of their own cause, as function."""
+        """A function: the rates (k,) of constraints that impulses (k,) along them cause."""
         last, known = self._known
         if last is not None and SameMatrix(rows, last):
             return known

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What is said of bodies that nothing holds."""
+"""Messages about bodies that nothing holds."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What bodies are called in messages."""
+"""Names of bodies in messages."""
 
 import numpy as np
 from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, x, y, z

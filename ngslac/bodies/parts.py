@@ -27,7 +27,7 @@ def Forces(mat, first, count):
 def PartsOf(mat, form, are_apart):
     """A number (n,) for each dof of the displacement of a contact form: the same in each body.
 
-    `are_apart` looks at numbers that may be right. The parallel room has an answer of its own.
+    `are_apart` checks numbers that may be right. The parallel room has an answer of its own.
     """
     block, space = form.fes.dim, form.component
     part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
@@ -69,7 +69,7 @@ def Graph(mat, first, count):
 
 
 def AreApart(part, forces, values, pushed):
-    """Do the parts not act on each other? Tells it from forces(values) = pushed."""
+    """Do the parts not act on each other? The test is forces(values) = pushed."""
     weights = np.random.default_rng(1).standard_normal(1 + part.max(initial=0))[part]
     sizes = np.zeros(1 + part.max(initial=0))
     np.maximum.at(sizes, part, np.abs(pushed))

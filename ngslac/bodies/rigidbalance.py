@@ -65,7 +65,7 @@ class RigidBalance:
         return within @ motion if lacking > LEAST else None
 
     def _Told(self, motion):
-        """What is said of loads that win along a motion."""
+        """The message about loads that do work along a motion."""
         straight = self._Translations()
         pulled = self._Winner(np.inf, straight)
         if pulled is not None:

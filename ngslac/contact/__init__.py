@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What touches: the contact condition of two surfaces, and what is known of it."""
+"""The contact condition of two surfaces, and its results."""

@@ -417,7 +417,7 @@ class Reach:
 
 
 def AllFacing(faces, reach):
-    """A `Facing` for each pair of bodies, and what is near otherwise, in words."""
+    """A `Facing` for each pair of bodies, and texts about others that are near."""
     points = np.flatnonzero(faces.exterior[faces.owner])
     body = faces.body[faces.owner[points]]
     points, ends = points[np.argsort(body, kind="stable")], np.bincount(body, minlength=faces.count)
@@ -449,7 +449,7 @@ def AllFacing(faces, reach):
 
 
 def Near(faces, points, box, farthest):
-    """Those of some points whose surroundings reach into a box."""
+    """The points whose surroundings reach into a box."""
     reach = farthest + faces.spacing[faces.owner[points]][:, None]
     inside = (faces.points[points] >= box[0] - reach) & (faces.points[points] <= box[1] + reach)
     return points[np.all(inside, axis=1)]

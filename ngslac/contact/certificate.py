@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What contact conditions, exact in the mean over macro-elements, are like at points."""
+"""Violation at points of contact conditions, which hold in the mean over macro-elements."""
 
 from dataclasses import dataclass
 

@@ -397,7 +397,7 @@ class LACContact(metaclass=Distributable):
         return mean - along * table["normal"]
 
     def _ClearOpen(self, gf):
-        """Of a solution that was evaluated last: what is open has no traction, nor rounding."""
+        """Set tractions of open macro-elements in the solution evaluated last to exactly zero."""
         is_open = self.Table()["status"] == 0
         gf.vec.FV().NumPy()[self.form.MultiplierDofs().reshape(len(is_open), -1)[is_open]] = 0
 
@@ -488,7 +488,7 @@ class LACContact(metaclass=Distributable):
             getattr(self, name).vec.FV().NumPy()[:] = values
 
     def _Change(self, kept, change):
-        """Call `change`; what fails in the context `kept`, or is interrupted, changes nothing."""
+        """Call `change` in the context `kept`: a failure or an interrupt changes nothing."""
         fits = len(self.status.vec) == self.space.nmacros
         if self._state.refined or not fits:  # no way back
             change()

@@ -34,7 +34,7 @@ __all__ = [
 ZERO = str(CF(1).Diff(Parameter(0)))  # a derivative that is zero everywhere
 TINY = 1e-150  # its square is a number, too
 NEGLIGIBLE = 1e-120  # numbers that come of it alone are less
-# Names of places, of columns of a table, and of answers, which nothing is kept under.
+# Names of places, table columns and answers: the memory of a law may have none of them.
 TAKEN = {"gap", "slip", "normal", "jump", "x", "area", "c", "trial", "traction", "status"}
 TAKEN |= {"pressure", "friction", "fullarea"}
 # The coefficients that may depend on the fields, with their least values.
@@ -210,7 +210,7 @@ def CheckScalar(name, field, kind=TypeError):
 
 
 def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
-    """Arguments of a ContactForm for what depends on the fields: coefficients and fluxes."""
+    """Arguments of a ContactForm for coefficients and fluxes that depend on the fields."""
     names = ("slip", "gap", "pressure", "traction")  # in the order that the form knows
     seen = () if tied else names
     fields = Fields(space, dt, seen, hidden=[n for n in names if n not in seen], sides=sides)
@@ -371,7 +371,7 @@ class _LawOnFaces:
 
 @contextmanager
 def Explained(name):
-    """An error of NGSolve about an expression says whose it is, and what it mostly is."""
+    """Add to an error of NGSolve which expression caused it, and the usual reason."""
     try:
         yield
     except (NgException, TypeError) as error:
@@ -399,7 +399,7 @@ def Expression(name, value, least=-math.inf, *, instead="its means, z.Slave(T) a
 
 
 def CheckedStarts(whose, starts):
-    """What is remembered of a macro-element before the first step: arrays by name."""
+    """The memory of a macro-element before the first step: arrays by name."""
     for name, start in starts.items():
         if not isinstance(name, str) or name in TAKEN or name.startswith("by_"):
             raise ValueError(f"{whose} has {name!r}, which means something else: rename it")

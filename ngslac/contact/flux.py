@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What flows through a contact: heat, current, a leak."""
+"""Flow through a contact: heat, current, a leak."""
 
 from ngsolve import CF
 

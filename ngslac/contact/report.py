@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What to look at when a contact does not do what it should."""
+"""A report on a contact, for those that do not behave as expected."""
 
 import numpy as np
 from ngsolve import H1

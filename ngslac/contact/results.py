@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Methods of `LACContact` that tell of it: its line, resultants, operators, segments, a report."""
+"""Methods of `LACContact` for its results: resultants, operators, segments, a report."""
 
 from typing import TYPE_CHECKING
 
@@ -251,7 +251,7 @@ def RefuseScalar(self):
 
 
 def WarnIfUnsolved(self):
-    """Say that pressures are 0 where there was no solution yet."""
+    """Warn that pressures are 0 where there was no solution yet."""
     table = self.form.Table()
     if self._solution is None and not any(np.any(table[k]) for k in ("traction", "status")):
         Warn("nothing is solved yet: pressures, tractions and slips are 0; solve first")

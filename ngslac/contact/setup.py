@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a contact is made of, checked."""
+"""The arguments of a contact, checked."""
 
 import math
 

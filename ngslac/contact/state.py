@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a contact depends on from one step to the next: noted, saved, and put back."""
+"""The state of a contact from one step to the next: recorded, saved and restored."""
 
 from contextlib import suppress
 
@@ -122,15 +122,15 @@ class FormState:
         return gf
 
     def FormKept(self):
-        """What fails in the block, or is interrupted, changes nothing: it makes a new form."""
+        """An error or interrupt in the block, which makes a new form, changes nothing."""
         return _FormKept(self)
 
     def WholeOrNot(self, gf):
-        """What fails in the block, or is interrupted, changes nothing: `gf` is the solution."""
+        """An error or interrupt in the block changes nothing: `gf` is the solution."""
         return _WholeOrNot(self, gf)
 
 
-# Classes: a generator may not hear of an interrupt that comes before the first line of the block.
+# These are classes: a generator may miss an interrupt before the first line of the block.
 
 
 class _FormKept:
@@ -158,7 +158,7 @@ class _WholeOrNot:
 
 
 def CheckSaved(state):
-    """What `State` returned, of any contact."""
+    """Check a result of `State`, of any contact."""
     CheckState(state, "paired", "scaled")
     CheckParts(state, **{name: (bool, np.bool_) for name in FLAGS if name in state})
     for key in state:

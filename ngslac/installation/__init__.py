@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What is installed, and whether it works."""
+"""Installed versions, and a check that they work."""

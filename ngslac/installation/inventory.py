@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Versions and solvers that are there."""
+"""Installed versions and solvers."""
 
 import importlib.util
 import platform
@@ -51,7 +51,7 @@ def MPI():
 
 
 def Inventory():
-    """Names and versions of what ngslac works with, in the order of a report.
+    """Names and versions of the software that ngslac uses, in the order of a report.
 
     Returns
     -------

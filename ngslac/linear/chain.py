@@ -32,7 +32,7 @@ def IsLarge(free, dim, backend="ngsolve"):
 
 
 def CheckSolver(name):
-    """The name of a solver, or None; that of one that is no more is taken for "direct"."""
+    """Check the name of a solver, or None; the name of a former solver stands for "direct"."""
     if name == "saddle":
         Warn(
             "solver='saddle' is what solver='direct' does: write that instead; the name goes in "
@@ -64,7 +64,7 @@ METHODS = {
 
 
 def MakeLinearSolver(a, contacts, freedofs, options, motions):
-    """The LinearSolver for these forms and free scalar dofs: what is wanted, or the fastest."""
+    """The LinearSolver for these forms and free scalar dofs: the requested one, or the fastest."""
     wanted, inverse, preconditioner = options.solver, options.inverse, options.preconditioner
     if preconditioner is not None:
         CheckFunction("preconditioner", preconditioner, "a function (mat, freedofs), or None")

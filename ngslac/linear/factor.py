@@ -25,7 +25,7 @@ FLAGS = {
 CHOLESKY = ("pardisospd", "sparsecholesky")
 # Difference of works, relative to what they can be, that is rounding.
 SYMMETRIC = 1e-13
-LOUD = ("umfpack",)  # tell of a singular matrix on the screen, with each solution
+LOUD = ("umfpack",)  # print a message about a singular matrix with each solution
 
 
 def HasMKL():
@@ -59,7 +59,7 @@ BLAS = (
 
 @cache
 def BLASThreads():
-    """For each OpenBLAS that is found: functions that tell and set its number of threads."""
+    """For each OpenBLAS that is found: functions that get and set its number of threads."""
     found = []
     for package, pattern, name in BLAS:
         spec = importlib.util.find_spec(package)

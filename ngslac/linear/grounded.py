@@ -90,7 +90,7 @@ def FreeParts(mat, free):
 
 
 def Spread(dofs, motions):
-    """Those of some dofs that tell their motions apart best: a pivoted elimination."""
+    """The dofs that distinguish their motions best, by a pivoted elimination."""
     if not len(dofs):
         return dofs
     triangle, order = scipy.linalg.qr(motions.T, mode="r", pivoting=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Algebraic multigrid by smoothed aggregation of nodes, whose setup serves again."""
+"""Algebraic multigrid by smoothed aggregation of nodes, with a setup that is reused."""
 
 import numpy as np
 from ngsolve import BaseMatrix, CreateVVector
@@ -63,7 +63,7 @@ class Hierarchy:
 class Galerkin:
     """Products P^T A P of matrices that differ from the first one in some rows: these alone cost.
 
-    Images of a random vector tell which these are.
+    Images of a random vector show which rows these are.
     """
 
     def __init__(self, mat, prolongation):

@@ -30,7 +30,7 @@ class Multigrid:
         self.Forget()
 
     def Forget(self):
-        """Know nothing of the bulk."""
+        """Drop all that was learnt about the bulk."""
         self._sweeps = self._pressures = None
         self.Relearn()
 
@@ -83,7 +83,7 @@ class Multigrid:
         self._inverse = TwoLevel(system, self._sweeps, self._cycle, dofs)
 
     def Watch(self, iterations):
-        """Tell how many `iterations` each digit took: where they grow the setup is made anew."""
+        """Report the `iterations` for each digit: where they grow the setup is made anew."""
         if iterations > self.growth * self._best:
             self.Relearn()
         else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What compiled libraries print by themselves is kept from the screen."""
+"""Keep the output of compiled libraries from the screen."""
 
 import ctypes
 import os
@@ -45,7 +45,7 @@ class Quiet:
 
 
 def _Flush():
-    """Send on what Python and C hold back."""
+    """Flush the buffers of Python and C."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

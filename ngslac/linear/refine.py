@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a good solution is, and how one gets better."""
+"""Acceptance of solutions, and iterative refinement."""
 
 import numpy as np
 from netgen.meshing import NgException

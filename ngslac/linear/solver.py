@@ -38,13 +38,13 @@ class LinearSolver:
 
     @property
     def _links(self):
-        """Those that are not given up."""
+        """The methods that are not given up."""
         failures = self.failures
         return [link for link in self._all if failures.get(link.name, 0) < self.most_failures]
 
     @property
     def method(self):
-        """The name of what solves now, such as "interface"."""
+        """The name of the present method, such as "interface"."""
         return self._links[0].name
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A linear system, what users choose for its solution, and what solves it."""
+"""A linear system, the options for its solution, and the methods that solve it."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

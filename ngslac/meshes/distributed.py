@@ -74,7 +74,7 @@ def Distributed(make, comm=None) -> Mesh:
 
 
 def _Made(make, comm):
-    """The netgen mesh, and what all have to know: geometry, order, volume; or what failed."""
+    """The netgen mesh. All processes get geometry, order and volume, or the error."""
     try:
         mesh = make()
         ngmesh, order = _Copied(mesh)

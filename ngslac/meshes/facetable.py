@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Faces of a shape, such as of a STEP file, with what tells one from the other."""
+"""A table of the faces of a shape, such as of a STEP file, with data to distinguish them."""
 
 from collections import defaultdict
 

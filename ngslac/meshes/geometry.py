@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What all contact meshes share: bodies from named sides, divisions, meshing, a check.
+"""Common parts of all meshes: bodies from named sides, divisions, meshing, a check.
 
 The bodies are separate: they share no node, and their contact edges are divided so that no
 node of one side faces a node of the other.

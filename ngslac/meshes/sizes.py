@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Numbers that meshes are made from, checked before a mesher works on them, maybe for ever."""
+"""Checks of the sizes of meshes, before a mesher works on them, maybe for ever."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def CheckPositive(**values):
 
 
 def CheckGrading(grading):
-    """Of netgen, which crashes where it is next to nothing."""
+    """Check netgen's grading, next to zero of which netgen crashes."""
     CheckPositive(grading=grading)
     if not FLATTEST <= grading <= STEEPEST:
         raise ValueError(f"grading = {grading:g} must be from {FLATTEST:g} to {STEEPEST:g}")
@@ -62,13 +62,13 @@ def CheckFinite(**values):
 
 
 def CheckMoved(scale, angle):
-    """Where a mesh in 2D is moved to."""
+    """Check the scale and the angle of a mesh in 2D."""
     CheckPositive(scale=scale)
     CheckFinite(angle=angle)
 
 
 def CheckOrder(order):
-    """Of a curved geometry."""
+    """Check the order of a curved geometry."""
     if CheckCount("order", order) > HIGHEST:
         raise ValueError(f"order must be a whole number from 1 to {HIGHEST}, but is {order}")
 

@@ -175,7 +175,7 @@ def _Mesh(above, Below, size, order, scale, rotation, maxh, grading):
 
 
 def _CheckSizes(h, ratio, grading, maxh, size, zone, order):
-    """Refuse what is no size, or makes too many elements, before anything is meshed."""
+    """Refuse invalid sizes, and those that make too many elements, before meshing."""
     CheckOrder(order)
     CheckGrading(grading)
     CheckPositive(maxh=size if maxh is None else maxh)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How contact is looked at: fields, pictures, files."""
+"""Fields, pictures and files of contact."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a webgui scene of a contact consists of: a function, objects, patches and a legend."""
+"""The parts of a webgui scene of a contact: a function, objects, patches and a legend."""
 
 import numpy as np
 import scipy

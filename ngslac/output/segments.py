@@ -14,7 +14,7 @@ VTK_POLYGON, VTK_QUAD = 7, 9
 
 
 class Segments:
-    """What a pairing consists of: parts of slave faces, each facing one master face.
+    """The segments of a pairing: parts of slave faces, each facing one master face.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Functions on a mesh as files for ParaView, which are whole or not there."""
+"""Functions on a mesh as files for ParaView, written as a whole or not at all."""
 
 import os
 

@@ -115,7 +115,7 @@ class Recovered:
         self.traction = self.pressure * (slip - across * self.normal)
 
     def _PressureOfGaps(self, displacement):
-        """What the gaps of the points open of the pressure; unknown without a displacement."""
+        """How much the gaps of points reduce the pressure; unknown without a displacement."""
         contact, surface = self._contact, self._surface
         if displacement is None:
             return np.zeros(len(surface.weight))

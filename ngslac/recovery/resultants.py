@@ -72,7 +72,7 @@ class Balance:
         return vectors - np.einsum("qk,qk->q", vectors, self.base)[:, None] * self.base
 
     def _Rest(self, extra, slip):
-        """What is missing of forces and moments, and its size relative to the forces."""
+        """The missing forces and moments, and their size relative to the forces."""
         shapes = self.surface.shapes
         scale, _ = self.scaled(shapes @ extra)
         tractions = scale[:, None] * (self.base + self._Along(shapes @ slip))

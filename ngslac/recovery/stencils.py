@@ -72,11 +72,11 @@ def FitMeans(surface, rough, density, means, chosen):
     share = np.bincount(surface.macro, surface.weight * density, surface.nmacros) * chosen
     rows = surface.Means(density)[:, touched]
     inner = rough[:, touched]
-    # A row with a vertex elsewhere tells nothing.
+    # A row with a vertex elsewhere carries no information.
     whole = np.isclose(*(np.asarray(abs(part).sum(axis=1)).ravel() for part in (inner, rough)))
     weight = SMOOTHNESS * (surface.shapes.T @ (surface.weight * density)) * whole
     matrix = rows.T @ diags(share) @ rows + inner.T @ diags(weight) @ inner
-    # What neither means nor differences know stays near the mean of what touches it.
+    # Values that neither means nor differences determine stay near the mean around them.
     factor = splu((matrix + LOOSE * matrix.diagonal().max() * identity(len(touched))).tocsc())
     right = rows.T @ (share[:, None] * means)
     found = surface.OnVertices(means * chosen[:, None])[touched]

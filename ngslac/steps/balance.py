@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Where the energy of a motion goes."""
+"""The energy balance of a motion."""
 
 from dataclasses import astuple, dataclass, fields
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Energy and momentum of bodies in a time step: what is wrong goes out of the velocities again."""
+"""Energy and momentum of bodies in a time step, corrected by changes of the velocities."""
 
 import numpy as np
 import scipy
@@ -47,7 +47,7 @@ class Conservation:
         return np.bincount(self._body, weights=a[own] * b[own], minlength=self.count)
 
     def OfMacros(self, contact, works):
-        """What is given (m,) to the macro-elements of a contact, summed up body by body."""
+        """Values (m,) of the macro-elements of a contact, summed up body by body."""
         block = contact.form.fes.dim
         cores = np.array([contact.space.CoreDofs(m)[0] for m in range(len(works))])
         return np.bincount(self._body[cores * block], weights=works, minlength=self.count)
@@ -57,11 +57,11 @@ class Conservation:
         return 0.5 * self.Products(velocity, self.mass.Times(velocity))
 
     def Virtual(self, forces, displacement):
-        """What forces (n,) do in the rigid motions of the displaced bodies, a row for each body."""
+        """Work of forces (n,) in the rigid motions of the displaced bodies, a row for each body."""
         return np.stack([self.Products(m, forces) for m in self._Motions(displacement).T], axis=1)
 
     def Balanced(self, forces, displacement, squares):
-        """Do forces (n,) do nothing in the rigid motions of a displaced body? For each body.
+        """Do forces (n,) do no work in the rigid motions of a displaced body? For each body.
 
         `squares` (count,) are those of forces that are not small.
         """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How long the next step is, and what is left of those that converged."""
+"""The length of the next step, and the record of those that converged."""
 
 import logging
 import math
@@ -56,7 +56,7 @@ def StepLine(step, name):
 
 
 class Journal:
-    """The converged steps of a tool, and the state after the last: no way leads back behind it."""
+    """The converged steps of a tool; no state before that after the last can be restored."""
 
     def __init__(self, tool, name, parameter):
         self.tool, self.name, self.parameter = tool, name, parameter
@@ -82,7 +82,7 @@ class Journal:
         return done
 
     def Add(self, step, callback, **fields):
-        """Note a step, and tell of it."""
+        """Record a step, and report it."""
         self.tool.steps.append(step)
         logging.getLogger("ngslac").info("%s", step)
         if self.tool.printing == "steps":

@@ -13,7 +13,7 @@ INNER, END = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5), 1 / 12
 
 
 class BulkForces:
-    """What the bulk of a static problem pushes with."""
+    """The forces of the bulk of a static problem."""
 
     def __init__(self, static, rows):
         self.static, self.rows = static, rows

@@ -169,7 +169,7 @@ class DynamicForm:
         # For the matrix alone, which knows nothing of the start.
         self._form = WithMass(a, self.factor, mass.wanted, mass.u, mass.v)
         self._applied = None
-        self.renewed = True  # was the matrix made in the present step? Who begins one says False.
+        self.renewed = True  # was the matrix made in this step? Callers reset it when one begins.
 
     def SetStep(self, dt):
         """Choose the length of the step, up to rounding; True if that changes the matrix."""
@@ -213,7 +213,7 @@ class DynamicForm:
         forces[:] = self.share * (forces + self.factor.Get() * self.mass.Times(moved))
 
     def Elastic(self, x):
-        """What the form without inertia said of x (n,); None where it was not asked last."""
+        """Residual of the form without inertia at x (n,); None where that was not the last one."""
         known = self._applied is not None and np.array_equal(self._applied[0], x)
         return self._applied[1].copy() if known else None
 

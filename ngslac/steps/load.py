@@ -369,7 +369,7 @@ class LoadStepper(metaclass=Distributable):
         return result
 
     def _Driven(self):
-        """What the load may change of the contacts, besides the solution."""
+        """The data of contacts that the load may change, besides the solution."""
         tables = [contact.Table() for contact in self.solver.contacts]
         return [np.nan_to_num(table[name]) for table in tables for name in ("gap", "friction")]
 
@@ -418,7 +418,7 @@ class LoadStepper(metaclass=Distributable):
         return most
 
     def _Diagnosis(self, error, limit, tried):
-        """What a user has to know of a step that fails however small, or for certain."""
+        """The message about a step that fails at any size, or for certain."""
         begin = f"{self.load.Get():g}"
         if tried is not None:
             balanced = f"; up to a load of {self._Balanced(tried):.3g} there is one"

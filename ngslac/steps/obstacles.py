@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How fast what is no body moves: obstacles, tools, offsets with a Parameter, and what wears."""
+"""Velocities of things that are no bodies: obstacles, tools, offsets with a Parameter, wear."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Obstacles:
         self._offsets = [contact.form.Table()["offset"] for contact in self.contacts]
 
     def Wear(self, gf):
-        """After the step is solved: what an offset that depends on the contact has added."""
+        """After the step is solved: the change of an offset that depends on the contact."""
         for contact, way, before in zip(self.contacts, self.ways, self._offsets, strict=True):
             if contact.gap_is_driven:
                 contact.Evaluate(gf)

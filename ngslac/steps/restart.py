@@ -86,8 +86,8 @@ def SaveState(file, tool, *, also=None) -> None:
 def LoadMesh(file, *, comm=None) -> Mesh:
     """The mesh of a file of `SaveState`, with the numbering that its values refer to.
 
-    It comes back exactly; where it is curved and was refined, up to rounding. What `SetDeformation`
-    was told is to be told again.
+    It comes back exactly; where it is curved and was refined, up to rounding. Call `SetDeformation`
+    again where the mesh had a deformation.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def LoadState(file, tool, *, also=None) -> None:
 
 
 def _Limits(contact):
-    """What the law depends on besides its kind, of each macro-element, with Parameters as now."""
+    """The coefficients and limits of the law on macro-elements, with Parameters as now."""
     setup, form = contact._state.setup, contact.form
     limits = {name: setup[name] for name in ("maxdist", "penetration", "adjust")}
     if form.paired:
@@ -214,7 +214,7 @@ def _Compare(what, saved, here):
 
 
 def _Fingerprint(space):
-    """What two spaces with the same meaning of their dofs have in common."""
+    """A value that is equal for two spaces with the same meaning of their dofs."""
     mesh = space.mesh
     digest = hashlib.sha256(np.ascontiguousarray(mesh.ngmesh.Coordinates()))
     digest.update(f"{DofFingerprint(space)} {mesh.GetCurveOrder()}".encode())

@@ -30,7 +30,7 @@ def WriteTree(path, tree, records=()):
 
 
 def ReadTree(path, records=()):
-    """What `WriteTree` wrote."""
+    """Read a file of `WriteTree`."""
     if path.exists() and not path.is_file():
         raise OSError(f"{path} is no regular file")
     with open(path, "rb") as file:
@@ -55,7 +55,7 @@ class Summing:
 
 
 def CheckSum(path, file):
-    """Refuse a file that is not, bit by bit, what was written."""
+    """Refuse a file that differs in any bit from the one that was written."""
     begin = file.read(len(MAGIC))
     if begin[:1] == PICKLE:
         raise ValueError(
@@ -78,7 +78,7 @@ def CheckSum(path, file):
 
 
 def Encoded(value, arrays, records):
-    """A tree of what JSON knows; arrays go to the list."""
+    """A tree that JSON can hold; arrays are appended to the list."""
 
     def Inside(part):
         return Encoded(part, arrays, records)

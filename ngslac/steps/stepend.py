@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How a time step ends: forces, velocities, and where the energy went."""
+"""The end of a time step: forces, velocities and the energy balance."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class StepBalance:
 
 
 class StepEnd:
-    """What one time step leaves for the next one besides the solution."""
+    """The state that one time step leaves for the next one besides the solution."""
 
     def __init__(self, static, form, mass, scheme, velocity):
         self.static, self.form, self.mass, self.scheme = static, form, mass, scheme
@@ -167,7 +167,7 @@ class StepEnd:
         return restored
 
     def _Settle(self, groups, rows, velocity, before, now, step):
-        """Take back what contact and time integration have brought in; see `Accept`."""
+        """Remove the energy that contact and time integration have brought in; see `Accept`."""
         won = step.After(before, now, self.mass.Energy(velocity)).Won(before)
         velocity, back, owed = self._conservation.Settle(
             velocity, groups, rows, step.by_contact, step.by_time, self.gf.vec.FV().NumPy()

@@ -9,7 +9,7 @@ struct Coupling {
   Array<int> dofs;     // that gap and slip depend on
   Array<int> turning;  // that the normal depends on
   Array<int> masters;  // faces of the master that forces act on
-  Array<int> key;      // what all this follows from
+  Array<int> key;      // the data from which all this follows
 };
 
 template <int D>
@@ -42,7 +42,7 @@ Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, si
 template <int D>
 bool UpdateCoupling(const Scene<D> & scene, const MacroPoints<D> * start, size_t macro, bool pushes,
                     Coupling & coupling) {
-  // Unknowns of a tool have a diagonal whatever touches, where the solver may hold them.
+  // Unknowns of a tool always have a diagonal entry, by which the solver may hold them.
   auto & unknowns = scene.unknowns;
   bool exists = scene.points->area[macro] > 0 || unknowns.Size();
   pushes = pushes || unknowns.Size();

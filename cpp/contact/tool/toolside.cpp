@@ -11,7 +11,7 @@ struct Sides {
   bool faces = false;  // does any face the tool?
   bool behind = false; // does any look the same way as the tool?
   double nearest = 0;  // distance of the point that is nearest to the surface of the tool
-  double shallow = -1; // of those that face it, how deep the one is that is least so
+  double shallow = -1; // depth of the shallowest of those that face it
 };
 
 template <int D>
