@@ -4,6 +4,10 @@ python tests/fuzz/run.py [--json F] [--jobs N] [--only PATTERN] [--sample N] [--
 
 An error is good if it is of the documented kinds and names the argument. Exit code 0: no crash, no
 hang, nothing malformed accepted in silence, no error without the name of the argument.
+
+A new argument gets its odd values in fuzz_targets.py. An odd use is a line below the words that its
+error has to hold, in fuzz_odd.py, or fuzz_strange.py (spaces, meshes), fuzz_solids.py (3D) or
+fuzz_reentrant.py.
 """
 
 import os

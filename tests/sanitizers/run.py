@@ -4,7 +4,16 @@ python tests/sanitizers/run.py [--kind address|range|all] [--json F] [FILE ...]
 
 Builds the plugin in build/sanitizers, looks whether errors planted on purpose are found, and runs
 the tests of pairing, space, contact and solver. Exit code 0: no findings, all tests passed, all
-files ran to their end.
+files ran to their end. This takes a multiple of the ordinary time; a kind and files are a part.
+
+address : ``-fsanitize=address,undefined`` without ``vptr``, whose types NGSolve's wheel hides.
+    Memory on loan from a `LocalHeap` of the wheel counts as one piece. Findings in the wheel itself
+    are listed with reasons in sanitizer_findings.py.
+range : ``_GLIBCXX_ASSERTIONS``, and netgen's checks of indices of arrays, tables, vectors and
+    matrices in our code. ``NETGEN_ENABLE_CHECK_RANGE`` for all of it is impossible: it changes the
+    layout of `BareVector`, `BareSliceVector` and `BareSliceMatrix`. So indices into these are not
+    checked, nor that both operands of a sum have one size; an operand that is too short is found by
+    the index past its end.
 """
 
 import argparse
