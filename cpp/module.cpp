@@ -14,7 +14,6 @@ void ExportLinear(py::module & m);
 void ExportSchur(py::module & m);
 void ExportTwoLevel(py::module & m);
 void ExportTool(py::module & m);
-void ExportRigidTool(py::module & m);
 void ExportContact(py::module & m);
 } // namespace ngslac
 
@@ -31,6 +30,5 @@ PYBIND11_MODULE(_ngslac, m) {
   ExportSchur(m);
   ExportTwoLevel(m);
   ExportTool(m);
-  ExportRigidTool(m);
   ExportContact(m);
 }

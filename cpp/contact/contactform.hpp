@@ -2,7 +2,7 @@
 #pragma once
 #include "jump.hpp"
 #include "law.hpp"
-#include "rigidtool.hpp"
+#include "tool/motion.hpp"
 #include <map>
 
 namespace ngslac {
