@@ -16,7 +16,7 @@ __all__ = [
     "WarnOfCopies",
 ]
 
-# By which Open MPI, and MPICH and its kin, tell how many processes there are, and which this is.
+# Environment variables with the number of processes and the rank, of Open MPI, MPICH and its kin.
 STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"))
 
 

@@ -167,7 +167,7 @@ private:
     }
   }
 
-  // Signed area spanned at the sharpest corner; its sign tells whether the corner is convex.
+  // Signed area spanned at the sharpest corner; its sign shows whether the corner is convex.
   double MinCornerArea(const CornerList & poly) const {
     double least = 0;
     int n = poly.size();

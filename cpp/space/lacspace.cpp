@@ -62,7 +62,7 @@ LACSpace::LACSpace(shared_ptr<FESpace> adisplacement, const Flags & flags)
     vol = make_shared<VectorDifferentialOperator>(vol, components);
     bnd = make_shared<VectorDifferentialOperator>(bnd, components);
   }
-  evaluator[VOL] = vol; // tells proxies their dimension; there are no dofs inside
+  evaluator[VOL] = vol; // gives proxies their dimension; there are no dofs inside
   evaluator[BND] = bnd;
 }
 

@@ -76,8 +76,8 @@ class Modes:
     Arnoldi's method with a real shift (ARPACK by SciPy), Lanczos' where the matrix is symmetric,
     dense algebra up to 300 dofs; with damping on a problem of twice the size. Amplitudes that
     reverse the sliding, or open the contact, are not small. A law of your own counts by its
-    derivative. In 3D with large sliding friction turns with the slave about its normal, of which a
-    warning tells. Modes without frequency that grow are those of buckling.
+    derivative. In 3D with large sliding friction turns with the slave about its normal, and a
+    warning says so. Modes without frequency that grow are those of buckling.
 
     Examples
     --------

@@ -68,7 +68,7 @@ class Slides:
         self.table, self.bound = table, bound
         least = ROUNDING * np.linalg.norm(table["traction"], axis=1)
         self.slips = (table["status"] == 2) & (bound > least)
-        # The slip itself may be rounding, as it is after a step: friction tells where it goes.
+        # The slip itself may be rounding, as it is after a step: friction shows its direction.
         self.direction = np.zeros_like(along)
         self.direction[self.slips] = -along[self.slips] / bound[self.slips, None]
 

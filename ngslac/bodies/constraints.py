@@ -33,7 +33,7 @@ COARSE, PER_BEND, MOST_COARSE = 2e-3, 0.2, 0.05
 # Normals that are one, and the cosine from which on neighbours are a curved surface, no edge.
 SAME_NORMAL, SMOOTH = 1e-6, 0.5
 
-# Normals that may tell what slides: those of contact, or of one side, along which this slides
+# Normals by which sliding is judged: those of contact, or of one side, along which bodies slide
 # whatever the gap between both.
 CONTACT, SLAVE, MASTER = "normal", "slave_normal", "facing"
 

@@ -2,7 +2,7 @@
 """Can contact within its friction balance the loads on bodies that nothing else holds?
 
 Moved as rigid ones, bodies feel the loads and contact alone. Their balance is linear in the
-tractions, and what tractions there may be is a cone: a linear programme tells whether one of them
+tractions, and what tractions there may be is a cone: a linear programme decides whether one of them
 balances the loads, or finds the motion along which the loads win. It needs no solution.
 """
 
@@ -46,7 +46,7 @@ class RigidBalance:
         self._jumps = [JumpRows(contact) @ columns for contact in self.contacts]
         self._loads = loads
         motion = self._Winner(0.0)
-        return "" if motion is None else self._Told(motion)
+        return "" if motion is None else self._Message(motion)
 
     def _Winner(self, rough, within=None):
         """The motion along which loads do more work than contact resists; None: none."""
@@ -64,7 +64,7 @@ class RigidBalance:
         motion, lacking = found
         return within @ motion if lacking > LEAST else None
 
-    def _Told(self, motion):
+    def _Message(self, motion):
         """The message about loads that do work along a motion."""
         straight = self._Translations()
         pulled = self._Winner(np.inf, straight)
@@ -115,12 +115,12 @@ class RigidBalance:
             weights = combinations @ motion[rows]
             found.append((np.linalg.norm(weights), part, weights))
         most = max(size for size, *_ in found)
-        told = [
+        texts = [
             f"body {self.bodies.name(part)} " + words.format(self._Direction(weights))
             for size, part, weights in found
             if size > MOVING * most
         ]
-        return "no equilibrium: " + "; ".join(told) + REMEDY
+        return "no equilibrium: " + "; ".join(texts) + REMEDY
 
     def _Direction(self, weights):
         """A motion in words: where to, or which rotation."""

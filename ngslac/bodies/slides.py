@@ -16,7 +16,7 @@ __all__ = ["OwnSlides", "SlidesOf"]
 # differ by a hundredth .007.
 ACROSS, FLAT = 1e-3, 0.04
 # The same at points: a disc of eight edges has .22, a square .4, planes rounding errors. Of what
-# slides on planes the contact that is closed tells.
+# slides on planes the closed contact decides.
 POINTWISE, EXACT = 0.25, 1e-7
 # How well a mesh knows a smooth surface whose faces are curved: or better, or as its normals show.
 FINE = 1e-3

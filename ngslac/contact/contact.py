@@ -284,8 +284,8 @@ class LACContact(metaclass=Distributable):
         bulk : BaseMatrix
             On the product space.
         form : BilinearForm or BaseMatrix, optional
-            The bulk without inertia. Its elements tell which body is the stiffer one, and so the
-            contact direction; a matrix tells the same unless something is condensed.
+            The bulk without inertia. Its elements determine which body is the stiffer one, and so
+            the contact direction; so does a matrix, unless something is condensed.
 
         Raises
         ------

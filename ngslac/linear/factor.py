@@ -104,7 +104,7 @@ def Factor(mat, freedofs, inverse, **flags):
     if not fine:
         raise LinearSolveError(f"{inverse}: the matrix is singular")
     if quiet.text:
-        print(quiet.text, end="")  # such as what NGSolve was asked to tell
+        print(quiet.text, end="")  # such as output that NGSolve was asked for
     return factors
 
 

@@ -14,7 +14,7 @@ __all__ = ["PartsInverse"]
 
 # Differences relative to the diagonal that are rounding; residual that a solution may leave.
 EQUAL, SMALL = 1e-14, 1e-10
-# More parts than this are not told apart; most rows of a dense complement.
+# Most parts that are distinguished; most rows of a dense complement.
 MOST, MOST_ROWS = 100, 3000
 
 
@@ -47,7 +47,7 @@ class PartsInverse:
         self._groups.append((mat, Factor(Exported(mat), free, "sparsecholesky"), [dofs]))
 
     def _Check(self, mat, dofs):
-        """The factorisation does not tell: look at a residual."""
+        """The factorisation reports no errors: look at a residual."""
         wanted = np.random.default_rng(3).standard_normal(mat.shape[0])
         left = (mat @ self.Solve(wanted) - wanted)[dofs]
         if not np.linalg.norm(left) <= SMALL * np.linalg.norm(wanted[dofs]):

@@ -25,10 +25,10 @@ class LimitLoad:
     """Looks for a limit of the load from converged states and from where Newton's method got stuck.
 
     Along the motion that a load causes at first, the resistance of a structure that collapses has
-    a maximum. The parabola that the resistance is for a short way tells where (Koiter's expansion):
-    an estimate, and the better the nearer it is. Beyond the limit, Newton's method gets stuck where
-    the residual has a minimum that is not zero, which is where the tangent is singular: the least
-    load that is left there tells of the limit, too.
+    a maximum. For a short way the resistance is a parabola, whose maximum estimates the limit
+    (Koiter's expansion), the better the nearer it is. Beyond the limit, Newton's method gets stuck
+    where the residual has a minimum that is not zero, which is where the tangent is singular: the
+    least load that is left there shows the limit, too.
     """
 
     def __init__(self, solver, load, full):

@@ -37,7 +37,7 @@ public:
     slave_reference = this->finder.Slave(nullptr);
     slave_shapes = make_unique<FaceShapes<D>>(u, *slave_reference, slave_reference->Degree());
     law->Reset();
-    law->FindDofs(*slave_reference); // which tell what is closed
+    law->FindDofs(*slave_reference); // which determine what is closed
     Begin(x, meeting);
     Follow(x);
     reference.SetSize(Size()), last_gap.SetSize(Size());
