@@ -135,8 +135,8 @@ main = Example(
     columns=COLUMNS,
     told=("force_error", "shift_error"),
     curves=(("shift_half_spaces", "shear"), ("shift_exact", "shear")),
-    shear=(Positive, Problem.shear, "largest Q/(F P)"),
-    reverse=(int, Problem.reverse, "steps back"),
+    shear=(Positive, "largest Q/(F P)"),
+    reverse=(int, "steps back"),
 )
 
 

@@ -1,9 +1,11 @@
 """What the examples share: the command line, the numbers of the steps, pictures."""
 
 import argparse
+import inspect
 import json
 import math
 import os
+import time
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
@@ -89,6 +91,7 @@ def _Start(run, parser, arguments):
     file = options.pop("json")
     if options["out"] and not find_spec("matplotlib"):  # said before the work, not after it
         parser.error("--out: the pictures need matplotlib: pip install matplotlib")
+    start = time.perf_counter()
     try:
         figures = run(**options)
     except KeyboardInterrupt:
@@ -97,6 +100,7 @@ def _Start(run, parser, arguments):
         raise Ended(str(error)) from None
     except ValueError as error:
         parser.error(str(error))
+    figures["seconds"] = time.perf_counter() - start
     if file and Speaks():
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(figures, indent=2, default=float) + "\n")
@@ -110,16 +114,20 @@ def Ended(text):
     return SystemExit(text if Speaks() else 1)
 
 
-def Main(run, text, **options):
-    """The ``main`` of an example: ``name=(kind, default, help)`` is the option --name.
+def Main(run, text, *others, **options):
+    """The ``main`` of an example: ``name=(kind, help)`` is the option --name.
 
-    The kind is a type, or a tuple of choices, or bool for a switch; a tuple as default stands for
-    as many values, or for some of the choices.
+    The kind is a type, or a tuple of choices, or bool for a switch. Defaults are those of the
+    arguments of `run`, or of `others` that it calls; a tuple stands for as many values, or for some
+    of the choices.
     """
+    arguments_of = [inspect.signature(call).parameters for call in (*others, run)]
+    defaults = {name: p.default for found in arguments_of for name, p in found.items()}
 
     def main(arguments=None):
         parser = Options(text)
-        for name, (kind, default, about) in options.items():
+        for name, (kind, about) in options.items():
+            default = defaults[name]
             flags = {"default": default, "help": about}
             if kind is bool:
                 flags["action"] = "store_true"

@@ -10,22 +10,10 @@ All forces balance: the die carries what punch and holder press, and the holder 
 force that is given, to the tolerance of the solver.
 """
 
-import time
-
 from command import Columns, Count, Main, NotNegative, Picture, Positive
 from deformed import Deformed
 from netgen.occ import OCCGeometry, WorkPlane
-from ngsolve import (
-    BilinearForm,
-    Grad,
-    GridFunction,
-    Mesh,
-    NumberSpace,
-    Parameter,
-    Variation,
-    VectorH1,
-    dx,
-)
+from ngsolve import *
 from plasticity import J2Plasticity, LogStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
@@ -120,7 +108,6 @@ def Write(press, folder):
 
 def Run(h=0.04, depth=0.15, steps=30, friction=0.1, force=10.0, out=None, quiet=True):
     """Draw the sheet; returns forces and draw-in of the steps."""
-    start = time.perf_counter()
     press = Press(h, friction, force)
     press.Draw(depth, steps, not quiet)
     last = press.steps[-1]
@@ -137,18 +124,17 @@ def Run(h=0.04, depth=0.15, steps=30, friction=0.1, force=10.0, out=None, quiet=
         "punch_force": -last["punch"],
         "holder_force": -last["holder"],
         "steps": len(press.steps),
-        "seconds": time.perf_counter() - start,
     }
 
 
 main = Main(
     Run,
     __doc__,
-    h=(Positive, 0.04, "edge length"),
-    depth=(Positive, 0.15, "way of the punch"),
-    steps=(Count, 30, "steps"),
-    friction=(NotNegative, 0.1, "coefficient"),
-    force=(Positive, 10.0, "of the holder"),
+    h=(Positive, "edge length"),
+    depth=(Positive, "way of the punch"),
+    steps=(Count, "steps"),
+    friction=(NotNegative, "coefficient"),
+    force=(Positive, "of the holder"),
 )
 
 if __name__ == "__main__":

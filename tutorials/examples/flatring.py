@@ -144,12 +144,13 @@ def Run(travel=1.71, steps=38, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    h=(Positive, 0.12, "edge length"),
-    thickness=(Positive, 0.15, "of the ring"),
-    friction=(NotNegative, 0.2, "coefficient"),
-    travel=(Positive, 1.71, "by which the plates approach each other"),
-    steps=(Count, 38, "load steps"),
-    quarter=(bool, False, "a rigid plane in the middle"),
+    Ring,
+    h=(Positive, "edge length"),
+    thickness=(Positive, "of the ring"),
+    friction=(NotNegative, "coefficient"),
+    travel=(Positive, "by which the plates approach each other"),
+    steps=(Count, "load steps"),
+    quarter=(bool, "a rigid plane in the middle"),
 )
 
 

@@ -12,7 +12,6 @@ pressure at the origin by about 1.6 %.
 """
 
 import math
-import time
 
 import numpy as np
 from command import Count, Main, Mosaic, NotNegative, Positive
@@ -205,16 +204,15 @@ def Write(problem, folder):
     VTKOutput(problem.mesh, [*fields.values()], [*fields], str(folder / "hertz"), order=2).Do()
 
 
-def Run(steps=31, out=None, quiet=True, **options):
+def Run(steps=31, h=0.2, power=2, out=None, quiet=True, **options):
     """Press the cylinder down; the options are those of `Hertz`. Returns the numbers of the end."""
-    start, problem = time.perf_counter(), Hertz(**options)
+    problem = Hertz(h=h, power=power, **options)
     problem.Press(steps, printing=not quiet)
     iterations = [state["iterations"] for state in problem.states]
     figures = Figures(problem.states[-1]) | {
         "newton_iterations": iterations,
         "newton_max": max(iterations),
         "ndof": len(problem.gf.vec),
-        "seconds": time.perf_counter() - start,
     }
     if out:
         Write(problem, out)
@@ -230,15 +228,17 @@ def Run(steps=31, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    order=((1, 2, 3), 2, "order of the displacement"),
-    h=(Positive, 0.2, "edge length in the contact zone, in mm"),
-    friction=(NotNegative, 0.2, "coefficient of friction"),
-    steps=(Count, 31, "load steps"),
-    power=((1, 2), 2, "of the load: 1 equal steps, 2 equal growth of the contact"),
-    stabilize=(("split", "bubble", "none"), "none", "of order 1"),
-    slave=(tuple(SIDES), "cylinder", "body with the multipliers"),
-    finite=(bool, False, "large sliding"),
-    full=(bool, False, "the full model in place of the half"),
+    Displacements,
+    Hertz,
+    order=((1, 2, 3), "order of the displacement"),
+    h=(Positive, "edge length in the contact zone, in mm"),
+    friction=(NotNegative, "coefficient of friction"),
+    steps=(Count, "load steps"),
+    power=((1, 2), "of the load: 1 equal steps, 2 equal growth of the contact"),
+    stabilize=(("split", "bubble", "none"), "of order 1"),
+    slave=(tuple(SIDES), "body with the multipliers"),
+    finite=(bool, "large sliding"),
+    full=(bool, "the full model in place of the half"),
 )
 
 

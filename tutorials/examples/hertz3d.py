@@ -102,7 +102,19 @@ def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
     return pressed
 
 
-def Run(*, out, quiet, shape, model, h, order, stabilize, friction, steps, inverse):
+def Run(
+    *,
+    out,
+    quiet,
+    shape="sphere",
+    model="quarter",
+    h=0.3125,
+    order=2,
+    stabilize="none",
+    friction=0.0,
+    steps=1,
+    inverse=None,
+):
     """Compute, compare, print, write; the figures."""
     mesh = Distributed(
         lambda: Mesh(shape, h, model=model, order=order, stabilize=stabilize), Communicator()
@@ -149,14 +161,14 @@ def Write(out, pressed, hertz):
 main = Main(
     Run,
     __doc__,
-    shape=(("sphere", "cylinder"), "sphere", "what is pressed"),
-    model=(("quarter", "full"), "quarter", "part that is computed"),
-    h=(Positive, 0.3125, "size of the slave faces, in mm"),
-    order=((1, 2, 3), 2, "order of the displacement"),
-    stabilize=(("none", "bubble", "split"), "none", "of single faces by"),
-    friction=(NotNegative, 0.0, "coefficient of friction"),
-    steps=(Count, 1, "number of load steps"),
-    inverse=(str, None, "sparse direct solver, such as umfpack or pardiso"),
+    shape=(("sphere", "cylinder"), "what is pressed"),
+    model=(("quarter", "full"), "part that is computed"),
+    h=(Positive, "size of the slave faces, in mm"),
+    order=((1, 2, 3), "order of the displacement"),
+    stabilize=(("none", "bubble", "split"), "of single faces by"),
+    friction=(NotNegative, "coefficient of friction"),
+    steps=(Count, "number of load steps"),
+    inverse=(str, "sparse direct solver, such as umfpack or pardiso"),
 )
 
 

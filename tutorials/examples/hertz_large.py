@@ -138,12 +138,13 @@ def Run(steps=30, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    h=(Positive, 0.05, "edge length on the arc, in mm"),
-    order=((2, 3), 2, "order of the displacement"),
-    nu=(NotNegative, 0.49, "Poisson's ratio"),
-    friction=(NotNegative, 0.0, "coefficient of friction"),
-    depth=(Positive, 0.3, "approach of the middle to a plate, in mm"),
-    steps=(Count, 30, "load steps"),
+    Cylinder,
+    h=(Positive, "edge length on the arc, in mm"),
+    order=((2, 3), "order of the displacement"),
+    nu=(NotNegative, "Poisson's ratio"),
+    friction=(NotNegative, "coefficient of friction"),
+    depth=(Positive, "approach of the middle to a plate, in mm"),
+    steps=(Count, "load steps"),
 )
 
 

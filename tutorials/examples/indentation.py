@@ -12,7 +12,6 @@ rigid plastic body (6.2), unloading and loading again without further yield (6.4
 """
 
 import math
-import time
 
 import numpy as np
 from command import Count, Main, NotNegative, Picture, Positive
@@ -149,10 +148,8 @@ def Write(cycle, folder):
 
 def Run(depth=0.08, steps=16, back=16, out=None, quiet=True, **options):
     """Press in, withdraw, press again; the other options are those of `Indenter`."""
-    start = time.perf_counter()
     cycle = Cycle(Indenter(**options), depth, steps, back, printing=not quiet)
     figures = {"onset_pressure": Onset(**options)} | cycle.Figures()
-    figures["seconds"] = time.perf_counter() - start
     if out:
         Write(cycle, out)
     if not quiet:
@@ -167,11 +164,12 @@ def Run(depth=0.08, steps=16, back=16, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    h=(Positive, 0.2, "edge length in the contact zone, in mm"),
-    depth=(Positive, 0.08, "largest depth, in mm"),
-    steps=(Count, 16, "loading steps"),
-    yield_stress=(Positive, 35.0, "in MPa"),
-    hardening=(NotNegative, 70.0, "slope of the yield stress, in MPa"),
+    Indenter,
+    h=(Positive, "edge length in the contact zone, in mm"),
+    depth=(Positive, "largest depth, in mm"),
+    steps=(Count, "loading steps"),
+    yield_stress=(Positive, "in MPa"),
+    hardening=(NotNegative, "slope of the yield stress, in MPa"),
 )
 
 

@@ -161,11 +161,12 @@ def Run(steps=80, stroke=STROKE, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    h=(Positive, 0.3, "edge length on the top of the slab, in mm"),
-    order=((2, 3), 2, "order of the displacement"),
-    friction=(NotNegative, 0.3, "coefficient of friction"),
-    steps=(Count, 80, "load steps, at least 2"),
-    stroke=(Positive, STROKE, "way of the die to the right, in mm"),
+    Ironing,
+    h=(Positive, "edge length on the top of the slab, in mm"),
+    order=((2, 3), "order of the displacement"),
+    friction=(NotNegative, "coefficient of friction"),
+    steps=(Count, "load steps, at least 2"),
+    stroke=(Positive, "way of the die to the right, in mm"),
 )
 
 

@@ -168,7 +168,7 @@ def Write(out, rows, displacement, contact):
     contact.Segments().WriteVTU(out / "patch3d_segments.vtu")
 
 
-main = Main(Run, __doc__, friction=(NotNegative, 0.0, "coefficient of friction"))
+main = Main(Run, __doc__, friction=(NotNegative, "coefficient of friction"))
 
 
 if __name__ == "__main__":

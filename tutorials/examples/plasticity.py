@@ -5,20 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from ngsolve import (
-    CF,
-    Det,
-    GridFunction,
-    Id,
-    IfPos,
-    InnerProduct,
-    Inv,
-    Trace,
-    dx,
-    exp,
-    log,
-    sqrt,
-)
+from ngsolve import *
 from ngsolve import Integrate as NGSolveIntegrate
 from ngsolve.comp import IntegrationRuleSpace
 

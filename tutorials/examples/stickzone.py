@@ -111,7 +111,7 @@ def Example(name, Solve, text, problem, models, *, load, columns, told, curves, 
     def Tell(state):
         print(f"  {load(state)}   {state.iterations} Newton iterations", flush=True)
 
-    def Run(*, out, quiet, smooth, **chosen):
+    def Run(*, out, quiet, smooth=False, **chosen):
         results = Solve(None if quiet else Tell, rough=not smooth, **chosen)
         figures = results.figures
         if not quiet:
@@ -122,7 +122,7 @@ def Example(name, Solve, text, problem, models, *, load, columns, told, curves, 
             Write(results, out, name, *curves)
         return figures
 
-    return Main(Run, text, **Choices(problem, *models), **options)
+    return Main(Run, text, problem, **Choices(*models), **options)
 
 
 def Table(names, rows):
@@ -134,9 +134,9 @@ def Table(names, rows):
     return "\n".join(lines)
 
 
-def Choices(problem, *models):
+def Choices(*models):
     """Options of the command line that both have."""
-    options = {
+    return {
         "model": (models, "part that is computed"),
         "elements": (Positive, "element edges along the contact radius"),
         "order": ((1, 2, 3), "order of the displacement"),
@@ -144,9 +144,8 @@ def Choices(problem, *models):
         "friction": (Positive, "coefficient of friction"),
         "nu": (NotNegative, "Poisson's ratio"),
         "steps": (Count, "steps of the tangential load"),
+        "smooth": (bool, "no friction while pressing"),
     }
-    options = {name: (kind, getattr(problem, name), text) for name, (kind, text) in options.items()}
-    return options | {"smooth": (bool, False, "no friction while pressing")}
 
 
 def Write(results, out, name, curve, exact):

@@ -90,7 +90,7 @@ main = Example(
     columns=COLUMNS,
     told=("moment_error",),
     curves=(("angle", "moment_ratio"), ("angle", "moment_exact")),
-    angle=(Positive, Problem.angle, "largest angle"),
+    angle=(Positive, "largest angle"),
 )
 
 

@@ -143,12 +143,13 @@ def Run(steps=12, out=None, quiet=True, **options):
 main = Main(
     Run,
     __doc__,
-    n=(Count, 3, "faces of the upper block in each direction"),
-    order=((2, 3), 2, "order of the displacement"),
-    friction=(NotNegative, 0.3, "coefficient of friction"),
-    angle=(Positive, 180.0, "angle of the turn in degrees"),
-    steps=(Count, 12, "load steps of the turn"),
-    rigid=(bool, False, "the lower block is rigid"),
+    Blocks,
+    n=(Count, "faces of the upper block in each direction"),
+    order=((2, 3), "order of the displacement"),
+    friction=(NotNegative, "coefficient of friction"),
+    angle=(Positive, "angle of the turn in degrees"),
+    steps=(Count, "load steps of the turn"),
+    rigid=(bool, "the lower block is rigid"),
 )
 
 

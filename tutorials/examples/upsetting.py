@@ -11,25 +11,12 @@ over the rim; for that the mesh is too coarse there.)
 """
 
 import math
-import time
 from dataclasses import replace
 
 import numpy as np
 from command import Columns, Count, Main, NotNegative, Picture, Positive
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import (
-    BilinearForm,
-    Det,
-    Grad,
-    GridFunction,
-    Id,
-    Integrate,
-    Mesh,
-    Parameter,
-    Variation,
-    VectorH1,
-    dx,
-)
+from ngsolve import *
 from plasticity import J2Plasticity, LogStrain
 
 from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
@@ -130,7 +117,6 @@ def Run(n=4, friction=0.2, depth=3.0, steps=10, out=None, quiet=True):
     """Upset the billet; returns forces over those without friction, bulge and volume."""
     if depth >= 6:
         raise ValueError(f"depth = {depth} must be less than 6: the side would fold over the rim")
-    start = time.perf_counter()
     press = Press(n, friction)
     press.Upset(depth, steps, not quiet)
     middle, end = press.Bulge()
@@ -146,17 +132,16 @@ def Run(n=4, friction=0.2, depth=3.0, steps=10, out=None, quiet=True):
         "force_ratio": ratios,
         "bulge": middle - end,
         "volume": float(press.Volume()),
-        "seconds": time.perf_counter() - start,
     }
 
 
 main = Main(
     Run,
     __doc__,
-    n=(Count, 4, "elements along the radius and along half of the length"),
-    friction=(NotNegative, 0.2, "coefficient"),
-    depth=(Positive, 3.0, "way of each die, in mm, less than 6"),
-    steps=(Count, 10, "steps"),
+    n=(Count, "elements along the radius and along half of the length"),
+    friction=(NotNegative, "coefficient"),
+    depth=(Positive, "way of each die, in mm, less than 6"),
+    steps=(Count, "steps"),
 )
 
 if __name__ == "__main__":
