@@ -98,10 +98,10 @@ class Problem:
             return (0.0, 0.0, -SPHERE_FORCE)
         return (*(SHEAR if self.friction else (0.0, 0.0)), -PRESSURE)
 
-    def Imbalance(self, force, factor=1.0):
+    def Imbalance(self, force):
         """Contact force on the slave against its load, relative; supports may take the others."""
         taken = {"hertz": [1], "sphere": [2]}.get(self.name, [0, 1, 2])
-        load = factor * np.array(self.Load())
+        load = np.array(self.Load())
         return float(np.linalg.norm((np.array(force) + load)[taken]) / np.linalg.norm(load))
 
     def _Loading(self, mesh, v, load):

@@ -1,4 +1,4 @@
-"""What `scaling.py` and `phases.py` measure: a contact solution by phases, elastic solves."""
+"""Measured solutions: one with contact by phases, a linear elastic one."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def PeakMemory():
     return kilobytes * 1024 / 1e9
 
 
-def SolveContact(problem, mesh, *, end=1.0, steps=1, **options):
+def SolveContact(problem, mesh, *, steps=1, **options):
     """Solve a contact problem as a user would; its contact, solver, steps, and what it took.
 
     The clock runs from the first form to the last converged step: assembly of the bulk, pairing and
@@ -125,13 +125,13 @@ def SolveContact(problem, mesh, *, end=1.0, steps=1, **options):
         with Meter() as meter, watch.Running():
             a, contact, load, gf = problem.Contact(fes)
             solver = ContactSolver(a, gf, contact, **options)
-            history = LoadStepper(solver, load).Integrate(end, steps=steps, printing=False)
+            history = LoadStepper(solver, load).Integrate(1.0, steps=steps, printing=False)
     return SimpleNamespace(
         contact=contact,
         linear=solver.linear,
         ndof=gf.components[0].space.ndof,
         iterations=[step.iterations for step in history],
-        error=problem.Imbalance(contact.Force(), end),
+        error=problem.Imbalance(contact.Force()),
         figures=meter.Figures(),
         phases=dict(watch.seconds),
     )

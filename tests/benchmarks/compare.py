@@ -2,14 +2,10 @@
 
     python tests/benchmarks/compare.py
     python tests/benchmarks/compare.py --problems sphere --sizes sphere=0.6,0.4 --markdown table.md
-    python tests/benchmarks/compare.py --quick --json quick.json
 
 Each run has a process of its own and a time limit; what is not installed, or fails, is named below
 its table. ngslac alone runs on other sizes, too (`--own`): a second table has each peer beside the
 fastest of its runs with no larger error. The drivers and what they measure: `peers/README.md`.
-`--quick` runs ngslac alone, at 100,000 unknowns, and compares with linear elastic solves of the
-same mesh: the fastest direct one (`..._over_elastic`) and the best of any kind (`..._over_best`),
-in wall and in processor time (`..._cpu`).
 """
 
 from __future__ import annotations
@@ -245,16 +241,6 @@ def Sizes(words, default, option="--sizes"):
     return sizes
 
 
-def Quick(options):
-    """ngslac alone against an elastic solve, at 100,000 unknowns."""
-    from scaling import Ratios
-
-    ratios = Ratios(ndof=100_000, inverse=options.inverse, solver=options.solver)
-    for name, value in ratios.items():
-        print(f"{name:28} {value:.2f}" if isinstance(value, float) else f"{name:28} {value}")
-    return ratios
-
-
 def Everything(options):
     """All tables; returns what goes into the JSON file."""
     chosen = {"--inverse": options.inverse, "--solver": options.solver}
@@ -302,10 +288,9 @@ def main(argv=None):
     add("--inverse", help="ngslac: sparse direct solver")
     add("--solver", help="ngslac: kind of solver")
     add("--meshes", metavar="DIR", help="keep the meshes here, and take those that are there")
-    add("--quick", action="store_true", help="ngslac against an elastic solve, 100,000 unknowns")
     add("--markdown", metavar="FILE", help="write the tables to this file")
     options = parser.parse_args(argv)
-    WriteJSON(options.json, Quick(options) if options.quick else Everything(options))
+    WriteJSON(options.json, Everything(options))
 
 
 if __name__ == "__main__":

@@ -16,9 +16,7 @@ spaces are made.
 
 from __future__ import annotations
 
-import itertools
 import json
-import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -30,7 +28,6 @@ from benchmark_runs import SolveContact, SolveElastic
 # Kind of run -> is there friction, number of load steps.
 KINDS = {"frictionless": (False, 1), "friction": (True, 1), "ten_steps": (True, 10)}
 ALL = ("elastic", *KINDS)
-SHORT = {"friction": "friction_step"}  # in the names of ratios
 TITLES = {"patch": "two blocks, tetrahedra", "patch_hex": "two blocks, hexahedra"}
 TITLES |= {"sphere": "sphere on block", "hertz": "Hertz, 2D"}
 NAMES = {"elastic": "elastic, direct", "best": "elastic, best of any kind"}
@@ -59,7 +56,7 @@ class Row:
     iterations: list | None = None  # Newton, per step
     krylov: int | None = None
     factorisations: int | None = None
-    phases: dict = field(default_factory=dict)  # seconds, see phases.py
+    phases: dict = field(default_factory=dict)  # seconds, see `benchmark_runs.CALLS`
     variants: dict = field(default_factory=dict)  # elastic: name -> wall, cpu, memory, error
 
     @property
@@ -158,31 +155,6 @@ def Runs(problems, sizes, kinds=ALL, **options):
             print(Line(row) if row else killed, flush=True)
             if row:
                 yield row
-
-
-def Ratios(ndof=100_000, **options):
-    """Times of the sphere problem as multiples of an elastic solve.
-
-    A dictionary of ``frictionless_over_elastic``, ``friction_step_over_elastic`` and
-    ``ten_steps_over_elastic`` (the elastic solve is the fastest direct one; wall times), the same
-    with ``_over_best`` (the best of any kind) and with ``_cpu`` at the end, ``ndof``, ``best`` (its
-    name), and ``seconds`` and ``cpu_seconds`` for each kind of run and for ``best``. The nearest
-    size of the table is taken.
-    """
-    size = min(SIZES["sphere"], key=lambda size: abs(math.log(size / ndof)))
-    runs = {row.kind: row for row in Runs(["sphere"], [size], **options)}
-    if lost := [kind for kind in ALL if kind not in runs]:
-        raise MemoryError(f"runs of {size} dofs were killed: {', '.join(lost)}")
-    runs["best"] = runs["elastic"].Best()
-    ratios = {}
-    for end, name in (("", "wall"), ("_cpu", "cpu")):
-        for yardstick, kind in itertools.product(("elastic", "best"), KINDS):
-            ratio = getattr(runs[kind], name) / getattr(runs[yardstick], name)
-            ratios[f"{SHORT.get(kind, kind)}_over_{yardstick}{end}"] = ratio
-    known = {"ndof": runs["elastic"].ndof, "best": runs["best"].inverse}
-    seconds = {kind: row.wall for kind, row in runs.items()}
-    cpu_seconds = {kind: row.cpu for kind, row in runs.items()}
-    return ratios | known | {"seconds": seconds, "cpu_seconds": cpu_seconds}
 
 
 # ---------------------------------------------------------------- output
