@@ -211,24 +211,6 @@ def test_two_level_product(friction):
     assert error < SINGLE * expected.Norm()
 
 
-@pytest.mark.parametrize(("order", "friction"), [(1, 0.05), (2, 0.05), (1, 5.0)])
-def test_own_preconditioner(order, friction):
-    """Of any order, also with slip; called anew where the matrix changes."""
-    given, calls = {"order": order, "friction": friction, "n": (4, 3)}, []
-
-    def smoother(mat, freedofs):
-        calls.append(mat)
-        return mat.CreateSmoother(freedofs)
-
-    reference, problem = press3d(**given), press3d(**given)
-    solved(reference, solver="direct")
-    solver = solved(problem, preconditioner=smoother)
-    assert (solver.linear.method, solver.linear.factorisations) == ("iterative", 0)
-    assert 1 <= len(calls) <= len(solver.history)
-    u, expected = (numpy(p.gf.components[0]) for p in (problem, reference))
-    assert u == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
-
-
 def test_matrix_is_merged_in_place_where_only_contact_changes():
     """As merged anew, after each change of status; another bulk makes another matrix."""
     problem = press3d(friction=0.05)

@@ -4,20 +4,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ngsolve import BilinearForm
+import scipy.sparse.linalg
+from ngsolve import BilinearForm, ds
 from press import linear as stiffness
 from press import mixed_press, mixed_press3d, press, press3d, same, solved
 
 from ngslac import BubbleVectorH1
-from ngslac.arrays import Multiply
+from ngslac.arrays import Multiply, ToCSR
 from ngslac.errors import LinearSolveError
 from ngslac.linear import chain
 from ngslac.linear.grounded import Spread
 from ngslac.linear.refine import Refine
-from ngslac.linear.system import LinearSystem
+from ngslac.linear.system import LinearSystem, Method
 from ngslac.petsc import library
 
+
+def pressed(u, v, load):
+    """Forces on the upper block, which nothing holds but contact."""
+    return [stiffness(u, v), load * (4 * v[2] - 0.2 * v[0]) * ds("top")]
+
+
 TIED = {"tied": True, "friction": None}
+FIRST = {"order": 1, "friction": 0.1, "n": (4, 3)}
 BUBBLES = {"order": 1, "space": BubbleVectorH1, "flags": {"slave": "slave"}}
 CASES = {
     "2D stick": (press, {"friction": 5.0}),
@@ -42,6 +50,15 @@ CASES = {
     "3D slip": (press3d, {"friction": 0.1}),
     "3D tets": (mixed_press3d, {"kinds": ("tet", "tet")}),
     "3D third order": (mixed_press3d, {"order": 3, "n": (3, 2)}),
+    "3D first order": (press3d, FIRST | {"kinds": ("tet", "tet")}),
+    "3D hexes": (press3d, FIRST | {"kinds": ("hex", "hex")}),
+    "3D prisms": (press3d, FIRST | {"kinds": ("prism", "hex")}),
+    "3D bubbles": (press3d, FIRST | BUBBLES),
+    "3D in two directions": (
+        press3d,
+        FIRST | {"flags": {"dirichletx": "bottom", "dirichletz": "bottom"}},
+    ),
+    "3D held by contact": (press3d, FIRST | {"spring": 0.0, "bulk": pressed}),
 }
 try:
     library.LoadPETSc()
@@ -52,6 +69,27 @@ needs_petsc = pytest.mark.skipif(bool(missing), reason=missing or "petsc4py is t
 # How near the displacements come to those of LU, relative to them.
 METHODS = {"interface": 1e-11, "iterative": 1e-7, "petsc direct": 1e-9, "petsc iterative": 1e-7}
 ALL = [*METHODS][:2] + [pytest.param(name, marks=needs_petsc) for name in [*METHODS][2:]]
+OWN = {"scipy": ["2D frictionless", "2D finite", "2D condensed"]}
+OWN["smoother"] = ["3D slip", "3D stick", "3D hexes"]
+
+
+class SciPyLU(Method):
+    """Factors of the whole matrix by SciPy, made anew for each system: a method of a user."""
+
+    def __str__(self):
+        return "factors of SciPy"
+
+    def Solve(self, system, b):
+        mat, free = system.matrix, system.free
+        self.factorisations += 1
+        factors = scipy.sparse.linalg.splu(ToCSR(mat)[free][:, free].tocsc())
+
+        def Step(left):
+            x = 0 * left
+            x[free] = factors.solve(left[free])
+            return x
+
+        return Refine(Step, lambda x: (b - Multiply([mat], x)) * free, b)
 
 
 def made(case):
@@ -61,6 +99,9 @@ def made(case):
 
 def chosen(method, monkeypatch):
     """Options of a solver with a method; PETSc's depend on the size."""
+    if method == "smoother":
+        return {"preconditioner": lambda mat, free: mat.CreateSmoother(free)}
+    monkeypatch.setitem(chain.METHODS, "scipy", lambda parts: SciPyLU())
     if method.startswith("petsc"):
         large = 0 if method.endswith("iterative") else 1e9
         monkeypatch.setitem(chain.LARGE, "petsc", {2: large, 3: large})
@@ -70,19 +111,29 @@ def chosen(method, monkeypatch):
 @pytest.mark.parametrize("method", ALL)
 @pytest.mark.parametrize("case", CASES)
 def test_same_solution(case, method, monkeypatch):
+    check_solution(case, method, METHODS[method], monkeypatch)
+
+
+@pytest.mark.parametrize(("method", "case"), [(m, c) for m, cases in OWN.items() for c in cases])
+def test_same_solution_with_parts_of_ones_own(method, case, monkeypatch):
+    """A method, and a preconditioner for the iterations."""
+    check_solution(case, method, 1e-7, monkeypatch)
+
+
+def check_solution(case, method, tol, monkeypatch):
     if (case, method) == ("2D large", "interface"):
         pytest.skip("the bulk has another matrix each time")
     reference, problem = made(case), made(case)
     expected = solved(reference, solver="direct")
     solver = solved(problem, **chosen(method, monkeypatch))
     linear = solver.linear
-    assert linear.method == method.split()[-1]
-    assert (linear.krylov > 0) == ("iterative" in method)
-    assert (linear.factorisations == 0) == ("iterative" in method)
+    iterates = "iterative" in method or method == "smoother"
+    assert linear.method == ("iterative" if iterates else method.split()[-1])
+    assert (linear.krylov > 0) == (linear.factorisations == 0) == iterates
     if method == "interface":
         assert linear.factorisations == 1
         assert len(solver.history) == len(expected.history)
-    same(problem, reference, METHODS[method])
+    same(problem, reference, tol)
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,13 @@
-"""Multigrid of all orders: as exact as the direct solver, and as many iterations on any mesh."""
+"""Multigrid: as many iterations on any mesh, setups that serve again, parts of the hierarchy."""
 
 import numpy as np
 import pytest
-from ngsolve import BitArray, ds
-from press import linear, numpy, press3d, same, solved
+from ngsolve import BitArray
+from press import numpy, press3d, solved
 from pyamg.relaxation.relaxation import block_gauss_seidel
 from scipy.sparse import bsr_matrix, eye_array
+from test_linear import FIRST
 
-from ngslac import BubbleVectorH1
 from ngslac.linear.chain import FACTORED, LARGE
 from ngslac.linear.hierarchy import (
     COARSEST,
@@ -20,34 +20,6 @@ from ngslac.linear.hierarchy import (
 )
 from ngslac.linear.vertices import VertexNodes
 from ngslac.rigid import MotionsAt
-
-FIRST = {"order": 1, "friction": 0.1, "n": (4, 3)}
-CASES = {
-    "tets": {"kinds": ("tet", "tet")},
-    "hexes": {"kinds": ("hex", "hex")},
-    "prisms": {"kinds": ("prism", "hex")},
-    "bubbles": {"space": BubbleVectorH1, "flags": {"dirichlet": "bottom", "slave": "slave"}},
-    "order 3": {"order": 3, "n": (2, 1)},
-    "in two directions": {"flags": {"dirichletx": "bottom", "dirichletz": "bottom"}},
-    "held by contact": {"flags": {"dirichlet": "bottom"}, "spring": 0.0, "push": None},
-}
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_as_the_direct_solver(case):
-    given = FIRST | CASES[case]
-    if case == "held by contact":
-        given |= {"bulk": pressed}
-    problem, reference = press3d(**given), press3d(**given)
-    linear = solved(problem, solver="iterative").linear
-    solved(reference, solver="direct")
-    assert (linear.method, linear.factorisations) == ("iterative", 0)
-    same(problem, reference, 1e-8)
-
-
-def pressed(u, v, load):
-    """Forces on the upper block, which nothing holds but contact."""
-    return [linear(u, v), load * (4 * v[2] - 0.2 * v[0]) * ds("top")]
 
 
 def iterations(**given):
