@@ -70,7 +70,6 @@ def parts(request):
 
 NOWHERE = "matches no boundary face; the boundaries are: .*top"
 PATTERN = "master = .* must be a pattern of boundary names"
-NOREGION = "slave = <Region> must be .* a boundary region"
 EITHER = "either master= or obstacle=, not both and not none"
 NOTRIAL, PRODUCTS = "must be a trial function", "u and lam belong to different product spaces"
 SLIDE, VALUES = "tied surfaces do not slide: drop friction and tresca", "holds a trial or test func"
@@ -78,12 +77,6 @@ KEEP = "tied surfaces keep their distance: drop offset and bilateral"
 OUT = ("NAN", "INF")
 REFUSED = [
     # regions
-    *((f"LACSpace(V, slave='{s}')", f"slave='{s}' {NOWHERE}") for s in ("nowhere", "", "Slave")),
-    ("LACSpace(V, slave=mesh.Boundaries('nowhere'))", "slave=<Region> matches no boundary face"),
-    ("LACSpace(V, slave=mesh.Materials('upper'))", NOREGION),
-    ("LACSpace(V, slave=mesh.BBoundaries('.*'))", NOREGION),
-    ("LACSpace(V, slave=other().Boundaries('slave'))", "another mesh"),
-    ("SplitSlaveFaces(mesh, 'nowhere')", f"slave='nowhere' {NOWHERE}", ValueError),
     ("contact(master='nowhere')", f"master='nowhere' {NOWHERE}", ValueError),
     ("contact(master=mesh.Boundaries('nowhere'))", "matches no boundary face", ValueError),
     ("contact(master=mesh.Materials('lower'))", PATTERN, ValueError),
