@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from blocks import C, block_mesh, contact_form
-from form import Form, on_a_sphere
 from netgen.meshing import NgException
 from netgen.occ import OCCGeometry, Rectangle, Y
 from ngsolve import (
@@ -33,9 +32,7 @@ from ngslac import (
     LACContact,
     LACSpace,
     Law,
-    LoadState,
     LoadStepper,
-    SaveState,
     TimeStepper,
     tools,
 )
@@ -76,49 +73,6 @@ LAWS = {
     "wear": {"offset": worn},
     "wear with friction": {"offset": worn, "friction": falling},
 }
-
-
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("finite", [False, True])
-@pytest.mark.parametrize("dim", [2, 3])
-def test_derivative(dim, finite, law):
-    """Against differences, in a state with slip and pressure of a step before."""
-    mesh = block_mesh(dim) if dim == 2 else block_mesh(dim, "hex", "tet", 2, 1)
-    form = Form(contact_form(mesh, finite=finite, **LAWS[law]))
-    form.bend(0.02, 0.0, degrees=20, noise=0.01, seed=1)
-    form.commit()
-    form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
-    form.follow()
-    form.contact.form.SetConstant(C)
-    form.impose(0.3)
-    table = form.table()
-    assert 2 in table["status"][table["area"] > 0]
-    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_derivative_on_a_tool(dim):
-    form = on_a_sphere(dim, friction=falling, offset=worn)
-    form.values[form.multipliers] = -0.5
-    form.impose(0.3)
-    assert 2 in form.table()["status"]
-    assert form.derivative_error(40 if dim == 2 else 6) <= 1e-7
-
-
-@pytest.mark.parametrize("finite", [False, True])
-def test_a_constant_function_is_a_number(finite):
-    tables = []
-    for friction, offset in ((0.3, 0.01), (lambda _: CF(0.3), lambda _: 0.01 + 0 * x)):
-        form = Form(contact_form(block_mesh(2), finite=finite, friction=friction, offset=offset))
-        form.bend(0.04, 0.05, degrees=30, noise=0.01, seed=2)
-        form.follow()
-        form.contact.form.SetConstant(C)
-        form.impose(0.3)
-        forces = form.gf.vec.CreateVector()
-        form.contact.Apply(form.gf.vec, forces)
-        tables.append((forces.FV().NumPy().copy(), form.table()))
-    assert tables[0][0] == pytest.approx(tables[1][0], rel=1e-12, abs=1e-14)
-    assert np.array_equal(tables[0][1]["status"], tables[1][1]["status"])
 
 
 def sheared(way=0.1, down=0.02, nu=0.3, order=2, mesh=None, **law):
@@ -176,30 +130,6 @@ def test_wear_of_a_rod_between_fixed_ends(steps):
     assert table["pressure"] == pytest.approx(pressure, rel=1e-8)
     assert table["worn"] == pytest.approx((1 - pressure) * length / young, rel=1e-8)
     assert pressure == pytest.approx(math.exp(-young * rate * way / length), rel=0.15 / steps)
-
-
-@pytest.mark.filterwarnings("ignore:the slave has slid")
-def test_a_history_is_part_of_the_state(tmp_path):
-    """Of saved files, of steps that fail, and forgotten by an Update of the reference."""
-    stepper = sheared(offset=worn, friction=remembering)
-    contact = stepper.solver.contacts[0]
-    stepper.Integrate(0.5, steps=2, printing=False)
-    middle = contact.Table()
-    assert middle["worn"].max() > 0
-    assert middle["way"].max() > 0
-    SaveState(tmp_path / "state", stepper)
-    stepper.Integrate(1, steps=1, printing=False)
-    last = contact.Table()
-    other = sheared(offset=worn, friction=remembering)
-    LoadState(tmp_path / "state", other)
-    again = other.solver.contacts[0]
-    for name in ("worn", "way"):
-        assert np.array_equal(again.Table()[name], middle[name])
-    other.Integrate(1, steps=1, printing=False)
-    for name in ("worn", "way", "pressure"):
-        assert again.Table()[name] == pytest.approx(last[name], rel=1e-9)
-    again.Update()
-    assert not np.any(again.Table()["worn"])
 
 
 @pytest.mark.filterwarnings("ignore:the slave has slid")
