@@ -32,7 +32,6 @@ from ngsolve import (
 )
 from obstacles import block_on_obstacle
 from press import mixed_press, press, stress
-from rings import fit_pressure, press_fit
 from varied import TOL, Moved, close, differences, solve, velocity
 
 from ngslac import ContactSolver, ContactWarning, LACContact, LACSpace, Law, tools
@@ -424,16 +423,6 @@ def test_functionals_that_know_the_shape():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         close(squares.By(weight), squares.value / 2, 1e-9)
-
-
-def test_a_press_fit_by_hand():
-    """B5: the pressure is proportional to interference and stiffness."""
-    interference = Parameter(0.01)
-    problem = press_fit(24, lambda load: interference, adjust=0.1)
-    s = Sensitivity(solve(problem), lambda: problem.contact.Table()["pressure"].mean())
-    slope = s.By(interference)
-    close(slope * interference.Get(), s.value, 1e-7)
-    close(slope, fit_pressure(1.0), 1e-3)
 
 
 def test_what_is_at_the_verge_is_said():

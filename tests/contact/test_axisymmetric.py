@@ -121,39 +121,6 @@ def test_patch_of_quadrilaterals():
 
 
 @pytest.mark.parametrize("finite", [False, True])
-def test_press_fit(finite):
-    """Lame: 10, 20, 30, plane strain; radial interference by an offset, FIELD.md B5."""
-    inner = MoveTo(10, 0).Rectangle(10, 2).Face()
-    outer = MoveTo(20, 3).Rectangle(10, 2).Face()
-    inner.edges.name, outer.edges.name = "ends", "ends"
-    inner.edges.Max(X).name, outer.edges.Min(X).name = "slave", "master"
-    inner.edges.Min(X).name = outer.edges.Max(X).name = "free"
-    inner.edges["slave"].maxh, outer.edges["master"].maxh = 0.7, 0.9
-    ngmesh = OCCGeometry(Compound([inner, outer]), dim=2).GenerateMesh(maxh=2)
-    for vertex in ngmesh.Points():
-        vertex[1] -= 3 * (vertex[1] > 2.5)
-    mesh = Mesh(ngmesh)
-    V = VectorH1(mesh, order=4, dirichlety="ends")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    young, nu, d = 210e3, 0.3, 0.01
-    a = BilinearForm(fes)
-    strain, virtual = AxisymmetricGrad(u), AxisymmetricGrad(v)
-    if finite:
-        a += Variation(2 * pi * x * NeoHooke(Id(3) + strain, young, nu) * dx)
-    else:
-        a += 2 * pi * x * InnerProduct(Stress(Sym(strain), young, nu), Sym(virtual)) * dx
-    contact = LACContact(u, lam, master="master", finite=finite, offset=-d)
-    ContactSolver(a, GridFunction(fes), contact).Solve(printing=False)
-    pressure = 24.609375 / (1 - nu**2)
-    found = contact.Table()["pressure"]
-    assert np.ptp(found) < 1e-4 * pressure
-    assert found.mean() == pytest.approx(pressure, rel=2e-3 if finite else 1e-5)
-    radial = 2 * np.pi * 20 * 2 * found.mean()  # all around; pushes the slave inwards
-    assert contact.Force() == pytest.approx([-radial, 0], rel=1e-6, abs=1e-6 * radial)
-
-
-@pytest.mark.parametrize("finite", [False, True])
 @pytest.mark.parametrize("friction", [None, 0.2])
 def test_far_from_the_axis_it_is_a_plane(finite, friction):
     """Per circumference, with errors of the thickness over the radius."""

@@ -115,24 +115,6 @@ def test_the_law_holds_where_it_has_converged(finite):
 
 
 @pytest.mark.filterwarnings("ignore:the slave has slid")
-@pytest.mark.parametrize("steps", [5, 20])
-def test_wear_of_a_rod_between_fixed_ends(steps):
-    """p = p0 exp(-E k s/L) as steps get shorter, by the implicit Euler method; FIELD.md C1."""
-    rate, young, length, way = 0.02, 100.0, 2.0, 0.5
-
-    def offset(fields):
-        return fields.History("worn", lambda w: w + rate * fields.pressure * Norm(fields.slip))
-
-    stepper = sheared(way=way, nu=0.0, offset=offset)
-    stepper.Integrate(1, steps=steps, printing=False)
-    table = stepper.solver.contacts[0].Table()
-    pressure = (1 + young * rate * way / steps / length) ** -steps  # p0 = 1
-    assert table["pressure"] == pytest.approx(pressure, rel=1e-8)
-    assert table["worn"] == pytest.approx((1 - pressure) * length / young, rel=1e-8)
-    assert pressure == pytest.approx(math.exp(-young * rate * way / length), rel=0.15 / steps)
-
-
-@pytest.mark.filterwarnings("ignore:the slave has slid")
 def test_a_step_that_is_cut_wears_once(monkeypatch):
     plain, cut = sheared(offset=worn), sheared(offset=worn)
     solve, fails = cut.solver.Solve, [True]
@@ -152,43 +134,6 @@ def test_a_step_that_is_cut_wears_once(monkeypatch):
         plain.Integrate(goal, steps=1, printing=False)
     found, expected = (s.solver.contacts[0].Table()["worn"] for s in (cut, plain))
     assert found == pytest.approx(expected, rel=1e-9)
-
-
-def test_friction_that_falls_with_speed_stops_a_block():
-    """FIELD.md E1: t = vc/(g muk) ln((muk e^(v0/vc) + mus - muk)/mus) = .730775."""
-    low, high, speed, start, gravity = 0.2, 0.4, 1.0, 2.0, 9.81
-    mesh = TwoBlocks(0.5)
-    V = VectorH1(mesh, order=2, dirichlet="bottom")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1e6, 0.0), Sym(Grad(v))) * dx
-    a += gravity * v[1] * dx("upper")
-
-    def friction(fields):
-        return low + (high - low) * exp(-Norm(fields.rate) / speed)
-
-    gf = GridFunction(fes)
-    contact = LACContact(u, lam, master="master", friction=friction, finite=False)
-    solver = ContactSolver(a, gf, contact)
-    stepper = TimeStepper(solver, 1.0, dt=0.01, rho_inf=0.5)
-    stepper.velocity.components[0].Set((start, 0), definedon=mesh.Materials("upper"))
-    stop = speed / (gravity * low) * math.log((low * math.exp(start / speed) + high - low) / high)
-    assert stop == pytest.approx(0.730775, abs=1e-6)
-    moving = []
-    for goal in (0.5 * stop, 0.9 * stop, 1.1 * stop):
-        stepper.Integrate(goal, printing=False)
-        moving.append(np.abs(stepper.velocity.components[0](mesh(0.5, 0.5))[0]))
-    half = speed * math.log(
-        (
-            (low * math.exp(start / speed) + high - low)
-            * math.exp(-gravity * low * stop / 2 / speed)
-            - (high - low)
-        )
-        / low
-    )
-    assert moving[0] == pytest.approx(half, rel=0.02)
-    assert moving[2] < 0.05 * start
 
 
 @pytest.mark.parametrize("finite", [False, True])

@@ -182,6 +182,8 @@ def Histories(quick):
     for k in (2, 4):
         bound = Step(0.03, "steps of .01, elastic vibrations")
         rows.append(Row(f"speed after {times[k]:.1f} s", speeds[k], exact[k], bound))
+    rest = Step(0.03 * 2, "the same, over the first speed", kind="absolute")
+    rows.append(Row(f"speed after {times[7]:.1f} s", speeds[7], exact[7], rest))
 
     def Draw(*axes):
         ways = np.linspace(0, 0.5, steps + 1)
