@@ -1,4 +1,4 @@
-"""Fewer cases of a product of options: every pair of values occurs, not every combination."""
+"""Fewer cases of a product of options: every pair of values occurs, or some in equal steps."""
 
 from itertools import combinations
 
@@ -35,17 +35,26 @@ def Options(item):
     return {group: tuple(id(params[name]) for name in group) for group in groups}
 
 
-def MarkFull(items):
-    """Of the tests marked pairwise, mark `full` the cases that the pairs of options do not need.
+def Sample(count, wanted):
+    """So many positions of a list in equal steps, the first and the last one among them."""
+    return {round(k * (count - 1) / max(wanted - 1, 1)) for k in range(min(wanted, count))}
 
-    Only what was collected counts: a single case named on the command line runs.
+
+def MarkFull(items):
+    """Mark `full` the cases that are neither in the sample nor needed by the pairs of options.
+
+    Of the tests marked sample, or pairwise. Only what was collected counts: a single case named on
+    the command line runs.
     """
     families = {}
     for item in items:
-        if item.get_closest_marker("pairwise"):
+        if item.get_closest_marker("pairwise") or item.get_closest_marker("sample"):
             families.setdefault((item.parent, item.originalname), []).append(item)
     for family in families.values():
-        needed = set(CoveringArray([Options(item) for item in family]))
+        if sample := family[0].get_closest_marker("sample"):
+            needed = Sample(len(family), *sample.args)
+        else:
+            needed = set(CoveringArray([Options(item) for item in family]))
         for position, item in enumerate(family):
             if position not in needed:
                 item.add_marker(pytest.mark.full)

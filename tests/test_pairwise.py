@@ -18,7 +18,7 @@ from pairwise import MarkFull
 def pytest_collection_modifyitems(items):
     MarkFull(items)
 """
-MARKERS = "[pytest]\nmarkers =\n  pairwise\n  full\n"
+MARKERS = "[pytest]\nmarkers =\n  pairwise\n  sample\n  full\n"
 TESTS = """
 import pytest
 
@@ -36,6 +36,11 @@ def test_thinned(shape, order, law, fixed):
 @pytest.mark.parametrize("b", range(3))
 @pytest.mark.parametrize("c", range(3))
 def test_whole(a, b, c):
+    pass
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("n", range(10))
+def test_some(n):
     pass
 """
 
@@ -90,7 +95,8 @@ def test_the_other_cases_are_marked_full(tmp_path):
     everything = Collected(tmp_path)
     default, rest = Collected(tmp_path, "-m", "not full"), Collected(tmp_path, "-m", "full")
     assert sorted(default + rest) == sorted(everything)
-    assert {name for name, _ in rest} == {"test_thinned"}
+    assert {name for name, _ in rest} == {"test_thinned", "test_some"}
+    assert [case for name, case in default if name == "test_some"] == ["0", "4", "9"]
     assert sum(name == "test_thinned" for name, _ in everything) == 18
     assert sum(name == "test_thinned" for name, _ in default) == 9
     one = f"test_it.py::test_thinned[{rest[0][1]}]"

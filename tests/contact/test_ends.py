@@ -40,6 +40,7 @@ def test_eight_elements_3d(overlap, slave):
     assert tip(dim=3, overlap=overlap, slave=slave) == pytest.approx(TIPS_3D[overlap], rel=0.05)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("slave", ["under", pytest.param("over", marks=pytest.mark.full)])
 def test_a_corner_passes_over_macro_elements(slave):
     """The shorter the overlap is, the farther the beam bends: without a jump, nowhere back."""

@@ -157,7 +157,7 @@ def test_a_surface_that_gives_more_than_the_body(give, finite):
     assert np.abs(table["gap"]).max() < 1e-9 * max(1, give * 1e-3)
 
 
-@pytest.mark.parametrize("dt", [0.01, 0.002])
+@pytest.mark.parametrize("dt", [0.01, pytest.param(0.002, marks=pytest.mark.full)])
 @pytest.mark.parametrize("finite", [False, True])
 def test_wear_in_time(finite, dt):
     """A block slides on what it wears off, and falls with it: mass/(rate v) dp/dt = weight - p."""

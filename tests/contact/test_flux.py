@@ -428,6 +428,7 @@ def test_nothing_flows_where_contact_is_switched_off():
     assert warm.contact.Flow() == (0, 0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("finite", [False, True])
 def test_a_temperature_that_nothing_holds_is_named(finite):
     """As contact opens, the upper block gets rid of its heat no more."""

@@ -156,6 +156,7 @@ def in_threads(n, f):
 WEEKLY = [pytest.param(flags, marks=pytest.mark.full) for flags in ({}, {"obstacle": CF(0.1)})]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("flags", [{"finite": True}, *WEEKLY])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_order_in_which_threads_arrive_leaves_no_trace(dim, flags):

@@ -42,6 +42,7 @@ LEFT = {"the slab is the slave": 0.95, "order 1": 0.88, "turning": 0.98}
 LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "stiff", "3D")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.full if n in LONG else ()) for n in CONSERVATIVE]
 )
@@ -60,6 +61,7 @@ def test_a_frictionless_impact_wins_no_energy(name):
     assert total / flight.start == pytest.approx(flight.total, abs=1e-6)
 
 
+@pytest.mark.full
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("friction", "end"),

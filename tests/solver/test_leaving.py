@@ -66,6 +66,7 @@ class Driven:
             )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("dim", "order", "friction"),
     [

@@ -279,6 +279,7 @@ LONG = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "case",
     [
@@ -298,6 +299,7 @@ def test_no_step_throws_what_weak_springs_hold_through_the_floor(case):
     assert abs(p.contact.Force(on="wall")[1]) == pytest.approx(p.weight, rel=0.01)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("bulk", ["hooke", "neo-hooke"])
 @pytest.mark.parametrize(("gap", "weight"), [(0.001, 0.01), (0.01, 1.0), (0.01, 10.0)])
 def test_a_disc_that_nothing_but_a_floor_holds_lands_at_once(bulk, gap, weight):

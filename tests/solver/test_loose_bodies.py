@@ -41,6 +41,7 @@ def bearing(rollers, play, h):
     return Mesh(OCCGeometry(Compound(parts), dim=2).GenerateMesh(maxh=h)).Curve(2)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("slave", "rollers", "play", "friction", "first"),
     [

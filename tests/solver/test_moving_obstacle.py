@@ -43,6 +43,7 @@ OTHERS = [pytest.param(*case, marks=pytest.mark.full) for case in ((1.0, 1.0), (
 
 
 # In the middle of the impact, and after it.
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("end", "rho_inf"), [(1.0, 0.8), (2.6, 1.0), *OTHERS])
 def test_a_wall_that_moves_does_what_a_body_that_moves_gets(end, rho_inf):
     wall, body = hit(end=end, rho_inf=rho_inf)

@@ -92,6 +92,7 @@ def test_lifts_cancel(case):
     assert np.abs(condensed.Test(tested) - tested).max() < 1e-11 * np.abs(w).max()
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("ratio", [1e-4, 1e-2, 1.0, 1e2, 1e4])
 @pytest.mark.parametrize("law", [STICK, TIED, FREE])
 def test_condition_number_does_not_see_the_ratio(ratio, law):
@@ -104,6 +105,7 @@ def test_condition_number_does_not_see_the_ratio(ratio, law):
     assert condition(dense(condensed.Part(np.arange(condensed.height)), inner)) < 10 * bulk
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("friction", [None, 0.1, 5.0])
 @pytest.mark.parametrize("n", [(2, 5), (3, 2)])
 def test_iterations_do_not_see_the_ratio(friction, n):

@@ -91,6 +91,7 @@ def problem(mesh, way, order=2, **options):
     return Run
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize(("hslave", "hmaster"), [(0.1, 0.14), (0.2, 0.12)])
 @pytest.mark.parametrize(("target", "steps"), [(0.5, 6), (-3.3, 12)])

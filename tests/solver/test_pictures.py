@@ -227,6 +227,7 @@ def test_faces_without_partner_are_gray():
             assert len(patches["no partner"]) == 2 * faces
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("dim", [pytest.param(2, marks=pytest.mark.full), 3])
 def test_scenes_in_a_browser(dim, tmp_path):
     """Bodies, words and colours are on the screen, without errors."""

@@ -64,6 +64,7 @@ def test_only_constrained_components_are_set():
     assert abs(uy) < 0.1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("condense", [False, True])
 def test_a_motion_beyond_the_size_of_the_elements(condense):
     """The top moves by several elements in one step: set at once, it turns them inside out."""

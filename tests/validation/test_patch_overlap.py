@@ -40,7 +40,7 @@ def test_aligned_ends_3d(overhang, shape, space, law):
     assert table["area"].sum() == pytest.approx(AREA, rel=1e-12)
 
 
-@pytest.mark.pairwise
+@pytest.mark.sample(20)
 @pytest.mark.parametrize("law", ["frictionless", "stick"])
 @pytest.mark.parametrize("problem", Problems(["P1bubble", "P1split", "P2"]))
 def test_slave_region_reaches_beyond_the_master(problem, law):
@@ -119,7 +119,7 @@ def test_constant_stress_where_faces_overlap_in_part(overhang, cells, space, law
     assert TractionError(pair, stress, share > 0.05) <= TOL[dim]
 
 
-@pytest.mark.pairwise
+@pytest.mark.sample(20)
 @pytest.mark.parametrize(("cells", "space"), Problems(["P1bubble", "P1split", "P2"]))
 @pytest.mark.parametrize("overhang", [-0.17, 0.17])
 def test_operators_integrate_over_the_overlap_only(overhang, cells, space):
@@ -155,6 +155,7 @@ def Slid(space, offset, slave="slave"):
     return pair.contact
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("space", NAMES)
 @pytest.mark.parametrize("slave", ["slave", "master"])
 def test_sliding_off_the_edge_2d(space, slave):
@@ -196,6 +197,7 @@ def Unsupported(kind, *, overhang=0.0, load=(0.0, -25.0), **law):
     return pair
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("kind", NAMES)
 @pytest.mark.parametrize("overhang", [0.0, -0.17, 0.17])
 def test_resultants_balance_the_load(kind, overhang):
@@ -220,6 +222,7 @@ def test_resultants_balance_the_load(kind, overhang):
     assert work[:3] == pytest.approx(work[3:], rel=tol, abs=tol)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("kind", NAMES)
 @pytest.mark.parametrize("law", [{"friction": 0.3}, {"tied": True}])
 def test_start_without_support(kind, law):

@@ -116,6 +116,7 @@ CASES = {
 }
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize(
     ("make", "order", "seed"),
     [(*case, seed) for case, many in CASES.items() for seed in range(many)],

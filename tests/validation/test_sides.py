@@ -89,6 +89,7 @@ def segments(h=0.05, radius=50.0, zone=0.78, end=6.0, height=6.0):
     return GenerateMesh(bodies, order=3, maxh=2, grading=0.25)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("sides", SIDES)
 @pytest.mark.parametrize("finite", [False, True])
 def test_equal_bodies_hardly_rub(finite, sides):
