@@ -30,8 +30,9 @@ from ngsolve import (
     VectorH1,
     dx,
 )
+from posed import elastic, posed
 
-from ngslac import ContactSolver, FindContacts, LACContact, LACSpace, LoadStepper
+from ngslac import ContactSolver, FindContacts, LoadStepper
 from ngslac.materials import Stress
 
 
@@ -150,20 +151,15 @@ def stack(names=("slave", "master")):
 def test_as_with_names(tied):
     mesh = stack()
     V = VectorH1(mesh, order=2, dirichlet="ground")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 100.0, 0.3), Sym(Grad(v))) * dx
-    a += 1e-3 * v[1] * dx("grain")
     law = {"tied": True} if tied else {"friction": 0.3}
-    contact = LACContact(u, lam, master="master", **law)
-    ContactSolver(a, GridFunction(fes), contact).Solve(printing=False)
+    problem = posed(V, elastic(100.0, 0.3), lambda u, v, load: 1e-3 * v[1] * dx("grain"), **law)
+    problem.solver().Solve(printing=False)
     options = {"tied": [("grain", "low")]} if tied else {}
     found = FindContacts(stack(None), within=0.06, **options)
     (pair,) = found.pairs
     assert (pair.slave, pair.master, pair.tied) == ("grain", "low", tied)
     (force,) = solved(found, friction=0.3).values()
-    assert force == pytest.approx(contact.Force(), abs=1e-9)
+    assert force == pytest.approx(problem.contact.Force(), abs=1e-9)
     assert force[1] == pytest.approx(0.6e-3, rel=1e-9)
 
 

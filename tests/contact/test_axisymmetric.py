@@ -27,6 +27,7 @@ from ngsolve import (
     x,
     y,
 )
+from posed import elastic, posed, revolved
 
 from ngslac import (
     BubbleVectorH1,
@@ -128,21 +129,19 @@ def test_far_from_the_axis_it_is_a_plane(finite, friction):
 
     def plane(mesh, weight, axisymmetric):
         V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-        fes = V * LACSpace(V, slave="slave", axisymmetric=axisymmetric)
-        (u, lam), (v, _) = fes.TnT()
         grad = AxisymmetricGrad if axisymmetric else Grad
-        a = BilinearForm(fes)
-        if finite:
-            F = Id(3 if axisymmetric else 2) + grad(u)
-            a += Variation(weight * NeoHooke(F, YOUNG, NU) * dx)
-        else:
-            stress = Stress(Sym(grad(u)), YOUNG, NU)
-            a += weight * InnerProduct(stress, Sym(grad(v))) * dx
-        contact = LACContact(u, lam, master="master", finite=finite, friction=friction)
-        gf = GridFunction(fes)
-        gf.components[0].Set((0.03, -0.05), definedon=mesh.Boundaries("top"))
-        ContactSolver(a, gf, contact).Solve(printing=False)
-        return contact
+
+        def bulk(u, v, load):
+            if finite:
+                F = Id(3 if axisymmetric else 2) + grad(u)
+                return Variation(weight * NeoHooke(F, YOUNG, NU) * dx)
+            return weight * InnerProduct(Stress(Sym(grad(u)), YOUNG, NU), Sym(grad(v))) * dx
+
+        law = {"axisymmetric": axisymmetric, "finite": finite, "friction": friction}
+        problem = posed(V, bulk, **law)
+        problem.gf.components[0].Set((0.03, -0.05), definedon=mesh.Boundaries("top"))
+        problem.solver().Solve(printing=False)
+        return problem.contact
 
     mesh = section(1.0)
     near = plane(mesh, CF(1), False)
@@ -185,17 +184,13 @@ def test_hertz(obstacle):
             edge.name = "axis"
     mesh = Mesh(OCCGeometry(shape, dim=2).GenerateMesh(maxh=0.3, grading=0.2))
     V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="axis")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    stress = Stress(Sym(AxisymmetricGrad(u)), 1.0, 0.3)
-    a += 2 * pi * x * InnerProduct(stress, Sym(AxisymmetricGrad(v))) * dx
     if obstacle == "gap":
-        contact = LACContact(u, lam, obstacle=x * x / (2 * sphere) - depth)
+        law = {"obstacle": x * x / (2 * sphere) - depth}
     else:
-        ball = tools.Sphere((0, sphere - depth), sphere)
-        contact = LACContact(u, lam, obstacle=ball, finite=True)
-    ContactSolver(a, GridFunction(fes), contact).Solve(printing=False)
+        law = {"obstacle": tools.Sphere((0, sphere - depth), sphere), "finite": True}
+    problem = posed(V, revolved(1.0, 0.3), axisymmetric=True, **law)
+    problem.solver().Solve(printing=False)
+    contact = problem.contact
     force = -contact.Force()[1]
     modulus = 1 / (1 - 0.3**2)
     radius = (3 * force * sphere / (4 * modulus)) ** (1 / 3)
@@ -296,14 +291,15 @@ def test_refused():
 
 def bulk(mesh, axisymmetric, hoop, spring=0.0):
     V = VectorH1(mesh, order=2, dirichlet="bottom")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=axisymmetric)
-    (u, lam), (v, _) = fes.TnT()
-    grad, weight = (AxisymmetricGrad, 2 * pi * x) if hoop else (Grad, CF(1))
-    a = BilinearForm(fes)
-    a += weight * InnerProduct(Stress(Sym(grad(u)), YOUNG, NU), Sym(grad(v))) * dx
-    a += weight * v[1] * ds("top") + spring * u[0] * v[0] * dx
-    contact = LACContact(u, lam, master="master", friction=0.5)
-    return ContactSolver(a, GridFunction(fes), contact)
+    stiff, weight = (revolved, 2 * pi * x) if hoop else (elastic, CF(1))
+    problem = posed(
+        V,
+        stiff(YOUNG, NU),
+        lambda u, v, load: weight * v[1] * ds("top") + spring * u[0] * v[0] * dx,
+        axisymmetric=axisymmetric,
+        friction=0.5,
+    )
+    return problem.solver()
 
 
 def test_a_bulk_without_hoop_strain_is_refused():
@@ -463,15 +459,15 @@ def test_stick_of_a_twist_is_that_of_a_tie():
 def test_a_bulk_without_the_factor_of_the_circumference_is_told(factor):
     mesh = section(0.5)
     V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    stress = Stress(Sym(AxisymmetricGrad(u)), YOUNG, NU)
-    a = BilinearForm(fes)
-    weight = 2 * pi * x if factor else 1
-    a += weight * InnerProduct(stress, Sym(AxisymmetricGrad(v))) * dx
-    contact, gf = LACContact(u, lam, master="master"), GridFunction(fes)
-    gf.components[0].Set((0, -0.01), definedon=mesh.Boundaries("top"))
+
+    def bulk(u, v, load):
+        whole = revolved(YOUNG, NU)(u, v, load)
+        stress = Stress(Sym(AxisymmetricGrad(u)), YOUNG, NU)
+        return whole if factor else InnerProduct(stress, Sym(AxisymmetricGrad(v))) * dx
+
+    problem = posed(V, bulk, axisymmetric=True)
+    problem.gf.components[0].Set((0, -0.01), definedon=mesh.Boundaries("top"))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        ContactSolver(a, gf, contact).Solve(printing=False)
+        problem.solver().Solve(printing=False)
     assert ["no factor 2*pi*x" in str(one.message) for one in caught] == [True] * (not factor)

@@ -9,15 +9,11 @@ from netgen.meshing import NgException
 from netgen.occ import OCCGeometry, Rectangle, Y
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
     GridFunction,
     IfPos,
-    InnerProduct,
     Mesh,
     Norm,
     Parameter,
-    Sym,
     VectorH1,
     ds,
     dx,
@@ -25,18 +21,14 @@ from ngsolve import (
     sin,
     x,
 )
+from posed import elastic, posed
 
 from ngslac import (
     ContactConvergenceError,
-    ContactSolver,
-    LACContact,
-    LACSpace,
     Law,
-    LoadStepper,
     TimeStepper,
     tools,
 )
-from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
 
 
@@ -79,14 +71,9 @@ def sheared(way=0.1, down=0.02, nu=0.3, order=2, mesh=None, **law):
     """An upper block is pressed down and pushed aside; a LoadStepper up to 1."""
     mesh = TwoBlocks(0.25) if mesh is None else mesh
     V = VectorH1(mesh, order=order, dirichlet="bottom|top")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 100, nu), Sym(Grad(v))) * dx
-    contact = LACContact(u, lam, master="master", **law)
-    load = Parameter(0)
-    held = {"top": CF((way * load, -down)), "bottom": CF((0, 0))}
-    return LoadStepper(ContactSolver(a, GridFunction(fes), contact), load, prescribe=held)
+    problem = posed(V, elastic(100, nu), load=Parameter(0), **law)
+    held = {"top": CF((way * problem.load, -down)), "bottom": CF((0, 0))}
+    return problem.stepper(prescribe=held)
 
 
 @pytest.mark.filterwarnings("ignore:the slave has slid")
@@ -142,17 +129,10 @@ def test_a_surface_that_gives_more_than_the_body(give, finite):
     """A block on a layer that is far softer: pressures on the way are much too large at times."""
     mesh = TwoBlocks(0.5)
     V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx=".*left.*|.*right.*")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1.0, 0.0), Sym(Grad(v))) * dx
-    a += 1e-3 * v[1] * ds("top")
-    gf = GridFunction(fes)
-    given = {"finite": finite, "offset": lambda z: give * z.pressure}
-    contact = LACContact(u, lam, master="master", **given)
-    last = ContactSolver(a, gf, contact).Solve(printing=False)
-    assert last.number <= 12
-    table = contact.Table()
+    law = {"finite": finite, "offset": lambda z: give * z.pressure}
+    problem = posed(V, elastic(1.0), lambda u, v, load: 1e-3 * v[1] * ds("top"), **law)
+    assert problem.solver().Solve(printing=False).number <= 12
+    table = problem.contact.Table()
     assert table["pressure"] == pytest.approx(np.full(len(table["gap"]), 1e-3), rel=0.05)
     assert np.abs(table["gap"]).max() < 1e-9 * max(1, give * 1e-3)
 
@@ -167,19 +147,22 @@ def test_wear_in_time(finite, dt):
     block.edges.Min(Y).name = "slave"
     mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=0.5))
     V = VectorH1(mesh, order=2)
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1e5, 0.0), Sym(Grad(v))) * dx + 2 * weight * v[1] * dx
 
     def worn(z):
         return z.History("worn", lambda w: w + rate * z.pressure * Norm(z.slip))
 
     floor = tools.Plane((0, 0), (0, 1)) if finite else 0.0
-    contact = LACContact(u, lam, obstacle=floor, finite=finite, offset=worn)
-    gf = GridFunction(fes)
-    gf.components[0].Set((0, -1e-5))
-    stepper = TimeStepper(ContactSolver(a, gf, contact), 2.0, dt=dt, rho_inf=0.5)
+    problem = posed(
+        V,
+        elastic(1e5),
+        lambda u, v, load: 2 * weight * v[1] * dx,
+        obstacle=floor,
+        finite=finite,
+        offset=worn,
+    )
+    contact = problem.contact
+    problem.gf.components[0].Set((0, -1e-5))
+    stepper = TimeStepper(problem.solver(), 2.0, dt=dt, rho_inf=0.5)
     stepper.velocity.components[0].Set((1, 0))
     stepper.Integrate(end, printing=False)
     table = contact.Table()

@@ -5,22 +5,16 @@ import pytest
 from netgen.occ import Compound, OCCGeometry, Rectangle, Y
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
     Mesh,
     Parameter,
-    Sym,
     VectorH1,
     ds,
-    dx,
     x,
     y,
 )
+from posed import elastic, posed
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
-from ngslac.materials import Stress
+from ngslac import LoadStepper
 
 
 def Bench(finite=False):
@@ -37,14 +31,15 @@ def Bench(finite=False):
     geometry = OCCGeometry(Compound([left, right, top]), dim=2)
     mesh = Mesh(geometry.GenerateMesh())
     V = VectorH1(mesh, order=2, dirichlet="left foot|right foot", dirichletx="top")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    load = Parameter(0)
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 210e3, 0.3), Sym(Grad(v))) * dx
-    a += load * CF((0, 30 - 10 * x)) * v * ds("top")
-    contact = LACContact(u, lam, master="left|right", friction=0.2, finite=finite)
-    return ContactSolver(a, GridFunction(fes), contact), contact, load
+    law = {"master": "left|right", "friction": 0.2, "finite": finite}
+    problem = posed(
+        V,
+        elastic(210e3, 0.3),
+        lambda u, v, load: load * CF((0, 30 - 10 * x)) * v * ds("top"),
+        load=Parameter(0),
+        **law,
+    )
+    return problem.solver(), problem.contact, problem.load
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["small", "finite"])

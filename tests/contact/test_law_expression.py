@@ -5,28 +5,19 @@ import pytest
 from blocks import block_mesh, contact_form
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
     IfPos,
     InnerProduct,
     Norm,
     Parameter,
-    Sym,
     VectorH1,
-    dx,
     exp,
     x,
 )
+from posed import elastic, posed
 
 from ngslac import (
-    ContactSolver,
-    LACContact,
-    LACSpace,
     Law,
-    LoadStepper,
 )
-from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
 
 
@@ -59,14 +50,10 @@ def pulled(law, *, down=-5e-3, aside=0.0, tied=True, **options):
     """Two blocks with nu = 0, of which the upper one is moved by a load up to 1; a stepper."""
     mesh = TwoBlocks(0.3)
     V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 100, 0.0), Sym(Grad(v))) * dx
-    contact = LACContact(u, lam, master="master", tied=tied, law=Law(law), **options)
     load = Parameter(0)
     held = {"top": CF((aside * load, -down * load)), "bottom": CF((0, 0))}
-    return LoadStepper(ContactSolver(a, GridFunction(fes), contact), load, prescribe=held)
+    problem = posed(V, elastic(100), load=load, tied=tied, law=Law(law), **options)
+    return problem.stepper(prescribe=held)
 
 
 @pytest.mark.parametrize("finite", [False, True])

@@ -13,27 +13,20 @@ from form import Form
 from netgen.meshing import NgException
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
     GridFunction,
-    InnerProduct,
     Parameter,
     VectorH1,
     ds,
-    dx,
     y,
 )
+from posed import elastic, posed
 from press import press
 
 from ngslac import (
     ContactConvergenceError,
-    ContactSolver,
     FloatingBodyError,
-    LACContact,
-    LACSpace,
     Law,
     LoadState,
-    LoadStepper,
     SaveState,
     TimeStepper,
 )
@@ -240,35 +233,23 @@ def test_solve(make, finite, limit):
     """Columns in series: the pressure of two bodies of length 1 and a spring, up to its limit."""
     mesh, k, down = make(), 2.0, 1e-3
     V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    law = LimitedSpring(k, limit, drag=0.0)
-    contact = LACContact(u, lam, master="master", finite=finite, law=law)
-    a = BilinearForm(X)
-    a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx  # modulus 2, no Poisson effect
-    gf = GridFunction(X)
+    problem = posed(V, elastic(2), finite=finite, law=LimitedSpring(k, limit, drag=0.0))
     way = CF((0,) * (mesh.dim - 1) + (-down,))
-    gf.components[0].Set(way, definedon=mesh.Boundaries("top"))
-    ContactSolver(a, gf, contact).Solve(printing=False)
-    expected = min(down / (0.5 + 0.5 + 1 / k), limit)
-    assert contact.Table()["pressure"] == pytest.approx(expected, rel=5e-3 if finite else 1e-8)
+    problem.gf.components[0].Set(way, definedon=mesh.Boundaries("top"))
+    problem.solver().Solve(printing=False)
+    expected, rel = min(down / (0.5 + 0.5 + 1 / k), limit), 5e-3 if finite else 1e-8
+    assert problem.contact.Table()["pressure"] == pytest.approx(expected, rel=rel)
 
 
 def pressed(law, *, finite=False, tied=False, down=1e-2, load=None):
     """A block pressed on another one, and dragged along by the load if there is one."""
     V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom|top")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    contact = LACContact(u, lam, master="master", finite=finite, tied=tied, law=law)
-    a = BilinearForm(X)
-    a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx
-    gf = GridFunction(X)
-    way = CF((0 if load is None else 0.01 * load, -down))
-    solver = ContactSolver(a, gf, contact)
+    problem = posed(V, elastic(2), load=load, finite=finite, tied=tied, law=law)
     if load is not None:
-        return LoadStepper(solver, load, prescribe={"top": way, "bottom": CF((0, 0))})
-    gf.components[0].Set(way, definedon=V.mesh.Boundaries("top"))
-    return solver
+        held = {"top": CF((0.01 * load, -down)), "bottom": CF((0, 0))}
+        return problem.stepper(prescribe=held)
+    problem.gf.components[0].Set(CF((0, -down)), definedon=V.mesh.Boundaries("top"))
+    return problem.solver()
 
 
 def dragging(places):
@@ -294,20 +275,16 @@ def test_a_body_that_nothing_else_holds(finite):
     """It has to overlap at the start; loads aside are found where the law resists no slip."""
     for aside in (0.0, 0.01):
         V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom")
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(X)
-        a += InnerProduct(Grad(u) + Grad(u).trans, Grad(v)) * dx
-        a += (0.01 * v[1] - aside * v[0]) * ds("top")
-        options = {"finite": finite, "law": Wearing(), "offset": -1e-6}
-        contact = LACContact(u, lam, master="master", **options)
-        solver = ContactSolver(a, GridFunction(X), contact)
+        law = {"finite": finite, "law": Wearing(), "offset": -1e-6}
+        solver = posed(
+            V, elastic(2), lambda u, v, load, k=aside: (0.01 * v[1] - k * v[0]) * ds("top"), **law
+        ).solver()
         if aside:
             with pytest.raises(FloatingBodyError, match=r"'upper' floats \(translation in x\)"):
                 solver.Solve(printing=False)
         else:
             solver.Solve(printing=False)
-            assert contact.Force() == pytest.approx([0, 0.01], abs=1e-10)
+            assert solver.contacts[0].Force() == pytest.approx([0, 0.01], abs=1e-10)
 
 
 def pushed_by_a_limited_force(places):
@@ -617,12 +594,7 @@ def test_the_law_is_named_and_its_state_is_no_other_laws(tmp_path):
     solvers = []
     for options in ({"law": LimitedSpring()}, {"friction": 0.3}):
         V = VectorH1(TwoBlocks(0.3), order=2, dirichlet="bottom|top")
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(X)
-        a += InnerProduct(Grad(u), Grad(v)) * dx
-        contact = LACContact(u, lam, master="master", **options)
-        solvers.append(ContactSolver(a, GridFunction(X), contact))
+        solvers.append(posed(V, elastic(1), **options).solver())
         solvers[-1].Solve(printing=False)
     assert "a law of its own" in repr(solvers[0].contacts[0])
     SaveState(tmp_path / "state", solvers[0])

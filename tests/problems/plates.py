@@ -3,21 +3,12 @@
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
     Mesh,
-    Parameter,
-    Sym,
     VectorH1,
     ds,
-    dx,
 )
-from press import Press
+from posed import elastic, posed
 
-from ngslac import LACContact, LACSpace
-from ngslac.materials import Stress
 from ngslac.meshes import StructuredBox
 
 THICKNESS, YOUNG = 0.02, 1e5
@@ -38,10 +29,7 @@ def plates(kind="tet", *, n=(16, 19), friction=None, both=False, order=2, **flag
     mesh = Mesh(ngmesh)
     held = "upper_left|lower_left" + ("|lower_right" if both else "")
     V = VectorH1(mesh, order=order, dirichlet=held)
-    X = V * LACSpace(V, slave="upper_bottom")
-    (u, lam), (v, _) = X.TnT()
-    a, load = BilinearForm(X), Parameter(1.0)
-    a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, 0.3), Sym(Grad(v))) * dx
-    a += 3 * load * v[2] * ds("upper_right")
-    contact = LACContact(u, lam, master="lower_top", friction=friction, **flags)
-    return Press(mesh, X, a, GridFunction(X), contact, load)
+    law = {"slave": "upper_bottom", "master": "lower_top", "friction": friction} | flags
+    return posed(
+        V, elastic(YOUNG, 0.3), lambda u, v, load: 3 * load * v[2] * ds("upper_right"), **law
+    )

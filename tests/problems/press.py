@@ -1,6 +1,5 @@
 """One block pressed on another one and pushed aside, in 2D and 3D: a small complete problem."""
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -27,27 +26,13 @@ from ngsolve import (
     x,
     y,
 )
+from posed import Posed
 
-from ngslac import ContactSolver, Flux, LACContact, LACSpace
+from ngslac import Flux, LACContact, LACSpace
 from ngslac.meshes import TwoBlocks, TwoBlocks3D
 
 MU, LAME = 40.0, 60.0
 PUSH = {2: (0.02, -0.02), 3: (0.02, 0.01, -0.02)}
-
-
-@dataclass
-class Press:
-    """The parts of a problem; `load` scales the motion of the spring-held top."""
-
-    mesh: object
-    X: object
-    a: object
-    gf: object
-    contact: object
-    load: object
-
-    def solver(self, **flags):
-        return ContactSolver(self.a, self.gf, self.contact, **flags)
 
 
 def stress(u):
@@ -117,7 +102,7 @@ def press(
     if spring:
         a += spring * InnerProduct(u - load * CF(push or PUSH[dim]), v) * ds("top")
     contact = LACContact(u, lam, master=master, **law)
-    return Press(mesh, X, a, GridFunction(X), contact, load)
+    return Posed(mesh, X, a, GridFunction(X), contact, load)
 
 
 def mixed_press(*, dim=2, **flags):

@@ -1,13 +1,10 @@
 """Two elastic bodies of any shape, the upper one moved down by a prescribed displacement."""
 
-from types import SimpleNamespace
-
 import numpy as np
 from netgen.occ import Compound, OCCGeometry, Y, Z
-from ngsolve import CF, BilinearForm, GridFunction, Mesh, TaskManager, VectorH1
+from ngsolve import CF, Mesh, TaskManager, VectorH1
+from posed import posed
 from press import linear
-
-from ngslac import ContactSolver, LACContact, LACSpace
 
 
 def body(shape, dim, name, h, contact, held):
@@ -35,17 +32,14 @@ def pressed(mesh, down, *, slave="up", master="low", order=2, held="up_held|low_
     """Solved where "up_held" has moved down by `down`, with a linear bulk."""
     dim = mesh.dim
     V = VectorH1(mesh, order=order, dirichlet=held)
-    X = V * LACSpace(V, slave=f"{slave}_contact")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += linear(u, v)
     if "obstacle" not in options:
         options = {"master": f"{master}_contact"} | options
-    contact, gf = LACContact(u, lam, **options), GridFunction(X)
-    gf.components[0].Set(CF((0,) * (dim - 1) + (-down,)), definedon=mesh.Boundaries("up_held"))
+    problem = posed(V, lambda u, v, load: linear(u, v), slave=f"{slave}_contact", **options)
+    way = CF((0,) * (dim - 1) + (-down,))
+    problem.gf.components[0].Set(way, definedon=mesh.Boundaries("up_held"))
     with TaskManager():
-        ContactSolver(a, gf, contact).Solve(printing=False)
-    return SimpleNamespace(contact=contact, gf=gf, mesh=mesh)
+        problem.solver().Solve(printing=False)
+    return problem
 
 
 __all__ = ["body", "meshed", "pressed"]

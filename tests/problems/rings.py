@@ -2,11 +2,9 @@
 
 import math
 
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Parameter, Sym, VectorH1, dx
-from press import Press
+from ngsolve import Parameter, VectorH1
+from posed import elastic, posed
 
-from ngslac import LACContact, LACSpace
-from ngslac.materials import Stress
 from ngslac.meshes.geometry import Arc, Body, GenerateMesh, Line
 
 INNER, COMMON, OUTER = 10.0, 20.0, 30.0
@@ -46,10 +44,6 @@ def press_fit(n, interference, *, order=2, curve=4, **law):
     """Rings that overlap by an interference, a number or a function of the load."""
     mesh = rings_mesh(n, curve)
     V = VectorH1(mesh, order=order, dirichletx="symx", dirichlety="symy")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    load, a = Parameter(1.0), BilinearForm(X)
-    a += InnerProduct(Stress(Sym(Grad(u)), young=YOUNG, nu=NU), Sym(Grad(v))) * dx
+    load = Parameter(1.0)
     overlap = interference(load) if callable(interference) else interference
-    contact = LACContact(u, lam, master="master", offset=-overlap, **law)
-    return Press(mesh, X, a, GridFunction(X), contact, load)
+    return posed(V, elastic(YOUNG, NU), load=load, offset=-overlap, **law)

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from carrying import at_points, keeps_resultants
 from netgen.occ import Box, Compound, OCCGeometry, Pnt, Sphere
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, Mesh, Sym, VectorH1, dx
-
-from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.materials import Stress
+from ngsolve import Mesh, VectorH1
+from posed import elastic, posed
 
 INNER, MIDDLE, OUTER, EXCESS, YOUNG = 10.0, 20.0, 30.0, 0.002, 1000.0
 A3, B3, C3 = INNER**3, MIDDLE**3, OUTER**3
@@ -34,14 +32,9 @@ def pressed(finite):
     parts = shell(INNER, MIDDLE, "slave", 5.0), shell(MIDDLE - EXCESS, OUTER, "master", 6.0)
     mesh = Mesh(OCCGeometry(Compound(list(parts))).GenerateMesh(maxh=6.0)).Curve(2)
     V = VectorH1(mesh, order=2, dirichletx="sym_x", dirichlety="sym_y", dirichletz="sym_z")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, 0.0), Sym(Grad(v))) * dx
-    fit = {"adjust": 0.05, "offset": -EXCESS, "finite": finite}
-    contact = LACContact(u, lam, master="master", **fit)
-    ContactSolver(a, GridFunction(X), contact).Solve(printing=False)
-    return contact
+    problem = posed(V, elastic(YOUNG), adjust=0.05, offset=-EXCESS, finite=finite)
+    problem.solver().Solve(printing=False)
+    return problem.contact
 
 
 # With small sliding each macro-element acts in one direction, on faces that bend by 25 degrees.

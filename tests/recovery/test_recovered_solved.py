@@ -9,18 +9,12 @@ import pytest
 from carrying import at_points, keeps_resultants, never_pulls
 from netgen.occ import Circle, Compound, OCCGeometry
 from ngsolve import (
-    BilinearForm,
-    Grad,
-    GridFunction,
     InnerProduct,
     Mesh,
-    Sym,
     VectorH1,
     dx,
 )
-
-from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.materials import Stress
+from posed import elastic, posed
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tutorials" / "examples"))
 
@@ -79,14 +73,11 @@ def rings(n, finite):
     geometry = OCCGeometry(Compound(list(parts)), dim=2)
     mesh = Mesh(geometry.GenerateMesh(maxh=2 * np.pi * MIDDLE / n)).Curve(3)
     V = VectorH1(mesh, order=3)
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, 0.0), Sym(Grad(v))) * dx
-    a += 1e-9 * YOUNG * InnerProduct(u, v) * dx  # nothing else holds the rings
-    contact = LACContact(u, lam, master="master", finite=finite)
-    ContactSolver(a, GridFunction(X), contact).Solve(printing=False)
-    return contact
+    problem = posed(
+        V, elastic(YOUNG), lambda u, v, load: 1e-9 * YOUNG * InnerProduct(u, v) * dx, finite=finite
+    )  # nothing else holds the rings
+    problem.solver().Solve(printing=False)
+    return problem.contact
 
 
 @pytest.mark.parametrize("finite", [False, True])

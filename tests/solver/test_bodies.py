@@ -27,6 +27,7 @@ from ngsolve import (
     y,
     z,
 )
+from posed import posed
 from press import linear, numpy, press
 
 from ngslac import BubbleVectorH1, LACContact, LACSpace
@@ -178,12 +179,8 @@ def test_a_body_that_repeats_itself_cannot_turn():
     face.edges.Min(EAST).Identify(face.edges.Max(EAST), "sides")
     face.faces.name, face.edges.Min(NORTH).name = "block", "block_bottom"
     V = Periodic(VectorH1(Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=0.3)), order=2))
-    fes = V * LACSpace(V, slave="block_bottom")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += linear(u, v)
-    contact = LACContact(u, lam, obstacle=y + 1)
-    assert floating(a, GridFunction(fes), contact) == said("'block'", PLANE[:2])
+    made = posed(V, lambda u, v, load: linear(u, v), slave="block_bottom", obstacle=y + 1)
+    assert floating(made.a, made.gf, made.contact) == said("'block'", PLANE[:2])
 
 
 def test_matrices_of_blocks_as_scipy_has_them(mesh):

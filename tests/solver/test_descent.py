@@ -27,6 +27,7 @@ from ngsolve import (
     sqrt,
     x,
 )
+from posed import elastic, posed
 from scipy.optimize import minimize
 
 from ngslac import ContactSolver, LACContact, LACSpace, Law, LoadStepper
@@ -50,16 +51,10 @@ def pull(young, mesh=None, held="bottom|top", **how):
     """Two glued blocks of height 1 that are pulled apart by .2; forces and openings by the way."""
     mesh = mesh or TwoBlocks(0.5)
     V = VectorH1(mesh, order=2, dirichlet=held)
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), young, 0.0), Sym(Grad(v))) * dx
-    contact = LACContact(u, lam, master="master", tied=True, law=Law(glue))
-    gf, way = GridFunction(fes), Parameter(0)
-    moves = {name: CF((0, way if name == "top" else 0)) for name in held.split("|")}
-    stepper = LoadStepper(ContactSolver(a, gf, contact), way, prescribe=moves)
-    steps = stepper.Integrate(0.2, printing=False, **how)
-    return contact, steps
+    problem = posed(V, elastic(young), load=Parameter(0), tied=True, law=Law(glue))
+    moves = {name: CF((0, problem.load if name == "top" else 0)) for name in held.split("|")}
+    steps = problem.stepper(prescribe=moves).Integrate(0.2, printing=False, **how)
+    return problem.contact, steps
 
 
 @pytest.mark.parametrize("young", [12.0, 40.0, 400.0])

@@ -5,15 +5,14 @@ import warnings
 import pytest
 from ngsolve import (
     H1,
-    BilinearForm,
     Compress,
-    GridFunction,
     Periodic,
     VectorH1,
     VectorValued,
     ds,
 )
 from ngsolve.meshes import MakeStructured2DMesh
+from posed import posed
 from press import linear
 
 from ngslac import (
@@ -21,8 +20,6 @@ from ngslac import (
     ContactSolver,
     ContactWarning,
     FloatingBodyError,
-    LACContact,
-    LACSpace,
 )
 from ngslac.dirichlet import Unheld
 
@@ -77,11 +74,10 @@ def test_the_flag_the_pattern_and_the_closest_name(make, words, closest):
 
 def made(**flags):
     V = VectorH1(MESH, order=2, **flags)
-    X = V * LACSpace(V, slave="bottom")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += linear(u, v) + v[0] * ds("top")
-    return a, GridFunction(X), LACContact(u, lam, obstacle=0.0)
+    problem = posed(
+        V, lambda u, v, load: linear(u, v) + v[0] * ds("top"), slave="bottom", obstacle=0.0
+    )
+    return problem.a, problem.gf, problem.contact
 
 
 def test_the_contact_warns_once_and_the_error_names_it():

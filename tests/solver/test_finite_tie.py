@@ -15,11 +15,11 @@ from ngsolve import (
     Integrate,
     Mesh,
     Parameter,
-    Sym,
     Variation,
     VectorH1,
     dx,
 )
+from posed import elastic, posed
 from press import neo_hooke, press
 from rings import rings_mesh
 
@@ -202,18 +202,14 @@ def test_tied_where_it_has_got_to():
 def test_a_common_rotation_is_not_held(finite):
     """Of bodies that are apart from each other, which small sliding does not know."""
     V = VectorH1(halves_mesh(0.3), order=2)
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx
-    contact = LACContact(u, lam, master="master", tied=True, finite=finite)
-    system = ContactSolver(a, GridFunction(X), contact).system
+    problem = posed(V, elastic(1), tied=True, finite=finite)
+    system, X = problem.solver().system, problem.X
     system.PairOnce()
     system.Assemble()
     system.Evaluate()
     motions = np.zeros((X.ndof, 3))
     motions[: V.ndof] = system.bodies.motions
-    moved = np.abs(ActiveRows(contact) @ motions).max(axis=0)
+    moved = np.abs(ActiveRows(problem.contact) @ motions).max(axis=0)
     assert moved[:2] == pytest.approx(0, abs=1e-12)
     assert moved[2] < 1e-12 if finite else moved[2] > 1e-2
     assert len(system.WhatFloats()) == 3

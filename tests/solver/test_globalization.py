@@ -3,19 +3,11 @@
 import numpy as np
 import pytest
 from ngsolve import (
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
-    Sym,
-    Trace,
     VectorH1,
-    div,
     ds,
-    dx,
 )
+from posed import elastic, posed
 
-from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.meshes import HertzMesh
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.residual import Measurement
@@ -152,11 +144,5 @@ def test_a_status_that_is_another_one_each_time_leaps(changed, leaps):
 def test_a_finely_meshed_roll_starts_from_a_part_of_the_step():
     """The whole one closes nearly all, and takes a step for each ring that has to open again."""
     V = VectorH1(HertzMesh(0.1, grading=0.6), order=2, dirichletx="bottom|sym", dirichlety="bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    strain = Sym(Grad(u))
-    a += (1e3 * Trace(strain) * div(v) + 2e3 * InnerProduct(strain, Grad(v))) * dx
-    a += 2 * v[1] * ds("arc")
-    contact = LACContact(u, lam, master="master")
-    assert ContactSolver(a, GridFunction(X), contact).Solve(printing=False).number <= 7
+    problem = posed(V, elastic(2500, 0.25), lambda u, v, load: 2 * v[1] * ds("arc"))
+    assert problem.solver().Solve(printing=False).number <= 7

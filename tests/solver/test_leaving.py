@@ -7,21 +7,16 @@ from netgen.meshing import NgException
 from netgen.occ import Box, Compound, MoveTo, OCCGeometry, Rectangle, Y, Z
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
     Mesh,
     Parameter,
-    Sym,
     TaskManager,
     VectorH1,
-    dx,
     pi,
     sin,
 )
+from posed import elastic, posed
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadState, LoadStepper, SaveState
+from ngslac import LoadState, SaveState
 
 
 def blocks(dim, h, gap=0.0):
@@ -46,15 +41,9 @@ class Driven:
 
     def __init__(self, mesh, way, order=2, **options):
         V = VectorH1(mesh, order=order, dirichlet="bottom|top")
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(X)
-        a += 1000 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) * dx
-        self.load = Parameter(0)
-        self.contact = LACContact(u, lam, **({"master": "master", "finite": True} | options))
-        solver = ContactSolver(a, GridFunction(X), self.contact)
-        prescribe = {"top": CF(tuple(way(self.load)))}
-        self.stepper, self.forces = LoadStepper(solver, self.load, prescribe=prescribe), []
+        problem = posed(V, elastic(1000), load=Parameter(0), **({"finite": True} | options))
+        self.load, self.contact, self.forces = problem.load, problem.contact, []
+        self.stepper = problem.stepper(prescribe={"top": CF(tuple(way(self.load)))})
 
     def Run(self, steps, target=1.0):
         with TaskManager():

@@ -12,9 +12,7 @@ from netgen.occ import Circle, Compound, OCCGeometry, Pnt, Rectangle, Sphere
 from netgen.occ import Z as UP
 from ngsolve import (
     CF,
-    BilinearForm,
     Grad,
-    GridFunction,
     InnerProduct,
     Integrate,
     Mesh,
@@ -24,9 +22,10 @@ from ngsolve import (
     y,
     z,
 )
+from posed import posed
 from press import linear
 
-from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace
+from ngslac import FloatingBodyError
 
 LOW = 0.04  # play between disc, or ball, and hole
 
@@ -64,14 +63,14 @@ def ball_in_hollow(length=1.0, h=0.7):
 def problem(mesh, load, solver=None, held="plate", friction=None):
     """A body force on the disc; returns solver, solution and contact."""
     V = VectorH1(mesh, order=2, dirichlet=held)
-    X = V * LACSpace(V, slave="disc")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += linear(u, v)
-    a += -InnerProduct(CF(load), v) * dx("disc")
-    contact, gf = LACContact(u, lam, master="hole", friction=friction), GridFunction(X)
-    made = ContactSolver(a, gf, contact, **({"solver": solver} if solver else {}))
-    return made, gf, contact
+    made = posed(
+        V,
+        lambda u, v, _: linear(u, v) - InnerProduct(CF(load), v) * dx("disc"),
+        slave="disc",
+        master="hole",
+        friction=friction,
+    )
+    return made.solver(**({"solver": solver} if solver else {})), made.gf, made.contact
 
 
 def in_plane(torque=0.0, angle=0.0, length=1.0, **options):

@@ -6,11 +6,12 @@ import sys
 
 import numpy as np
 import pytest
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, VectorH1, ds, dx
+from ngsolve import Grad, InnerProduct, VectorH1, ds, dx
 from ngsolve.la import SparseMatrixd
+from posed import posed
 from press import press, two_blocks
 
-from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace
+from ngslac import ContactConvergenceError, ContactSolver
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import Factor
 from ngslac.linear.quiet import Quiet
@@ -48,15 +49,15 @@ def test_a_mechanism_in_the_bulk(solver, capfd):
     """No stiffness against shear: no linear system has a solution."""
     mesh = two_blocks(2, h=0.5)
     V = VectorH1(mesh, order=2, dirichlet="bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a, gf = BilinearForm(X), GridFunction(X)
     stiff = mesh.MaterialCF({"upper": 0.0, "lower": 1.0})
-    a += stiff * InnerProduct(Grad(u), Grad(v)) * dx
-    a += u[1] * v[1] * dx + v[1] * ds("top") + v[0] * ds("top")
-    solver = ContactSolver(a, gf, LACContact(u, lam, master="master"), solver=solver)
+
+    def bulk(u, v, load):
+        loads = u[1] * v[1] * dx + v[1] * ds("top") + v[0] * ds("top")
+        return stiff * InnerProduct(Grad(u), Grad(v)) * dx + loads
+
+    made = posed(V, bulk).solver(solver=solver)
     with pytest.raises((ContactConvergenceError, ValueError)):
-        solver.Solve(printing=False)
+        made.Solve(printing=False)
     assert capfd.readouterr() == ("", "")
 
 

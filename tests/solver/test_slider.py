@@ -4,9 +4,7 @@ import pytest
 from netgen.occ import Compound, MoveTo, OCCGeometry, Y
 from ngsolve import (
     CF,
-    BilinearForm,
     Grad,
-    GridFunction,
     Id,
     Integrate,
     Mesh,
@@ -14,8 +12,10 @@ from ngsolve import (
     VectorH1,
     dx,
 )
+from posed import posed
+from press import solved
 
-from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper
+from ngslac import TimeStepper
 from ngslac.materials import NeoHooke
 
 FRICTION = 0.1
@@ -31,16 +31,18 @@ def slider(slave, finite):
     block.faces.maxh, slab.faces.maxh = 0.4, 0.5
     mesh = Mesh(OCCGeometry(Compound([block, slab]), dim=2).GenerateMesh())
     V = VectorH1(mesh, order=2, dirichlet="fixed")
-    X = V * LACSpace(V, slave=f"{slave}face")
-    (u, lam), (v, _) = X.TnT()
-    gf, a = GridFunction(X), BilinearForm(X)
-    a += Variation(NeoHooke(Id(2) + Grad(u), 1e4, 0.3) * dx)
-    a += v[1] * dx("block")
     other = {"block": "slab", "slab": "block"}[slave]
-    contact = LACContact(u, lam, master=f"{other}face", friction=FRICTION, finite=finite)
-    solver = ContactSolver(a, gf, [contact])
-    solver.Solve(printing=False)
-    contact.Commit(gf)
+    law = {"friction": FRICTION, "finite": finite}
+    problem = posed(
+        V,
+        lambda u, v, load: Variation(NeoHooke(Id(2) + Grad(u), 1e4, 0.3) * dx),
+        lambda u, v, load: v[1] * dx("block"),
+        slave=f"{slave}face",
+        master=f"{other}face",
+        **law,
+    )
+    solver = solved(problem)
+    problem.contact.Commit(problem.gf)
     return solver
 
 

@@ -7,7 +7,6 @@ from law import shear
 from netgen.occ import Box, Compound, OCCGeometry, Pnt, Sphere, X, Y, Z
 from ngsolve import (
     CF,
-    BilinearForm,
     Cross,
     GridFunction,
     InnerProduct,
@@ -19,9 +18,8 @@ from ngsolve import (
     y,
     z,
 )
+from posed import posed
 from press import linear, numpy, press
-
-from ngslac import ContactSolver, LACContact, LACSpace
 
 OFFSETS = [0.0, 0.13, 0.5, 0.77, 0.96, 0.9999]
 ASIDE = 0.3  # the block also moves along y, by this part of its way along x
@@ -178,18 +176,16 @@ def test_both_sides_balance_on_curved_surfaces():
         far.name = "bottom"
     mesh = Mesh(OCCGeometry(Compound([ball, socket])).GenerateMesh(maxh=0.6)).Curve(2)
     V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    gf, contact = GridFunction(fes), LACContact(u, lam, master="master", friction=0.3)
-    gf.components[0].Set(CF((0.03, 0.02, -0.05)), definedon=mesh.Boundaries("top"))
-    a = BilinearForm(linear(u, v))
-    ContactSolver(a, gf, contact).Solve(printing=False)
+    problem = posed(V, lambda u, v, load: linear(u, v), friction=0.3)
+    way, contact = CF((0.03, 0.02, -0.05)), problem.contact
+    problem.gf.components[0].Set(way, definedon=mesh.Boundaries("top"))
+    problem.solver().Solve(printing=False)
     force, closed = contact.Force(), contact.Table()["status"] > 0
     assert force[2] > 1
     check_sides(contact)
     # Moments in the paired (undeformed) configuration.
     slave, master = works(contact, ROTATIONS)
-    contact.Evaluate(GridFunction(fes))
+    contact.Evaluate(GridFunction(problem.X))
     gap = np.abs(contact.Table()["gap"][closed]).max()
     assert np.linalg.norm(slave - master) <= gap * np.linalg.norm(force)
     assert np.linalg.norm(slave) > 0

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Sym, VectorH1, ds, dx
+from ngsolve import CF, InnerProduct, VectorH1, ds
+from posed import elastic, posed
+from press import solved
 from problems.press import two_blocks
-
-from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.materials import Stress
 
 TRACTION = (5, 2, -25)
 
@@ -15,16 +14,11 @@ def pressed(ratio, solver, **law):
     """The solver after pressing the upper block, so many times stiffer, on the lower one."""
     mesh = two_blocks(3)
     V = VectorH1(mesh, order=2, dirichlet="bottom")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
     young = mesh.MaterialCF({"upper": 1e3 * ratio, "lower": 1e3})
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), young, 0.3), Sym(Grad(v))) * dx
-    a += -InnerProduct(CF(TRACTION), v) * ds("top")
-    contact = LACContact(u, lam, master="master", **law)
-    made = ContactSolver(a, GridFunction(fes), contact, solver=solver)
-    made.Solve(printing=False)
-    return made, contact
+    problem = posed(
+        V, elastic(young, 0.3), lambda u, v, load: -InnerProduct(CF(TRACTION), v) * ds("top"), **law
+    )
+    return solved(problem, solver=solver), problem.contact
 
 
 @pytest.mark.parametrize("solver", [None, "iterative", "direct"])

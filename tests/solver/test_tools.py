@@ -20,6 +20,7 @@ from ngsolve import (
     ds,
     dx,
 )
+from posed import posed
 from press import linear
 
 from ngslac import (
@@ -72,15 +73,15 @@ def test_constant_stress_on_a_plane(dim):
     mesh = brick("trig", 8, 8) if dim == 2 else brick("hex", 4)
     sides = {"dirichletx": "left|right"} | ({"dirichlety": "front|back"} if dim == 3 else {})
     V = VectorH1(mesh, order=2, **sides)
-    X = V * LACSpace(V, slave="bottom")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
-    a += linear(u, v) + InnerProduct(CF(UP[dim]), v) * ds("top")
     plane = tools.Plane((0,) * (dim - 1) + (-0.01,), UP[dim])
-    contact = LACContact(u, lam, obstacle=plane, finite=True)
-    ContactSolver(a, GridFunction(X), contact).Solve(printing=False)
-    assert contact.Table()["pressure"] == pytest.approx(1, rel=1e-10)
-    assert contact.Table()["gap"] == pytest.approx(0, abs=1e-12)
+
+    def bulk(u, v, load):
+        return linear(u, v) + InnerProduct(CF(UP[dim]), v) * ds("top")
+
+    problem = posed(V, bulk, slave="bottom", obstacle=plane, finite=True)
+    problem.solver().Solve(printing=False)
+    assert problem.contact.Table()["pressure"] == pytest.approx(1, rel=1e-10)
+    assert problem.contact.Table()["gap"] == pytest.approx(0, abs=1e-12)
 
 
 def test_newton_is_quadratic():

@@ -14,6 +14,7 @@ from ngsolve import (
     ds,
     dx,
 )
+from posed import posed
 from press import linear, press, stress, two_blocks
 
 from ngslac import (
@@ -141,13 +142,13 @@ def test_slaves_beside_each_other():
 def weak(young, *, condense=False, **flags):
     mesh = two_blocks(2, h=0.5)
     V = VectorH1(mesh, order=2, dirichlet="bottom", **flags)
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a, gf = BilinearForm(X, condense=condense), GridFunction(X)
     E = mesh.MaterialCF(young)
-    a += E * InnerProduct(stress(u), Sym(Grad(v))) * dx
-    a += v[1] * ds("top")
-    return a, gf, LACContact(u, lam, master="master", friction=0.3)
+
+    def bulk(u, v, load):
+        return E * InnerProduct(stress(u), Sym(Grad(v))) * dx + v[1] * ds("top")
+
+    problem = posed(V, bulk, condense=condense, friction=0.3)
+    return problem.a, problem.gf, problem.contact
 
 
 def test_a_body_whose_stiffness_is_undefined_where_it_was_put():
