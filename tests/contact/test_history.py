@@ -185,7 +185,6 @@ def test_evaluate_fills_the_fields(sides):
         assert np.array_equal(found, table[name].ravel(), equal_nan=True), name
 
 
-@pytest.mark.sample(9)
 @pytest.mark.parametrize(
     ("law", "bound"),
     [

@@ -195,7 +195,6 @@ def test_matrix_is_symmetric_positive_definite(problem):
     assert np.linalg.eigvalsh(bulk + penalty)[0] > 0
 
 
-@pytest.mark.full
 def test_penalty_is_that_of_the_augmentation():
     """c/A B^T B where the surfaces are tied, with c in multiples of the stiffness."""
     solver = augmented(press(tied=True, stiffness=0.01, n=(3, 2)), augmentation=40.0)

@@ -42,7 +42,6 @@ LEFT = {"the slab is the slave": 0.95, "order 1": 0.88, "turning": 0.98}
 LONG = ("short steps", "long steps", "dissipative", "very dissipative", "turning", "stiff", "3D")
 
 
-@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.full if n in LONG else ()) for n in CONSERVATIVE]
 )
