@@ -8,9 +8,6 @@ from contactedge import Edge, EdgeMesh
 from netgen.occ import Box, Circle, Cylinder, Glue, MoveTo, OCCGeometry, Pnt, Rectangle, X, Y, Z
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
     InnerProduct,
     Integrate,
     Mesh,
@@ -23,11 +20,12 @@ from ngsolve import (
     x,
     y,
 )
-from press import two_blocks
+from posed import posed, stressed
+from press import solved, two_blocks
 from test_estimate import linear
 from wavy import Wavy
 
-from ngslac import ContactSolver, ContactWarning, LACContact, LACSpace, LoadStepper
+from ngslac import ContactWarning, LoadStepper
 from ngslac.analysis import Adapt, EquilibratedEstimate, GoalEstimate, ResidualEstimate
 from ngslac.analysis.adapt import Doerfler
 from ngslac.materials import AxisymmetricGrad
@@ -101,15 +99,13 @@ def Axisymmetric(traction):
             edge.maxh = 0.008
     mesh = Mesh(OCCGeometry(whole, dim=2).GenerateMesh(maxh=0.1))
     V = VectorH1(mesh, order=3, dirichletx="axis")
-    X_ = V * LACSpace(V, slave="top", axisymmetric=True)
-    (u, lam), (v, _) = X_.TnT()
-    a = BilinearForm(X_)
-    strain, test = AxisymmetricGrad(u), AxisymmetricGrad(v)
-    a += 2 * pi * x * InnerProduct(Wavy.stress(strain), test) * dx(bonus_intorder=2)
-    a += -2 * pi * x * traction * v[1] * ds("bottom")
-    solver = ContactSolver(a, GridFunction(X_), LACContact(u, lam, obstacle=x * x / 2))
-    solver.Solve(printing=False)
-    return Participating(solver)
+
+    def bulk(u, v, load):
+        strain, test = AxisymmetricGrad(u), AxisymmetricGrad(v)
+        inside = 2 * pi * x * InnerProduct(Wavy.stress(strain), test) * dx(bonus_intorder=2)
+        return inside - 2 * pi * x * traction * v[1] * ds("bottom")
+
+    return Participating(solved(posed(V, bulk, slave="top", axisymmetric=True, obstacle=x * x / 2)))
 
 
 @pytest.mark.slow
@@ -127,12 +123,14 @@ def test_a_circular_contact_in_3d():
 
     def Problem(mesh):
         V = VectorH1(mesh, order=2, dirichletx="left", dirichlety="front")
-        fes = V * LACSpace(V, slave="top")
-        (u, lam), (v, _) = fes.TnT()
-        a = BilinearForm(InnerProduct(Wavy.stress(Grad(u)), Grad(v)) * dx)
-        a += -traction * v[2] * ds("bottom")
         ball = (x * x + y * y) / 2
-        return ContactSolver(a, GridFunction(fes), LACContact(u, lam, obstacle=ball))
+        return posed(
+            V,
+            stressed(Wavy.stress),
+            lambda u, v, load: -traction * v[2] * ds("bottom"),
+            slave="top",
+            obstacle=ball,
+        ).solver()
 
     def Radius(solver):
         return np.sqrt(Participating(solver) / exact)
@@ -177,11 +175,13 @@ def test_new_points_lie_on_the_geometry_and_the_first_mesh_stays():
 
     def Problem(mesh):
         V = VectorH1(mesh, order=2, dirichletx="left")
-        X = V * LACSpace(V, slave="arc")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(Wavy.stress(Grad(u)), Grad(v)) * dx)
-        a += -traction * v * ds("top")
-        return ContactSolver(a, GridFunction(X), LACContact(u, lam, obstacle=y + 1))
+        return posed(
+            V,
+            stressed(Wavy.stress),
+            lambda u, v, load: -traction * v * ds("top"),
+            slave="arc",
+            obstacle=y + 1,
+        ).solver()
 
     def Estimate(solver):
         return ResidualEstimate(solver, Wavy.stress, tractions={"top": traction})
@@ -222,12 +222,10 @@ class Pulled:
 
     def __call__(self, mesh):
         V = VectorH1(mesh, order=2, dirichlet="bottom")
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        self.push = CF((self.load,) + (0,) * (self.dim - 2) + (-0.02,))
-        a = BilinearForm(InnerProduct(linear(Grad(u)), Grad(v)) * dx)
-        a += 1000 * (u - self.push) * v * ds("top")
-        return ContactSolver(a, GridFunction(X), LACContact(u, lam, master="master", **self.law))
+        self.push = push = CF((self.load,) + (0,) * (self.dim - 2) + (-0.02,))
+        return posed(
+            V, stressed(linear), lambda u, v, load: 1000 * (u - push) * v * ds("top"), **self.law
+        ).solver()
 
     def Estimate(self, solver):
         load = {"top": -1000 * (solver.gf.components[0] - self.push)}

@@ -27,6 +27,7 @@ from ngsolve import (
     x,
     y,
 )
+from posed import posed, stressed
 from press import LAME, MU, PUSH, press, two_blocks
 from wavy import Wavy
 
@@ -96,14 +97,10 @@ def Pushed(dim, *, load=None, **law):
 
     def Make(mesh):
         V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(linear(Grad(u)), Grad(v)) * dx)
-        if load is not None:
-            a += -load * v * dx
-        gf = GridFunction(X)
-        gf.components[0].Set(CF(PUSH[dim]), definedon=mesh.Boundaries("top"))
-        return ContactSolver(a, gf, LACContact(u, lam, master="master", **law))
+        loads = [lambda u, v, _: -load * v * dx] if load is not None else []
+        problem = posed(V, stressed(linear), *loads, **law)
+        problem.gf.components[0].Set(CF(PUSH[dim]), definedon=mesh.Boundaries("top"))
+        return problem.solver()
 
     return Make
 
@@ -166,12 +163,8 @@ def test_a_patch_test_has_no_error(estimate, dim):
     else:
         mesh = TwoBlocks3D("tet", "tet", 2, 3, overhang=0)
     V = VectorH1(mesh, order=2, **Symmetry(mesh))
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
     pressure = CF((0,) * (dim - 1) + (-1,))
-    a = BilinearForm(InnerProduct(linear(Grad(u)), Grad(v)) * dx)
-    a += -pressure * v * ds("top")
-    solver = ContactSolver(a, GridFunction(X), LACContact(u, lam, master="master"))
+    solver = posed(V, stressed(linear), lambda u, v, load: -pressure * v * ds("top")).solver()
     solver.Solve(printing=False, tol=1e-13)
     found = estimate(solver, linear, tractions={"top": pressure})
     assert found.relative < 1e-9

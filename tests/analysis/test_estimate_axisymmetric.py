@@ -5,8 +5,6 @@ import pytest
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Rectangle, X, Y
 from ngsolve import (
     CF,
-    BilinearForm,
-    GridFunction,
     InnerProduct,
     Integrate,
     Mesh,
@@ -17,8 +15,9 @@ from ngsolve import (
     pi,
     x,
 )
+from posed import posed
+from press import solved
 
-from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.analysis import Adapt, EquilibratedEstimate, GoalEstimate, ResidualEstimate
 from ngslac.materials import AxisymmetricGrad, Stress
 
@@ -42,14 +41,19 @@ def cylinders(h):
     return sections(Rectangle(1, 1).Face(), MoveTo(0, -1).Rectangle(1, 1).Face(), h)
 
 
+def inside(u, v, load):
+    return 2 * pi * x * InnerProduct(stress(AxisymmetricGrad(u)), AxisymmetricGrad(v)) * dx
+
+
 def solver_of(mesh, pressure, **flags):
     V = VectorH1(mesh, order=2, dirichlety="bottom", dirichletx="axis")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += 2 * pi * x * InnerProduct(stress(AxisymmetricGrad(u)), AxisymmetricGrad(v)) * dx
-    a += 2 * pi * x * pressure * v[1] * ds("top")
-    return ContactSolver(a, GridFunction(fes), LACContact(u, lam, master="master", **flags))
+    return posed(
+        V,
+        inside,
+        lambda u, v, load: 2 * pi * x * pressure * v[1] * ds("top"),
+        axisymmetric=True,
+        **flags,
+    ).solver()
 
 
 def test_an_even_pressure_has_no_error():
@@ -72,14 +76,10 @@ def test_the_estimate_is_near_the_error(h):
     tubes[0].edges.maxh = 0.7 * h
     mesh = Mesh(OCCGeometry(Compound(tubes), dim=2).GenerateMesh(maxh=h))
     V = VectorH1(mesh, order=2, dirichlety="held")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += 2 * pi * x * InnerProduct(stress(AxisymmetricGrad(u)), AxisymmetricGrad(v)) * dx
-    a += -2 * pi * x * pressure * v[0] * ds("in")
-    gf = GridFunction(fes)
-    solver = ContactSolver(a, gf, LACContact(u, lam, master="master"))
-    solver.Solve(printing=False)
+    problem = posed(
+        V, inside, lambda u, v, load: -2 * pi * x * pressure * v[0] * ds("in"), axisymmetric=True
+    )
+    solver, gf = solved(problem), problem.gf
     factor = (1 + nu) * pressure * inner**2 / (outer**2 - inner**2)
     along, across = (factor * ((1 - 2 * nu) + sign * (outer / x) ** 2) for sign in (-1, 1))
     exact = CF((along, 0, 0, 0, 0, 0, 0, 0, across), dims=(3, 3))

@@ -8,12 +8,8 @@ import pytest
 from netgen.occ import Compound, Glue, MoveTo, OCCGeometry, Y
 from ngsolve import (
     CF,
-    BilinearForm,
     Compress,
-    Grad,
-    GridFunction,
     Id,
-    InnerProduct,
     Mesh,
     Parameter,
     Sym,
@@ -21,8 +17,8 @@ from ngsolve import (
     ds,
     dx,
 )
+from posed import posed, stressed
 
-from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.analysis import Adapt, EquilibratedEstimate, ResidualEstimate
 from ngslac.materials import Stress
 
@@ -54,11 +50,9 @@ def mesh_of(*, glued=False, support="bottom", gap=0.0, h=0.3):
 
 def solved(mesh, *, held="bottom", weight=0.0, space=lambda V: V, **law):
     V = space(VectorH1(mesh, order=2, dirichlet=escape(held), dirichletx="top"))
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(stress(Grad(u)), Grad(v)) * dx + PUSH * v[1] * ds("top") + weight * v[1] * dx
-    solver = ContactSolver(a, GridFunction(fes), LACContact(u, lam, master="master", **law))
+    solver = posed(
+        V, stressed(stress), lambda u, v, load: PUSH * v[1] * ds("top") + weight * v[1] * dx, **law
+    ).solver()
     solver.Solve(printing=False)
     return solver
 
@@ -109,12 +103,9 @@ def driven(depth):
 
     def Problem(mesh):
         V = VectorH1(mesh, order=2, dirichlet="bottom|top")
-        fes = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = fes.TnT()
-        a = BilinearForm(InnerProduct(stress(Grad(u)), Grad(v)) * dx)
-        gf = GridFunction(fes)
-        gf.components[0].Set(CF((0, -depth)), definedon=mesh.Boundaries("top"))
-        return ContactSolver(a, gf, LACContact(u, lam, master="master"))
+        problem = posed(V, stressed(stress))
+        problem.gf.components[0].Set(CF((0, -depth)), definedon=mesh.Boundaries("top"))
+        return problem.solver()
 
     return Problem
 

@@ -16,13 +16,13 @@ from ngsolve import (
     Norm,
     NumberSpace,
     Parameter,
-    Sym,
     Variation,
     VectorH1,
     dx,
     exp,
 )
 from ngsolve.meshes import MakeStructured2DMesh
+from posed import elastic, posed
 from press import mixed_press, press, solved
 from resting import any_rotation
 from squeal import ACROSS, exact, integrated, slider
@@ -39,7 +39,7 @@ from ngslac import (
 from ngslac.analysis import Modes, Sensitivity, modes, pencil, steadysliding
 from ngslac.analysis.tangent import Tangent
 from ngslac.errors import ContactWarning
-from ngslac.materials import NeoHooke, Stress
+from ngslac.materials import NeoHooke
 from ngslac.steps.inertia import Mass
 
 FOOT = 4 / 3  # stiffness of the slider's foot, also along and across
@@ -240,13 +240,16 @@ def test_a_column_buckles_under_the_pressure_of_contact():
     place = lambda s, t: (s, thickness * t)  # noqa: E731
     mesh = MakeStructured2DMesh(nx=10, ny=1, mapping=place)
     V = VectorH1(mesh, order=3, dirichlet="left")
-    fes = V * LACSpace(V, slave="right")
-    (u, lam), _ = fes.TnT()
-    a, push = BilinearForm(fes), Parameter(0)
-    a += Variation(NeoHooke(Id(2) + Grad(u), 1.0, 0.0) * dx)
+    push = Parameter(0)
     plane = tools.Plane((1, 0), (-1, 0)).Moved(shift=(-push, 0))
-    solver = ContactSolver(a, GridFunction(fes), LACContact(u, lam, obstacle=plane, finite=True))
-    stepper = LoadStepper(solver, push)
+    stepper = posed(
+        V,
+        lambda u, v, load: Variation(NeoHooke(Id(2) + Grad(u), 1.0, 0.0) * dx),
+        slave="right",
+        load=push,
+        obstacle=plane,
+        finite=True,
+    ).stepper()
     critical, scale = (np.pi * thickness) ** 2 / 48, thickness**2 / 12
     for share in (0.01, 0.4, 0.8):
         stepper.Integrate(share * critical, steps=1, printing=False)
@@ -399,12 +402,9 @@ def test_equal_bodies_have_a_copy_of_each_mode(damping, monkeypatch):
         block.edges.Min(Y).name = "slave"
     mesh = Mesh(OCCGeometry(Compound(blocks), dim=2).GenerateMesh(maxh=0.5))
     V = VectorH1(mesh, order=3)
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 10, 0.3), Grad(v)) * dx + v[1] * dx
-    solver = ContactSolver(a, GridFunction(fes), LACContact(u, lam, obstacle=0, friction=0.5))
-    solver.Solve(printing=False)
+    solver = solved(
+        posed(V, elastic(10, 0.3), lambda u, v, load: v[1] * dx, obstacle=0, friction=0.5)
+    )
     options = {"density": 1, "damping": damping}
     found = [Modes(solver, count=count, **options).eigenvalues for count in (4, 7, 18)]
     monkeypatch.setattr(pencil, "SMALL", 10_000)  # by dense algebra

@@ -31,6 +31,7 @@ from ngsolve import (
     y,
 )
 from obstacles import block_on_obstacle
+from posed import posed
 from press import mixed_press, press, stress
 from varied import TOL, Moved, close, differences, solve, velocity
 
@@ -154,21 +155,24 @@ def test_of_a_tool_by_its_motion():
     travel = Parameter(0.03)
     mesh = Mesh(OCCGeometry(Named(Rectangle(2, 1).Face()), dim=2).GenerateMesh(maxh=0.2))
     V = VectorH1(mesh, order=2, dirichlet="bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(InnerProduct(stress(u), Sym(Grad(v))) * dx)
-    gf = GridFunction(X)
     tool = tools.Sphere((1, 2), 1).Moved(shift=(0, -travel))
-    contact = LACContact(u, lam, obstacle=tool, finite=True, friction=0.1)
+    problem = posed(
+        V,
+        lambda u, v, load: InnerProduct(stress(u), Sym(Grad(v))) * dx,
+        obstacle=tool,
+        finite=True,
+        friction=0.1,
+    )
+    force = problem.contact.Force
 
     def Solve():
-        gf.vec[:] = 0
-        solver = ContactSolver(a, gf, contact)
-        solver.Solve(printing=False, tol=TOL)
-        return solver
+        problem.gf.vec[:] = 0
+        return solve(problem)
 
-    s = Sensitivity(Solve(), contact.Force)
-    close(s.By(travel), differences(travel, lambda: Solve() and contact.Force(), 1e-6))
+    close(
+        Sensitivity(Solve(), force).By(travel),
+        differences(travel, lambda: Solve() and force(), 1e-6),
+    )
 
 
 def Named(block):

@@ -6,7 +6,6 @@ from bricks import brick
 from netgen.occ import MoveTo, OCCGeometry, Y
 from ngsolve import (
     CF,
-    BilinearForm,
     Grad,
     GridFunction,
     InnerProduct,
@@ -19,11 +18,12 @@ from ngsolve import (
     dx,
     x,
 )
-from press import press, stress
+from posed import elastic, posed
+from press import press, solved, stress
 from scipy.optimize import least_squares
 from varied import TOL, Slide, close, differences, velocity
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper, tools
+from ngslac import LoadStepper, tools
 from ngslac.analysis import Record, Sensitivity, Shape
 
 STEPS = {"mu": 1e-5, "young": 1e-4, "spring": 1e-2}
@@ -89,19 +89,19 @@ def test_what_was_before_the_record_is_fixed(finite):
     close(s.By(slide.mu), expected)
 
 
+def inside(u, v, load):
+    return InnerProduct(stress(u), Sym(Grad(v))) * dx
+
+
 def test_of_an_obstacle_that_touches_on_the_way():
     mu = Parameter(0.3)
 
     def Make():
         load, mesh = Parameter(0), brick("trig", 6, 3)
         V = VectorH1(mesh, order=2, dirichlet="top")
-        X = V * LACSpace(V, slave="bottom")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(stress(u), Sym(Grad(v))) * dx)
         gap = 0.06 * mu * (x - 0.3) ** 2 + 0.005 - 0.02 * load
-        contact = LACContact(u, lam, obstacle=gap, friction=mu)
-        solver = ContactSolver(a, GridFunction(X), contact)
-        return contact, LoadStepper(solver, load, prescribe={"top": CF((0.01 * load**2, 0))})
+        problem = posed(V, inside, slave="bottom", load=load, obstacle=gap, friction=mu)
+        return problem.contact, problem.stepper(prescribe={"top": CF((0.01 * load**2, 0))})
 
     def Run():
         contact, stepper = Make()
@@ -127,12 +127,10 @@ def test_of_a_tool_that_touches_on_the_way():
     def Make():
         load = Parameter(0)
         V = VectorH1(mesh, order=2, dirichlet="top")
-        X = V * LACSpace(V, slave="bottom")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(stress(u), Sym(Grad(v))) * dx)
         tool = tools.Plane((0.5, -0.08), (0.1, 1)).Moved(shift=(-0.05 * load, depth * load))
-        contact = LACContact(u, lam, obstacle=tool, friction=0.25, finite=True)
-        return contact, LoadStepper(ContactSolver(a, GridFunction(X), contact), load)
+        law = {"obstacle": tool, "friction": 0.25, "finite": True}
+        problem = posed(V, inside, slave="bottom", load=load, **law)
+        return problem.contact, problem.stepper()
 
     def Run():
         contact, stepper = Make()
@@ -173,19 +171,13 @@ def worn_rod(rate):
     """C1: a rod between fixed ends that wears at one of them; s is the way of sliding."""
     mesh = Mesh(OCCGeometry(Rod(), dim=2).GenerateMesh(maxh=0.5))
     V = VectorH1(mesh, order=2, dirichlety="top", dirichletx="side")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(InnerProduct(100.0 * Sym(Grad(u)), Sym(Grad(v))) * dx)  # nu = 0
-    way, pushed = Parameter(0), Parameter(-1.0 * 10 / 100)
 
     def Worn(z):
         return z.History("worn", lambda worn: worn + rate * z.pressure * z.dt)
 
-    contact, gf = LACContact(u, lam, obstacle=CF(0), offset=Worn), GridFunction(X)
-    gf.components[0].Set((0, pushed), definedon=mesh.Boundaries("top"))
-    solver = ContactSolver(a, gf, contact)
-    solver.Solve(printing=False)
-    return contact, LoadStepper(solver, way)
+    problem = posed(V, elastic(100.0), load=Parameter(0), obstacle=CF(0), offset=Worn)
+    problem.gf.components[0].Set((0, -1.0 * 10 / 100), definedon=mesh.Boundaries("top"))
+    return problem.contact, LoadStepper(solved(problem), problem.load)
 
 
 def Rod():

@@ -6,9 +6,7 @@ import ngsolve
 from exact_signorini import ElasticSignorini
 from ngsolve import (
     CF,
-    BilinearForm,
     Grad,
-    GridFunction,
     InnerProduct,
     Integrate,
     Sym,
@@ -17,8 +15,8 @@ from ngsolve import (
     x,
     y,
 )
+from posed import posed, stressed
 
-from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks
 
@@ -49,14 +47,12 @@ class Edge:
         self.young = mesh.MaterialCF({"upper": exact.young1, "lower": exact.young2})
         self.nu = mesh.MaterialCF({"upper": exact.nu1, "lower": exact.nu2})
         V = VectorH1(mesh, order=self.order, dirichlet=SIDES)
-        X = V * LACSpace(V, slave="slave")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(self.stress(Grad(u)), Grad(v)) * dx)
-        self.gf = gf = GridFunction(X)
+        problem = posed(V, stressed(self.stress))
+        self.gf = gf = problem.gf
         both = self._Both(exact.Displacement)
         held = {side: both[BODIES[side in LOWER]] for side in SIDES.split("|")}
         gf.components[0].Set(mesh.BoundaryCF(held), definedon=mesh.Boundaries(SIDES))
-        return ContactSolver(a, gf, LACContact(u, lam, master="master"))
+        return problem.solver()
 
     @staticmethod
     def _Both(field):

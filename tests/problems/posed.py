@@ -41,6 +41,11 @@ def revolved(young, nu):
     return Integral
 
 
+def stressed(stress):
+    """The integral of a stress that is a function of the gradient."""
+    return lambda u, v, load: InnerProduct(stress(Grad(u)), Grad(v)) * dx
+
+
 def posed(V, *bulk, slave="slave", axisymmetric=False, condense=False, load=None, **law):
     """The parts of a problem on the displacement space V, with a LACSpace on one surface.
 

@@ -7,19 +7,14 @@ import numpy as np
 from netgen.occ import OCCGeometry, Rectangle, X, Y
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
     Mesh,
     Sym,
     VectorH1,
     ds,
-    dx,
     x,
 )
+from posed import posed, stressed
 
-from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.materials import Stress
 
 YOUNG, NU = 1.0, 0.3
@@ -61,9 +56,11 @@ class Wavy:
 
     def __call__(self, mesh):
         V = VectorH1(mesh, order=2, dirichletx="left|right")
-        X = V * LACSpace(V, slave="top")
-        (u, lam), (v, _) = X.TnT()
-        a = BilinearForm(InnerProduct(self.stress(Grad(u)), Grad(v)) * dx)
-        a += -self.traction * v * ds("bottom")
         wave = AMPLITUDE * (1 - ngsolve.cos(2 * pi * x))
-        return ContactSolver(a, GridFunction(X), LACContact(u, lam, obstacle=wave))
+        return posed(
+            V,
+            stressed(self.stress),
+            lambda u, v, load: -self.traction * v * ds("bottom"),
+            slave="top",
+            obstacle=wave,
+        ).solver()

@@ -8,24 +8,17 @@ import numpy as np
 from elasticity import Sorted
 from netgen.occ import Glue, MoveTo, OCCGeometry
 from ngsolve import (
-    BilinearForm,
-    GridFunction,
     IfPos,
-    InnerProduct,
     Mesh,
     Parameter,
-    Sym,
     VectorH1,
-    dx,
-    pi,
-    x,
 )
+from posed import posed, revolved
 from report_bounds import Exact, Neglected
 from report_case import Case, Outcome, Row
 from report_pictures import INK, ORANGE, Figure
 
-from ngslac import ContactSolver, LACContact, LACSpace, Law, LoadStepper, tools
-from ngslac.materials import AxisymmetricGrad, Stress
+from ngslac import Law, tools
 
 # The radius of the ball and E* are 1; the work of adhesion is such that contact of this radius
 # needs no force.
@@ -76,15 +69,11 @@ def Pulled(depths, h=0.001):
             edge.name, edge.maxh = "slave", h
     mesh = Mesh(OCCGeometry(body, dim=2).GenerateMesh(maxh=0.1, grading=0.25))
     V = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="axis")
-    fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-    (u, lam), (v, _) = fes.TnT()
-    strain, virtual = Sym(AxisymmetricGrad(u)), Sym(AxisymmetricGrad(v))
-    a = BilinearForm(fes)
-    a += 2 * pi * x * InnerProduct(Stress(strain, 1 - NU**2, NU), virtual) * dx
     depth = Parameter(0)
     ball = tools.Sphere((0, 1), 1).Moved(shift=(0, -depth))
-    contact = LACContact(u, lam, obstacle=ball, finite=True, law=Law(Sticky))
-    stepper = LoadStepper(ContactSolver(a, GridFunction(fes), contact), depth)
+    law = {"axisymmetric": True, "obstacle": ball, "finite": True, "law": Law(Sticky)}
+    problem = posed(V, revolved(1 - NU**2, NU), load=depth, **law)
+    contact, stepper = problem.contact, problem.stepper()
     found = []
     for goal in depths:
         stepper.Integrate(goal, steps=1, printing=False)

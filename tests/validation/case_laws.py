@@ -8,8 +8,6 @@ import numpy as np
 from netgen.occ import Box, Compound, Glue, MoveTo, OCCGeometry, Rectangle, Y, Z
 from ngsolve import (
     CF,
-    BilinearForm,
-    Grad,
     GridFunction,
     IfPos,
     InnerProduct,
@@ -17,17 +15,16 @@ from ngsolve import (
     Mesh,
     Norm,
     Parameter,
-    Sym,
     VectorH1,
     dx,
     exp,
 )
+from posed import elastic, posed
 from report_bounds import Neglected, Step, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import INK, ORANGE, Figure
 
-from ngslac import ContactSolver, LACContact, LACSpace, Law, LoadStepper, TimeStepper, tools
-from ngslac.materials import Stress
+from ngslac import Law, LoadStepper, TimeStepper, tools
 from ngslac.meshes import TwoBlocks
 
 # --- double cantilever beam ----------------------------------------------------------------------
@@ -80,16 +77,12 @@ def Beams(h):
 def Peeled(h, steps):
     """Openings and forces up to 8 mm."""
     V = VectorH1(Beams(h), order=2, dirichlet="end_lower", dirichlety="tip_.*")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += WIDTH * InnerProduct(Stress(Sym(Grad(u)), YOUNG, 0.0), Sym(Grad(v))) * dx
-    contact = LACContact(u, lam, master="master", tied=True, law=Law(Glued))
-    gf, opening = GridFunction(fes), Parameter(0)
+    opening = Parameter(0)
+    problem = posed(V, elastic(WIDTH * YOUNG), load=opening, tied=True, law=Law(Glued))
     ends = {"tip_upper": CF((0, opening / 2)), "tip_lower": CF((0, -opening / 2))}
-    ends |= {"end_lower": CF((0, 0))}
-    stepper = LoadStepper(ContactSolver(a, gf, contact), opening, prescribe=ends)
-    lift, force = GridFunction(fes), gf.vec.CreateVector()
+    stepper = problem.stepper(prescribe=ends | {"end_lower": CF((0, 0))})
+    a, gf, lift = problem.a, problem.gf, GridFunction(problem.X)
+    force = gf.vec.CreateVector()
     lift.components[0].Set((0, 1), definedon=V.mesh.Boundaries("tip_upper"))
     openings, forces = np.linspace(0, 8, steps + 1)[1:], []
     for goal in openings:
@@ -128,13 +121,7 @@ def Bar(young, *, density=None, held="bottom|top", mesh=0.25, weight=0.0, **law)
     """Two blocks with nu = 0, of height 1 each, and their contact."""
     mesh = TwoBlocks(mesh)
     V = VectorH1(mesh, order=2, dirichlet=held)
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), young, 0.0), Sym(Grad(v))) * dx
-    a += weight * v[1] * dx("upper")
-    contact = LACContact(u, lam, master="master", **law)
-    return ContactSolver(a, GridFunction(fes), contact)
+    return posed(V, elastic(young), lambda u, v, load: weight * v[1] * dx("upper"), **law).solver()
 
 
 def Worn(steps):
@@ -212,18 +199,17 @@ def OnBelt(fall, end):
     block.edges.Min(Y).name = "slave"
     mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=0.5))
     V = VectorH1(mesh, order=2)
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a, time = BilinearForm(fes), Parameter(0)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1e6, 0.3), Sym(Grad(v))) * dx
-    a += 2 * LOAD * v[1] * dx + 2 * SPRING * (u[0] + 0.02) * v[0] * dx
+    time = Parameter(0)
     belt = tools.Plane((0, 0), (0, 1)).Moved(shift=(BELT * time, 0))
+
+    def Loads(u, v, load):
+        return 2 * LOAD * v[1] * dx + 2 * SPRING * (u[0] + 0.02) * v[0] * dx
 
     def Friction(z):
         return KINETIC + (STATIC - KINETIC) * exp(-Norm(z.rate) / fall)
 
-    contact = LACContact(u, lam, obstacle=belt, finite=True, friction=Friction)
-    solver = ContactSolver(a, GridFunction(fes), contact)
+    law = {"obstacle": belt, "finite": True, "friction": Friction}
+    solver = posed(V, elastic(1e6, 0.3), Loads, **law).solver()
     stepper = TimeStepper(solver, 2.0, dt=0.005, rho_inf=0.5, time=time)
     stepper.velocity.components[0].Set((BELT, 0))
     rows = []
@@ -292,22 +278,18 @@ def Dragged(angles, finite):
     block.faces.name = "free"
     block.faces.Min(Z).name, block.faces.Max(Z).name = "slave", "top"
     V = VectorH1(Mesh(OCCGeometry(block).GenerateMesh(maxh=0.34)), order=2, dirichlet="top")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a = BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1e4, 0.0), Sym(Grad(v))) * dx
     floor = {"obstacle": tools.Plane((0, 0, 0), (0, 0, 1)), "finite": True}
-    contact = LACContact(u, lam, law=Law(Grained), **(floor if finite else {"obstacle": 0.0}))
+    law = {"law": Law(Grained)} | (floor if finite else {"obstacle": 0.0})
     found = []
     for angle in np.radians(angles):
-        gf, load = GridFunction(fes), Parameter(0)
+        load = Parameter(0)
+        problem = posed(V, elastic(1e4), load=load, **law)
         away = 0.1 * IfPos(load - 1, load - 1, 0)
         path = (away * np.cos(angle), away * np.sin(angle), -1e-4 * IfPos(load - 1, 1, load))
-        contact.Update()
-        stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe={"top": CF(path)})
+        stepper = problem.stepper(prescribe={"top": CF(path)})
         stepper.Integrate(1, steps=1, printing=False)
         stepper.Integrate(2, steps=4, printing=False)
-        force = contact.Force()
+        force = problem.contact.Force()
         found.append(-force[:2] / force[2])
     return np.array(found)
 

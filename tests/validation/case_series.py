@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from ngsolve import CF, BilinearForm, GridFunction, Parameter, VectorH1
+from ngsolve import CF, Parameter, VectorH1
+from posed import posed
 from press import neo_hooke
 from report_bounds import Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import Bodies, Figure
 from scipy.optimize import brentq
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.meshes import TwoBlocks
 
 STIFF, SOFT = (40.0, 60.0), (15.0, 30.0)  # shear modulus and Lame's constant: upper, lower block
@@ -35,17 +35,14 @@ def Squeezed(finite):
     """Two blocks pressed by 0.6: displacement and contact."""
     mesh = TwoBlocks(0.34, structured=True)
     V = VectorH1(mesh, order=2, dirichletx=WALLS, dirichlety="top|bottom")
-    X = V * LACSpace(V, slave="slave")
-    (u, lam), _ = X.TnT()
     both = zip(STIFF, SOFT, strict=True)
     shear, lame = (mesh.MaterialCF({"upper": up, "lower": low}) for up, low in both)
-    a, gf, load = BilinearForm(X), GridFunction(X), Parameter(0.0)
-    a += neo_hooke(u, mu=shear, lame=lame)
-    contact = LACContact(u, lam, master="master", finite=finite)
-    prescribe = {"top": CF((0, -0.6 * load))}
-    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=prescribe)
+    problem = posed(
+        V, lambda u, v, load: neo_hooke(u, mu=shear, lame=lame), load=Parameter(0), finite=finite
+    )
+    stepper = problem.stepper(prescribe={"top": CF((0, -0.6 * problem.load))})
     stepper.Integrate(steps=3, printing=False)
-    return gf.components[0], contact
+    return problem.gf.components[0], problem.contact
 
 
 def Series(quick):

@@ -8,26 +8,17 @@ import numpy as np
 from elasticity import Sorted
 from netgen.occ import OCCGeometry, Rectangle, Y
 from ngsolve import (
-    BilinearForm,
-    Grad,
-    GridFunction,
-    InnerProduct,
     Mesh,
-    Parameter,
-    Sym,
     VectorH1,
     cos,
     ds,
-    dx,
     pi,
     x,
 )
+from posed import elastic, posed
 from report_bounds import Element, Neglected
 from report_case import Case, Outcome, Row
 from report_pictures import INK, ORANGE, Figure
-
-from ngslac import ContactSolver, LACContact, LACSpace
-from ngslac.materials import Stress
 
 NU, HEIGHT = 0.3, 0.01  # E = 1, wave length 1
 FULL = np.pi * HEIGHT / (1 - NU**2)  # mean pressure at which all touches
@@ -48,17 +39,13 @@ def Pressed(faces):
     block.edges["slave"].maxh = 0.5 / faces
     mesh = Mesh(OCCGeometry(block, dim=2).GenerateMesh(maxh=5 / faces))
     V = VectorH1(mesh, order=2, dirichletx="side")
-    fes = V * LACSpace(V, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    load, a = Parameter(0), BilinearForm(fes)
-    a += InnerProduct(Stress(Sym(Grad(u)), 1.0, NU), Sym(Grad(v))) * dx
-    a += load * v[1] * ds("top")
-    contact = LACContact(u, lam, obstacle=HEIGHT * (1 - cos(2 * pi * x)))
-    solver, tables = ContactSolver(a, GridFunction(fes), contact), []
+    wave = HEIGHT * (1 - cos(2 * pi * x))
+    problem = posed(V, elastic(1.0, NU), lambda u, v, load: load * v[1] * ds("top"), obstacle=wave)
+    solver, tables = problem.solver(), []
     for share in SHARES:
-        load.Set(share * FULL)
+        problem.load.Set(share * FULL)
         solver.Solve(printing=False)
-        tables.append(Sorted(contact.Table()))
+        tables.append(Sorted(problem.contact.Table()))
     return tables
 
 

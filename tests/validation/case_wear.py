@@ -11,25 +11,20 @@ import numpy as np
 from elasticity import Sorted
 from netgen.occ import Circle, Glue, MoveTo, OCCGeometry, Rectangle, Y
 from ngsolve import (
-    BilinearForm,
-    GridFunction,
-    InnerProduct,
     Integrate,
     Mesh,
     Parameter,
-    Sym,
     VectorH1,
     ds,
-    dx,
     pi,
     x,
 )
+from posed import posed, revolved
 from report_bounds import Element, Neglected, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import INK, ORANGE, Figure
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper, tools
-from ngslac.materials import AxisymmetricGrad, Stress
+from ngslac import LoadStepper, tools
 
 
 class Runner:
@@ -41,22 +36,19 @@ class Runner:
     def __init__(self, mesh, young, nu, force, rate):
         held = {"dirichletx": "axis"} if "axis" in mesh.GetBoundaries() else {}
         V = VectorH1(mesh, order=2, **held)
-        fes = V * LACSpace(V, slave="slave", axisymmetric=True)
-        (u, lam), (v, _) = fes.TnT()
-        strain, virtual = Sym(AxisymmetricGrad(u)), Sym(AxisymmetricGrad(v))
-        a = BilinearForm(fes)
-        a += 2 * pi * x * InnerProduct(Stress(strain, young, nu), virtual) * dx
         area = Integrate(2 * pi * x * ds("top"), mesh)
-        a += force / area * 2 * pi * x * v[1] * ds("top")
+
+        def Pressed(u, v, load):
+            return force / area * 2 * pi * x * v[1] * ds("top")
 
         def Worn(z):
             return z.History("worn", lambda worn: worn + rate * z.pressure * z.dt)
 
-        floor, way = tools.Plane((0, 0), (0, 1)), Parameter(0)
-        self.contact = LACContact(u, lam, obstacle=floor, finite=True, offset=Worn)
-        solver = ContactSolver(a, GridFunction(fes), self.contact)
+        law = {"obstacle": tools.Plane((0, 0), (0, 1)), "finite": True, "offset": Worn}
+        problem = posed(V, revolved(young, nu), Pressed, axisymmetric=True, **law)
+        self.contact, solver = problem.contact, problem.solver()
         solver.Solve(printing=False)
-        self.stepper = LoadStepper(solver, way)
+        self.stepper = LoadStepper(solver, Parameter(0))
 
     def Run(self, ways):
         """Tables at these ways, each in the order of the radius."""

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from ngsolve import CF, BilinearForm, GridFunction, Parameter, VectorH1
+from ngsolve import CF, Parameter, VectorH1
+from posed import posed
 from press import linear
 from sheets import Motion, Sheet, grid, in_plane, sheet_mesh
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
 from ngslac.meshes import HertzMesh
 from ngslac.meshes.geometry import Arc, Body, GenerateMesh, Line, Touching
 
@@ -19,15 +19,13 @@ SIDES = [("slave", "master"), ("master", "slave")]
 def pressed(mesh, pushes, sides, *, order=2, steps=5, dirichletx="", **flags):
     """Table of two equal bodies that are moved towards each other; `pushes`: by regions."""
     V = VectorH1(mesh, order=order, dirichlet="|".join(pushes), dirichletx=dirichletx)
-    X = V * LACSpace(V, slave=sides[0])
-    (u, lam), (v, _) = X.TnT()
-    a, load = BilinearForm(linear(u, v)), Parameter(0)
-    contact = LACContact(u, lam, master=sides[1], friction=FRICTION, **flags)
-    prescribe = {name: load * CF(tuple(push)) for name, push in pushes.items()}
-    stepper = LoadStepper(ContactSolver(a, GridFunction(X), contact), load, prescribe=prescribe)
+    law = {"slave": sides[0], "master": sides[1], "friction": FRICTION} | flags
+    problem = posed(V, lambda u, v, load: linear(u, v), load=Parameter(0), **law)
+    prescribe = {name: problem.load * CF(tuple(push)) for name, push in pushes.items()}
+    stepper = problem.stepper(prescribe=prescribe)
     for k in range(1, steps + 1):
         stepper.Integrate((k / steps) ** 1.8, steps=1, printing=False)
-    return contact.Table()
+    return problem.contact.Table()
 
 
 def rubbed(table):
@@ -109,10 +107,9 @@ def test_the_weights_do_not_depend_on_the_frame(slave):
     for angle in (0.0, 37.0):
         mesh = HertzMesh(2.0, half=False, angle=angle)
         V = VectorH1(mesh, order=2, dirichlet="bottom")
-        X = V * LACSpace(V, slave=slave)
-        (u, lam), (v, _) = X.TnT()
-        contact = LACContact(u, lam, master="master" if slave == "slave" else "slave")
-        contact.Prepare(BilinearForm(linear(u, v)).Assemble().mat)
-        found.append(contact.State()["share"][0])
+        master = "master" if slave == "slave" else "slave"
+        problem = posed(V, lambda u, v, load: linear(u, v), slave=slave, master=master)
+        problem.contact.Prepare(problem.a.Assemble().mat)
+        found.append(problem.contact.State()["share"][0])
     assert found[0] == pytest.approx(found[1], rel=1e-8)
     assert 0.3 < found[0] < 0.7  # of equal materials
