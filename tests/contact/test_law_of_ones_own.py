@@ -302,7 +302,6 @@ def pulled_the_wrong_way(places):
 pulled_the_wrong_way.kept = Wearing().kept
 
 
-@pytest.mark.sample(1)
 @pytest.mark.parametrize("law", [pushed_by_a_limited_force, pulled_the_wrong_way])
 def test_what_to_look_at_where_newtons_method_fails(law):
     """Not at friction, of which there is none."""

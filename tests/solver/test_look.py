@@ -279,7 +279,7 @@ LONG = [
 ]
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "case",
     [
