@@ -27,7 +27,6 @@ from ngslac.contact.flux import Flux  # noqa: E402
 from ngslac.dirichlet import KeepPatterns as _KeepPatterns  # noqa: E402
 from ngslac.errors import ContactConvergenceError, ContactWarning, FloatingBodyError  # noqa: E402
 from ngslac.mesh import SplitSlaveFaces  # noqa: E402
-from ngslac.parallel import twin as _twin  # noqa: E402, F401  # for distributed meshes
 from ngslac.solve.augmented import AugmentedLagrangianSolver  # noqa: E402
 from ngslac.solve.forms import FormSum  # noqa: E402
 from ngslac.solve.solver import ContactSolver  # noqa: E402

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs and products of matrices as numpy arrays of scalar entries."""
 
+from functools import singledispatch
+
 import numpy as np
 import scipy
 from netgen.meshing import NgException
 from ngsolve import BaseVector, BitArray
-from ngsolve.la import SparseMatrixd
+from ngsolve.la import PARALLEL_STATUS, SparseMatrixd
 
 __all__ = [
     "AddToDiagonal",
@@ -13,23 +15,42 @@ __all__ = [
     "AsNumPy",
     "ComponentsOf",
     "Exported",
+    "Like",
     "Multiply",
+    "Product",
     "SameEntries",
     "SameMatrix",
     "ScalarDofs",
+    "Sparse",
     "ToCSR",
 ]
 
 
 def Multiply(mats, values):
     """The sum of sparse matrices times a vector, as numpy arrays of scalar entries."""
-    total = 0.0
-    for mat in mats:
-        factor, product = mat.CreateRowVector(), mat.CreateColVector()
-        factor.FV().NumPy()[:] = values
-        product.data = mat * factor
-        total = total + product.FV().NumPy()
-    return total
+    return sum(Product(mat, values) for mat in mats)
+
+
+@singledispatch
+def Product(mat, values):
+    """A matrix times a vector, see `Multiply`."""
+    factor, product = mat.CreateRowVector(), mat.CreateColVector()
+    factor.FV().NumPy()[:] = values
+    factor.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
+    product.data = mat * factor
+    product.Cumulate()
+    return Like(values, product.FV().NumPy().copy())
+
+
+@singledispatch
+def Sparse(mat):
+    """A copy of a sparse matrix that knows sums, differences, sizes and products with arrays."""
+    return ToCSR(mat)
+
+
+def Like(values, others):
+    """Other values by the rows of an array, which may be one of many processes."""
+    return values.Like(others) if hasattr(values, "Like") else others
 
 
 def AsNumPy(bits):

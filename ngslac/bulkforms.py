@@ -1,30 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Verbs of a bulk form and its matrix besides those that NGSolve gives them.
 
-These are for one process. A class that needs other ones registers them in its own module.
+A class that needs other ones registers them in its own module.
 """
 
-from abc import ABC, abstractmethod
 from functools import singledispatch
 
-from ngsolve import BilinearForm, InnerProduct, Integrate, dx
+from ngsolve import BilinearForm, InnerProduct, dx
 
-__all__ = [
-    "BulkForm",
-    "Integral",
-    "Integrand",
-    "ScaleMatrix",
-    "WithDiagonal",
-    "WithMass",
-    "WithoutMass",
-]
-
-
-class BulkForm(ABC):  # noqa: B024
-    """A BilinearForm, or an object with its methods that stands for one."""
-
-
-BulkForm.register(BilinearForm)
+__all__ = ["ScaleMatrix", "WithMass", "WithoutMass"]
 
 
 @singledispatch
@@ -33,7 +17,6 @@ def WithoutMass(form):
     return form
 
 
-@singledispatch
 def WithMass(form, factor, density, u, v):
     """The form plus ``factor * density * u.v``."""
     heavy = BilinearForm(form.space, condense=form.condense)
@@ -43,28 +26,6 @@ def WithMass(form, factor, density, u, v):
     return heavy
 
 
-@singledispatch
 def ScaleMatrix(form, factor):
-    """Multiply the matrix that was made last."""
-    form.mat.AsVector().data *= factor
-
-
-@singledispatch
-def WithDiagonal(operator):
-    """A form or a matrix itself, or a sparse matrix that has its diagonal."""
-    return operator
-
-
-class Integrand(ABC):
-    """A function of which only the integral is known."""
-
-    @abstractmethod
-    def Integrate(self):
-        """The integral over the mesh."""
-
-
-def Integral(function, mesh):
-    """The integral of a function or an Integrand."""
-    if isinstance(function, Integrand):
-        return function.Integrate()
-    return float(Integrate(function, mesh))
+    """Multiply the matrix that was made last, of which each process may have a part."""
+    getattr(form.mat, "local_mat", form.mat).AsVector().data *= factor

@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Errors that a contact computation can end with."""
 
-import pickle
 import sys
 import warnings
 from enum import Flag, auto
 from pathlib import Path
 
-from netgen.meshing import NgException
+from ngslac.progress import Speaks
 
 __all__ = [
     "ContactConvergenceError",
     "ContactWarning",
     "FloatingBodyError",
     "LinearSolveError",
-    "Portable",
     "Reason",
     "RefuseCopy",
     "Warn",
@@ -123,6 +121,8 @@ class ContactWarning(UserWarning):
 
 def Warn(message: str, kind=None) -> None:
     """A warning at the line of the user's script that called the package."""
+    if not Speaks():
+        return
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
         frame, level = frame.f_back, level + 1
@@ -135,13 +135,3 @@ def RefuseCopy(self, *_):
         f"a {type(self).__name__} can be neither pickled nor copied: make another one in the same "
         "way; SaveState and LoadState carry the state from one to the other"
     )
-
-
-def Portable(error):
-    """An error that can be sent to other processes: itself, or one of a similar kind."""
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        kind = next((k for k in (NgException, ValueError) if isinstance(error, k)), RuntimeError)
-        return kind(f"{type(error).__name__}: {error}" if kind is RuntimeError else str(error))
-    return error

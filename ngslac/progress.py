@@ -7,12 +7,31 @@ import sys
 # NGSolve's own Krylov solvers report by the same functions.
 from netgen.libngpy._meshing import _GetStatus, _PushStatus, _SetThreadPercentage
 
-__all__ = ["Progress", "ShowLive"]
+__all__ = ["Progress", "Say", "ShowLive", "Silence", "Speaks"]
+
+
+SILENT = []
+
+
+def Silence():
+    """Let other processes, which do the same, print and warn."""
+    SILENT.append(True)
+
+
+def Speaks():
+    """Does this process print and warn?"""
+    return not SILENT
+
+
+def Say(line):
+    """Print a line, by one process."""
+    if Speaks():
+        print(line)
 
 
 def ShowLive(text):
     """Show a line on a terminal, in place of one that has no end; nothing in files and pipes."""
-    if sys.stderr.isatty():
+    if sys.stderr.isatty() and Speaks():
         columns, end = shutil.get_terminal_size().columns, "\n" * text.endswith("\n")
         sys.stderr.write("\r\x1b[K" + text.rstrip("\n")[: columns - 1] + end)
         sys.stderr.flush()

@@ -14,6 +14,7 @@ HOME = Path(ngslac.__file__).parent
 FLOORS = (
     *(
         "",
+        "parallel",
         "meshes",
         "linear",
         "output",
@@ -21,7 +22,6 @@ FLOORS = (
         "contact",
         "bodies",
         "petsc",
-        "parallel",
         "solve",
         "steps",
         "analysis",

@@ -7,7 +7,6 @@ import numpy as np
 from ngsolve import GridFunction
 
 from ngslac.arguments import CheckFunction, CheckInstance
-from ngslac.distributable import DistributedMesh
 from ngslac.errors import RefuseCopy
 from ngslac.steps.load import LoadStepper
 
@@ -62,9 +61,9 @@ class Record:
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     def __init__(self, stepper, *, commit=None, memory=()):
-        if DistributedMesh([stepper]) is not None:
-            raise ValueError("stepper is that of a distributed mesh: differentiate in one process")
         CheckInstance("stepper", stepper, LoadStepper, "a LoadStepper")
+        if stepper.solver.gf.space.mesh.comm.size > 1:
+            raise ValueError("stepper is that of a distributed mesh: differentiate in one process")
         CheckFunction("commit", commit)
         self.memory = list(memory)
         for each in self.memory:

@@ -195,7 +195,7 @@ class Replay:
         if apart or moves:
             around = None if apart else shadow._Function(state["paired"])
             shadow.Pair(around, active=bool(state.get("active", True)))
-            shadow.Scale(self.system.bulk.diagonal, self.system.bulk.elastic)
+            shadow.Scale(self.system.bulk.mat, self.system.bulk.elastic)
             # A factor of rows of the residual.
             shadow.form.SetHistory(shadow.form.History() | {"c": self.course.scales[k]})
         else:

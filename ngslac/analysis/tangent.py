@@ -7,7 +7,6 @@ import numpy as np
 
 from ngslac.arguments import CheckInstance
 from ngslac.arrays import AsBits, Exported, Multiply, ToCSR
-from ngslac.distributable import DistributedMesh
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import LU, Factor, OneBLASThread
 from ngslac.linear.refine import Refine
@@ -105,10 +104,11 @@ class AsBefore:
 
 def Static(solver):
     """A solver of static problems, or that of a stepper; a ValueError on a distributed mesh."""
-    if DistributedMesh([solver]) is not None:
-        raise ValueError("solver is on a distributed mesh: analyses of a state need one process")
     solver = getattr(solver, "static", getattr(solver, "solver", solver))
-    return CheckInstance("solver", solver, Equilibrium, "a solver, such as ContactSolver")
+    CheckInstance("solver", solver, Equilibrium, "a solver, such as ContactSolver")
+    if solver.gf.space.mesh.comm.size > 1:
+        raise ValueError("solver is on a distributed mesh: analyses of a state need one process")
+    return solver
 
 
 class Factors:

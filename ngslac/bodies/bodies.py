@@ -11,9 +11,11 @@ from ngslac.bodies.constraints import COARSE, CONTACT, TIGHT, Sight, ToolDofs
 from ngslac.bodies.falsestiffness import FalseStiffness
 from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
-from ngslac.bodies.parts import AreApart, Forces, PartsOf
+from ngslac.bodies.parts import AreApart, Forces, Groups, PartsOf
 from ngslac.bodies.rigidmotions import MotionIntegrals, PoissonRatio, RigidMotions, Turned
 from ngslac.bodies.slides import SlidesOf
+from ngslac.parallel.extent import ExtentOf
+from ngslac.parallel.layout import LayoutOf
 from ngslac.rigid import Tables
 
 __all__ = ["Bodies", "NoBodies"]
@@ -81,30 +83,29 @@ class Bodies:
         self.first, self.count = form.offset * block, space.ndof * block
         self.motions, self.names, self.size = RigidMotions(space)
         # Coordinates far from the origin hold rounding errors.
-        far = np.abs(np.asarray(space.mesh.ngmesh.Coordinates())).max() / self.size
+        far = ExtentOf(space.mesh).far / self.size
         self.resists = min(TOLERANCE, RESISTS * max(1.0, far))
-        forces = Forces(mat, self.first, self.count)
+        self.layout = contact.layout
+        forces = Forces(mat, self.layout, self.first, self.count)
         values = np.random.default_rng(0).standard_normal(self.count)
+        values = LayoutOf(space).Consistent(values)
         pushed = forces(values)
         sizes = np.abs(pushed)
-        self.part = PartsOf(mat, form, lambda part: AreApart(part, forces, values, pushed))
+        self.part = PartsOf(
+            mat, form, lambda part: AreApart(part, forces, values, pushed), sizes > 0
+        )
         allowed = self._Allowed(sizes > 0, free[self.first : self.first + self.count])
-        self.floating = [  # (part, combinations of motions as columns)
-            (self.part[dofs[0]], combinations)
-            for dofs, combinations in self._WithoutForces(allowed, forces, sizes)
-        ]
+        # (part, combinations of motions as columns)
+        self.floating = list(self._WithoutForces(allowed, forces, sizes))
         self.name = BodyNames(space, self.part, sizes > 0, self.motions)
 
     def _Allowed(self, used, free):
-        """Parts that their constrained dofs let move: dofs, combinations of motions as columns."""
-        dofs = np.flatnonzero(used)
-        dofs = dofs[np.argsort(self.part[dofs], kind="stable")]
-        ends = np.flatnonzero(np.diff(self.part[dofs], append=-1))
+        """Parts that their constrained dofs let move: part, dofs, combinations as columns."""
         allowed = []
-        for own in np.split(dofs, 1 + ends[:-1])[: len(ends)]:
-            combinations = NullSpace(self.motions[own[~free[own]]])
+        for part, own in Groups(self.part, used):
+            combinations = NullSpace(self.motions[own[~np.asarray(free)[own]]])
             if combinations.shape[1]:
-                allowed.append((own, combinations))
+                allowed.append((part, own, combinations))
         return allowed
 
     def _WithoutForces(self, parts, forces, sizes):
@@ -114,18 +115,18 @@ class Bodies:
         """
         random = np.random.default_rng(1).standard_normal(len(self.names))
         moved = self._ForcesOf(parts, forces, random)
-        scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for dofs, _ in parts]
+        scales = [sizes[dofs].mean() * Norm(self.motions[dofs]) for _, dofs, _ in parts]
         # Mostly constraints hold a part, or nothing does: a random motion shows which.
         held = [
             not np.linalg.norm(moved[dofs]) <= self.resists * scale
-            for (dofs, _), scale in zip(parts, scales, strict=True)
+            for (_, dofs, _), scale in zip(parts, scales, strict=True)
         ]
         resisted = [part for part, yes in zip(parts, held, strict=True) if yes]
-        most = max((motions.shape[1] for _, motions in resisted), default=0)
+        most = max((motions.shape[1] for *_, motions in resisted), default=0)
         columns = [self._ForcesOf(resisted, forces, weights) for weights in np.eye(most)]
         false = FalseStiffness(self, forces) if most else None
         self.loose = len(parts) - len(resisted)
-        for (dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
+        for (part, dofs, motions), scale, yes in zip(parts, scales, held, strict=True):
             if yes:
                 moved = np.stack([c[dofs] for c in columns[: motions.shape[1]]], axis=1)
                 free = NullSpace(moved / scale, self.resists)
@@ -134,12 +135,12 @@ class Bodies:
                     free, self.false = false.Unresisted(dofs, motions, moved, scale), True
                 motions = motions @ free
             if motions.shape[1]:
-                yield dofs, motions
+                yield part, motions
 
     def _ForcesOf(self, parts, forces, weights):
         """The forces where each part moves by its combinations, weighted."""
-        values = np.zeros(self.count)
-        for dofs, motions in parts:
+        values = LayoutOf(self.space).Zeros()
+        for _, dofs, motions in parts:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
@@ -186,7 +187,8 @@ class Bodies:
             turning = np.maximum(turning, turns / self.size)
         body = np.full(contacts[0].nscalars, -1)
         body[self.first : self.first + self.count] = self._bodies
-        return Freedom(weights, resistance, columns @ weights, turning, mesh, whose, body)
+        motions = contacts[0].layout.Of(columns @ weights)
+        return Freedom(weights, resistance, motions, turning, mesh, whose, body, len(self.floating))
 
     def _Placed(self, contacts, displacement):
         """The Placed bodies, kept as long as they stay where they are."""
@@ -208,7 +210,7 @@ class Bodies:
 
     def Columns(self, motions):
         """The free rigid motions of all bodies as columns of a sparse matrix (count, k)."""
-        values = [(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns]
+        values = [np.asarray(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns]
         shape = self.count, sum(own.shape[1] for _, own in self.floating)
         values = np.concatenate([np.zeros(0), *values])
         return scipy.sparse.csr_matrix((values, self._entries), shape)
@@ -242,7 +244,7 @@ class Bodies:
         """Which floating body each dof (count,) moves with; none: -1."""
         body = np.full(self.count, -1)
         for number, (inside, *_) in enumerate(self.unknowns):
-            body[inside[np.any(self.motions[inside], axis=1)]] = number
+            body[inside[np.any(np.asarray(self.motions)[inside], axis=1)]] = number
         return body
 
     @cached_property
@@ -364,7 +366,8 @@ class Bodies:
 
     def PoissonRatio(self, mat):
         """The largest one of all bodies, from the matrix of the bulk."""
-        return PoissonRatio(self.space, self.part, Forces(mat, self.first, self.count))
+        forces = Forces(mat, self.layout, self.first, self.count)
+        return PoissonRatio(self.space, self.part, forces)
 
     def _Rigid(self, values):
         """Of each body its number, rigid motion, how far that takes it, and how far the rest."""

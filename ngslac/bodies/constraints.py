@@ -5,7 +5,8 @@ import numpy as np
 import scipy
 
 from ngslac._ngslac import Side
-from ngslac.arrays import ToCSR
+from ngslac.parallel.form import JumpRowsEverywhere
+from ngslac.parallel.matrices import Stacked
 
 __all__ = [
     "COARSE",
@@ -16,7 +17,6 @@ __all__ = [
     "ActiveRates",
     "ActiveRows",
     "AllJumps",
-    "JumpRows",
     "Sight",
     "ToolDofs",
     "ToolRows",
@@ -46,9 +46,9 @@ def ActiveRows(contact, holds="now"):
     """
     table, d = contact.Table(), contact.components
     stick, slip = _AtWork(contact, table, holds)
-    if not len(slip) and not np.any(stick):
-        return scipy.sparse.csr_matrix((0, contact.nscalars))
     jump = AllJumps(contact)
+    if not len(slip) and not np.any(stick):
+        return jump[:0]
     normals = scipy.sparse.csr_matrix(
         (
             table["normal"][slip].ravel(),
@@ -56,17 +56,14 @@ def ActiveRows(contact, holds="now"):
         ),
         shape=(len(slip), jump.shape[0]),
     )
-    rows = scipy.sparse.vstack([jump[np.repeat(stick, d)], normals @ jump]).tocsr()
+    rows = Stacked([jump[np.repeat(stick, d)], normals @ jump])
     return rows / table["fullarea"].mean()
 
 
 def AllJumps(contact):
     """Jumps of u and of tools on macro-elements: a row for each component, on all scalar dofs."""
-    form, jump = contact.form, JumpRows(contact)
-    columns = jump.indices + form.offset * form.fes.dim
-    shape = jump.shape[0], contact.nscalars
-    rows = scipy.sparse.csr_matrix((jump.data, columns, jump.indptr), shape=shape)
-    return rows + ToolRows(contact) if len(form.ToolDofs()) else rows
+    rows = JumpRowsEverywhere(contact.form, Side.both)
+    return rows + ToolRows(contact) if len(contact.form.ToolDofs()) else rows
 
 
 class Sight:
@@ -190,8 +187,3 @@ def ToolRows(contact):
     return scipy.sparse.csr_matrix(
         (rows, np.tile(dofs, count), starts), shape=(count, contact.nscalars)
     )
-
-
-def JumpRows(contact):
-    """Sparse rows, d for each macro-element: the mean jump of a displacement times the area."""
-    return ToCSR(contact.form.JumpMatrix(Side.both))

@@ -9,6 +9,7 @@ from ngsolve import VOL, CoefficientFunction, GridFunction
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.freedom import NullSpace
 from ngslac.bodies.rigidmotions import Arms, MotionIntegrals, StrainIntegrals
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["FalseStiffness"]
 
@@ -44,8 +45,11 @@ class FalseStiffness:
     def inside(self):
         """(n,) bool: dofs that no element of the boundary has."""
         space, forces = self.space, self.forces
+        layout = LayoutOf(space)
         outer = AsNumPy(ScalarDofs(space.GetDofs(space.mesh.Boundaries(".*")), space))
-        values = np.where(outer, np.random.default_rng(2).uniform(1, 2, len(outer)), 0.0)
+        outer = layout.Everywhere(outer)
+        random = np.random.default_rng(2).uniform(1, 2, len(outer))
+        values = np.where(outer, layout.Consistent(random), 0.0)
         return ~outer & (forces(values) == 0)
 
     @cached_property
@@ -54,7 +58,7 @@ class FalseStiffness:
         arms = Arms(self.space.mesh)
         gf = GridFunction(self.space)
         gf.Set(CoefficientFunction((arms[1], *([0] * (len(arms) - 1)))), VOL)
-        values = gf.vec.FV().NumPy().copy()
+        values = LayoutOf(self.space).Values(gf.vec).copy()
         return values, self.forces(values), StrainIntegrals(self.space, values[:, None])[:, 0]
 
     def Unresisted(self, dofs, motions, moved, scale):

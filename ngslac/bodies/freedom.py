@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.linear.grounded import Spread
+from ngslac.linear.grounded import MostApart
+from ngslac.parallel.spread import MaxAt, Spread, SumAt
 
 __all__ = ["EXACT", "Apart", "Freedom", "Ground", "NullSpace", "Unresisted"]
 
@@ -50,6 +51,8 @@ class Freedom:
         it; none: -1.
     body : (n,) int
         The body that coefficients of the solution move; none: -1.
+    bodies : int
+        How many bodies float.
     """
 
     weights: np.ndarray
@@ -59,6 +62,7 @@ class Freedom:
     mesh: np.ndarray
     own: np.ndarray
     body: np.ndarray
+    bodies: int
 
     def __bool__(self):
         return self.weights.shape[1] > 0
@@ -75,7 +79,7 @@ class Freedom:
         """Those of the motions that a mask (k,) or numbers select."""
         parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
         every = self.turning[chosen], self.mesh[chosen], self.own[chosen]
-        return Freedom(*parts, *every, self.body)
+        return Freedom(*parts, *every, self.body, self.bodies)
 
     def Along(self, motion):
         """The motion of these that is nearest to one of other weights; None: none is near."""
@@ -86,33 +90,32 @@ class Freedom:
         mesh = np.array([max(self.resistance.max(initial=0.0), motion.mesh[0])])
         moved = self.motions @ factors
         parts = weights[:, None], motion.resistance, moved[:, None]
-        return Freedom(*parts, motion.turning, mesh, motion.own, self.body)
+        return Freedom(*parts, motion.turning, mesh, motion.own, self.body, self.bodies)
 
     def Works(self, forces, least, blur=0.0, false=False):
-        """The work (k,) of summands (l, n) of forces, 0 where it is less than `least` (n,) makes.
+        """The work (k,) of a list of forces (n,) that add up; 0 where `least` (n,) makes more.
 
         `blur` is how far forces may be from where they seem to act; with `false` stress does false
         work, as rotations are no functions of the space.
         """
         sizes = np.abs(self.motions)
-        works = np.sum(forces, axis=0) @ self.motions
+        works = sum(forces[1:], forces[0]) @ self.motions
         gross = np.max([np.abs(force) @ sizes for force in forces], axis=0)
         none = np.linalg.norm(least[:, None] * self.motions, axis=0)
         none += blur * self.turning * max(np.abs(force).sum() for force in forces)
         idle = FALSE if false else IDLE
         allowed = np.maximum(np.maximum(idle, MESH * self.mesh) * gross, none)
         if np.any(vague := (self.own < 0) & (self.resistance <= EXACT) & (self.mesh > EXACT)):
-            across = MESH * self.mesh * self.Across(np.abs(forces))
+            across = MESH * self.mesh * self.Across([np.abs(force) for force in forces])
             allowed = np.where(vague, np.maximum(allowed, across), allowed)
         return np.where(np.abs(works) > allowed, works, 0.0)
 
     def Across(self, sizes):
-        """The work (k,) of forces of these sizes (l, n) if all of them were along the motions."""
-        inside = self.body >= 0
-        body = self.body[inside]
-        ways = np.zeros((body.max(initial=-1) + 1, self.motions.shape[1]))
-        np.maximum.at(ways, body, np.abs(self.motions[inside]))
-        return np.max([np.bincount(body, size[inside]) @ ways for size in sizes], axis=0)
+        """The work (k,) of forces of a list of sizes (n,) if all were along the motions."""
+        inside = np.flatnonzero(self.body >= 0)
+        body, count = self.body[inside], self.bodies
+        ways = MaxAt(body, np.abs(self.motions[inside]), count)
+        return np.max([SumAt(body, size[inside], count) @ ways for size in sizes], axis=0)
 
 
 class Ground:
@@ -135,15 +138,14 @@ class Ground:
 
     def _Pins(self, free, like):
         serves = like is not None and like.motions.shape == self.motions.shape
-        if serves and np.linalg.cond(self.motions[like.pins]) < REGULAR:
+        if serves and np.linalg.cond(like.pins.Of(self.motions)) < REGULAR:
             return like.pins
-        dofs = np.flatnonzero(free & np.any(self.motions, axis=1))
-        return Spread(dofs, self.motions[dofs])
+        return Pins.Among(np.flatnonzero(free & np.any(self.motions, axis=1)), self.motions)
 
     def Shift(self):
         """What the scaled diagonal of the matrix gets."""
-        shift = np.zeros(len(self.start))
-        shift[self.pins] = WEAK if self.resisted else SPRING
+        shift = np.zeros_like(self.start)
+        shift[self.pins.dofs] = WEAK if self.resisted else SPRING
         return shift
 
     def Balanced(self, forces):
@@ -160,13 +162,60 @@ class Ground:
         if not self.resisted:
             factors = np.linalg.solve(self._works.T, self.measure.T @ correction - wanted)
             return correction - self.motions @ factors
-        springs = np.zeros((len(self.pins), len(values)))
-        springs[range(len(self.pins)), self.pins] = (self.Shift() / scale**2)[self.pins]
-        ways = np.stack([solve(forces) for forces in (*self.forces.T, *-springs)], axis=1)
-        ends = ways[self.pins] + np.eye(len(self.pins), ways.shape[1], self.forces.shape[1])
+        forces = [self.forces[:, k] for k in range(self.forces.shape[1])]
+        forces += [-spring for spring in self.pins.Each(self.Shift() / scale**2)]
+        ways = np.stack([solve(force) for force in forces], axis=1)
+        ends = self.pins.Of(ways)
+        ends += np.eye(*ends.shape, self.forces.shape[1])
         rows = np.concatenate([self.measure.T @ ways, ends])
-        right = [self.measure.T @ correction - wanted, correction[self.pins]]
+        right = [self.measure.T @ correction - wanted, self.pins.Of(correction)]
         return correction - ways @ np.linalg.solve(rows, np.concatenate(right))
+
+
+@dataclass
+class Pins:
+    """A few rows of arrays.
+
+    Attributes
+    ----------
+    dofs, places : (k,) int
+        The rows of this process, and their places among all.
+    count : int
+        Of all.
+    """
+
+    dofs: np.ndarray
+    places: np.ndarray
+    count: int
+
+    @classmethod
+    def Among(cls, dofs, motions):
+        """Those of some rows (k,) here that tell the motions (n, m) apart best."""
+        if not isinstance(motions, Spread):
+            chosen = MostApart(dofs, motions[dofs])
+            return cls(chosen, np.arange(len(chosen)), len(chosen))
+        dofs = dofs[motions.owned[dofs]]
+        mine = MostApart(dofs, np.asarray(motions)[dofs])
+        together = motions.together
+        ranks = together.Rows(np.full(len(mine), together.rank))
+        rows, every = together.Rows(mine), together.Rows(np.asarray(motions)[mine])
+        chosen = MostApart(np.arange(len(rows)), every)
+        places = np.flatnonzero(ranks[chosen] == together.rank)
+        return cls(rows[chosen][places], places, len(chosen))
+
+    def Of(self, values):
+        """These rows (k, ...) of an array, on all processes."""
+        found = np.zeros((self.count, *values.shape[1:]))
+        found[self.places] = np.asarray(values)[self.dofs]
+        return values.together.Sum(found) if isinstance(values, Spread) else found
+
+    def Each(self, values):
+        """Arrays with one of the rows of values (n,) each."""
+        for place in range(self.count):
+            found = np.zeros_like(values)
+            own = self.dofs[self.places == place]
+            found[own] = values[own]
+            yield found
 
 
 def Unresisted(prevented, coarse, seen):
@@ -209,10 +258,10 @@ def Triangular(matrix):
 
 def NullSpace(matrix, tolerance=TOLERANCE):
     """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
+    if isinstance(matrix, Spread) or matrix.shape[0] > matrix.shape[1]:
+        matrix = np.linalg.qr(matrix, mode="r")
     if not matrix.size:
         return np.eye(matrix.shape[1])
-    if matrix.shape[0] > matrix.shape[1]:
-        matrix = np.linalg.qr(matrix, mode="r")
     _, singular, vectors = np.linalg.svd(matrix)
     rank = int(np.sum(singular > tolerance * max(1.0, singular.max(initial=0.0))))
     return vectors[rank:].T

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The mass matrix of a displacement, and its counterpart for a distributed mesh."""
 
-from functools import cached_property, singledispatch
+from functools import cached_property
 
 import numpy as np
 import scipy
 from ngsolve import BilinearForm, InnerProduct, dx
 
-from ngslac.arrays import SameMatrix, ToCSR
-from ngslac.bodies.parts import ConnectedParts
+from ngslac.arrays import Multiply, SameMatrix, ToCSR
+from ngslac.bodies.parts import ConnectedParts, PartsOf
 from ngslac.linear.parts import PartsInverse
+from ngslac.parallel.matrices import SkinRows
+from ngslac.parallel.spread import Spread
 
 __all__ = ["MassByProducts", "MassMatrix", "WholeMass"]
 
@@ -17,13 +19,13 @@ __all__ = ["MassByProducts", "MassMatrix", "WholeMass"]
 ROUNDING, MOST = 1e-14, 1000
 
 
-@singledispatch
-def MassMatrix(a, density, proxies, contact, free):
-    """The mass of the displacement of a contact on the free dofs (n,) bool of a bulk form.
+def MassMatrix(density, proxies, contact, free):
+    """The mass of the displacement of a contact on the free dofs (n,) bool.
 
-    `proxies` are its trial and test function. The parallel room has an answer of its own.
+    `proxies` are its trial and test function.
     """
-    return WholeMass(density, proxies, contact, free)
+    kind = MassByProducts if isinstance(free, Spread) else WholeMass
+    return kind(density, proxies, contact, free)
 
 
 class WholeMass:
@@ -92,52 +94,62 @@ class WholeMass:
 
 
 class MassByProducts:
-    """A mass matrix of which products and the diagonal are known.
+    """A mass matrix of which each process has the part of its elements.
 
     Conjugate gradients with the diagonal as preconditioner solve with it, in the space of motions
     that keep the constraints (Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 2001).
 
-    Parameters
+    Attributes
     ----------
-    times : callable
-        The product with a numpy vector.
     diagonal : (n,) array
         Of the matrix.
-    free : (n,) bool
-    parts : callable
-        As `WholeMass.Parts`.
     """
 
-    def __init__(self, times, diagonal, free, parts):
-        self.Times, self.diagonal, self.Parts = times, diagonal, parts
-        used = free & (diagonal > 0)
-        self._inverse = np.where(used, 1 / np.where(used, diagonal, 1), 0.0)
+    def __init__(self, density, proxies, contact, free):
+        self._mat = BilinearForm(density * InnerProduct(*proxies) * dx).Assemble().mat
+        self._form, layout = contact.form, contact.layout
+        self.diagonal = layout.Diagonal(self._mat)
+        used = free & (self.diagonal > 0)
+        self._inverse = np.where(used, 1 / np.where(used, self.diagonal, 1), 0.0)
+
+    def Times(self, values):
+        """The product with an array (n,)."""
+        return Multiply([self._mat], values)
+
+    def Parts(self):
+        """As `WholeMass.Parts`."""
+        first = self._form.offset * self._form.fes.dim
+        count = self._form.component.ndof * self._form.component.dim
+        return PartsOf(self._mat, self._form, None, self.diagonal[first : first + count] > 0)
 
     def Solve(self, forces):
-        """The accelerations of the free dofs under forces (n,); 0 elsewhere."""
+        """The accelerations of the free dofs under forces; 0 elsewhere."""
         return ConjugateGradients(self.Times, forces, lambda left: self._inverse * left)
 
     def Follow(self, rows, rates, loose):
         """See WholeMass."""
-        rows = rows @ scipy.sparse.diags(1.0 * (self._inverse > 0))
+        inverse = rows.trace.Gather(self._inverse)
+        there = rows.there @ scipy.sparse.diags(1.0 * (inverse > 0))
         if loose.shape[1]:
-            rows = rows - scipy.sparse.csr_matrix(loose) @ (scipy.sparse.csr_matrix(loose.T) @ rows)
-        moves = scipy.sparse.diags(self._inverse) @ rows.T
-        seen = (rows @ moves).tocsc()
+            loose = scipy.sparse.csr_matrix(loose)
+            there = there - loose @ (loose.T @ there)
+        rows = SkinRows(there, rows.trace)
+        seen = (there @ scipy.sparse.diags(inverse) @ there.T).tocsc()
         least = ROUNDING * np.max(seen.diagonal(), initial=0) * scipy.sparse.eye(len(rates))
         factors = scipy.sparse.linalg.splu((seen + least).tocsc())
 
-        def Impulses(wrong):
+        def Moves(wrong):
             found = factors.solve(wrong)
-            return found + factors.solve(wrong - seen @ found)
+            found = found + factors.solve(wrong - seen @ found)
+            return self._inverse * rows.Transposed(found)
 
         def Project(left):
             moved = self._inverse * left
             for _ in range(2):  # the second time for rounding errors
-                moved = moved - moves @ Impulses(rows @ moved)
+                moved = moved - Moves(rows @ moved)
             return moved
 
-        start = moves @ Impulses(rates)
+        start = Moves(rates)
         return start + ConjugateGradients(self.Times, -self.Times(start), Project)
 
 

@@ -7,6 +7,7 @@ from ngsolve import CoefficientFunction, GridFunction, InnerProduct, Integrate, 
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.bodies.rigidmotions import DofsOfMaterials
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["BodyNames"]
 
@@ -16,7 +17,7 @@ class BodyNames:
 
     def __init__(self, space, part, used, motions):
         self.space, self.part, self.used, self.motions = space, part, used, motions
-        self.block = len(part) // space.ndof
+        self.block, self.together = space.dim, LayoutOf(space).together
         self.materials = np.array(space.mesh.GetMaterials())
 
     def __call__(self, part):
@@ -33,7 +34,7 @@ class BodyNames:
         inside = np.zeros(self.space.ndof, dtype=bool)
         inside[np.flatnonzero((self.part == part) & self.used) // self.block] = True
         for name in dict.fromkeys(self.materials):
-            if np.any(inside & self._Dofs(name)):
+            if self.together.Reduce(np.any(inside & self._Dofs(name)), "LOR"):
                 return str(name)
         return "?"
 
@@ -43,7 +44,10 @@ class BodyNames:
     def _Alike(self, name):
         """The bodies of a material, in the order of the mesh."""
         own = self._Dofs(name).repeat(self.block) & self.used
-        return list(dict.fromkeys(self.part[own].tolist()))
+        found = [list(dict.fromkeys(self.part[own].tolist()))]
+        if self.together.size > 1:  # parts have the order of the mesh there
+            found = [sorted({part for some in self.together.Gather(found[0]) for part in some})]
+        return found[0]
 
     def Middle(self, part):
         """The middle of a body in the reference configuration, as a tuple."""

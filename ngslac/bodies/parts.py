@@ -1,35 +1,52 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which rows of a sparse matrix are connected."""
 
-from functools import singledispatch
-
 import numpy as np
 import scipy
 
-__all__ = ["AreApart", "ConnectedParts", "Forces", "PartsOf"]
+from ngslac._ngslac import PieceOf, VertexDofs
+from ngslac.arrays import Multiply
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.spread import Spread
+
+__all__ = ["AreApart", "ConnectedParts", "Forces", "Groups", "PartsOf"]
 
 
-def Forces(mat, first, count):
+def Forces(mat, layout, first, count):
     """A function that multiplies with the rows and columns of the displacement, in threads."""
-    factor, product = mat.CreateRowVector(), mat.CreateColVector()
-    factor[:] = 0
-    own = slice(first, first + count)
+    every, own = layout.Zeros(), slice(first, first + count)
 
     def Times(values):
-        factor.FV().NumPy()[own] = values
-        product.data = mat * factor
-        return product.FV().NumPy()[own].copy()
+        every[own] = values
+        return Multiply([mat], every)[own]
 
     return Times
 
 
-@singledispatch
-def PartsOf(mat, form, are_apart):
+def Groups(part, used):
+    """Pairs of a part and those of its rows that are used, of this process."""
+    rows = np.flatnonzero(used)
+    numbers = np.asarray(part)[rows]
+    order = np.argsort(numbers, kind="stable")
+    rows, numbers = rows[order], numbers[order]
+    if not isinstance(part, Spread):
+        firsts = np.flatnonzero(np.diff(numbers, prepend=-1))
+        return list(zip(numbers[firsts], np.split(rows, firsts[1:]), strict=False))
+    count = 1 + part.max()  # those that are used have the first numbers
+    ends = np.searchsorted(numbers, np.arange(count + 1))
+    return [(k, rows[ends[k] : ends[k + 1]]) for k in range(count)]
+
+
+def PartsOf(mat, form, are_apart, used):
     """A number (n,) for each dof of the displacement of a contact form: the same in each body.
 
-    `are_apart` checks numbers that may be right. The parallel room has an answer of its own.
+    `are_apart` checks numbers that may be right; `used` are the rows (n,) of the bulk.
     """
     block, space = form.fes.dim, form.component
+    if isinstance(used, Spread):
+        local = LayoutOf(space).Local(mat)
+        rows = ConnectedParts(local, form.offset, space.ndof).repeat(block)
+        return JoinedParts(rows, used, LayoutOf(space))
     part = LikelyParts(mat, form.offset, space.ndof).repeat(block)
     if are_apart(part):
         return part
@@ -74,3 +91,43 @@ def AreApart(part, forces, values, pushed):
     sizes = np.zeros(1 + part.max(initial=0))
     np.maximum.at(sizes, part, np.abs(pushed))
     return bool(np.all(np.abs(forces(weights * values) - weights * pushed) <= 1e-12 * sizes[part]))
+
+
+def JoinedParts(part, used, layout):
+    """Numbers (n,) of the parts of all processes, in the order of their vertices; unused: -1.
+
+    `part` are numbers of connected rows here. Those of several processes are joined by their rows
+    that these share.
+    """
+    together, used = layout.together, np.asarray(used)
+    counts = np.array(together.Gather(1 + part.max(initial=-1)))
+    own = part + np.sum(counts[: together.rank])
+    owners = np.asarray(layout.Consistent(own.astype(float))).astype(int)
+    links = np.unique(np.stack([own, owners], axis=1)[used], axis=0)
+    links, size = together.Rows(links), int(np.sum(counts))
+    graph = scipy.sparse.coo_matrix((np.ones(len(links)), links.T), shape=(size, size))
+    joined = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][own]
+    return layout.Of(np.where(used, Ordered(joined, used, layout), -1))
+
+
+def Ordered(part, used, layout):
+    """Numbers from 0 on in place of others, in the order of the first vertices of the parts."""
+    together, space = layout.together, layout.space
+    numbers = np.array(PieceOf(space.mesh)[0])[:, 0]
+    dofs = VertexDofs(space)
+    if space.dim > 1:
+        dofs = dofs * space.dim
+    size = 1 + together.Reduce(part.max(initial=-1), "MAX")
+    first = np.full(size, np.iinfo(np.int64).max)
+    for column in dofs.T:
+        there = column >= 0
+        there[there] = used[column[there]]
+        np.minimum.at(first, part[column[there]], numbers[: len(column)][there])
+    first = together.Reduce(first, "MIN")
+    seen = np.zeros(size, dtype=bool)
+    seen[part[used]] = True
+    seen = together.Reduce(seen, "LOR")
+    order = np.lexsort((np.arange(size), np.where(seen, first, np.iinfo(np.int64).max)))
+    number = np.empty(size, dtype=int)
+    number[order] = np.arange(size)
+    return number[part]

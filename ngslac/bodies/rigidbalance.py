@@ -9,8 +9,10 @@ balances the loads, or finds the motion along which the loads win. It needs no s
 import numpy as np
 import scipy
 
-from ngslac.bodies.constraints import JumpRows
+from ngslac._ngslac import Side
 from ngslac.bodies.rigidmotions import Turned
+from ngslac.parallel.form import JumpRows
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["RigidBalance"]
 
@@ -40,10 +42,12 @@ class RigidBalance:
         columns = self.bodies.Columns(self.motions)
         if not columns.shape[1]:
             return ""
-        loads, gross = -(columns.T @ forces), abs(columns).T @ np.abs(forces)
+        layout = LayoutOf(self.bodies.space)
+        loads = -layout.Works(columns, forces)
+        gross = layout.Works(abs(columns), np.abs(forces))
         if np.all(np.abs(loads) <= ROUNDING * gross):
             return ""
-        self._jumps = [JumpRows(contact) @ columns for contact in self.contacts]
+        self._jumps = [JumpRows(contact.form, Side.both) @ columns for contact in self.contacts]
         self._loads = loads
         motion = self._Winner(0.0)
         return "" if motion is None else self._Message(motion)

@@ -20,6 +20,9 @@ from ngsolve import (
 )
 
 from ngslac.arrays import ComponentsOf
+from ngslac.parallel.extent import ExtentOf
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.spread import SumAt
 from ngslac.rigid import Tables
 
 __all__ = [
@@ -47,7 +50,7 @@ def RigidMotions(space):
             gf.Set(Field(table, arms), VOL)
             columns.append(gf.vec.FV().NumPy().copy())
         motions = np.stack(columns, axis=1)
-    return motions, names, size
+    return LayoutOf(space).Of(motions), names, size
 
 
 def TablesOf(space):
@@ -62,7 +65,7 @@ def MotionsOf(contact):
     block, (own, *_) = form.fes.dim, RigidMotions(form.component)
     motions = np.zeros((form.fes.ndof * block, own.shape[1]))
     motions[form.offset * block :][: len(own)] = own
-    return motions
+    return contact.layout.Of(motions)
 
 
 def MotionIntegrals(space):
@@ -74,9 +77,9 @@ def MotionIntegrals(space):
 def StrainIntegrals(space, motions):
     """Integrals of the strains of motions (n, m) times those of the basis functions, (n, m)."""
     strains = []
-    for values in motions.T:
+    for k in range(motions.shape[1]):
         gf = GridFunction(space)
-        gf.vec.FV().NumPy()[:] = values
+        gf.vec.FV().NumPy()[:] = motions[:, k]
         strains.append(Sym(Grad(gf)))
     return Integrals(space, strains, lambda v: Sym(Grad(v)))
 
@@ -88,10 +91,11 @@ def PoissonRatio(space, part, forces):
     def Modulus(field):
         gf = GridFunction(space)
         gf.Set(CoefficientFunction(tuple(field)), VOL)
-        values = gf.vec.FV().NumPy().copy()
+        values = LayoutOf(space).Values(gf.vec).copy()
         strains = StrainIntegrals(space, values[:, None])[:, 0]
         of = part - part.min()
-        work, squares = (np.bincount(of, values * dual) for dual in (forces(values), strains))
+        count = 1 + of.max()
+        work, squares = (SumAt(of, values * dual, count) for dual in (forces(values), strains))
         return work[squares > 0] / squares[squares > 0]
 
     stiffer = (Modulus(arms) / Modulus((arms[1], *([0] * (len(arms) - 1)))) - 1) / len(arms)
@@ -104,14 +108,14 @@ def Integrals(space, fields, of):
     for field in fields:
         form = LinearForm(space)
         form += InnerProduct(field, of(v)) * dx
-        columns.append(form.Assemble().vec.FV().NumPy().copy())
+        columns.append(LayoutOf(space).Values(form.Assemble().vec).copy())
     return np.stack(columns, axis=1)
 
 
 def Vertices(mesh):
-    """The vertices of a mesh (n, d), their mean, and the size of the mesh."""
-    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, : mesh.dim]
-    return points, points.mean(axis=0), np.ptp(points, axis=0).max()
+    """The vertices of a mesh (n, d) here, the mean of all, and the size of the mesh."""
+    points, extent = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, : mesh.dim], ExtentOf(mesh)
+    return points, extent.center, extent.size
 
 
 def Arms(mesh):
@@ -129,10 +133,11 @@ def Turned(space, displacement, size):
     tables, _ = TablesOf(space)
     if space.dim != d and not SameComponents(space):
         return np.zeros((len(displacement), len(tables)))
+    displacement = np.asarray(displacement)
     values = displacement.reshape(-1, d) if space.dim == d else displacement.reshape(d, -1).T
     order = "icm" if space.dim == d else "cim"
     turned = np.einsum(f"ib,mcb->{order}", values / size, tables[:, :, 1:])
-    return turned.reshape(len(displacement), -1)
+    return turned.reshape(len(displacement), len(tables))
 
 
 def Field(table, arms):
@@ -151,7 +156,7 @@ def FromVertices(space, points, arms, tables):
     d = len(arms)
     parts = [space] if space.dim == d else SameComponents(space)
     n = parts[0].ndof if parts else 0
-    if n < len(points):
+    if not parts or n < len(points):
         return None
     basis = np.zeros((n, 1 + d))
     if space.mesh.GetCurveOrder() > 1:
@@ -161,7 +166,7 @@ def FromVertices(space, points, arms, tables):
         basis[:, 1:] = values.reshape(n, d) if space.dim == d else values.reshape(d, n).T
     basis[: len(points), 0], basis[: len(points), 1:] = 1, points
     order = "icm" if space.dim == d else "cim"
-    return np.einsum(f"ib,mcb->{order}", basis, tables).reshape(n * d, -1)
+    return np.einsum(f"ib,mcb->{order}", basis, tables).reshape(n * d, len(tables))
 
 
 def SameComponents(space):
@@ -182,7 +187,8 @@ def IsAccurate(space, motions, arms, tables, size):
     error = gf - Field(np.tensordot(weights, tables, 1), arms)
     squares = np.asarray(Integrate(InnerProduct(error, error), mesh, order=2, region_wise=True))
     wrong = np.flatnonzero(~(squares <= ACCURACY**2 * size ** len(arms)))
-    return not any(DofsOfMaterials(space, np.arange(len(squares)) == i).NumSet() for i in wrong)
+    found = [DofsOfMaterials(space, np.arange(len(squares)) == i).NumSet() for i in wrong]
+    return not LayoutOf(space).together.Sum(sum(found))
 
 
 def DofsOfMaterials(space, chosen):

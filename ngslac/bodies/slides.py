@@ -8,6 +8,7 @@ import scipy
 from ngsolve import GridFunction, InnerProduct, LinearForm, SurfaceL2, ds, specialcf
 
 from ngslac.bodies.rigidmotions import Arms, Field, TablesOf
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["OwnSlides", "SlidesOf"]
 
@@ -68,12 +69,13 @@ class Surfaces:
     def _Integrals(self, region, of):
         """Integrals over a region of `of(motion, region)` times the basis functions: (n, m)."""
         if region is None:
-            return np.zeros((self.bodies.count, len(self.fields)))
+            zeros = np.zeros((self.bodies.count, len(self.fields)))
+            return LayoutOf(self.space).Of(zeros)
         columns, v = [], self.space.TestFunction().Trace()
         for field in self.fields:
             form = LinearForm(self.space)
             form += InnerProduct(of(field, region), v) * ds(definedon=region)
-            columns.append(form.Assemble().vec.FV().NumPy().copy())
+            columns.append(LayoutOf(self.space).Values(form.Assemble().vec).copy())
         return np.stack(columns, axis=1)
 
     def _Whole(self, field, _):
@@ -100,7 +102,8 @@ class Surfaces:
 
         whole, moved_across, none = Squares(self.moved), Squares(self.across), np.zeros(0)
         sizes = np.linalg.eigvalsh(whole)
-        if sizes[0] <= np.finfo(float).eps * len(inside) * sizes[-1]:  # too little touches others
+        count = LayoutOf(self.space).together.Sum(len(inside))
+        if sizes[0] <= np.finfo(float).eps * count * sizes[-1]:  # too little touches others
             return np.zeros((len(sizes), 0)), none, none
         across, along = scipy.linalg.eigh(moved_across, whole)
         own = along[:, across <= self.most**2]

@@ -145,7 +145,7 @@ def PointsInside(contact, gf=None):
     if entries is None or contact.tied or contact.bilateral or not contact.active:
         return None
     table = contact.Table()
-    neighbours = Neighbours(contact.space, contact.mesh)
+    neighbours = Neighbours(contact.surface, contact.surface.mesh)
     beside = neighbours.Near(table["status"] > 0)
     away = ~beside & (table["area"] > 0)
     if not away.any():
@@ -164,7 +164,7 @@ class PointGaps:
     """The gaps at the points of each macro-element."""
 
     def __init__(self, contact, entries):
-        d = contact.mesh.dim
+        d = contact.surface.mesh.dim
         table = contact.form.GapRanges(entries).reshape(-1, 2 + 2 * d)
         paired = np.isfinite(table[:, 0])
         # Infinite without a partner; where it is least; the slope from there to the greatest.

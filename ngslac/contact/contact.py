@@ -18,10 +18,12 @@ from ngslac.contact.flux import CheckFluxes
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.dirichlet import WarnOfUnheld
-from ngslac.distributable import Distributable
 from ngslac.errors import RefuseCopy
 from ngslac.output import pictures, scene
 from ngslac.output.fields import OF_DISPLACEMENTS, OF_SCALARS
+from ngslac.parallel.form import Compiled, JumpRows, RegionOn
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.together import OnAll
 
 __all__ = ["LACContact"]
 
@@ -31,7 +33,17 @@ COMES_OFF = "what touches itself comes off again: drop tied and bilateral"
 SELF = "self-contact needs finite=True"
 
 
-class LACContact(metaclass=Distributable):
+def MeshOf(contact, *_, **__):
+    """That of a contact."""
+    return contact.mesh
+
+
+def MeshOfTrial(_, u=None, *__, **___):
+    """That of a trial function; None where it is none."""
+    return getattr(getattr(u, "space", None), "mesh", None)
+
+
+class LACContact:
     """Unilateral contact with friction between a slave and a master surface.
 
     On average over each macro-element of the slave surface: no penetration, no tension,
@@ -169,6 +181,7 @@ class LACContact(metaclass=Distributable):
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
+    @OnAll(MeshOfTrial)
     def __init__(
         self,
         u,
@@ -208,14 +221,15 @@ class LACContact(metaclass=Distributable):
         self.gap_is_driven = obstacle is not None or offset is not None
         self.holds_tangentially = tied or any(f is not None for f in (friction, tresca, law))
         self._state = FormState(setup, stiffness)
-        self.space = self.form.space
+        self.space, self.layout = self.form.space, LayoutOf(self.form.fes)
         self._unheld = WarnOfUnheld(self.form.component)
         if region is not None:
-            CheckMoves(region, self.form.fes, self.form.component)
+            there = Compiled(self.form)
+            CheckMoves(self.facing, there.fes, there.component)
             together = tied or bilateral
             if together or not finite:
                 remedy = COMES_OFF if together else SELF
-                CheckDistinct(self.space.slave, region, remedy)
+                CheckDistinct(self.surface.slave, self.facing, remedy)
         self._solution = self._accepted = None  # entries at the last evaluation, and `Commit`
         self._MakeFields()
 
@@ -232,10 +246,21 @@ class LACContact(metaclass=Distributable):
         return self.form.mat
 
     @property
+    def surface(self):
+        """The space of its macro-elements on a mesh that this process has as a whole."""
+        return Compiled(self.form).space
+
+    @property
+    def facing(self):
+        """The master on that mesh, a Region or None."""
+        return RegionOn(self.form, self.master)
+
+    @property
     def nscalars(self) -> int:
         """Number of scalar entries of a vector on the product space."""
         return self.form.fes.ndof * self.form.fes.dim
 
+    @OnAll(MeshOf)
     def Update(self, gf=None) -> None:
         """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
 
@@ -273,6 +298,7 @@ class LACContact(metaclass=Distributable):
         """Is its scale that of a bulk, since the last `Update`?"""
         return self.form.paired and self._state.scaled
 
+    @OnAll(MeshOf)
     def Prepare(self, bulk, *, form=None) -> None:
         """Pair if that was not done, and look at the stiffness of both bodies in the bulk's matrix.
 
@@ -300,6 +326,7 @@ class LACContact(metaclass=Distributable):
         self._PairOnce()
         self._state.Scale(bulk, form)
 
+    @OnAll(MeshOf)
     def Follow(self, gf) -> None:
         """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.
 
@@ -315,6 +342,7 @@ class LACContact(metaclass=Distributable):
         if self.form.paired:
             self.form.Follow(gf.vec)
 
+    @OnAll(MeshOf)
     def AddApply(self, x, y) -> None:
         """y += residual at x.
 
@@ -327,11 +355,13 @@ class LACContact(metaclass=Distributable):
             CheckVector(name, vec, self.nscalars)
         self.form.AddApply(x, y)
 
+    @OnAll(MeshOf)
     def Apply(self, x, y) -> None:
         """y = residual at x, see `LACContact.AddApply`."""
         CheckVector("y", y, self.nscalars)[:] = 0
         self.AddApply(x, y)
 
+    @OnAll(MeshOf)
     def AssembleLinearization(self, x) -> None:
         """Assemble the generalised derivative of the residual into `mat`.
 
@@ -342,6 +372,7 @@ class LACContact(metaclass=Distributable):
         """
         self.form.AssembleLinearization(CheckVector("x", x, self.nscalars))
 
+    @OnAll(MeshOf)
     def Commit(self, gf) -> None:
         """Accept `gf` as the end of a step: the next slip increment counts from there.
 
@@ -357,10 +388,11 @@ class LACContact(metaclass=Distributable):
 
         def change():
             self._state.Commit(gf)
-            self._solution = self._accepted = _Entries(gf)
+            self._solution = self._accepted = self._Entries(gf)
 
         self._Change(self._state.WholeOrNot(gf), change)
 
+    @OnAll(MeshOf)
     def Evaluate(self, gf) -> None:
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
 
@@ -372,8 +404,11 @@ class LACContact(metaclass=Distributable):
             On the product space.
         """
         self.form.Evaluate(CheckOnSpace("gf", gf, self.form.fes).vec)
-        self._solution = _Entries(gf)
+        self._solution = self._Entries(gf)
         self._Fill()
+
+    def _Entries(self, gf):
+        return self.layout.Values(gf.vec).copy()
 
     def _Sizes(self):
         """How large macro-elements are (m,): lengths."""
@@ -387,11 +422,10 @@ class LACContact(metaclass=Distributable):
         table, moved = self.Table(), self._state.Displacement(self._solution)
         if self.finite or self.tied or self.master is None or moved is None:
             return np.zeros_like(table["normal"])
-        jump = self.form.JumpMatrix(Side.both)
-        result = jump.CreateColVector()
-        result.data = jump * moved.vec
+        values = LayoutOf(moved.space).Values(moved.vec)
+        jump = JumpRows(self.form, Side.both) @ values
         with np.errstate(divide="ignore", invalid="ignore"):
-            mean = result.FV().NumPy().reshape(table["normal"].shape) / table["area"][:, None]
+            mean = jump.reshape(table["normal"].shape) / table["area"][:, None]
         mean[table["area"] == 0] = 0
         along = np.sum(mean * table["normal"], axis=1)[:, None]
         return mean - along * table["normal"]
@@ -399,8 +433,10 @@ class LACContact(metaclass=Distributable):
     def _ClearOpen(self, gf):
         """Set tractions of open macro-elements in the solution evaluated last to exactly zero."""
         is_open = self.Table()["status"] == 0
-        gf.vec.FV().NumPy()[self.form.MultiplierDofs().reshape(len(is_open), -1)[is_open]] = 0
+        dofs = self.form.MultiplierDofs().reshape(len(is_open), -1)[is_open]
+        self.layout.Values(gf.vec)[dofs] = 0
 
+    @OnAll(MeshOf)
     def Restore(self) -> None:
         """Fields, table, pairing and resultants as at the last `Commit`."""
         self.form.Restore()
@@ -418,6 +454,7 @@ class LACContact(metaclass=Distributable):
         """
         return self._state.State()
 
+    @OnAll(MeshOf)
     def SetState(self, state, gf=None) -> None:
         """Pair in the saved configuration and take over the saved history.
 
@@ -441,10 +478,11 @@ class LACContact(metaclass=Distributable):
 
         def change():
             self._state.SetState(state, gf)
-            self._solution = self._accepted = None if gf is None else _Entries(gf)
+            self._solution = self._accepted = None if gf is None else self._Entries(gf)
 
         self._Change(kept, change)
 
+    @OnAll(MeshOf)
     def Deactivate(self) -> None:
         """Switch the contact off: from the next solve on there are no forces between the surfaces.
 
@@ -460,6 +498,7 @@ class LACContact(metaclass=Distributable):
         self.form.SetActive(False)
         self._Fill()
 
+    @OnAll(MeshOf)
     def Activate(self, gf=None) -> None:
         """Switch the contact on: it pairs anew, and slip and ties count from there, as of `Update`.
 
@@ -525,8 +564,4 @@ class LACContact(metaclass=Distributable):
     Check = results.Check
     Draw = scene.Draw
     Plot = pictures.Plot
-    WriteVTU = pictures.WriteVTU
-
-
-def _Entries(gf):
-    return gf.vec.FV().NumPy().copy()
+    WriteVTU = OnAll(MeshOf)(pictures.WriteVTU)

@@ -18,6 +18,7 @@ from ngsolve.comp import ProxyFunction
 from ngslac._ngslac import HoldsProxy, ProxyPath
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 from ngslac.output.facepoints import OnePoint
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = [
     "COEFFICIENTS",
@@ -242,13 +243,14 @@ def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
 
 
 def Trial(space, path, field):
-    """The trial function of a component; `field` is it, or that of a distributed mesh."""
-    if field.space != space and field.space.mesh.comm.size == 1:
+    """The trial function of a component, which `field` is."""
+    if field.space != space:
         raise ValueError("field lives on another space than u and lam: take their product space")
     found, component = space.TrialFunction(), space
     for number in path:
         found, component = found[number], component.components[number]
-    if not component.GetDofs(component.mesh.Boundaries(".*")).NumSet():
+    touched = component.GetDofs(component.mesh.Boundaries(".*")).NumSet()
+    if not LayoutOf(component).together.Sum(touched):
         raise ValueError(
             f"field lives on a space of type {type(component).__name__}, which has no degrees of "
             "freedom of its own on boundaries: take a continuous one, such as H1"

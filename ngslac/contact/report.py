@@ -68,7 +68,7 @@ class ContactReport:
         self.penetrating = np.flatnonzero(paired & (table["gap"] < -1e-3 * size))
         known = contact.form.Table()
         self.prescribed = np.flatnonzero(known["prescribed"] > 0.5)
-        faces = _FacesOf(contact.space)
+        faces = _FacesOf(contact.surface)
         self.large = np.flatnonzero(faces > 4 * np.median(faces))
         self.bent = np.flatnonzero(known["flatness"] < 0.9)
         finite = [np.isfinite(table[name]) for name in ("area", "fullarea")]
@@ -84,10 +84,10 @@ class ContactReport:
         self.outside = np.flatnonzero(closed & (area < 0.5 * full))
         self.narrow = np.array([], int)
         if not contact.tied and closed.any():
-            self.narrow = Neighbours(contact.space, contact.mesh).Narrow(closed)
+            self.narrow = Neighbours(contact.surface, contact.surface.mesh).Narrow(closed)
         solved = self.active and contact._solution is not None and contact.components > 1
         self.certificate = CertificateOf(contact) if solved else None
-        self._corners = [contact.mesh.vertices[v].point for v in self.shared[:3]]
+        self._corners = [contact.surface.mesh.vertices[v].point for v in self.shared[:3]]
 
     def _Some(self, macros):
         some = ", ".join(f"{m} at {ShownPoint(self.where[m])}" for m in macros[:3])
@@ -151,7 +151,7 @@ def _FacesOf(space):
 def _SharedVertices(contact):
     if contact.master is None:
         return np.array([], int)
-    slave, corners = contact.space.slave, H1(contact.mesh, order=1)
-    both = corners.GetDofs(slave) & corners.GetDofs(contact.master)
+    slave, corners = contact.surface.slave, H1(contact.surface.mesh, order=1)
+    both = corners.GetDofs(slave) & corners.GetDofs(contact.facing)
     # A surface that may touch itself is both.
-    return np.flatnonzero(AsNumPy(both & ~corners.GetDofs(slave * contact.master)))
+    return np.flatnonzero(AsNumPy(both & ~corners.GetDofs(slave * contact.facing)))

@@ -12,6 +12,7 @@ from ngslac.contact.fields import FluxName
 from ngslac.contact.report import ContactReport
 from ngslac.errors import Warn
 from ngslac.output.segments import Segments
+from ngslac.parallel.form import RegionOn
 
 if TYPE_CHECKING:
     from ngslac.recovery.recovered import Recovered
@@ -154,8 +155,8 @@ def Flow(self, *, flux=None) -> tuple[float, float]:
 
 def ShareOn(self, on):
     """Part (n,) of the force of each macro-element that acts on some faces, < 0 on the master's."""
-    region, segments = RegionWithFaces(self.mesh, "on", on), self.Segments()
-    chosen = Integrate(1.0, region, element_wise=True).NumPy() > 0
+    region = RegionWithFaces(self.surface.mesh, "on", RegionOn(self.form, on))
+    segments, chosen = self.Segments(), Integrate(1.0, region, element_wise=True).NumPy() > 0
     slave, master = (chosen[side] & (side >= 0) for side in (segments.slave, segments.master))
     if not np.any(slave | master):
         sides = BoundaryNames(self.space.slave), self.master and BoundaryNames(self.master)
@@ -163,7 +164,7 @@ def ShareOn(self, on):
             f"on = {BoundaryNames(region)!r} has no face in contact: slave and master are "
             f"{sides[0]!r} and {sides[1]!r}"
         )
-    macro, count = np.array(self.space.macros)[segments.slave], self.space.nmacros
+    macro, count = np.array(self.surface.macros)[segments.slave], self.space.nmacros
     area = np.bincount(macro, segments.area, count)
     on_slave, on_master = (np.bincount(macro, segments.area * s, count) for s in (slave, master))
     return (on_slave - on_master) / np.where(area > 0, area, 1)
@@ -205,8 +206,15 @@ def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     ``D u - M u`` is the integral of (slave minus paired master displacement) over each
     macro-element, d rows per macro-element, of a scalar `u` one, columns the dofs of its space. For
     scipy copy the arrays of ``D.CSR()``: they are views that die with the matrix.
+
+    Raises
+    ------
+    ValueError
+        The mesh is distributed: no process has these matrices then.
     """
     self._PairOnce()
+    if self.mesh.comm.size > 1:
+        raise ValueError("Mortar: matrices of a distributed mesh are not known: use Apply")
     return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
 
 

@@ -3,10 +3,10 @@
 
 import math
 
-from ngsolve import CoefficientFunction
+from ngsolve import CoefficientFunction, GridFunction
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import ContactForm, RegionWithFaces
+from ngslac._ngslac import HoldsGridFunction, RegionWithFaces
 from ngslac.arguments import (
     CheckFlag,
     CheckFunction,
@@ -18,6 +18,7 @@ from ngslac.arguments import (
     Wrong,
 )
 from ngslac.contact.fields import COEFFICIENTS, CheckedStarts, Dependent
+from ngslac.parallel.form import Compiled, MakeForm
 from ngslac.tools import SignedDistance, Tool
 
 __all__ = ["CheckedSetup"]
@@ -81,6 +82,12 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     functions = functions | dict.fromkeys(dependent)
     for name, value in functions.items():
         CheckOnMesh(name, value, mesh)
+        plain = isinstance(value, GridFunction) or not isinstance(value, CoefficientFunction)
+        if mesh.comm.size > 1 and not plain and HoldsGridFunction(value):
+            raise ValueError(
+                f"{name} holds a GridFunction: on a distributed mesh give one as it is, or a "
+                "function of place and Parameters"
+            )
     region = None if master is None else RegionWithFaces(mesh, "master", master)
     tool = _ToolOf(obstacle, mesh.dim, flags)
     functions = functions | {"obstacle": None if tool else obstacle}
@@ -92,7 +99,7 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
     compiled = None if tool is None else tool.compiled
     setup = {"u": u, "lam": lam, "master": region, "tool": compiled} | functions | flags | lengths
     expression = hasattr(law, "_On")
-    space = ContactForm(**setup).space if dependent or expression or fluxes else None
+    space = Compiled(MakeForm(setup)).space if dependent or expression or fluxes else None
     if expression:
         law = law._On(space, dt, u.dim, tied=flags["tied"], finite=flags["finite"])
     kept = CheckInstance("law.kept", getattr(law, "kept", {}), dict, "a dict of numbers or vectors")

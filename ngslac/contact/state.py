@@ -7,8 +7,9 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import GridFunction
 
-from ngslac._ngslac import ContactForm
 from ngslac.arguments import CheckParts, CheckState, Wrong
+from ngslac.parallel.form import MakeForm
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["CheckSaved", "FormState"]
 
@@ -22,7 +23,7 @@ class FormState:
 
     def __init__(self, setup, stiffness):
         # The arguments of a ContactForm, the factor of its scale, and the form.
-        self.setup, self.stiffness, self.form = setup, stiffness, ContactForm(**setup)
+        self.setup, self.stiffness, self.form = setup, stiffness, MakeForm(setup)
         self.scaled, self.paired = False, None
 
     @property
@@ -41,8 +42,8 @@ class FormState:
         `active`: is it switched on? None: as before.
         """
         active = self.form.active if active is None else active
-        paired = REFERENCE.copy() if gf is None else gf.vec.FV().NumPy().copy()
-        form = ContactForm(**self.setup, active=active)
+        paired = REFERENCE.copy() if gf is None else LayoutOf(gf.space).Values(gf.vec).copy()
+        form = MakeForm(self.setup, active=active)
         form.Update(gf, history)
         if history is None and gf is not None and self.form.current:
             form.KeepFrom(self.form)
@@ -66,7 +67,7 @@ class FormState:
         form = self.form
         function = GridFunction(form.component)
         first = form.offset * form.fes.dim
-        entries = function.vec.FV().NumPy()
+        entries = LayoutOf(form.component).Values(function.vec)
         entries[:] = values[first : first + len(entries)]
         return function
 
@@ -74,7 +75,7 @@ class FormState:
         """Accept `gf` as the end of a step."""
         paired = self.paired
         if self.follows:
-            paired, self.paired = gf.vec.FV().NumPy().copy(), IN_DOUBT
+            paired, self.paired = LayoutOf(gf.space).Values(gf.vec).copy(), IN_DOUBT
         self.form.Commit(gf.vec)
         self.paired = paired
 
@@ -106,7 +107,7 @@ class FormState:
 
     def _Unpair(self, active):
         if self.paired is not None or self.form.active != active:
-            self.form = ContactForm(**self.setup, active=active)
+            self.form = MakeForm(self.setup, active=active)
         self.scaled, self.paired = False, None
 
     def _Function(self, values):
@@ -118,7 +119,7 @@ class FormState:
                 f"state['paired'] has {len(values)} entries, the product space "
                 f"{len(gf.vec.FV())}: give the State() of the same contact"
             )
-        gf.vec.FV().NumPy()[:] = values
+        LayoutOf(gf.space).Values(gf.vec)[:] = values
         return gf
 
     def FormKept(self):

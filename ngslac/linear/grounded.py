@@ -9,7 +9,7 @@ from ngslac.arrays import AddToDiagonal, AsBits, Multiply, SameMatrix
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import Factor, IsSymmetric
 
-__all__ = ["SPRING", "Grounded", "GroundedBulk", "Spread", "UnitColumns"]
+__all__ = ["SPRING", "Grounded", "GroundedBulk", "MostApart", "UnitColumns"]
 
 # Stiffness of the springs in the scaled matrix, whose diagonal is 1.
 SPRING = 1.0
@@ -71,7 +71,7 @@ def Grounded(mat, free, motions):
     part = FreeParts(mat, free)[dofs]
     dofs = dofs[np.argsort(part, kind="stable")]
     ends = np.flatnonzero(np.diff(np.sort(part))) + 1
-    chosen = [Spread(own, motions[own]) for own in np.split(dofs, ends)]
+    chosen = [MostApart(own, motions[own]) for own in np.split(dofs, ends)]
     return np.sort(np.concatenate(chosen))
 
 
@@ -89,7 +89,7 @@ def FreeParts(mat, free):
     return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
-def Spread(dofs, motions):
+def MostApart(dofs, motions):
     """The dofs that distinguish their motions best, by a pivoted elimination."""
     if not len(dofs):
         return dofs

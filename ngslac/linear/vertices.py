@@ -31,7 +31,8 @@ class VertexNodes:
         d = space.TestFunction().dim
         dofs = VertexDofs(space)
         if space.dim > 1:
-            dofs = (dofs[:, :, None] * space.dim + np.arange(space.dim)).reshape(len(dofs), -1)
+            dofs = dofs[:, :, None] * space.dim + np.arange(space.dim)
+            dofs = dofs.reshape(len(dofs), dofs.shape[1] * space.dim)
         if dofs.shape[1] != d:
             return None
         dofs = FirstOnly(np.where(dofs < 0, -1, dofs + first))

@@ -8,7 +8,7 @@ from netgen.meshing import NetgenGeometry
 from ngsolve import Integrate, Mesh
 
 from ngslac.arguments import Wrong
-from ngslac.errors import Portable
+from ngslac.parallel.together import Portable
 
 __all__ = ["Distributed"]
 

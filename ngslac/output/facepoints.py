@@ -18,16 +18,16 @@ class FacePoints:
     """Centres of the slave faces of a contact, and in 2D their ends, perhaps deformed."""
 
     def __init__(self, contact, deformation=None):
-        self.contact, self.region = contact, contact.space.slave
-        self._position = CF((x, y, z)[: contact.mesh.dim])
+        self.contact, self.region = contact, contact.surface.slave
+        self._position = CF((x, y, z)[: contact.surface.mesh.dim])
         if deformation is not None:
             self._position += deformation
-        macros = np.array(contact.space.macros)
+        macros = np.array(contact.surface.macros)
         self.macro = macros[macros >= 0]  # of each face
         self.normals = contact.Table()["normal"][self.macro]
         self.centers = self.Positions()
         box = [self.centers]
-        if contact.mesh.dim == 2:
+        if contact.surface.mesh.dim == 2:
             self.ends = np.stack([self.Positions(s) for s in (0, 1)])
             box = list(self.ends)
         self.diameter = np.linalg.norm(np.ptp(np.concatenate(box), axis=0))
@@ -39,7 +39,7 @@ class FacePoints:
     def Evaluate(self, function, place=None):
         """Values (n, ...) of a function at the `Positions`."""
         rules = OnePoint() if place is None else OnePoint({ET.SEGM: (place, 0)})
-        values = function(self.contact.mesh.MapToAllElements(rules, self.region))
+        values = function(self.contact.surface.mesh.MapToAllElements(rules, self.region))
         return values.reshape(len(self.macro), -1)
 
     def MacroMeans(self, values):

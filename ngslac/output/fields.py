@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from ngsolve import GridFunction
 
+from ngslac.parallel.form import FunctionOn
+
 __all__ = [
     "ARROWS",
     "OF_DISPLACEMENTS",
@@ -41,11 +43,11 @@ def FieldOf(contact, field):
     """A function on the slave surface."""
     if field in RECOVERED:
         return getattr(contact.Recovered(), field.removeprefix("recovered "))
-    return getattr(contact, field)
+    return FunctionOn(contact.form, getattr(contact, field))
 
 
 def NumbersOf(contact, values):
     """A field with one number for each macro-element."""
-    field = GridFunction(contact.space.WithComponents(1))
+    field = GridFunction(contact.surface.WithComponents(1))
     field.vec.FV().NumPy()[:] = values
     return field

@@ -41,7 +41,7 @@ class Marks:
             self.objects = [contact]
         elif field in ARROWS:
             vectors = np.nan_to_num(self.FaceValues())
-            colour = COLOUR if contact.mesh.dim == 2 else "black"
+            colour = COLOUR if contact.surface.mesh.dim == 2 else "black"
             self.objects = [Arrows(faces, field, colour, vectors, size)]
 
     def FaceValues(self):
@@ -56,10 +56,10 @@ class FlatMarks(Marks):
 
     def __init__(self, contact, field, faces, background, size):
         super().__init__(contact, field, faces, size)
-        self.shown = [background, contact.mesh]
+        self.shown = [background, contact.surface.mesh]
         if background is None:
-            self.shown = [contact.mesh]
-            self.options = {"colors": _Pale(len(contact.mesh.GetMaterials()))}
+            self.shown = [contact.surface.mesh]
+            self.options = {"colors": _Pale(len(contact.surface.mesh.GetMaterials()))}
         if field == "macros":
             self.patches = [Patch(field, COLOUR, Ticks(faces, size), flat=True)]
         elif field == "status":
@@ -86,16 +86,18 @@ class SolidMarks(Marks):
     def __init__(self, contact, field, faces, deformation, size):
         super().__init__(contact, field, faces, size)
         self.settings = {"Light": LIGHT}
-        self.shown = [self._Colours(), contact.space.slave]
-        macros = np.array(contact.space.macros)
-        others = Triangles(contact.mesh, macros < 0, deformation)
+        self.shown = [self._Colours(), contact.surface.slave]
+        macros = np.array(contact.surface.macros)
+        others = Triangles(contact.surface.mesh, macros < 0, deformation)
         self.patches = [Patch("Bodies", "silver", others, **BODIES)]
-        if len(creases := Creases(contact.mesh, deformation)):
+        if len(creases := Creases(contact.surface.mesh, deformation)):
             self.objects = [*self.objects, Lines("Creases", "gray", creases)]
         if field in ("gap", "segments") and np.any(self.alone):
             alone = (macros >= 0) & self.alone[macros]
-            self.patches.append(Patch(ALONE, GRAY, Triangles(contact.mesh, alone, deformation)))
-        points = Triangles(contact.mesh, macros >= 0, deformation).reshape(-1, 3)
+            self.patches.append(
+                Patch(ALONE, GRAY, Triangles(contact.surface.mesh, alone, deformation))
+            )
+        points = Triangles(contact.surface.mesh, macros >= 0, deformation).reshape(-1, 3)
         self.options |= View(points, faces.normals)
 
     def _Colours(self):
@@ -107,7 +109,7 @@ class SolidMarks(Marks):
             return contact.status
         if field == "macros":
             # Neighbours have nearly the same number: in order they would have the same colour.
-            order = np.random.default_rng(1).permutation(contact.space.nmacros)
+            order = np.random.default_rng(1).permutation(contact.surface.nmacros)
             hues = min(HUES, len(order))
             self.options = {"min": -0.5, "max": hues - 0.5}
             self.settings |= {"colormap_ncolors": hues, "Objects": {"Colorbar": False}}

@@ -11,6 +11,7 @@ from ngslac.arrays import AsBits
 from ngslac.output.facepoints import FacePoints
 from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.vtkfile import WriteVTK
+from ngslac.parallel.form import FunctionOn
 
 __all__ = ["Plot", "WriteVTU"]
 
@@ -121,11 +122,15 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     fields = {name: FieldOf(self, name) for name in names}
     fields["macro"] = NumbersOf(self, np.arange(self.space.nmacros))
     if displacement is not None:
-        fields["displacement"] = displacement
+        fields["displacement"] = FunctionOn(self.form, displacement)
     if self.mesh.dim == 2:  # ParaView's vectors have three components
         fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
-    chosen = AsBits(np.array(self.space.macros) >= 0)
-    return WriteVTK(filename, self.mesh, fields, vb=BND, drawelems=chosen, order=2)
+    chosen, mesh = AsBits(np.array(self.surface.macros) >= 0), self.surface.mesh
+
+    def Write():
+        return WriteVTK(filename, mesh, fields, vb=BND, drawelems=chosen, order=2)
+
+    return self.layout.together.First(Write)
 
 
 def _Coordinate(along, dim):

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Contact on meshes that NGSolve distributes over processes."""
+"""Distributed meshes: contact surfaces that all processes have, and arrays that they share."""

@@ -14,7 +14,7 @@ __all__ = ["CondensedSystem", "Contacts"]
 
 
 class Contacts:
-    """The sum of scaled contact matrices on free dofs.
+    """The sum of scaled contact matrices on free dofs of the surfaces.
 
     Attributes
     ----------
@@ -22,14 +22,13 @@ class Contacts:
         Displacements with entries.
     """
 
-    def __init__(self, mats, multipliers, scale, shift, free):
+    def __init__(self, mats, multipliers, scale, free):
         n, self._multipliers = len(free), np.asarray(multipliers, dtype=int)
         total = sum((ToCSR(mat) for mat in mats), scipy.sparse.csr_matrix((n, n))).tocoo()
         kept = free[total.row] & free[total.col] & (total.data != 0)
         row, column = total.row[kept], total.col[kept]
         values = scale[row] * total.data[kept] * scale[column]
         self._mat = scipy.sparse.coo_matrix((values, (row, column)), shape=(n, n)).tocsr()
-        self._shift = np.where(free, 0.0 if shift is None else shift, 0.0)
         self.ismultiplier = np.zeros(n, dtype=bool)
         self.ismultiplier[self._multipliers] = True
         self.touched = np.zeros(n, dtype=bool)
@@ -37,8 +36,8 @@ class Contacts:
         self.touched &= ~self.ismultiplier
 
     def All(self):
-        """The matrix with the shift, on some dofs, and these."""
-        return OnItsDofs(self._mat + scipy.sparse.diags_array(self._shift))
+        """The matrix on some dofs, and these."""
+        return OnItsDofs(self._mat)
 
     def Condensed(self, dim):
         """The LocalContact."""
@@ -53,7 +52,7 @@ class Contacts:
         terms, dofs = condensed.terms.tocoo(), condensed.dofs
         where = dofs[terms.row], dofs[terms.col]
         terms = scipy.sparse.csr_matrix((terms.data, where), shape=mat.shape)
-        diagonal = scipy.sparse.diags_array(self._shift + self.ismultiplier)
+        diagonal = scipy.sparse.diags_array(1.0 * self.ismultiplier)
         return OnItsDofs(stiffness + terms + diagonal)
 
 
@@ -115,7 +114,7 @@ class CondensedSystem:
     def __init__(self, numbering, mat, contact):
         PETSc = LoadPETSc()
         self.numbering, self.mat, self.contact = numbering, mat, contact
-        rows = numbering.new[contact.dofs] if contact else np.empty(0, dtype=int)
+        rows = numbering.surface[contact.dofs] if contact else np.empty(0, dtype=int)
         self._local = PETSc.Vec().createSeq(len(rows), comm=PETSc.COMM_SELF)
         where = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
         self._work = numbering.Vector()

@@ -7,6 +7,7 @@ from functools import cache
 from glob import glob
 
 from ngslac.errors import LinearSolveError
+from ngslac.parallel.farewell import Farewell
 
 __all__ = ["Checked", "LoadPETSc", "Options"]
 
@@ -22,6 +23,8 @@ def LoadPETSc():
         petsc4py = Found()
         petsc4py.init(ARGUMENTS)
         from petsc4py import PETSc
+
+        Farewell.Again()
     except (ImportError, ValueError) as error:
         raise ImportError(
             "PETSc, for distributed meshes and solver='petsc', needs petsc4py, on Debian the "

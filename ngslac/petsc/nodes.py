@@ -34,7 +34,7 @@ class Nodes:
         """Those of a contact's product space with these free dofs, a BitArray."""
         form, motions = contact.form, MotionsOf(contact)
         d, first = contact.mesh.dim, form.offset * form.fes.dim
-        blocks = Completed(DisplacementNodes(form.component, first, d), len(motions), d)
+        blocks = Completed(DisplacementNodes(form.component, first, d), contact.layout, d)
         found = VertexNodes.Of(form.component, freedofs, first)
         vertices = np.zeros(len(motions), dtype=bool)
         if found is not None:
@@ -56,10 +56,13 @@ def DisplacementNodes(space, first, d):
     return first + np.arange(count)[:, None] + count * np.arange(d)
 
 
-def Completed(blocks, n, d):
-    """These blocks and those of all other dofs of n, d in a row."""
-    apart = np.ones(n, dtype=bool)
+def Completed(blocks, layout, d):
+    """These blocks and those of all other dofs: of multipliers d in a row, of others one each."""
+    apart = np.ones(len(layout.owned), dtype=bool)
     apart[blocks] = False
-    others = np.flatnonzero(apart)
-    others = np.concatenate([others, np.full(-len(others) % d, -1)])
-    return np.concatenate([blocks, others.reshape(-1, d)])
+    multipliers = np.flatnonzero(layout.multipliers & apart)
+    multipliers = np.concatenate([multipliers, np.full(-len(multipliers) % d, -1)])
+    others = np.flatnonzero(apart & ~layout.multipliers)
+    alone = np.full((len(others), d), -1)
+    alone[:, 0] = others
+    return np.concatenate([blocks, multipliers.reshape(-1, d), alone])

@@ -21,15 +21,14 @@ __all__ = ["PetscSystem"]
 
 
 class PetscSystem:
-    """Bulk matrices of all ranks and the contacts of rank 0 as one system; collective throughout.
+    """Bulk matrices of all processes and the contacts of the first one as one system; collective.
 
-    Dofs have the numbers of a product space of displacements and multipliers, of which rank 0 knows
-    all n and which are free; every other rank knows those of its own part of the bulk alone.
+    What contacts add is known on their surfaces, see `Trace`.
     """
 
-    def __init__(self, comm, n, dofs, free=None, nodes=None):
-        self.numbering = Numbering(comm, n, np.asarray(dofs, dtype=np.int64), nodes, free)
-        self.free = free
+    def __init__(self, layout, trace, free, nodes):
+        self.numbering = Numbering(layout, trace, nodes, free)
+        self.free, self._trace = self.numbering.free, trace
         self._nodes, self._bulk, self._scale, self._multigrid = nodes, None, None, None
         self._direct, self.krylov = PetscDirect(self.numbering), 0
         self.Forget()
@@ -40,38 +39,38 @@ class PetscSystem:
         return self._direct.factorisations
 
     def SetBulk(self, mat):
-        """Take this rank's part of the bulk's matrix; entries of the same dofs are added."""
-        numbering, part, rows = self.numbering, None, None
-        if mat is not None:
-            part, rows = ToCSR(mat)[numbering.used][:, numbering.used], numbering.rows
+        """Take this process's part of the bulk's matrix; entries of the same dofs are added."""
+        numbering, used = self.numbering, np.flatnonzero(self.free)
         self.Forget()
         self._bulk = self._scale = None
-        self._bulk = Assembled(numbering, part, rows, numbering.held)
+        part = ToCSR(numbering.layout.Local(mat))[used][:, used]
+        self._bulk = Assembled(numbering, part, numbering.rows[used], numbering.held)
 
-    def SetContacts(self, mats=None, multipliers=None, scale=None, shift=None):
-        """Take what contacts add to the bulk, and how the sum is scaled."""
+    def SetContacts(self, mats, multipliers, scale, shift):
+        """Take what contacts add to the bulk (k, k), and how the sum is scaled and shifted (n,)."""
         self.Forget()
         self._Scale(scale)
+        gather, ismultiplier = self._trace.Gather, np.zeros(len(self.free))
+        ismultiplier[multipliers] = 1
+        values = [gather(part) for part in (self._scale, self.free.astype(float), ismultiplier)]
+        self._shift = None if shift is None else np.where(self.free, shift, 0.0)
         if self.numbering.rank == 0:
-            self._contacts = Contacts(mats, multipliers, self._scale, shift, self.free)
+            scale, free, ismultiplier = values
+            mats = [self._trace.Matrix(mat) for mat in mats]
+            self._contacts = Contacts(mats, np.flatnonzero(ismultiplier), scale, free > 0)
 
     def _Scale(self, scale):
         """Scale the bulk, once for each scale."""
-        numbering = self.numbering
-        factor = numbering.Vector()
-        if numbering.rank == 0:
-            scale = np.where(self.free, scale, 1.0)
-            before = 1.0 if self._scale is None else self._scale
-            self._scale = scale
-            scale = scale / before
-        numbering.Put(scale, factor, fill=1.0)
+        scale = np.where(self.free, scale, 1.0)
+        before = 1.0 if self._scale is None else self._scale
+        self._scale = scale
+        factor = self.numbering.Put(scale / before, fill=1.0)
         self._bulk.diagonalScale(factor, factor)
 
-    def Solve(self, b=None, accuracy=0.0, method="direct"):
-        """Solve with the matrices that were set."""
-        accuracy, method = self.numbering.Tell((accuracy, method))
+    def Solve(self, b, accuracy, method):
+        """Solve with the matrices that were set: the solution (n,), and its relative residual."""
         solve = self._Direct if method == "direct" else self._Iterate
-        right = self.numbering.Put(b, self.numbering.Vector())
+        right = self.numbering.Put(b)
         try:
             x, error = solve(right, accuracy)
             return self.numbering.Get(x), error
@@ -80,7 +79,7 @@ class PetscSystem:
 
     def Forget(self):
         """Keep nothing but the bulk."""
-        self._contacts = self._iterative = None
+        self._contacts = self._iterative = self._shift = None
         self._direct.Forget()
         self.numbering.CleanUp()
 
@@ -104,35 +103,31 @@ class PetscSystem:
         condensed = self._OnRankZero(lambda contacts: contacts.Condensed(dim))
         mat = self._WithBulk(self._OnRankZero(lambda contacts: contacts.Sparse(condensed)))
         if self._multigrid is None:
-            vertices = self._OnRankZero(lambda _: self._nodes.vertices)
-            self._multigrid = PetscMultigrid(numbering, numbering.Rows(vertices))
-        touched = self._OnRankZero(lambda contacts: self._nodes.With(contacts.touched))
-        motions = numbering.Columns(self._OnRankZero(self._Motions))
-        pc = self._multigrid.Preconditioner(mat, numbering.Rows(touched), motions)
+            self._multigrid = PetscMultigrid(numbering, numbering.Nodes(self._nodes.vertices))
+        touched = numbering.Tell(self._OnRankZero(lambda contacts: contacts.touched))
+        there = np.zeros(len(self.free), dtype=bool)
+        self._trace.Put(touched, there)
+        rows = numbering.Nodes(self._nodes.With(there))
+        pc = self._multigrid.Preconditioner(mat, rows, self._Motions())
         return PetscIterative(numbering, mat, condensed, pc)
 
-    def _Motions(self, _):
+    def _Motions(self):
         """The rigid motions in scaled variables."""
-        return np.where(self.free, 1 / self._scale, 0.0)[:, None] * self._nodes.motions
+        factor = np.where(self.free, 1 / self._scale, 0.0)
+        return [self.numbering.Put(factor * m) for m in np.asarray(self._nodes.motions).T]
 
     def _WithBulk(self, found):
-        """The sum of the bulk and what rank 0 has found: a matrix and its dofs."""
+        """The sum of the bulk and what rank 0 has found: a matrix and its dofs on surfaces."""
         part, dofs = found or (None, None)
-        rows = None if part is None else self.numbering.new[dofs]
-        return Sum(self._bulk, Assembled(self.numbering, part, rows))
+        rows = None if part is None else self.numbering.surface[dofs]
+        shift = None if self._shift is None else self.numbering.Put(self._shift).array
+        return Sum(self._bulk, Assembled(self.numbering, part, rows, shift))
 
     def _OnRankZero(self, function):
         """What a function of the Contacts returns, None on other ranks; all raise its errors."""
-        found = error = None
-        if self.numbering.rank == 0:
-            try:
-                found = function(self._contacts)
-            except LinearSolveError as raised:
-                error = str(raised)
-        error = self.numbering.Tell(error)
-        if error is not None:
-            raise LinearSolveError(error)
-        return found
+        if self.numbering.rank != 0:
+            return self.numbering.together.Agree(lambda: None, LinearSolveError)
+        return self.numbering.together.Agree(lambda: function(self._contacts), LinearSolveError)
 
 
 class PetscIterative:

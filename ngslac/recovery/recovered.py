@@ -34,7 +34,7 @@ class Recovered:
     """
 
     def __init__(self, contact, displacement):
-        self._contact, self._mesh = contact, contact.mesh
+        self._contact, self._mesh = contact, contact.surface.mesh
         surface = self._surface = SlaveSurface(contact)
         self._table, self._unit = contact.Table(), 1.0
         self._SetUnit()

@@ -54,9 +54,9 @@ class SlaveSurface:
     """
 
     def __init__(self, contact):
-        mesh, d = contact.mesh, contact.mesh.dim
+        mesh, d = contact.surface.mesh, contact.surface.mesh.dim
         self.table = contact.form.Points().reshape(-1, 8 + 2 * d)
-        owner, corners = np.array(contact.space.macros), BoundaryVertices(mesh)
+        owner, corners = np.array(contact.surface.macros), BoundaryVertices(mesh)
         slave = np.flatnonzero(owner >= 0)
         self.owner, corners = owner[slave], corners[slave]
         known = corners >= 0
@@ -66,7 +66,7 @@ class SlaveSurface:
         self.points = np.empty((len(self.vertices), d))
         at = mesh.MapToAllElements(
             {kind: IntegrationRule(c, [0] * len(c)) for kind, c in CORNERS.items()},
-            contact.space.slave,
+            contact.surface.slave,
         )
         self._mesh_point = at[:1]
         self.points[numbers] = CF((x, y, z)[:d])(at).reshape(-1, d)
@@ -75,7 +75,7 @@ class SlaveSurface:
         self.normal, self.position = self.table[:, 8 : 8 + d], self.table[:, 8 + d :]
         values = _Shapes(known[face].sum(axis=1), self.table[:, 2:4])
         self.shapes = self._Sparse(values, self.faces[face], known[face])
-        self.nmacros = contact.space.nmacros
+        self.nmacros = contact.surface.nmacros
         self.area = np.bincount(self.macro, self.weight, self.nmacros)
 
     def _Sparse(self, values, columns, known):

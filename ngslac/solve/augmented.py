@@ -4,6 +4,7 @@
 import numpy as np
 
 from ngslac.arguments import CheckPositive
+from ngslac.parallel.form import Compiled, TraceOf
 from ngslac.solve.solver import ContactSolver
 
 __all__ = ["Augmented", "AugmentedLagrangianSolver"]
@@ -119,7 +120,8 @@ class Augmented:
         for contact in system.contacts:
             # No weaker than the scale of the contact, or else the status goes round.
             factor = max(self.factor / contact.stiffness, min(self.factor, 1.0))
-            Soften(contact.form, factor, system.scale)
+            scale = TraceOf(contact.form).Gather(system.scale)
+            Soften(Compiled(contact.form), factor, scale)
 
 
 def Soften(form, factor, scale):

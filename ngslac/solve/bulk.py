@@ -4,11 +4,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BaseMatrix, BaseVector, BilinearForm, BitArray
+from ngsolve import BaseVector, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
-from ngslac.bulkforms import WithDiagonal, WithoutMass
-from ngslac.loads import CheckRhs, LoadVector
+from ngslac.bulkforms import WithoutMass
+from ngslac.parallel.layout import LayoutOf
+from ngslac.solve.loads import CheckRhs, LoadVector
 from ngslac.solve.probe import AssembleLinear, Probe
 from ngslac.solve.problem import AssembleBulk
 
@@ -51,11 +52,12 @@ class Bulk:
 
     def __init__(self, a, gf, rhs):
         self.a, self.gf, self.rhs = a, gf, CheckRhs(rhs, a.space)
-        self.inner = np.zeros(len(gf.vec.FV().NumPy()), dtype=bool)
+        self.layout = LayoutOf(a.space)
+        self.inner = self.layout.Of(np.zeros(a.space.ndof * a.space.dim, dtype=bool))
         if a.condense:
             inner = BitArray(a.space.FreeDofs())
             inner &= ~a.space.FreeDofs(True)
-            self.inner = AsNumPy(ScalarDofs(inner, a.space))
+            self.inner = self.layout.Of(AsNumPy(ScalarDofs(inner, a.space)))
         self.StartAfresh()
 
     @property
@@ -71,19 +73,13 @@ class Bulk:
 
     @property
     def elastic(self):
-        """The BilinearForm without inertia, or a matrix with its diagonal; None: unknown."""
-        form = WithDiagonal(WithoutMass(self.a))
-        return form if isinstance(form, (BilinearForm, BaseMatrix)) else None
-
-    @property
-    def diagonal(self):
-        """The matrix, or one that has its diagonal in common with it."""
-        return WithDiagonal(self.mat)
+        """The form without inertia."""
+        return WithoutMass(self.a)
 
     @property
     def load(self):
         """The loads that are not in the form, as array (n,)."""
-        return LoadVector(self.rhs, self.gf.vec)
+        return LoadVector(self.rhs, self.gf)
 
     def StartAfresh(self):
         """Know nothing of the form."""
@@ -106,10 +102,10 @@ class Bulk:
             return False
         if self.islinear is None:
             self._probe = Probe.At(self)
-            if self._probe and AssembleLinear(self.a) and self._probe.Agrees(self):
+            if self._probe and AssembleLinear(self.a, self.layout) and self._probe.Agrees(self):
                 self.islinear = True
                 return True
-        AssembleBulk(self.a, self.gf.vec)
+        AssembleBulk(self.a, self.gf.vec, self.layout)
         if self.islinear is None:
             self.islinear = bool(self._probe and self._probe.Agrees(self))
         return True
@@ -123,12 +119,13 @@ class Bulk:
         """
         residual = self.gf.vec.CreateVector()
         if not exact and self.product is not None:
-            residual.data = self.last.residual + self.Change()
+            Values = self.layout.Values
+            Values(residual)[:] = Values(self.last.residual) + self.Change()
             return residual, False
         probe, self._probe = self._probe, None
-        if probe is not None and np.array_equal(probe.values, self.gf.vec.FV().NumPy()):
+        if probe is not None and np.array_equal(probe.values, self.layout.Values(self.gf.vec)):
             return probe.residual, True
-        self.a.Apply(self.gf.vec, residual)
+        self.layout.Apply(self.a, self.gf.vec, residual)
         return residual, True
 
     def Remember(self, residual, merit, rounding):
@@ -139,10 +136,8 @@ class Bulk:
 
     def Change(self):
         """What a linear form adds to its last exact residual."""
-        moved, change = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        moved.data = self.gf.vec - self.last.vec
-        change.data = self.product * moved
-        return change
+        Values = self.layout.Values
+        return Multiply([self.product], Values(self.gf.vec) - Values(self.last.vec))
 
     # --- is it linear, still? ------------------------------------------------------------------
 
@@ -172,19 +167,18 @@ class Bulk:
         Of condensed dofs the matrix K_ii is known by its inverse only: for them both are motions,
         as K_ii^-1 times forces is the motion that is not that of the harmonic extension.
         """
-        forces, deviation = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        forces.FV().NumPy()[:] = change
+        Values = self.layout.Values
+        forces = self.gf.vec.CreateVector()
+        Values(forces)[:] = change
         expected = Multiply([self.mat], motion)
         if not self.a.condense:
             return change - expected, expected
-        moved, follows = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
-        moved.FV().NumPy()[:] = motion
-        follows.data = self.a.harmonic_extension * moved
-        deviation.data = self.a.inner_solve * forces + follows - moved
+        follows = Multiply([self.a.harmonic_extension], motion)
+        deviation = Multiply([self.a.inner_solve], change) + follows - motion
         self.Condense(forces)
-        expected = np.where(self.inner, np.abs(follows.FV().NumPy()) + np.abs(motion), expected)
-        outside = forces.FV().NumPy() - expected
-        return np.where(self.inner, deviation.FV().NumPy(), outside), expected
+        expected = np.where(self.inner, np.abs(follows) + np.abs(motion), expected)
+        outside = Values(forces) - expected
+        return np.where(self.inner, deviation, outside), expected
 
     def Refute(self):
         """The form is another one: it is assembled in each step up to the end of the solve."""
@@ -195,10 +189,14 @@ class Bulk:
     def Condense(self, residual):
         """Add the forces on condensed dofs to those on the others."""
         if self.a.condense:
-            residual.data += self.a.harmonic_extension_trans * residual
+            self._Add(residual, self.a.harmonic_extension_trans, residual)
 
     def Extend(self, correction, residual):
         """Add to a correction what condensed dofs follow by."""
         if self.a.condense:
-            correction.data += self.a.harmonic_extension * correction
-            correction.data += self.a.inner_solve * residual
+            self._Add(correction, self.a.harmonic_extension, correction)
+            self._Add(correction, self.a.inner_solve, residual)
+
+    def _Add(self, total, mat, vec):
+        values = self.layout.Values(total)
+        values += Multiply([mat], self.layout.Values(vec))

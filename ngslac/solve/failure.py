@@ -77,8 +77,11 @@ def CarriedOff(system):
     if not state.finite or system.residual.IsRounding(state.bulk, system.scale):
         return ""
     forces = system.gf.vec.CreateVector()
-    forces.FV().NumPy()[:] = state.bulk
+    values = system.layout.Values(forces)
+    values[:] = state.bulk
     system.bulk.Condense(forces)  # bodies do not know what is condensed
     own = slice(bodies.first, bodies.first + bodies.count)
     displacement = system.values[own] if system.finite else None
-    return RigidBalance(bodies, system.contacts, displacement).Find(forces.FV().NumPy()[own])
+    return RigidBalance(bodies, system.contacts, displacement).Find(
+        system.layout.Values(forces)[own]
+    )

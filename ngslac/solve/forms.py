@@ -87,7 +87,7 @@ class FormSum:
             On the product space.
         """
         CheckVector("x", x, self.contacts[0].nscalars)
-        AssembleBulk(self.a, x)
+        AssembleBulk(self.a, x, self.contacts[0].layout)
         for contact in self.contacts:
             contact.Prepare(self.a.mat, form=self.a)
             contact.AssembleLinearization(x)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
+from ngslac.parallel.spread import Pick
 from ngslac.solve.barrier import Barrier, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
@@ -49,7 +50,7 @@ class InteriorPoint:
         self.state = state
         self.system.HoldIdle("closed")
         weak = [spring.Weaken(self.vec) for spring in self.springs]
-        tractions = [self.values[spring.dofs.ravel()] for spring in self.springs]
+        tractions = [Pick(self.values, spring.dofs.ravel()) for spring in self.springs]
         motion = self._Motion(state, weak, tractions)
         pressure = max(spring.Pressure(motion) for spring in self.springs)
         if self.system.CountMotionAsDone():
@@ -88,8 +89,9 @@ class InteriorPoint:
     def _Motion(self, state, mats, tractions):
         """How displacements answer to tractions, with these matrices of the springs."""
         residual = self.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
-        residual.FV().NumPy()[self.multipliers] = 0
+        forces = self.system.layout.Values(residual)
+        forces[:] = state.bulk
+        forces[self.multipliers] = 0
         for spring, own in self._Each(tractions):
             spring.form.AddForces(self.vec, own, residual)
         system = self.system
@@ -241,5 +243,5 @@ class Springs:
 
     def _Follow(self, motion):
         """What a motion of the displacements changes the tractions (n, d) by."""
-        follow = Multiply([self.form.mat], motion)[self.dofs[self.own]]
+        follow = Pick(Multiply([self.form.mat], motion), self.dofs[self.own])
         return (self.stiffness / self.area)[:, None] * follow

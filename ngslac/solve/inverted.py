@@ -17,10 +17,13 @@ from ngsolve import (
     z,
 )
 
+from ngslac._ngslac import PieceOf
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.bodies.rigidmotions import DofsOfMaterials
 from ngslac.errors import ContactConvergenceError
+from ngslac.parallel.extent import ExtentOf
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["InvertedError", "InvertedMessage", "TurningMaterials"]
 
@@ -37,19 +40,32 @@ def InvertedMessage(form, gf, materials=None):
     """Which elements the displacement of a compiled contact form turns inside out; "" if none."""
     space, mesh = form.component, form.fes.mesh
     u, first = GridFunction(space), form.offset * form.fes.dim
-    values = u.vec.FV().NumPy()
+    values, together = LayoutOf(space).Values(u.vec), LayoutOf(space).together
     values[:] = gf.vec.FV().NumPy()[first : first + len(values)]
     looked = 1 if materials is None else CoefficientFunction(list(map(float, materials)))
     folded = IfPos(Det(Id(mesh.dim) + Grad(u)), 0, looked)
     shares = Integrate(folded, mesh, order=2 * space.globalorder, element_wise=True)
     numbers = np.flatnonzero(np.asarray(shares.NumPy()) > 0)
-    if not len(numbers):
+    found = [first for first in together.Gather(First(mesh, numbers)) if first]
+    if not found:
         return ""
-    element = mesh[ElementId(VOL, int(numbers[0]))]
+    count = together.Sum(len(numbers))
+    words = f"{count} elements turn" if count > 1 else "an element turns"
+    return f"{words} inside out (det F <= 0), the first {min(found)[1]}"
+
+
+def First(mesh, numbers):
+    """Of some elements here the first one: its number among all, and where it is; or None."""
+    if not len(numbers):
+        return None
+    first = int(numbers[0])
+    if mesh.comm.size > 1:
+        table = np.array(PieceOf(mesh)[2 if mesh.dim == 3 else 3])[:, 0]
+        first = int(numbers[np.argmin(table[numbers])])
+    element = mesh[ElementId(VOL, first)]
     corners = [mesh[v].point for v in element.vertices]
-    middle = ShownPoint(np.mean(corners, axis=0))
-    count = f"{len(numbers)} elements turn" if len(numbers) > 1 else "an element turns"
-    return f"{count} inside out (det F <= 0), the first in '{element.mat}' at {middle}"
+    place = f"in '{element.mat}' at {ShownPoint(np.mean(corners, axis=0))}"
+    return (int(table[first]) if mesh.comm.size > 1 else first), place
 
 
 def TurningMaterials(a, form, gf):
@@ -65,9 +81,10 @@ def TurningMaterials(a, form, gf):
     count, materials = len(mesh.GetMaterials()), []
     for k in range(count):
         others = DofsOfMaterials(space, np.arange(count) != k)
-        inside = DofsOfMaterials(space, np.arange(count) == k) & ~others
-        inside &= ~space.GetDofs(mesh.Boundaries(".*"))  # where springs or pressures may act
-        own = AsNumPy(inside).repeat(form.fes.dim)
+        others |= space.GetDofs(mesh.Boundaries(".*"))  # where springs or pressures may act
+        inside = AsNumPy(DofsOfMaterials(space, np.arange(count) == k)).repeat(form.fes.dim)
+        layout, apart = LayoutOf(space), AsNumPy(others).repeat(form.fes.dim)
+        own = layout.Everywhere(inside) & ~layout.Everywhere(apart)
         sizes = [np.linalg.norm((forces - none)[own]) for forces in (there, rotated)]
         curved = np.linalg.norm((there + back - 2 * none)[own])
         finite = ROUNDING * sizes[0] < curved < np.inf
@@ -77,9 +94,8 @@ def TurningMaterials(a, form, gf):
 
 def Bent(space):
     """Coefficients of a displacement with strains, and of the same that is then turned."""
-    mesh, d = space.mesh, space.mesh.dim
-    points = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, :d]
-    middle, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    d, extent = space.mesh.dim, ExtentOf(space.mesh)
+    middle, size = extent.center, extent.size
     arms = [c - m for c, m in zip((x, y, z), middle, strict=False)]
     u, turned = GridFunction(space), GridFunction(space)
     bend = STRAIN / size * arms[0] * arms[1]
@@ -88,7 +104,8 @@ def Bent(space):
     now = [arm + u[k] for k, arm in enumerate(arms)]
     now[:2] = c * now[0] - s * now[1], s * now[0] + c * now[1]
     turned.Set(CoefficientFunction(tuple(a - b for a, b in zip(now, arms, strict=True))), VOL)
-    return u.vec.FV().NumPy().copy(), turned.vec.FV().NumPy().copy()
+    Values = LayoutOf(space).Values
+    return Values(u.vec).copy(), Values(turned.vec).copy()
 
 
 def Forces(a, form, gf, displacement):
@@ -97,5 +114,6 @@ def Forces(a, form, gf, displacement):
     own = slice(first := form.offset * form.fes.dim, first + len(displacement))
     vec.data = gf.vec
     vec.FV().NumPy()[own] = displacement
-    a.Apply(vec, forces)
-    return forces.FV().NumPy()[own].copy()
+    layout = LayoutOf(form.fes)
+    layout.Apply(a, vec, forces)
+    return layout.Values(forces)[own].copy()

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.callback import TellIterate
-from ngslac.progress import ShowLive
+from ngslac.parallel.layout import LayoutOf
+from ngslac.progress import Say, ShowLive
+from ngslac.solve.callback import TellIterate
 
 __all__ = ["STILL", "Iteration", "Log", "MostlySlips", "Unchanged"]
 
@@ -94,7 +95,7 @@ class Log:
     def Say(self, line):
         """Print a line between those of the table."""
         if self.printing:
-            print(line)
+            Say(line)
 
     def Add(self, state, damping=1.0):
         """The line of a Measurement, which a part of a step led to."""
@@ -102,6 +103,7 @@ class Log:
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)
         self._status = state.status
         self.history.append(entry)
+        LayoutOf(self.gf.space).together.CheckInterrupts()
         logging.getLogger("ngslac").debug("%s", entry)
         sizes = [max(e.equilibrium, e.constraint) for e in (self.history[0], entry)]
         if min(sizes) > self.tol:

@@ -280,7 +280,7 @@ class Newton:
 
         def move(part):
             vec.data = start
-            vec.FV().NumPy()[:] -= part * longest * correction
+            system.values[:] -= part * longest * correction
             return system.Trial(state, part * longest)
 
         found = None

@@ -7,6 +7,8 @@ import numpy as np
 from netgen.meshing import NgException
 from ngsolve import BaseVector
 
+from ngslac.parallel.extent import ExtentOf
+
 __all__ = ["AssembleLinear", "Probe"]
 
 # Deviations that are rounding: of all, and of a row, relative to what is expected there.
@@ -29,19 +31,20 @@ class Probe:
     @classmethod
     def At(cls, bulk):
         """From the solution of a Bulk; None where the form has no value."""
-        gf, vec = bulk.gf, bulk.gf.vec
+        gf, vec, layout = bulk.gf, bulk.gf.vec, bulk.layout
         there, at, here = (vec.CreateVector() for _ in range(3))
-        way = ElementSize(gf.space.mesh) * RandomWay(len(vec.FV().NumPy()))
-        at.FV().NumPy()[:] = vec.FV().NumPy() + way
+        values = layout.Values(vec)
+        way = ElementSize(gf.space.mesh) * layout.Consistent(RandomWay(len(values)))
+        layout.Values(at)[:] = values + way
         try:
-            bulk.a.Apply(vec, here)
-            bulk.a.Apply(at, there)
+            layout.Apply(bulk.a, vec, here)
+            layout.Apply(bulk.a, at, there)
         except NgException:
             return None
-        change = there.FV().NumPy() - here.FV().NumPy()
+        change = layout.Values(there) - layout.Values(here)
         if not np.all(np.isfinite(change)):
             return None
-        return cls(vec.FV().NumPy().copy(), here, way, change)
+        return cls(values.copy(), here, way, change)
 
     def Agrees(self, bulk):
         """Is the matrix of a Bulk that of a linear form with this change?"""
@@ -53,14 +56,14 @@ class Probe:
         )
 
 
-def AssembleLinear(a):
+def AssembleLinear(a, layout):
     """The matrix of a form, if it is linear; False where that fails.
 
     A form that is not has some other matrix then, also where a product of test functions alone
     stands beside the linear part in one integrand: one has to ask a `Probe`.
     """
     try:
-        a.Assemble()
+        layout.together.Agree(a.Assemble, NgException)
     except NgException:
         return False
     return True
@@ -68,8 +71,8 @@ def AssembleLinear(a):
 
 def ElementSize(mesh):
     """A length of elements."""
-    size = np.ptp(np.asarray(mesh.ngmesh.Coordinates()), axis=0).max()
-    return size * mesh.ne ** (-1 / mesh.dim)
+    extent = ExtentOf(mesh)
+    return extent.size * extent.elements ** (-1 / mesh.dim)
 
 
 def RandomWay(n):

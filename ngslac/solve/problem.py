@@ -7,15 +7,16 @@ from itertools import combinations
 import numpy as np
 import scipy
 from netgen.meshing import NgException
-from ngsolve import BND, CF, ET, BitArray, GridFunction, Integrate, IntegrationRule, x
+from ngsolve import BND, CF, ET, BilinearForm, BitArray, GridFunction, Integrate, IntegrationRule, x
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
 from ngslac.arrays import AsNumPy, Multiply, ToCSR
 from ngslac.bodies.rigidmotions import DofsOfMaterials, RigidMotions
-from ngslac.bulkforms import BulkForm
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, Warn
+from ngslac.parallel.extent import ExtentOf
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = [
     "AssembleBulk",
@@ -58,7 +59,7 @@ REFUSED = {
 
 def CheckBulk(a):
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
-    CheckInstance("a", a, BulkForm, "the bulk as a BilinearForm on the product space")
+    CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
         raise ValueError("a lives on a complex space: contact needs a real one")
     flags = a.flags.ToDict()
@@ -149,7 +150,7 @@ def AreApart(one, other):
 def CheckStart(gf, space):
     """A solution on the product space with finite values."""
     CheckOnSpace("gf", gf, space)
-    if not np.isfinite(gf.vec.FV().NumPy()).all():
+    if not np.isfinite(LayoutOf(space).Values(gf.vec)).all():
         raise ValueError("the start value gf holds NaN or infinite values: set all of it")
     return gf
 
@@ -167,7 +168,7 @@ def CheckFreeDofs(freedofs, space, contacts):
             f"freedofs has {len(freedofs)} bits, the product space {space.ndof} dofs: take a copy "
             "of X.FreeDofs()"
         )
-    if not freedofs.NumSet():
+    if not LayoutOf(space).together.Sum(freedofs.NumSet()):
         raise ValueError("freedofs has no bit set: nothing is free to move; take X.FreeDofs()")
     held = AsNumPy(space.FreeDofs()) & ~AsNumPy(freedofs)
     for form in (contact.form for contact in contacts):
@@ -221,7 +222,7 @@ def CheckMotion(motion, constrained):
 
 def MultiplierRows(contacts):
     """The scalar dofs of the multipliers of all contacts as (n,) bool."""
-    rows = np.zeros(contacts[0].nscalars, dtype=bool)
+    rows = contacts[0].layout.Of(np.zeros(contacts[0].nscalars, dtype=bool))
     for form in (contact.form for contact in contacts):
         first = form.lamoffset * form.fes.dim
         rows[first : first + form.space.ndof * form.fes.dim] = True
@@ -259,24 +260,25 @@ def UnheldFields(mats, contacts, free):
     )
 
 
-def AssembleBulk(a, x):
+def AssembleBulk(a, x, layout):
     """The derivative of the bulk form at a vector; what NGSolve says against it names the form."""
+    layout.Values(x)
     try:
-        a.AssembleLinearization(x)
+        layout.together.Agree(lambda: a.AssembleLinearization(x), NgException)
     except NgException as error:
         raise NgException(f"a, the bulk form, cannot be assembled: {error}") from error
 
 
-def CheckMatrix(mat, rows):
+def CheckMatrix(mat, rows, layout):
     """Refuse a bulk without stiffness, or one that couples the multipliers in the (n,) bool `rows`.
 
     Such terms would change the contact law.
     """
-    values = np.random.default_rng(0).uniform(1, 2, len(rows))
+    values = layout.Consistent(np.random.default_rng(0).uniform(1, 2, len(rows)))
     if not np.any(Multiply([mat], values)):
         raise ValueError("a, the bulk form, has no stiffness: add that of the bodies to it")
-    coupled = np.abs([Multiply([mat], values * rows), Multiply([mat], values) * rows])
-    if np.any(coupled > 0):  # NaN is told of elsewhere
+    coupled = np.abs(Multiply([mat], values * rows)), np.abs(Multiply([mat], values) * rows)
+    if any(np.any(part > 0) for part in coupled):  # NaN is told of elsewhere
         raise ValueError(
             "a, the bulk form, holds terms with lam or its test function: LACContact adds all of "
             "contact, leave these terms out"
@@ -291,10 +293,12 @@ def CheckBodies(mat, contact, free, *, rests):
     form = contact.form
     space, block = form.component, form.fes.dim
     own = _Displacements(form)
-    forces = Multiply([mat], np.random.default_rng(0).uniform(1, 2, len(free)))[own]
+    random = np.random.default_rng(0).uniform(1, 2, len(free))
+    forces = Multiply([mat], contact.layout.Consistent(random))[own]
     undefined, none = ~np.isfinite(forces) & free[own], (forces == 0) & free[own]
     for wrong, what in ((undefined, "NaN or infinity"), (none, "nothing")):
-        names = _MaterialsOf(space, wrong.reshape(-1, block).any(axis=1)) if np.any(wrong) else []
+        where = wrong.reshape(-1, block).any(axis=1) if np.any(wrong) else None
+        names = [] if where is None else _MaterialsOf(space, where)
         if names and wrong is undefined and not rests:
             raise ContactConvergenceError(
                 "the residual holds NaN or infinite values of a, the bulk form, at the start, in "
@@ -320,17 +324,17 @@ def CheckAxis(mat, contacts, free):
             "is not: make each LACSpace with axisymmetric=True, or none"
         )
     mesh = contacts[0].mesh
-    across = np.asarray(mesh.ngmesh.Coordinates())[:, 0]
-    if mesh.dim > 2 or across.min() < -AXIS * np.abs(across).max():
+    extent = ExtentOf(mesh)
+    if mesh.dim > 2 or extent.least[0] < -AXIS * extent.far:
         return
     form, fields, scalar = contacts[0].form, ScalarFields(contacts), contacts[0].components == 1
     if scalar or flags[0]:  # of displacements in a plane hoop strains tell
         fields.append((form.component, np.r_[_Displacements(form)]))
     for space, rows in fields:
-        _CheckFactor(mat, space, rows, axisymmetric=flags[0])
+        _CheckFactor(mat, space, rows, contacts[0].layout, axisymmetric=flags[0])
     if scalar:
         return
-    found = list(_HoopStiffness(mat, form))
+    found = list(_HoopStiffness(mat, form, contacts[0].layout))
     without = [repr(name) for name, resists, _ in found if not resists]
     if flags[0] and without:
         raise ValueError(
@@ -351,16 +355,16 @@ def CheckAxis(mat, contacts, free):
         )
 
 
-def _CheckFactor(mat, space, rows, *, axisymmetric):
+def _CheckFactor(mat, space, rows, layout, *, axisymmetric):
     """Warn of a bulk with the factor x beside contact that is not axisymmetric, or the opposite.
 
     The energies of r^2/2 and r, with the distance r from the innermost point, have another ratio
     where each point counts by x, if what is conducted, or sheared along y, is so alike everywhere.
     Where the form has more than that, or the bodies are thin rings, it tells nothing.
     """
-    works, r = [], x - np.asarray(space.mesh.ngmesh.Coordinates())[:, 0].min()
+    works, r = [], x - ExtentOf(space.mesh).least[0]
     for function in (r**2 / 2, r):
-        gf, values = GridFunction(space), np.zeros(mat.width)
+        gf, values = GridFunction(space), layout.Zeros()
         gf.Set(function if gf.dim == 1 else CF((0, function)))
         values[rows] = gf.vec.FV().NumPy()
         works.append((values * Multiply([mat], values))[rows].reshape(-1, space.dim).sum(axis=1))
@@ -391,10 +395,13 @@ def _LeavesAxis(form, free):
     ends = IntegrationRule([(0.0,), (1.0,)], [0.5, 0.5])
     points = space.mesh.MapToAllElements({ET.SEGM: ends}, BND)
     away = x(points).ravel()
-    return np.any(gf(points)[away <= AXIS * away.max(), 0] != 0)
+    together = LayoutOf(space).together
+    farthest = together.Reduce(away.max(initial=0), "MAX")
+    leaves = bool(len(away)) and np.any(gf(points)[away <= AXIS * farthest, 0] != 0)
+    return together.Reduce(leaves, "LOR")
 
 
-def _HoopStiffness(mat, form):
+def _HoopStiffness(mat, form, layout):
     """Of each material: its name, does it resist a shift along x, and how much.
 
     1 is about what hoop strains make, by the modulus that a shear tells; 0 where a shift along y,
@@ -408,7 +415,7 @@ def _HoopStiffness(mat, form):
     shear = size * motions[:, 2] * (along != 0)
     pushed, works = [], []
     for field in (shift, shear, along):
-        values = np.zeros(form.fes.ndof * block)
+        values = layout.Zeros()
         values[own] = field
         forces = Multiply([mat], values)
         pushed.append(np.abs(forces[own]).reshape(-1, block).max(axis=1))
@@ -417,7 +424,7 @@ def _HoopStiffness(mat, form):
     rings, areas = (Integrate(f, mesh, order=4, region_wise=True) for f in (1 / x, x))
     for k, name in enumerate(mesh.GetMaterials()):
         dofs = AsNumPy(DofsOfMaterials(space, np.arange(len(rings)) == k))
-        if np.any(dofs & inside):
+        if LayoutOf(space).together.Reduce(np.any(dofs & inside), "LOR"):
             resists = pushed[0][dofs & inside].max() > RESISTS * pushed[1][dofs].max()
             hoop, modulus, other = (work[dofs].sum() for work in works)
             strains = modulus > 0 and other < hoop / 2
@@ -438,4 +445,6 @@ def _MaterialsOf(space, dofs):
     inside = {name: AsNumPy(DofsOfMaterials(space, materials == name)) for name in names}
     count = sum(part.astype(int) for part in inside.values())
     alone = {name: part & (count == 1) for name, part in inside.items()}
-    return [name for name, part in alone.items() if np.any(part & dofs)]
+    found = {name: np.any(part & np.asarray(dofs)) for name, part in alone.items()}
+    together = LayoutOf(space).together
+    return [name for name, part in found.items() if together.Reduce(bool(part), "LOR")]

@@ -7,9 +7,10 @@ from functools import cached_property
 import numpy as np
 from netgen.meshing import NgException
 
-from ngslac.arrays import ToCSR
-from ngslac.loads import CheckNoMultiplierLoad
+from ngslac.arrays import Sparse
+from ngslac.parallel.extent import ExtentOf
 from ngslac.solve.bulk import LINEAR, ROUNDING
+from ngslac.solve.loads import CheckNoMultiplierLoad
 from ngslac.solve.problem import MultiplierRows, ScalarFields
 
 __all__ = ["Measurement", "Residual"]
@@ -77,7 +78,7 @@ class Residual:
     ----------
     multipliers, displacements : (n,) bool
         Rows of multipliers, and of all else but the scalar fields that flow through contacts.
-    parts : (2, n) array
+    parts : (n, 2) array
         The residual measured last: of bulk and loads, and of contact.
     scaled : (n,)
         It, times the factors of the rows.
@@ -88,6 +89,7 @@ class Residual:
 
     def __init__(self, bulk, contacts, free):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
+        self.layout = bulk.layout
         self.multipliers, self.tol = MultiplierRows(contacts), None
         self.scalars = [rows for _, rows in ScalarFields(contacts)]
         self.displacements = ~self.multipliers
@@ -105,10 +107,10 @@ class Residual:
     @property
     def borne(self):
         """Forces that hold idle bodies, relative to those of contact, in what was measured last."""
-        bulk, contact = np.abs(self.parts).sum(axis=1)
+        bulk, contact = np.abs(self.parts).sum(axis=0)
         if not self.ground or contact <= ROUNDING * bulk:
             return 0.0
-        unbalanced = np.sum(self.parts, axis=0) * self.free
+        unbalanced = np.sum(self.parts, axis=1) * self.free
         held = unbalanced - self.ground.Balanced(unbalanced)
         return np.abs(held).sum() / (contact or np.inf)
 
@@ -154,7 +156,7 @@ class Residual:
         last, change = self.bulk.last, self.bulk.Change()
         exact = self.Measure(scale, exact=True)
         errors = exact.bulk - state.bulk if exact.finite else None
-        if exact.finite and self._SeemsLinear(change.FV().NumPy(), errors, scale):
+        if exact.finite and self._SeemsLinear(change, errors, scale):
             return exact
         self.bulk.Refute()
         if not exact.merit <= last.merit:
@@ -185,7 +187,8 @@ class Residual:
                 contact.form.Evaluate(vec)
         except NgException as error:
             return Measurement.Nothing(str(error))
-        bulk, pushed = residual.FV().NumPy(), contact_residual.FV().NumPy()
+        Values = self.layout.Values
+        bulk, pushed = Values(residual), Values(contact_residual)
         load = self.bulk.load
         # Forces at work: reactions, contact forces and loads all count.
         forces = max(Norm((scale * f)[self.displacements]) for f in (bulk, pushed, load))
@@ -199,7 +202,7 @@ class Residual:
         bulk = bulk - load
         unbalanced = (bulk + pushed) * self.free
         if self.drag:
-            unbalanced = unbalanced + self.drag.Forces(vec.FV().NumPy(), scale)
+            unbalanced = unbalanced + self.drag.Forces(Values(vec), scale)
         if self.ground:
             unbalanced = self.ground.Balanced(unbalanced)
         scaled = scale * unbalanced
@@ -209,7 +212,7 @@ class Residual:
             return Measurement.Nothing(
                 f"the residual holds NaN or infinite values of {next(wrong, 'all')}"
             )
-        self.forces, self.scaled, self.parts = forces, scaled, np.stack([bulk, pushed])
+        self.forces, self.scaled, self.parts = forces, scaled, np.stack([bulk, pushed], axis=1)
         self.rounding = self._Rounding(scale, np.any(pushed) or np.any(load))
         self.places = self._RoundingOfPlaces(scale)
         state = self._StateOf(bulk, exact, self._Unsteadiness(flows, scale))
@@ -270,37 +273,42 @@ class Residual:
         where nothing pushes or moves; loads of a linear one may be as small as they like.
         """
         rows = self.free & self.displacements  # what is carried along whole has no residual
-        factors, displacement = scale[rows], self.gf.vec.FV().NumPy()[rows]
+        factors, displacement = scale[rows], self.layout.Values(self.gf.vec)[rows]
         moved = self._RoundingOf(rows, scale)
         if self.bulk.islinear is not False:
             return moved
         mesh, size = self.gf.space.mesh, self.size
+        elements = self._extent.elements
         if not pushed and np.abs(displacement).max(initial=0) <= NO_MOTION * size:
             return max(moved, 1e-15 * Norm(size / factors))
-        return max(moved, 3e-16 * Norm(size * mesh.ne ** (-1 / mesh.dim) / factors))
+        return max(moved, 3e-16 * Norm(size * elements ** (-1 / mesh.dim) / factors))
 
     def _RoundingOf(self, rows, scale):
         """Errors of the stiffness times the values of some rows."""
-        return ROUNDING * Norm(self.gf.vec.FV().NumPy()[rows] / scale[rows])
+        return ROUNDING * Norm(self.layout.Values(self.gf.vec)[rows] / scale[rows])
 
     def _RoundingOfFlows(self, scale):
         """Errors (n,) of what flows through contacts, which are differences of their unknowns.
 
         With large sliding these are positions.
         """
-        errors = np.zeros(len(scale))
+        errors = np.zeros_like(scale)
         for contact in self.contacts:
-            mat, values = contact.form.mat, np.abs(self.gf.vec.FV().NumPy())
+            mat, values = contact.form.mat, np.abs(self.layout.Values(self.gf.vec))
             if contact.finite:
                 values[self.displacements] += self.size
             if contact.fluxes and mat.height:
-                errors += abs(ToCSR(mat)) @ values
+                errors += abs(Sparse(mat)) @ values
         return ROUNDING * scale * errors
 
     @cached_property
+    def _extent(self):
+        return ExtentOf(self.gf.space.mesh)
+
+    @property
     def size(self):
         """Of the mesh."""
-        return np.ptp(np.asarray(self.gf.space.mesh.ngmesh.Coordinates()), axis=0).max()
+        return self._extent.size
 
     def _RoundingOfPlaces(self, scale):
         """Gaps and slip of large sliding are differences of positions, wherever these are."""

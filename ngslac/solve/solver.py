@@ -19,13 +19,14 @@ from ngslac.arguments import (
 from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.contact.contact import LACContact
 from ngslac.dirichlet import Blame
-from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, LinearSolveError, RefuseCopy
 from ngslac.linear.chain import CheckSolver
 from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Options
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.together import OnAll
 from ngslac.petsc.solver import LinearSolverFor
-from ngslac.progress import Progress
+from ngslac.progress import Progress, Say
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.iteration import Iteration, Log
 from ngslac.solve.newton import Newton
@@ -43,6 +44,16 @@ from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.system import System
 
 __all__ = ["ContactSolver", "Equilibrium"]
+
+
+def MeshOf(solver, *_, **__):
+    """That of a solver."""
+    return solver.gf.space.mesh
+
+
+def MeshOfSolution(_, a=None, gf=None, *__, **___):
+    """That of a solution; None where it is none."""
+    return gf.space.mesh if isinstance(gf, GridFunction) else None
 
 
 class Equilibrium:
@@ -80,6 +91,7 @@ class Equilibrium:
         """
         return self.system.linear
 
+    @OnAll(MeshOf)
     def Solve(
         self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True
     ) -> Iteration:
@@ -135,7 +147,7 @@ class Equilibrium:
         before = Snapshot(self)
         self.system.Begin(motion, self.constrained)
         if printing and self._silent:
-            print(f"  {self.linear}")
+            Say(f"  {self.linear}")
             self._silent = False
         with Progress("contact: Newton's method") as progress:
             log = Log(self.gf, tol, printing, callback, progress)
@@ -171,6 +183,7 @@ class Equilibrium:
         finally:
             self._running, self.stuck = lambda: None, newton.stuck
 
+    @OnAll(MeshOf)
     def Reaction(self, region, *, motion=None) -> np.ndarray | float:
         """Force of a support on the bodies: the work of the bulk's residual in a motion of it.
 
@@ -206,20 +219,21 @@ class Equilibrium:
             CheckDisplacement("motion", motion, mesh)
         form = self.contacts[0].form
         forces, unit = self.gf.vec.CreateVector(), GridFunction(form.component)
-        self.a.Apply(self.gf.vec, forces)
-        first = form.offset * form.fes.dim
+        layout, first = self.system.layout, form.offset * form.fes.dim
+        layout.Apply(self.a, self.gf.vec, forces)
         own = slice(first, first + len(unit.vec.FV().NumPy()))
-        forces = (forces.FV().NumPy() - self.system.bulk.load)[own]
+        forces = (layout.Values(forces) - self.system.bulk.load)[own]
 
         def Work(motion):
             unit.Set(motion, definedon=region)
-            return float(forces @ unit.vec.FV().NumPy())
+            return float(forces @ LayoutOf(unit.space).Values(unit.vec))
 
         if motion is not None:
             return Work(motion)
         directions = np.eye(self.contacts[0].components)
         return np.array([Work(CF(tuple(direction))) for direction in directions])
 
+    @OnAll(MeshOf)
     def Merit(self, *, same_load=False) -> float | None:
         """Size of the residual at `gf`, infinite without one; None before the first solve.
 
@@ -248,6 +262,7 @@ class Equilibrium:
         """
         return self.system.State() | {"history": self.history}
 
+    @OnAll(MeshOf)
     def SetState(self, state) -> None:
         """Go back to a state.
 
@@ -268,7 +283,7 @@ class Equilibrium:
         self.history = state["history"]
 
 
-class ContactSolver(Equilibrium, metaclass=Distributable):
+class ContactSolver(Equilibrium):
     """Solve bulk plus contact by a generalised Newton method.
 
     The contact status of each macro-element follows from the projection in the contact form, so
@@ -331,6 +346,7 @@ class ContactSolver(Equilibrium, metaclass=Distributable):
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
+    @OnAll(MeshOfSolution)
     def __init__(
         self,
         a,

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ngslac.arrays import ToCSR
+from ngslac.arrays import Sparse
 from ngslac.errors import ContactConvergenceError
 
 __all__ = ["Stability", "UnstableError"]
@@ -61,7 +61,8 @@ class Stability:
         """The growth of `push`, which becomes the motion that grows most."""
         displacements = system.residual.displacements
         moves = displacements & system.linear.free
-        random = np.random.default_rng(0).normal(size=len(moves)) * moves
+        random = np.random.default_rng(0).normal(size=len(moves))
+        random = system.layout.Consistent(random) * moves
         random /= np.linalg.norm(random)
         known = self.push is not None and len(self.push) == len(moves)
         push = self.push + NEW * random if known else random
@@ -78,9 +79,10 @@ class Stability:
 
 
 def Softening(system):
-    """The part that the matrix of a descent leaves out, which is assembled last; for SciPy."""
+    """The part that the matrix of a descent leaves out, which is assembled last; sparse."""
     state, found = system.Measure(), []
     for convex in (False, True):
         system.Linearize(state, convex=convex)
-        found.append(sum(ToCSR(contact.form.mat) for contact in system.contacts))
+        mats = [Sparse(contact.form.mat) for contact in system.contacts]
+        found.append(sum(mats[1:], mats[0]))
     return found[1] - found[0]

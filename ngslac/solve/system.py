@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from ngsolve.la import SparseMatrixd
 
-from ngslac._ngslac import EquilibrationScale
 from ngslac.arguments import FillVector
 from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
@@ -15,6 +14,7 @@ from ngslac.bodies.freedom import EXACT, Ground
 from ngslac.bulkforms import WithoutMass
 from ngslac.errors import Warn
 from ngslac.linear.system import LinearSystem
+from ngslac.parallel.form import ScaleOf
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
 from ngslac.solve.problem import (
     CheckAxis,
@@ -103,6 +103,7 @@ class System:
 
     def __init__(self, bulk, contacts, linear, free, bodies=None):
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
+        self.layout = bulk.layout
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
         self.scale = self.motion = self._rest = self.ground = self._start = self._driven = None
         self.loose, self.idle, self.slides = False, False, True
@@ -116,7 +117,7 @@ class System:
     @property
     def values(self):
         """All coefficients of the solution, to be written to."""
-        return self.gf.vec.FV().NumPy()
+        return self.layout.Values(self.gf.vec)
 
     @property
     def finite(self):
@@ -280,14 +281,14 @@ class System:
         fresh = [contact for contact in self.contacts if not contact.prepared]
         elastic = bulk.elastic if fresh else None
         for contact in fresh:
-            contact.Prepare(bulk.diagonal, form=elastic)
+            contact.Prepare(bulk.mat, form=elastic)
         if not self._apart:
-            CheckMatrix(bulk.mat, MultiplierRows(self.contacts))
+            CheckMatrix(bulk.mat, MultiplierRows(self.contacts), self.layout)
             free, rests = self.linear.free & ~bulk.inner, not np.any(self.values)
             CheckBodies(bulk.mat, self.contacts[0], free, rests=rests)
             CheckAxis(bulk.mat, self.contacts, self.linear.free)
             self._apart = True
-        self.scale = EquilibrationScale(bulk.diagonal, self._Forms())
+        self.scale = ScaleOf(bulk.mat, self._Forms())
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
             self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
 
@@ -340,11 +341,12 @@ class System:
         `convex`: they know nothing of how laws soften.
         """
         residual = self.gf.vec.CreateVector()
-        residual.FV().NumPy()[:] = state.bulk
+        values = self.layout.Values(residual)
+        values[:] = state.bulk
         for contact in self.contacts:
             contact.form.AssembleStep(self.gf.vec, residual, convex)
         if self.residual.drag:
-            residual.FV().NumPy()[:] += self.residual.drag.Forces(self.values, self.scale)
+            values += self.residual.drag.Forces(self.values, self.scale)
         self.scheme.Change(self)
         return residual
 
@@ -398,21 +400,22 @@ class System:
 
     def Displace(self, residual, solve, mats):
         """The correction (n,) of a residual; `solve` gives it without condensed dofs."""
-        bulk, correction = self.bulk, self.gf.vec.CreateVector()
+        bulk, correction, Values = self.bulk, self.gf.vec.CreateVector(), self.layout.Values
 
         def Solve(forces, motion=None):
             right = residual.CreateVector()
-            right.FV().NumPy()[:] = forces
+            rows, found = Values(right), Values(correction)
+            rows[:] = forces
             bulk.Condense(right)
             if motion is not None:
-                right.FV().NumPy()[:] -= Multiply((bulk.mat, *mats), -motion)
-            correction.FV().NumPy()[:] = solve(right.FV().NumPy())
+                rows -= Multiply((bulk.mat, *mats), -motion)
+            found[:] = solve(rows)
             if motion is not None:
-                correction.FV().NumPy()[:] -= motion
+                found -= motion
             bulk.Extend(correction, right)
-            return correction.FV().NumPy().copy()
+            return Values(correction).copy()
 
-        forces = residual.FV().NumPy()
+        forces = Values(residual)
         if not self.ground:
             return Solve(forces, self.motion)
         found = Solve(self.ground.Balanced(forces), self.motion)
@@ -475,7 +478,7 @@ class System:
 
         Those of a linear system balance the bulk's false work, too.
         """
-        bulk, contact = self.residual.parts
+        bulk, contact = self.residual.parts[:, 0], self.residual.parts[:, 1]
         if not freedom or not np.any(pushed := self._WorksOf(freedom, contact)):
             return False
         return bool(np.any((pushed != 0) & (self._WorksOf(freedom, contact, bulk) != 0)))
@@ -496,11 +499,11 @@ class System:
         forces = max(residual.reference, residual.first)
         least = max(IDLE * forces, 10 * residual.rounding) / self.scale
         if bulk is None:
-            bulk = residual.parts[0] - self._FalseForces()
+            bulk = residual.parts[:, 0] - self._FalseForces()
         if self.bodies.false and not self.bulk.islinear:  # its stress does work along turns, too
             turns = np.maximum(freedom.mesh, FALSE_TURN)
             freedom = replace(freedom, mesh=np.where(freedom.own >= 0, turns, freedom.mesh))
-        return freedom.Works(np.stack([bulk, contact]), least, self._Blur(), self.bodies.false)
+        return freedom.Works([bulk, contact], least, self._Blur(), self.bodies.false)
 
     def _FalseForces(self):
         """What the bulk says of the displacement, if that does false work along rigid motions."""
@@ -512,6 +515,7 @@ class System:
         """The forces of friction where contact is closed: pressures do not drive what they hold."""
         vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         vec.data, forces[:] = self.gf.vec, 0
+        values = self.layout.Values(vec)
         for contact in self.contacts:
             if not (contact.holds_tangentially or len(contact.form.ToolDofs())):
                 continue
@@ -520,9 +524,9 @@ class System:
             tangential[table["status"] == 0] = 0
             tangential *= contact.holds_tangentially  # else the directions of an iterate before
             dofs = np.asarray(contact.form.MultiplierDofs())
-            vec.FV().NumPy()[dofs] = tangential[:, : contact.components].ravel()
+            values[dofs] = tangential[:, : contact.components].ravel()
             contact.AddApply(vec, forces)
-        return np.where(self.residual.multipliers, 0.0, forces.FV().NumPy())
+        return np.where(self.residual.multipliers, 0.0, self.layout.Values(forces))
 
     def _Blur(self):
         """How different the gaps are that have to close: so far is where they meet not known."""
@@ -564,7 +568,8 @@ class System:
         if not (self.bulk.islinear and self.bodies.false):
             mats = [self.bulk.mat, *mats]
         way = np.where(self.bulk.inner, 0.0, motion.motions[:, 0])
-        forces = motion.Across(np.abs(self.residual.parts))[0] * np.max(np.abs(way))
+        sizes = np.abs(self.residual.parts)
+        forces = motion.Across([sizes[:, 0], sizes[:, 1]])[0] * np.max(np.abs(way))
         stiffness = abs(way @ Multiply(mats, way))
         return stiffness * self.residual.size > ROCKS * forces > 0
 

@@ -166,7 +166,7 @@ def ContactWorks(contacts, gf, motion):
         forces = gf.vec.CreateVector()
         contact.Evaluate(gf)
         contact.Apply(gf.vec, forces)
-        residuals.append(forces.FV().NumPy().copy())
+        residuals.append(contact.layout.Values(forces).copy())
         table = contact.Table()
         friction -= float(table["area"] @ np.sum(table["traction"] * table["slip"], axis=1))
     return residuals, -float(sum(residuals) @ motion), friction

@@ -6,6 +6,10 @@ import scipy
 
 from ngslac.bodies.freedom import NullSpace
 from ngslac.bodies.rigidmotions import RigidMotions, Turned
+from ngslac.parallel.form import OnSurface
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.matrices import Entries
+from ngslac.parallel.spread import Spread, SumAt
 
 __all__ = ["Conservation"]
 
@@ -35,22 +39,22 @@ class Conservation:
         part = mass.matrix.Parts()
         self._used = mass.matrix.diagonal[self._own] > 0
         # Each dof that nothing uses is a part of its own, without mass.
-        self._body = np.zeros(len(part), dtype=int)
-        self._body[self._used] = np.unique(part[self._used], return_inverse=True)[1]
-        self.count = 1 + self._body.max(initial=-1)
+        self._body = Numbered(part, self._used)
+        self.count = 1 + int(np.max(self._body, initial=-1))
         self.account = np.zeros(self.count)  # energy taken from each body by time integration
         self._rigid, _, self._size = RigidMotions(self._space)
 
     def Products(self, a, b):
         """The scalar product of two vectors (n,), body by body."""
         own = self._own
-        return np.bincount(self._body, weights=a[own] * b[own], minlength=self.count)
+        return SumAt(self._body, a[own] * b[own], self.count)
 
     def OfMacros(self, contact, works):
         """Values (m,) of the macro-elements of a contact, summed up body by body."""
         block = contact.form.fes.dim
-        cores = np.array([contact.space.CoreDofs(m)[0] for m in range(len(works))])
-        return np.bincount(self._body[cores * block], weights=works, minlength=self.count)
+        cores = np.array([contact.surface.CoreDofs(m)[0] for m in range(len(works))])
+        body = OnSurface(contact.form, self._body)[cores * block].astype(int)
+        return np.bincount(body, weights=works, minlength=self.count)
 
     def Kinetic(self, velocity):
         """Kinetic energies of the bodies."""
@@ -58,20 +62,23 @@ class Conservation:
 
     def Virtual(self, forces, displacement):
         """Work of forces (n,) in the rigid motions of the displaced bodies, a row for each body."""
-        return np.stack([self.Products(m, forces) for m in self._Motions(displacement).T], axis=1)
+        return np.stack(
+            [self.Products(m, forces) for m in Columns(self._Motions(displacement))], axis=1
+        )
 
     def Balanced(self, forces, displacement, squares):
         """Do forces (n,) do no work in the rigid motions of a displaced body? For each body.
 
         `squares` (count,) are those of forces that are not small.
         """
-        motions, size = self._Motions(displacement), squares[:, None]
-        sizes = np.stack([self.Products(m, m) for m in motions.T], axis=1) * size
+        motions, size = Columns(self._Motions(displacement)), squares[:, None]
+        sizes = np.stack([self.Products(m, m) for m in motions], axis=1) * size
         return np.all(self.Virtual(forces, displacement) ** 2 <= BALANCED**2 * sizes, axis=1)
 
     def _Motions(self, displacement):
         """The rigid motions (n, m) of the whole mesh where it is displaced."""
         motions = np.zeros((len(displacement), self._rigid.shape[1]))
+        motions = LayoutOf(self.mass.space).Of(motions)
         turned = Turned(self._space, displacement[self._own], self._size)
         motions[self._own] = self._rigid + turned
         return motions
@@ -83,7 +90,7 @@ class Conservation:
         """
         wrong = momenta - self.Virtual(self.mass.Times(velocity), displacement)
         fixed = ~self.mass.free[self._own] & self._used
-        free = free & (np.bincount(self._body, weights=fixed, minlength=self.count) == 0)
+        free = free & (SumAt(self._body, 1.0 * fixed, self.count) == 0)
         motions = self._Motions(displacement)
         sizes = BALANCED * np.abs(impulses).sum(axis=1) + ROUNDING * np.abs(momenta).sum(axis=1)
         for group in np.unique(groups):
@@ -92,21 +99,23 @@ class Conservation:
             if outside or not np.all(free[bodies]):
                 continue
             own = motions * self._Inside(bodies)[:, None]
-            pushed = np.stack([self.mass.Times(column) for column in own.T], axis=1)
+            pushed = np.stack([self.mass.Times(column) for column in Columns(own)], axis=1)
             velocity = velocity + own @ np.linalg.solve(pushed.T @ own, wrong[bodies].sum(axis=0))
         return velocity
 
     def _Inside(self, bodies):
         """Which entries of a vector (n,) belong to some bodies."""
         inside = np.zeros(len(self.mass.free), dtype=bool)
-        inside[self._own] = bodies[self._body]
+        inside[self._own] = bodies[np.asarray(self._body)]
         return inside
 
     def Groups(self, rows):
         """Numbers (count,) of the bodies, the same where constraints (sparse rows) join them."""
-        rows = rows.tocoo()
-        inside = (rows.data != 0) & (rows.col >= self._own.start) & (rows.col < self._own.stop)
-        bodies = self._body[rows.col[inside] - self._own.start]
+        every = np.full(len(self.mass.free), -1.0)
+        every[self._own] = self._body
+        rows, body = Entries(rows, every)
+        inside = (rows.data != 0) & (body[rows.col] >= 0)
+        bodies = body[rows.col[inside]].astype(int)
         shape = rows.shape[0], self.count
         touched = scipy.sparse.csr_matrix(
             (np.ones(len(bodies)), (rows.row[inside], bodies)), shape=shape
@@ -136,7 +145,7 @@ class Conservation:
         """Take the energy from some bodies, or as much as is there; returns it, too."""
         relative = velocity * (self._Inside(bodies) & self.mass.free)
         if kept.shape[1]:
-            momenta = np.stack([self.mass.Times(column) for column in kept.T], axis=1)
+            momenta = np.stack([self.mass.Times(column) for column in Columns(kept)], axis=1)
             relative -= kept @ np.linalg.solve(momenta.T @ kept, momenta.T @ relative)
         pushed = self.mass.Times(relative)
         # velocity - f relative  has lost  f slope - f^2 most / 2.
@@ -163,3 +172,17 @@ class Conservation:
         apart = apart @ NullSpace(together.T @ apart)
         apart = apart @ NullSpace(rows @ (each @ apart), ALONG)
         return each @ np.concatenate([together, apart], axis=1)
+
+
+def Numbered(part, used):
+    """Numbers (n,) from 0 on in place of those of the parts that are used; 0 elsewhere."""
+    if isinstance(part, Spread):
+        return np.where(used, part, 0)
+    body = np.zeros(len(part), dtype=int)
+    body[used] = np.unique(part[used], return_inverse=True)[1]
+    return body
+
+
+def Columns(matrix):
+    """The columns of an array (n, m) as a list."""
+    return [matrix[:, k] for k in range(matrix.shape[1])]

@@ -4,8 +4,8 @@
 import logging
 import math
 
-from ngslac.callback import TellStep
-from ngslac.progress import Progress, ShowLive
+from ngslac.progress import Progress, Say, ShowLive
+from ngslac.solve.callback import TellStep
 from ngslac.solve.snapshot import Snapshot
 
 __all__ = ["Journal", "StepControl", "StepLine"]
@@ -87,7 +87,7 @@ class Journal:
         logging.getLogger("ngslac").info("%s", step)
         if self.tool.printing == "steps":
             ShowLive("")
-            print(step)
+            Say(step)
         elif not self.tool.printing:
             ShowLive(f"{step}\n")
         self.saved = Snapshot(self.tool)

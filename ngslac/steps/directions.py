@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ngslac.bodies.constraints import JumpRows
+from ngslac._ngslac import Side
+from ngslac.parallel.form import JumpRows
 
 __all__ = ["Directions"]
 
@@ -70,7 +71,7 @@ class Directions:
             return 0 * end, 0.0
         sees = np.any(begin, axis=1)[:, None] & (np.sum(begin * end, axis=1) > 0)[:, None]
         normal = -Unit(np.where(sees, begin, 0) + end)
-        jump, first = JumpRows(contact), form.offset * form.fes.dim
+        jump, first = JumpRows(form, Side.both), form.offset * form.fes.dim
         moved = (jump @ motion[first : first + jump.shape[1]]).reshape(end.shape)
         still = STILL * table["fullarea"] * np.max(np.abs(motion), initial=0)
         works = (table["status"] > 0) & (np.linalg.norm(moved, axis=1) > still)

@@ -19,12 +19,20 @@ class BulkForces:
         self.static, self.rows = static, rows
         self._seen = None  # displacement and what the bulk form said there, and of 0
 
+    @property
+    def _layout(self):
+        return self.static.system.layout
+
+    @property
+    def _values(self):
+        return self._layout.Values(self.static.gf.vec)
+
     def Now(self, force=None):
         """Force of the bulk including the loads (n,), and the loads alone.
 
         `force`: what the bulk form says of the solution, if it was asked.
         """
-        zero, values = self.static.gf.vec.CreateVector(), self.static.gf.vec.FV().NumPy()
+        zero, values = self.static.gf.vec.CreateVector(), self._values
         zero[:] = 0
         force = self._Apply(self.static.gf.vec) if force is None else force
         self._seen = values.copy(), force, self._Apply(zero)
@@ -39,7 +47,7 @@ class BulkForces:
         """
         if force is None or product is None or self._seen is None:
             return self.Now(force)
-        values, (start, before, _) = self.static.gf.vec.FV().NumPy(), self._seen
+        values, (start, before, _) = self._values, self._seen
         deviation = self._Deviation(force, before, product(values - start))
         known = Norm(deviation) <= self._Least(force, before)
         return self._Known(force) if known else self.Now(force)
@@ -66,7 +74,7 @@ class BulkForces:
         For an elastic bulk their work is the change of the strain energy: exact for a linear one,
         of the sixth order in the length of the step for others.
         """
-        end = self.static.gf.vec.FV().NumPy()
+        end = self._values
         places, ends = [end - (1 - place) * motion for place in INNER], (sum(before), sum(now))
         if not linear:
             forces = [self._At(place, now) for place in places]
@@ -94,10 +102,10 @@ class BulkForces:
     def _At(self, place, now):
         """The force without loads of a displacement (n,), under the loads of `Now`."""
         vec, (_, loads) = self.static.gf.vec.CreateVector(), now
-        vec.FV().NumPy()[:] = place
+        self._layout.Values(vec)[:] = place
         return (self._Apply(vec) - self.static.system.bulk.load) * self.rows + loads
 
     def _Apply(self, vec):
         result = vec.CreateVector()
-        self.static.a.Apply(vec, result)
-        return result.FV().NumPy()
+        self._layout.Apply(self.static.a, vec, result)
+        return self._layout.Values(result)

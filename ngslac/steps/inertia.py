@@ -20,7 +20,9 @@ from ngsolve import (
 from ngslac.arguments import CheckNumber, CheckValues, Components, Shown, Wrong
 from ngslac.arrays import Multiply
 from ngslac.bodies.mass import MassMatrix
-from ngslac.bulkforms import Integrand, ScaleMatrix, WithMass, WithoutMass
+from ngslac.bulkforms import ScaleMatrix, WithMass, WithoutMass
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.matrices import SkinRows
 
 __all__ = ["CheckEnergy", "DynamicForm", "Mass", "Scheme"]
 
@@ -81,7 +83,7 @@ class Mass:
 
     def __init__(self, a, contact, density, free):
         form = contact.form
-        space = form.fes
+        self.space = space = form.fes
         self.u, self.v = Displacement(space, form)
         self._changes = isinstance(density, CoefficientFunction)  # may hold a Parameter
         self.density = CheckScalar("density", density, "mass per reference volume, > 0")
@@ -90,11 +92,11 @@ class Mass:
         self.wanted = density
         self._bodies = DefinedOn(form.component)
         self._masses = self._CheckPositive(2 * form.component.globalorder)
-        self.rows = np.zeros(contact.nscalars, dtype=bool)
+        self.rows = contact.layout.Of(np.zeros(contact.nscalars, dtype=bool))
         first = form.offset * space.dim
         self.rows[first : first + form.component.ndof * space.dim] = True
         self.free = free & self.rows
-        self.matrix = MassMatrix(a, density, (self.u, self.v), contact, self.free)
+        self.matrix = MassMatrix(density, (self.u, self.v), contact, self.free)
 
     def _CheckPositive(self, order):
         """The masses of the materials, all finite and > 0."""
@@ -148,6 +150,8 @@ class Mass:
 
     def _WithoutMass(self, rows):
         """An orthonormal basis, as columns, of what constraints see of motions without mass."""
+        if isinstance(rows, SkinRows):  # tools without mass need one process
+            return np.zeros((rows.shape[0], 0))
         seen = rows[:, np.flatnonzero(~self.rows)]
         seen = seen[:, np.flatnonzero(abs(seen).sum(axis=0))].toarray()
         basis, sizes, _ = np.linalg.svd(seen, full_matrices=False)
@@ -163,7 +167,7 @@ class DynamicForm:
 
     def __init__(self, a, mass, scheme):
         self.elastic, self.space, self.condense = a, a.space, a.condense
-        self.mass, self.share = mass, scheme.share
+        self.mass, self.share, self.layout = mass, scheme.share, LayoutOf(a.space)
         self.start = GridFunction(a.space)  # u + dt v at the beginning of the step
         self.dt, self.factor = 0.0, Parameter(1.0)
         # For the matrix alone, which knows nothing of the start.
@@ -206,10 +210,11 @@ class DynamicForm:
         ScaleMatrix(self._form, self.share)
 
     def Apply(self, x, y):
-        self.elastic.Apply(x, y)
-        values, forces = x.FV().NumPy(), y.FV().NumPy()
+        Values = self.layout.Values
+        self.layout.Apply(self.elastic, x, y)
+        values, forces = Values(x), Values(y)
         self._applied = values.copy(), forces.copy()
-        moved = values - self.start.vec.FV().NumPy()
+        moved = values - Values(self.start.vec)
         forces[:] = self.share * (forces + self.factor.Get() * self.mass.Times(moved))
 
     def Elastic(self, x):
@@ -240,8 +245,8 @@ def CheckScalar(name, value, wanted):
 
 
 def CheckEnergy(energy):
-    """The strain energy as a function, or None; it may bring its own `Integrate` along."""
-    if energy is None or isinstance(energy, Integrand):
+    """The strain energy as a function, or None."""
+    if energy is None:
         return energy
     return CheckScalar("energy", energy, "the strain energy per reference volume")
 
@@ -254,7 +259,8 @@ def DefinedOn(space):
         one = BitArray(len(found))
         one.Clear()
         one[k] = True
-        found[k] = space.GetDofs(Region(mesh, VOL, one)).NumSet() > 0
+        dofs = space.GetDofs(Region(mesh, VOL, one)).NumSet()
+        found[k] = bool(LayoutOf(space).together.Sum(dofs) > 0)
     return Region(mesh, VOL, found)
 
 

@@ -16,8 +16,9 @@ from ngslac.arguments import (
     CheckState,
 )
 from ngslac.bodies.messages import FarMessage, OverloadMessage
-from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason, RefuseCopy, Warn
+from ngslac.parallel.together import OnAll
+from ngslac.progress import Say
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.problem import MultiplierRows
@@ -65,7 +66,17 @@ class Step:
         return f"{StepLine(self, 'load')}  force on the slave {forces}"
 
 
-class LoadStepper(metaclass=Distributable):
+def MeshOf(stepper, *_, **__):
+    """That of a stepper."""
+    return stepper.solver.gf.space.mesh
+
+
+def MeshOfSolver(_, solver=None, *__, **___):
+    """That of a solver; None where it is none."""
+    return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
+
+
+class LoadStepper:
     """Raise the load in steps; halve a step that fails, and grow again after success.
 
     A failed step leaves solution, load and history at the last converged step. If the smallest step
@@ -104,6 +115,7 @@ class LoadStepper(metaclass=Distributable):
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
+    @OnAll(MeshOfSolver)
     def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
         CheckInstance("load", load, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
@@ -132,6 +144,7 @@ class LoadStepper(metaclass=Distributable):
     def prescribe(self, values):
         self._prescribed = Prescribed(self.solver, values)
 
+    @OnAll(MeshOf)
     def Integrate(
         self, end=1.0, *, steps=10, callback=None, printing=True, maxit=100, tol=1e-10
     ) -> list[Step]:
@@ -253,6 +266,7 @@ class LoadStepper(metaclass=Distributable):
             "size": self._size,
         }
 
+    @OnAll(MeshOf)
     def SetState(self, state) -> None:
         """Go back to a state.
 
@@ -286,7 +300,7 @@ class LoadStepper(metaclass=Distributable):
                 ends = ends or max(hopeless, rubs) > MOST_HOPELESS or limit.Passed()
                 if not (control.smallest or ends):
                     if self.printing is True:
-                        print("  halved")
+                        Say("  halved")
                     control.size = limit.Size(control.half)
                     continue
                 tried = goal if Reason.CERTAIN in error.reason else None
@@ -346,7 +360,7 @@ class LoadStepper(metaclass=Distributable):
         self.load.Set(goal)
         if self.printing is True:
             note = {"predicted": "", "last": "", "free": ", from no contact"}
-            print(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
+            Say(f"step {len(self.steps) + 1}  load {goal:g}{note[start]}")
         for contact in solver.contacts:
             contact.dt.Set(abs(goal - begin))
         try:
@@ -355,9 +369,11 @@ class LoadStepper(metaclass=Distributable):
         except BaseException as error:
             self._journal.saved.Restore()
             if self.printing is True:
-                print(f"  {error}")
+                Say(f"  {error}")
             raise
-        moved = np.abs(vec.FV().NumPy() - last.FV().NumPy()).max()
+        Values = solver.system.layout.Values
+        increment = Values(vec) - Values(last)
+        moved = np.abs(increment).max()
         fields = zip(before, self._Driven(), strict=True)
         same = moved <= STILL * solver.system.residual.size and all(
             np.allclose(*pair) for pair in fields
@@ -365,7 +381,7 @@ class LoadStepper(metaclass=Distributable):
         self._idle = self._idle and same
         for contact in solver.contacts:
             contact.Commit(solver.gf)
-        self._last = vec.FV().NumPy() - last.FV().NumPy(), goal - begin
+        self._last = increment, goal - begin
         return result
 
     def _Driven(self):
@@ -376,17 +392,17 @@ class LoadStepper(metaclass=Distributable):
     def _Start(self, last, step, start):
         """Put the start of a step into the solution; returns what Solve has to know of it."""
         solver, vec = self.solver, self.solver.gf.vec
-        values, fixed = vec.FV().NumPy(), None
+        Values = solver.system.layout.Values
+        values, now, fixed = Values(vec), Values(last), None
         if self._prescribed:
             self._prescribed.Set()
             fixed = self.solver.constrained
-            wanted = np.where(fixed, values, last.FV().NumPy())
+            wanted = np.where(fixed, values, now)
             values[:] = wanted
         softens = solver.system.stability.softened  # what tears next does not follow from the last
         if self._last is not None and self.predict and start == "predicted" and not softens:
             increment, size = self._last
             merit = self.solver.Merit()
-            now = last.FV().NumPy()
             values[:] = now + (step / size) * self._Steady(now, increment)
             if fixed is not None:
                 values[fixed] = wanted[fixed]
@@ -397,7 +413,7 @@ class LoadStepper(metaclass=Distributable):
         if start == "free":
             for contact in self.solver.contacts:
                 values[contact.form.MultiplierDofs()] = 0
-        return {} if fixed is None else {"motion": wanted - last.FV().NumPy()}
+        return {} if fixed is None else {"motion": wanted - now}
 
     def _Steady(self, last, increment):
         """The increment less that of what has just closed, beside what was closed before."""

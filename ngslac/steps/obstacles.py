@@ -22,7 +22,7 @@ class Obstacles:
 
     def Begin(self, gf):
         """Before the time is set to the end of the step; `gf` is where the step begins."""
-        self._start = gf.vec.FV().NumPy().copy()
+        self._start = self.contacts[0].layout.Values(gf.vec).copy()
         self._before = [self._Of(contact, gf) for contact in self.contacts]
 
     def Move(self, gf):
@@ -77,7 +77,7 @@ class Obstacles:
 
     def Works(self, gf):
         """Of the moved obstacles on each macro-element, after `Evaluate` of `gf`, the solution."""
-        motion = gf.vec.FV().NumPy() - self._start
+        motion = self.contacts[0].layout.Values(gf.vec) - self._start
         return [self._WorkOf(*pair, motion) for pair in zip(self.contacts, self.ways, strict=True)]
 
     @staticmethod

@@ -10,6 +10,7 @@ from ngsolve import CoefficientFunction, GridFunction, Region
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
 from ngslac.arrays import AsBits, AsNumPy, ComponentsOf, ScalarDofs
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["Prescribed"]
 
@@ -49,11 +50,12 @@ class Prescribed:
     def Set(self):
         """Put the values for the current load into the solution."""
         if callable(self.values):
-            self.values(self.gf)
+            LayoutOf(self.gf.space).together.ByUser(self.values, self.gf)
             return
-        vec, field = self.gf.vec.FV().NumPy(), self.field.vec.FV().NumPy()
+        vec, layout = LayoutOf(self.gf.space).Values(self.gf.vec), LayoutOf(self.field.space)
         for key, (region, dofs) in self.dofs.items():
             self.field.Set(self.values[key], definedon=region)
+            field = layout.Values(self.field.vec)
             if not np.all(np.isfinite(field[dofs])):
                 raise ValueError(
                     f"prescribe: the value of {key!r} is NaN or infinite somewhere there"
@@ -67,17 +69,20 @@ def ConstrainedOn(space, region):
     A vertex may belong to another boundary, too, where more components are. Where no component is
     on a whole boundary, whatever is constrained there.
     """
-    fixed = ~AsNumPy(ScalarDofs(space.FreeDofs(), space))
+    layout = LayoutOf(space)
+    fixed = layout.Of(~AsNumPy(ScalarDofs(space.FreeDofs(), space)))
     found = np.zeros_like(fixed)
     for number in np.flatnonzero(AsNumPy(region.Mask())):
         one = Region(space.mesh, region.VB(), AsBits(np.arange(len(region.Mask())) == number))
-        there = AsNumPy(ScalarDofs(space.GetDofs(one), space))
+        there = layout.Everywhere(AsNumPy(ScalarDofs(space.GetDofs(one), space)))
         for part in _Components(space):
             own = np.zeros_like(there)
             own[part] = there[part]
             if np.all(fixed[own]):
                 found |= own
-    return found if np.any(found) else fixed & AsNumPy(ScalarDofs(space.GetDofs(region), space))
+    if np.any(found):
+        return found
+    return fixed & layout.Everywhere(AsNumPy(ScalarDofs(space.GetDofs(region), space)))
 
 
 def _Components(space):

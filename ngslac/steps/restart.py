@@ -8,9 +8,12 @@ from ngsolve import BaseVector, GridFunction, Mesh, Parameter
 
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
-from ngslac.distributable import OnDistributedMeshes
 from ngslac.errors import Warn
 from ngslac.files import PathOf
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.spread import Spread
+from ngslac.parallel.together import OnAll
+from ngslac.parallel.whole import AsWhole
 from ngslac.solve.iteration import Iteration
 from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.solver import ContactSolver
@@ -26,7 +29,13 @@ SAME = 1e-9  # relative difference of means that are computed anew
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
-@OnDistributedMeshes
+def _MeshOf(file=None, tool=None, **_):
+    """That of a tool; None where it is none."""
+    known = isinstance(tool, (ContactSolver, LoadStepper, TimeStepper))
+    return _Solver(tool).gf.space.mesh if known else None
+
+
+@OnAll(_MeshOf)
 def SaveState(file, tool, *, also=None) -> None:
     """Write all that the next step depends on to a file: solution, histories, mesh.
 
@@ -70,17 +79,19 @@ def SaveState(file, tool, *, also=None) -> None:
     path, solver, also = PathOf("file", file), _Solver(tool), _Also(also)
     # Matrices and factorisations are not saved: both runs go on with new ones.
     solver.system.StartAfresh()
+    whole, first = AsWhole(solver.gf.space), solver.system.layout.together.rank == 0
     tree = {
         "tool": type(tool).__name__,
-        "space": _Fingerprint(solver.gf.space),
+        "space": _Fingerprint(whole.space) if first else "",
         "contacts": [_Kind(contact) for contact in solver.contacts],
         "limits": [_Limits(contact) for contact in solver.contacts],
-        "state": tool.State(),
+        "state": _Rows(tool.State(), whole.Gather),
         "linear": solver.linear.State(),
-        "also": {name: thing.State() for name, thing in also.items()},
-        "mesh": MeshState(solver.gf.space.mesh),
+        "also": {name: thing.Gather() for name, thing in also.items()},
+        "mesh": MeshState(whole.space.mesh) if first else {},
     }
-    WriteTree(path, tree, RECORDS)
+    write = (lambda: WriteTree(path, tree, RECORDS)) if first else (lambda: None)
+    solver.system.layout.together.Agree(write, Exception)
 
 
 def LoadMesh(file, *, comm=None) -> Mesh:
@@ -118,7 +129,7 @@ def LoadMesh(file, *, comm=None) -> Mesh:
     return Distributed(lambda: MeshOf(ReadTree(PathOf("file", file), RECORDS)["mesh"]), comm)
 
 
-@OnDistributedMeshes
+@OnAll(_MeshOf)
 def LoadState(file, tool, *, also=None) -> None:
     """Put a computation into the state that `SaveState` wrote.
 
@@ -156,9 +167,19 @@ def LoadState(file, tool, *, also=None) -> None:
     1.0
     """
     solver, also = _Solver(tool), _Also(also)
-    found = ReadTree(PathOf("file", file), RECORDS)
+    together, whole = solver.system.layout.together, AsWhole(solver.gf.space)
+    read = (
+        (lambda: ReadTree(PathOf("file", file), RECORDS)) if not together.rank else (lambda: None)
+    )
+    found = together.Agree(read, Exception)
+    mesh = found.pop("mesh", None) if found else None
+    del mesh
+    space = together.Tell(_Fingerprint(whole.space) if together.rank == 0 else None)
+    saved = found.pop("also") if found else None
+    found = _Spread(found, whole, together)
+    found["also"] = _SpreadAlso(saved, also, together)
     _Compare("tool", found["tool"], type(tool).__name__)
-    _Compare("displacement and mesh", found["space"], _Fingerprint(solver.gf.space))
+    _Compare("displacement and mesh", found["space"], space)
     kinds = [_Kind(contact) for contact in solver.contacts]
     _Compare("number of contacts", len(found["contacts"]), len(kinds))
     for kind, saved in zip(kinds, found["contacts"], strict=True):
@@ -175,6 +196,64 @@ def LoadState(file, tool, *, also=None) -> None:
         limits = found.get("limits", [])  # older files have none
         for number, saved in enumerate(limits):
             _WarnOfOther(f"contact number {number}", saved, _Limits(solver.contacts[number]))
+
+
+# What has a row for each dof, by name.
+ROWS = ("gf", "scale", "push", "paired", "velocity", "momentum", "rate", "forces", "last")
+
+
+def _Rows(tree, gather):
+    """A state with the rows of all processes in place of those of this one."""
+    if isinstance(tree, Spread):
+        return gather(tree)
+    if isinstance(tree, dict):
+        return {name: _Rows(part, gather) for name, part in tree.items()}
+    if isinstance(tree, (list, tuple)) and not hasattr(tree, "__dataclass_fields__"):
+        return type(tree)(_Rows(part, gather) for part in tree)
+    return tree
+
+
+def _Spread(tree, whole, together, name=""):
+    """The inverse, of a state that the first process has read."""
+    if together.size == 1:
+        return tree
+    kind, keys = together.Tell(_Outline(tree, whole.size, name))
+    if kind == "rows":
+        return whole.Scatter(tree)
+    if kind == "dict":
+        return {k: _Spread(tree and tree[k], whole, together, k) for k in keys}
+    if kind in ("list", "tuple"):
+        parts = tree if together.rank == 0 else [None] * keys
+        found = [_Spread(part, whole, together, name) for part in parts]
+        return found if kind == "list" else tuple(found)
+    return keys
+
+
+def _SpreadAlso(saved, also, together):
+    """The same of what else was saved, under the names that are known here."""
+    if together.size == 1:
+        return saved
+    found = {}
+    for name in together.Tell(saved and list(saved)):
+        value = None if saved is None else saved[name]
+        if name in also and also[name].gf is not None:
+            same = together.Tell(value is not None and value.shape)
+            fits = same == (AsWhole(also[name].gf.space).size,)
+            found[name] = also[name].Scatter(value) if fits else np.zeros(same or 0)
+        else:
+            found[name] = together.Tell(value)
+    return found
+
+
+def _Outline(tree, size, name):
+    """Of which kind a part of a state is, and what else others have to know of it."""
+    if isinstance(tree, np.ndarray) and name in ROWS and tree.shape[:1] == (size,):
+        return "rows", None
+    if isinstance(tree, dict):
+        return "dict", list(tree)
+    if type(tree) in (list, tuple):
+        return type(tree).__name__, len(tree)
+    return "plain", tree
 
 
 def _Limits(contact):
@@ -251,7 +330,8 @@ class _Stored:
     """A GridFunction, vector or Parameter whose values can be put back."""
 
     def __init__(self, name, thing):
-        self.thing = getattr(thing, "vec", thing) if isinstance(thing, GridFunction) else thing
+        self.gf = thing if isinstance(thing, GridFunction) else None
+        self.thing = thing.vec if self.gf else thing
         if not isinstance(self.thing, (Parameter, BaseVector)):
             raise TypeError(
                 f"also[{name!r}] = {Shown(thing)} is neither a GridFunction, a BaseVector nor a "
@@ -261,13 +341,28 @@ class _Stored:
     def State(self):
         if isinstance(self.thing, Parameter):
             return self.thing.Get()
-        return self.thing.FV().NumPy().copy()
+        return self._values.copy()
+
+    @property
+    def _values(self):
+        if self.gf is None:
+            return self.thing.FV().NumPy()
+        return LayoutOf(self.gf.space).Values(self.thing)
+
+    def Gather(self):
+        """The state on the first process, of all rows."""
+        values = self.State()
+        return AsWhole(self.gf.space).Gather(values) if self.gf is not None else values
+
+    def Scatter(self, values):
+        """The inverse."""
+        return AsWhole(self.gf.space).Scatter(values) if self.gf is not None else values
 
     def SetState(self, values):
         if isinstance(self.thing, Parameter):
             self.thing.Set(values)
         else:
-            self.thing.FV().NumPy()[:] = values
+            self._values[:] = values
 
 
 def _Also(things):

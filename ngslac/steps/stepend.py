@@ -4,9 +4,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from ngslac.bodies.constraints import ActiveRates, ActiveRows
+from ngslac.parallel.matrices import Stacked
 from ngslac.steps.balance import ContactWorks
 from ngslac.steps.conservation import Conservation
 from ngslac.steps.forces import BulkForces
@@ -46,6 +46,13 @@ class StepEnd:
         self._rate = None  # mean velocity of the last step, and its length
         self._balanced = None  # force of the bulk with loads, and loads alone, at its end
 
+    @property
+    def _layout(self):
+        return self.static.system.layout
+
+    def _Values(self, gf):
+        return self._layout.Values(gf.vec)
+
     def State(self):
         """As a dict."""
         return {
@@ -68,13 +75,13 @@ class StepEnd:
         if self._momentum is not None:
             return
         if not prescribed:
-            self.velocity.vec.FV().NumPy()[~self.mass.free] = 0
+            self._Values(self.velocity)[~self.mass.free] = 0
         self._momentum = -self._balanced[0]
         self._rate = self.Velocity(), dt
 
     def Velocity(self):
         """Of the displacement (n,), 0 elsewhere."""
-        return self.velocity.vec.FV().NumPy() * self.mass.rows
+        return self._Values(self.velocity) * self.mass.rows
 
     def Kinetic(self):
         """Kinetic energy."""
@@ -88,13 +95,13 @@ class StepEnd:
         for rows in self.static.system.residual.scalars:  # these hold at the end of the step
             memory[rows] = 0
         load = self.static.system.bulk.load
-        vec.FV().NumPy()[:] = memory + scheme.share * load
+        self._layout.Values(vec)[:] = memory + scheme.share * load
         return vec
 
     def Accept(self, start, dt, before, now, *, system, energy):
         """Go on from the end of a step: its EnergyBalance, the parts of the energy won and owed."""
         self.obstacles.Wear(self.gf)
-        motion = (self.gf.vec.FV().NumPy() - start) * self.mass.rows
+        motion = (self._Values(self.gf) - start) * self.mass.rows
         forces, way, linear = self._Forces(start, motion, system)
         loads = 0.5 * (self._balanced[1] + forces[1])
         velocity, momentum = self._NewVelocity(motion, forces[0], dt)
@@ -106,7 +113,7 @@ class StepEnd:
         step.external += self._MoveSupports(velocity, motion / dt, dt)
         for contact in self.contacts:
             contact.Commit(self.gf)
-        rows = scipy.sparse.vstack([ActiveRows(contact) for contact in self.contacts]).tocsr()
+        rows = Stacked([ActiveRows(contact) for contact in self.contacts])
         velocity = self._Arrest(rows, velocity, dt, step)
         groups = self._conservation.Groups(rows)
         if not linear and all(contact.finite for contact in self.contacts):
@@ -116,7 +123,7 @@ class StepEnd:
 
     def _Forces(self, start, motion, system):
         """Those of the bulk at the end, on the way, and whether they are linear there."""
-        form, step = self.form, self.gf.vec.FV().NumPy() - start
+        form, step = self.form, self._Values(self.gf) - start
         islinear, before = system.bulk.islinear, self._balanced
         linear = islinear and not form.renewed
         whole = not form.condense  # is the matrix that of all dofs?
@@ -125,7 +132,7 @@ class StepEnd:
             return islinear and system.residual.IsRounding(forces, system.scale)
 
         product = form.ElasticChange if whole and linear else None
-        forces = self._forces.Next(form.Elastic(self.gf.vec.FV().NumPy()), product)
+        forces = self._forces.Next(form.Elastic(self._Values(self.gf)), product)
         if whole:
             change = form.ElasticChange(step)
             linear = self._forces.Changed(before, forces, change, IsRounding)
@@ -156,7 +163,7 @@ class StepEnd:
 
     def _Restore(self, velocity, groups, motion, dt, loads, way, step):
         """The velocity with the momenta that loads give to free bodies."""
-        conservation, end = self._conservation, self.gf.vec.FV().NumPy()
+        conservation, end = self._conservation, self._Values(self.gf)
         momenta = conservation.Virtual(self.mass.Times(self.Velocity()), end - motion)
         momenta += dt * conservation.Virtual(loads, end - 0.5 * motion)
         squares = sum(conservation.Products(force, force) for *_, force in way)
@@ -170,10 +177,10 @@ class StepEnd:
         """Remove the energy that contact and time integration have brought in; see `Accept`."""
         won = step.After(before, now, self.mass.Energy(velocity)).Won(before)
         velocity, back, owed = self._conservation.Settle(
-            velocity, groups, rows, step.by_contact, step.by_time, self.gf.vec.FV().NumPy()
+            velocity, groups, rows, step.by_contact, step.by_time, self._Values(self.gf)
         )
         step.impact += back
-        self.velocity.vec.FV().NumPy()[:] = velocity
+        self._Values(self.velocity)[:] = velocity
         after = step.After(before, now, self.mass.Energy(velocity))
         return after, won, owed / (after.AtHand(before) or 1.0)
 
@@ -194,11 +201,11 @@ class StepEnd:
     def _Works(self, motion, force, loads, way, velocity):
         """The StepBalance of all forces, before the commit."""
         forces, work, friction = ContactWorks(self.contacts, self.gf, motion)
-        conservation, form, end = self._conservation, self.form, self.gf.vec.FV().NumPy()
+        conservation, form, end = self._conservation, self.form, self._Values(self.gf)
         load = self.static.system.bulk.load * self.mass.rows
-        inertia = 2 / form.dt**2 * self.mass.Times(end - form.start.vec.FV().NumPy())
+        inertia = 2 / form.dt**2 * self.mass.Times(end - self._Values(form.start))
         balance = form.share * (force + load) + inertia
-        reaction = balance + sum(forces) - self.Load().FV().NumPy()
+        reaction = balance + sum(forces) - self._layout.Values(self.Load())
         outer = reaction * ~self.mass.free + loads
         resistance = sum(weight * force for weight, _, force in way)
         pushes = self.obstacles.Works(self.gf)
@@ -207,7 +214,7 @@ class StepEnd:
         algorithmic = conservation.Kinetic(self.Velocity()) - conservation.Kinetic(velocity)
         algorithmic += conservation.Products(outer - sum(forces) - resistance, motion)
         finite = sum(f for f, c in zip(forces, self.contacts, strict=True) if c.finite)
-        impact = conservation.Products(finite + np.zeros(len(motion)), motion)
+        impact = conservation.Products(finite + np.zeros_like(motion), motion)
         for contact, push in zip(self.contacts, pushes, strict=True):
             if contact.finite and np.any(push):
                 impact += conservation.OfMacros(contact, push)

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 import numpy as np
-from ngsolve import GridFunction, Parameter
+from ngsolve import GridFunction, Integrate, Parameter
 
 from ngslac.arguments import (
     LARGEST_COUNT,
@@ -18,9 +18,9 @@ from ngslac.arguments import (
     FillVector,
 )
 from ngslac.bodies.bodies import NoBodies
-from ngslac.bulkforms import Integral
-from ngslac.distributable import Distributable
 from ngslac.errors import ContactConvergenceError, RefuseCopy
+from ngslac.parallel.together import OnAll
+from ngslac.progress import Say
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.solver import ContactSolver, Equilibrium
 from ngslac.solve.system import System
@@ -57,7 +57,17 @@ def CheckLaws(solver):
         )
 
 
-class TimeStepper(metaclass=Distributable):
+def MeshOf(stepper, *_, **__):
+    """That of a stepper."""
+    return stepper.static.gf.space.mesh
+
+
+def MeshOfSolver(_, solver=None, *__, **___):
+    """That of a solver; None where it is none."""
+    return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
+
+
+class TimeStepper:
     """Integrate the motion of bodies in contact; halve a step that fails, and grow again.
 
     The bulk is integrated by the generalised-alpha method, which is the trapezoidal rule for
@@ -129,6 +139,7 @@ class TimeStepper(metaclass=Distributable):
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
+    @OnAll(MeshOfSolver)
     def __init__(
         self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
     ):
@@ -175,6 +186,7 @@ class TimeStepper(metaclass=Distributable):
 
     # --- steps ---------------------------------------------------------------------------------
 
+    @OnAll(MeshOf)
     def Integrate(
         self, end, *, callback=None, printing=True, maxit=100, tol=1e-10
     ) -> list[TimeStep]:
@@ -230,13 +242,14 @@ class TimeStepper(metaclass=Distributable):
         return {
             "solver": self.solver.State(),
             "time": self.time.Get(),
-            "velocity": self.velocity.vec.FV().NumPy().copy(),
+            "velocity": self._Values(self.velocity).copy(),
             "steps": list(self.steps),
             "balance": self.balance,
             "directions": self._directions.State(),
             "dt": self.form.dt,
         } | self._end.State()
 
+    @OnAll(MeshOf)
     def SetState(self, state) -> None:
         """Go back to a state.
 
@@ -263,7 +276,7 @@ class TimeStepper(metaclass=Distributable):
         """Forces and energies of the present state, which the user may have changed."""
         self.solver.system.CheckSpace()
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
-            if not np.all(np.isfinite(field.vec.FV().NumPy())):
+            if not np.all(np.isfinite(self._Values(field))):
                 raise ValueError(f"{name} holds NaN or infinite values")
         energy = self._Energy() or 0.0
         if not np.isfinite(energy):
@@ -285,19 +298,19 @@ class TimeStepper(metaclass=Distributable):
         while not control.done:
             goal = control.goal
             if printing:
-                print(f"step {len(self.steps) + 1}  time {goal:g}")
+                Say(f"step {len(self.steps) + 1}  time {goal:g}")
             try:
                 count = self._Attempt(goal, printing, maxit, tol, control.smallest)
             except ContactConvergenceError as error:
                 if control.smallest:
                     raise
                 if printing:
-                    print(f"  {error}; halved")
+                    Say(f"  {error}; halved")
                 control.cuts += 1
                 control.size = control.half
                 continue
             if printing:
-                print(self.balance)
+                Say(self.balance)
             cuts = control.Reached(goal)
             step = TimeStep(len(self.steps) + 1, goal, count, cuts, self.balance)
             done.append(self._journal.Add(step, callback, gf=self.gf, velocity=self.velocity))
@@ -305,8 +318,8 @@ class TimeStepper(metaclass=Distributable):
         return done
 
     def _Attempt(self, goal, printing, maxit, tol, last_chance):
-        vec, now = self.gf.vec, self.time.Get()
-        start = vec.FV().NumPy().copy()
+        now = self.time.Get()
+        start = self._Values(self.gf).copy()
         if self.form.SetStep(goal - now):
             self.solver.system.bulk.StartAfresh()
         dt, self.form.renewed = self.form.dt, False
@@ -314,7 +327,7 @@ class TimeStepper(metaclass=Distributable):
             contact.dt.Set(dt)
             contact.form.SetFlowShare(self.form.share)
         inertial = start + dt * self._end.Velocity()
-        self.form.start.vec.FV().NumPy()[:] = inertial
+        self._Values(self.form.start)[:] = inertial
         try:
             self._end.obstacles.Begin(self.gf)
             self._directions.Begin(self.gf)
@@ -323,7 +336,7 @@ class TimeStepper(metaclass=Distributable):
             self.mass.CheckConstant()
             if self._prescribed:
                 self._prescribed.Set()
-            vec.FV().NumPy()[self.mass.free] = inertial[self.mass.free]
+            self._Values(self.gf)[self.mass.free] = inertial[self.mass.free]
             count = self._Solve(start, maxit=maxit, tol=tol, printing=printing)
             energy = self._Energy()
             if not (energy is None or np.isfinite(energy)):
@@ -359,11 +372,16 @@ class TimeStepper(metaclass=Distributable):
         self.solver.system.Lean()
 
     def _MotionFrom(self, start):
-        return (self.gf.vec.FV().NumPy() - start) * self.mass.rows
+        return (self._Values(self.gf) - start) * self.mass.rows
+
+    def _Values(self, gf):
+        return self.static.system.layout.Values(gf.vec)
 
     def _Energy(self):
         """The strain energy (None: unknown)."""
-        return None if self.energy is None else Integral(self.energy, self.gf.space.mesh)
+        if self.energy is None:
+            return None
+        return float(Integrate(self.energy, self.gf.space.mesh))
 
     def Table(self) -> dict[str, np.ndarray]:
         """The energy balance after each step as numpy arrays, see `EnergyBalance.Table`."""

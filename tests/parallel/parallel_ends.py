@@ -13,7 +13,7 @@ from ngsolve import CF
 from parallel_problem import QUIET, problem
 from parallel_shapes import block_on_block
 
-from ngslac.parallel import crew, farewell
+from ngslac.parallel import farewell, together
 
 comm, end = MPI.COMM_WORLD, sys.argv[1]
 made = problem(block_on_block(comm, 0.4), friction=0.3)
@@ -27,9 +27,9 @@ if end in ("error", "alone") and last:
 if end == "alone":
     comm.Barrier()
 if end == "differs":
-    contact.Force(on="slave" if comm.rank else "master")
+    made.solver().Reaction("bottom" if comm.rank else "top")
 if end == "slow":
-    crew.PATIENCE = 0.1
+    together.PATIENCE = 0.1
     time.sleep(0.5 * last)
 if end in ("error", "slow") or (end == "first" and comm.rank == 0) or (end == "last" and last):
-    contact.Force()
+    contact.Evaluate(made.gf)

@@ -191,7 +191,7 @@ def alone(world):
         def Alone(rank=rank):
             if world.rank == rank:
                 LACContact(*made.X.TrialFunction(), master="master")
-            contact.Check()
+            contact.Evaluate(made.gf)
 
         errors.append(refused(Alone))
     made.u.Set(CF((0.01, -0.02)), definedon=made.mesh.Boundaries("top"))

@@ -26,7 +26,7 @@ from parallel_shapes import block_on_block, disc_on_block
 from parallel_world import case
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, TimeStepper
-from ngslac.parallel.ensemble import Ensemble
+from ngslac.parallel.together import Together
 
 HELD = {"dirichlet": "bottom|top"}
 COARSE = 0.25
@@ -155,8 +155,8 @@ def known(mesh):
     """How many objects and functions of users this process keeps; 0 in a serial run."""
     if mesh.comm.size == 1:
         return 0, 0
-    ensemble = Ensemble.Of(mesh)
-    return len(ensemble.things), len(ensemble.pairs.known)
+    together = Together.Of(mesh)
+    return len(together.layouts), len(together.skins)
 
 
 @case

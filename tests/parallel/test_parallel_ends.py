@@ -25,13 +25,13 @@ def ended(how):
 @pytest.mark.parametrize(
     ("how", "said"),
     [
-        ("first", "process 0 calls LACContact.Force while process 1 has ended"),
+        ("first", "process 0 calls LACContact.Evaluate while process 1 has ended"),
         pytest.param(
             "last",
-            "process 2 calls LACContact.Force while process 0 has ended",
+            "process 2 calls LACContact.Evaluate while process 0 has ended",
             marks=pytest.mark.full,
         ),
-        ("error", "process 0 calls LACContact.Force while process 2 has ended"),
+        ("error", "process 0 calls LACContact.Evaluate while process 2 has ended"),
     ],
 )
 def test_what_is_called_on_some_processes_is_an_error_at_the_end(how, said):
@@ -51,10 +51,13 @@ def test_an_error_on_one_process_ends_the_run():
 def test_an_argument_that_differs_is_refused():
     status, words = ended("differs")
     assert status != 0
-    assert words.count("ValueError: LACContact.Force: on = 'master' on process 0 and 'slave'") == 3
+    assert (
+        words.count("ValueError: ContactSolver.Reaction: region = 'top' on process 0 and 'bottom'")
+        == 3
+    )
 
 
 def test_a_long_wait_is_said():
     status, words = ended("slow")
     assert status == 0, words
-    assert "for process 2 to call LACContact.Force, too: what belongs to a distributed" in words
+    assert "for others to call LACContact.Evaluate, too: what belongs to a distributed" in words

@@ -13,7 +13,7 @@ from ngslac import BubbleVectorH1
 from ngslac.arrays import Multiply, ToCSR
 from ngslac.errors import LinearSolveError
 from ngslac.linear import chain
-from ngslac.linear.grounded import Spread
+from ngslac.linear.grounded import MostApart
 from ngslac.linear.refine import Refine
 from ngslac.linear.system import LinearSystem, Method
 from ngslac.petsc import library
@@ -185,7 +185,7 @@ def test_systems(method, monkeypatch):
 
 def test_springs_where_no_dof_is_free():
     none = np.zeros(0, dtype=int)
-    assert not len(Spread(none, np.zeros((0, 3))))
+    assert not len(MostApart(none, np.zeros((0, 3))))
 
 
 @pytest.mark.parametrize("method", ["direct", *ALL])

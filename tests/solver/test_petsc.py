@@ -1,8 +1,5 @@
-"""PETSc as solver of the linear systems: the same solutions, in one process and in several."""
+"""PETSc as solver of the linear systems: the same solutions in one process."""
 
-import json
-import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -71,26 +68,3 @@ def test_other_solvers_import_neither_petsc_nor_mpi():
     code += "assert not {'petsc4py', 'mpi4py'} & set(sys.modules)"
     home = Path(__file__).parents[1] / "problems"
     assert subprocess.run([sys.executable, "-c", code], cwd=home, timeout=120).returncode == 0
-
-
-@needs_petsc
-@pytest.mark.skipif(shutil.which("mpiexec") is None, reason="there is no mpiexec")
-def test_any_number_of_ranks_solves_the_same_system():
-    environment = os.environ | {f"OMPI_ALLOW_RUN_AS_ROOT{end}": "1" for end in ("", "_CONFIRM")}
-    environment |= {"OMPI_MCA_mpi_yield_when_idle": "1", "OPENBLAS_NUM_THREADS": "1"}
-    script = Path(__file__).with_name("petsc_ranks.py")
-    krylov = []
-    for ranks in (1, 3):
-        command = ["mpiexec", "--oversubscribe", "-n", str(ranks)]
-        command += [sys.executable, "-m", "mpi4py", str(script)]
-        flags = {"capture_output": True, "text": True, "timeout": 120, "env": environment}
-        found = json.loads(subprocess.run(command, **flags).stdout.splitlines()[-1])
-        assert found["ranks"] == ranks
-        assert max(found["direct"]) < 1e-11
-        assert found["iterative"][1] < 1e-9
-        assert found["iterative"][0] < 1e-7
-        assert found["singular fails"]
-        _, *workers = found["longest"]
-        assert all(longest <= own for longest, own in workers)  # nothing of what others have
-        krylov.append(found["krylov"])
-    assert abs(krylov[1] - krylov[0]) <= 3

@@ -27,6 +27,7 @@ from press import linear, neo_hooke, numpy, press, stress, two_blocks
 
 from ngslac import ContactSolver, LACContact, LACSpace, TimeStepper
 from ngslac.linear import parts
+from ngslac.parallel.layout import LayoutOf
 from ngslac.solve import bulk as bulks
 from ngslac.solve.bulk import Bulk
 from ngslac.solve.probe import AssembleLinear, Probe
@@ -85,7 +86,7 @@ def test_the_matrix_is_the_derivative(law, once, affine):
     bulk = Bulk(problem.a, problem.gf, None)
     probe = Probe.At(bulk)
     assert bool(probe and probe.Agrees(bulk)) is affine
-    assert AssembleLinear(problem.a)
+    assert AssembleLinear(problem.a, bulk.layout)
     assert bool(probe and probe.Agrees(bulk)) is once
     bulk.Assemble()
     assert bulk.islinear is affine
@@ -275,7 +276,7 @@ def test_a_stop_that_newtons_steps_do_not_see(monkeypatch):
 def assemble(bulk):
     """A new matrix in each iteration."""
     bulk.islinear = False
-    AssembleBulk(bulk.a, bulk.gf.vec)
+    AssembleBulk(bulk.a, bulk.gf.vec, bulk.layout)
     return True
 
 
@@ -284,4 +285,4 @@ def test_a_form_that_cannot_be_assembled_is_not_taken_for_linear():
         def Assemble(self):
             raise NgException("no matrix")
 
-    assert not AssembleLinear(Form())
+    assert not AssembleLinear(Form(), LayoutOf(press().X))

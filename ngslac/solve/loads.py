@@ -7,6 +7,7 @@ from ngsolve.la import DynamicVectorExpression
 
 from ngslac._ngslac import IsAssembled
 from ngslac.arguments import CheckVector, IsFunction, Shown
+from ngslac.parallel.layout import LayoutOf
 
 __all__ = ["CheckNoMultiplierLoad", "CheckRhs", "LoadVector"]
 
@@ -23,14 +24,21 @@ def CheckRhs(rhs, space):
             f"space with {space.ndof}: take LinearForm(X) of that X"
         )
     if rhs is not None:
-        Values(rhs, space.ndof * space.dim)
+        Values(rhs, space)
     return rhs
 
 
-def LoadVector(rhs, vec):
-    """The load as numpy array: from nothing, a vector, a LinearForm or a callable."""
+def LoadVector(rhs, gf):
+    """The load on the space of a GridFunction: from nothing, a vector, a form or a callable."""
+    if IsFunction(rhs):  # which may fail on one of many processes
+        return LayoutOf(gf.space).together.ByUser(_LoadOf, rhs, gf)
+    return _LoadOf(rhs, gf)
+
+
+def _LoadOf(rhs, gf):
+    """The same, of this process."""
     name, load = ("rhs()", rhs()) if IsFunction(rhs) else ("rhs", rhs)
-    values = Values(load, vec.FV().NumPy().size, name)
+    values = Values(load, gf.space, name)
     if isinstance(load, LinearForm) and not IsAssembled(load) and not values.any():
         raise ValueError(
             f"{name} is a LinearForm that was never assembled, which would be no load at all: call "
@@ -39,10 +47,11 @@ def LoadVector(rhs, vec):
     return values
 
 
-def Values(load, size, name="rhs"):
-    """A load that is no function as array of this size."""
+def Values(load, space, name="rhs"):
+    """A load that is no function as array of the rows of a space."""
+    layout, size = LayoutOf(space), space.ndof * space.dim
     if load is None and name == "rhs":
-        return np.zeros(size)
+        return layout.Of(np.zeros(size))
     if isinstance(load, DynamicVectorExpression):  # such as 2 * vector
         load = load.Evaluate()
     if not isinstance(load, (LinearForm, BaseVector)):
@@ -51,7 +60,9 @@ def Values(load, size, name="rhs"):
             "function that returns one"
         )
     load = load.vec if isinstance(load, LinearForm) else load
-    return CheckVector(name, load, size).FV().NumPy().copy()
+    copy = CheckVector(name, load, size).CreateVector()
+    copy.data = load
+    return layout.Values(copy).copy()
 
 
 def CheckNoMultiplierLoad(name, size, allowed):

@@ -3,14 +3,17 @@
 
 import numpy as np
 
+from ngslac.parallel.layout import LayoutOf
+
 __all__ = ["TellIterate", "TellStep"]
 
 
 def TellIterate(callback, entry, gf):
     """Hand over a line of the iteration; the iterate stays as it is."""
-    kept = gf.vec.FV().NumPy().copy()
-    callback(entry)
-    if not np.array_equal(gf.vec.FV().NumPy(), kept):
+    layout = LayoutOf(gf.space)
+    kept = layout.Values(gf.vec).copy()
+    layout.together.ByUser(callback, entry)
+    if not np.array_equal(layout.Values(gf.vec), kept):
         raise ValueError(
             "callback has changed gf in the middle of Solve, or refined its space: do that between "
             "two calls of Solve"
@@ -22,13 +25,13 @@ def TellStep(callback, step, name, parameter, **fields):
 
     Its callback may change `fields`, as long as there are numbers in them.
     """
-    value = parameter.Get()
-    callback(step)
+    value, gf = parameter.Get(), next(iter(fields.values()))
+    LayoutOf(gf.space).together.ByUser(callback, step)
     if parameter.Get() != value:
         raise ValueError(
             f"callback has set the {name} from {value:g} to {parameter.Get():g} in the middle of "
             "the steps: change it between two calls of Integrate"
         )
     for field, gf in fields.items():
-        if not np.all(np.isfinite(gf.vec.FV().NumPy())):
+        if not np.all(np.isfinite(LayoutOf(gf.space).Values(gf.vec))):
             raise ValueError(f"callback has put NaN or infinite values into {field}")

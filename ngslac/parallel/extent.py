@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""How large a mesh is, whoever has which part of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ngslac.parallel.together import ALONE, Together
+
+__all__ = ["Extent", "ExtentOf"]
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Of a mesh.
+
+    Attributes
+    ----------
+    center : (d,)
+        Mean of the vertices.
+    size, far : float
+        The largest range of a coordinate; the largest coordinate.
+    least : (3,)
+        The smallest coordinates.
+    elements : int
+    """
+
+    center: np.ndarray
+    size: float
+    far: float
+    least: np.ndarray
+    elements: int
+
+
+def ExtentOf(mesh):
+    """The Extent of a mesh; all processes ask for it."""
+    if mesh.comm.size == 1:
+        return Measured(mesh, ALONE)
+    together = Together.Of(mesh)
+    for known, extent in together.extents:
+        if known == mesh:
+            return extent
+    together.extents.append((mesh, Measured(mesh, together)))
+    return together.extents[-1][1]
+
+
+def Measured(mesh, together):
+    """The Extent of a mesh that these processes have parts of."""
+    points = np.asarray(mesh.ngmesh.Coordinates()).reshape(-1, mesh.dim)
+    low = together.Reduce(points.min(axis=0, initial=np.inf), "MIN")
+    high = together.Reduce(points.max(axis=0, initial=-np.inf), "MAX")
+    vertices = points[: mesh.nv]
+    total = together.Sum(np.append(vertices.sum(axis=0), len(vertices)))
+    center = vertices.mean(axis=0) if together is ALONE else total[:-1] / total[-1]
+    far = max(np.abs(low).max(), np.abs(high).max())
+    return Extent(center, (high - low).max(), far, low, together.Sum(mesh.ne))

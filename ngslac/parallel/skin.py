@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The skin of a distributed mesh: all elements at boundaries, on each process as serial mesh."""
+
+import netgen.meshing
+import numpy as np
+import scipy
+from ngsolve import FESpace, Mesh, ProductSpace, Region
+
+from ngslac._ngslac import ElementDofs, LACSpace, PieceOf, WholeMesh
+from ngslac.arrays import AsBits, AsNumPy
+from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.together import Together
+
+__all__ = ["Skin", "Trace"]
+
+HEAD = 4  # columns of a row of a piece before its points: number, type, region, count
+
+
+class Skin:
+    """The elements that touch a boundary, as serial mesh with the numbers of one process.
+
+    Contact surfaces live on it, and what contact does is done on all processes alike.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    faces : (m,) int
+        The number there of each boundary element of this process.
+    """
+
+    def __init__(self, mesh):
+        self.original, self.together = mesh, Together.Of(mesh)
+        self.spaces, self.homes, self._traces = [], [], []
+        numbers, points, *tables = map(np.array, PieceOf(mesh))
+        volumes, surfaces, _, segments, _ = tables
+        elements, faces = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
+        rows = self.together.Rows
+        marked = np.unique(rows(PointsOf(faces)))
+        kept = [Touches(table, marked) for table in (volumes, surfaces, segments)]
+        tables = [table[kept[k]] for table, k in zip(tables, (0, 1, 1, 2, 2), strict=True)]
+        used = [PointsOf(tables[k]) for k in (0, 1, 3)]
+        used = np.isin(numbers[:, 0], np.unique(np.concatenate(used)))
+        numbers, points, *tables = map(rows, (numbers[used], points[used], *tables))
+        known = np.unique(numbers)  # in the order of global numbers: orientations stay
+        for k in (0, 1, 3):
+            wide, inside = PointColumns(tables[k])
+            wide[inside] = np.searchsorted(known, wide[inside])
+        piece = np.searchsorted(known, numbers).astype(np.int32), points, *tables
+        self.mesh = WholeMesh(Mesh(EmptyLike(mesh)), piece)
+        volume, surface = (0, 1) if mesh.dim == 3 else (1, 3)
+        self.own = np.flatnonzero(kept[0 if mesh.dim == 3 else 1])
+        self.places = Places(tables[volume], elements[self.own])
+        self.faces = Places(tables[surface], faces)
+        self.Follow()
+
+    @classmethod
+    def Of(cls, mesh):
+        """That of a distributed mesh."""
+        known = Together.Of(mesh).skins
+        for skin in known:
+            if skin.original == mesh:
+                return skin
+        known.append(cls(mesh))
+        return known[-1]
+
+    def Follow(self):
+        """See to it that curved elements are as in the distributed mesh now."""
+        mesh = self.original
+        if mesh.deformation is not None:
+            raise ValueError(
+                "the distributed mesh has a deformation: call mesh.UnsetDeformation(), or Curve it"
+            )
+        order, levels = (
+            self.together.Reduce(number, "MAX") for number in (mesh.GetCurveOrder(), mesh.levels)
+        )
+        if levels > 1:
+            raise ValueError(
+                "the mesh was refined after its distribution, which tears it: refine it before, "
+                "see ngslac.meshes.Distributed"
+            )
+        if self.mesh.GetCurveOrder() != order:
+            self.mesh.Curve(int(order))
+
+    def Region(self, original):
+        """What a region of the distributed mesh is there."""
+        if not isinstance(original, Region):
+            return original
+        return Region(self.mesh, original.VB(), original.Mask())
+
+    def Trace(self, space):
+        """The Trace of a space of the distributed mesh."""
+        for known in self._traces:
+            if known.space == space:
+                return known
+        self._traces.append(Trace(self, space))
+        return self._traces[-1]
+
+
+class Trace:
+    """A space of a distributed mesh, its copy on the skin, and which of their rows are the same.
+
+    Attributes
+    ----------
+    space, copy : FESpace
+    local, there : (k,) int
+        Rows of this process that are on the skin, too, and their numbers there.
+    count, size : int
+        Rows of this process, and on the skin.
+    """
+
+    def __init__(self, skin, space):
+        self.skin, self.space = skin, space
+        if type(space) is ProductSpace:
+            self._Join([skin.Trace(part) for part in space.components])
+        elif isinstance(space, LACSpace):
+            self.copy = skin.homes[space.number]
+            if self.copy.ndof != space.ndof:
+                self.copy = self.copy.WithComponents(space.ndof * space.dim // space.nmacros)
+            self.local = self.there = np.arange(space.ndof * space.dim)
+        else:
+            self.copy = CopyOf(space, skin.mesh)
+            self._Find()
+        layout = LayoutOf(space)
+        self.count, self.Zeros = space.ndof * space.dim, layout.Zeros
+        mine = layout.owned[self.local]
+        self._mine = self.local[mine]
+        self._order = skin.together.Rows(self.there[mine])
+        self._counts = np.array(skin.together.Gather(len(self._mine)))
+        self.size = self.copy.ndof * self.copy.dim
+        free = self.Gather(AsNumPy(space.FreeDofs()).repeat(space.dim).astype(float))
+        bits = self.copy.FreeDofs()
+        bits.Clear()
+        bits |= AsBits(free.reshape(self.copy.ndof, -1).any(axis=1))
+
+    def _Join(self, parts):
+        """Of a product."""
+        self.copy = FESpace([part.copy for part in parts])
+        d = self.space.dim
+        every = range(len(parts))
+        self.local = np.concatenate([parts[k].local + d * self.space.Range(k).start for k in every])
+        self.there = np.concatenate([parts[k].there + d * self.copy.Range(k).start for k in every])
+
+    def _Find(self):
+        """From the dofs of elements; those that none of this process has others tell."""
+        skin, space = self.skin, self.space
+        here, there = ByElements(space, skin.own), ByElements(self.copy, skin.places)
+        if skin.together.Sum(len(here) != len(there)):
+            raise ValueError(
+                f"a space of type {space.type} is not known on a distributed mesh: its copy on the "
+                "skin has other dofs"
+            )
+        layout, d, used = LayoutOf(space), space.dim, here >= 0
+        numbers = np.zeros(space.ndof)
+        numbers[here[used]] = 1.0 + there[used]
+        known = np.where(numbers > 0, 1.0, 0.0)
+        total, count = (np.asarray(layout.Added(v.repeat(d)))[::d] for v in (numbers, known))
+        dofs = np.flatnonzero(count)
+        numbers = np.round(total[dofs] / count[dofs]).astype(int) - 1
+        self.local, self.there = (
+            (d * part[:, None] + np.arange(d)).ravel() for part in (dofs, numbers)
+        )
+
+    def Gather(self, values):
+        """The rows on the skin (size, ...) of values of this process: the same on all."""
+        values = np.asarray(values)
+        if isinstance(self.space, LACSpace):  # all processes have them
+            return values.copy()
+        found = np.zeros((self.size, *values.shape[1:]))
+        found[self._order] = self.skin.together.Rows(values[self._mine], self._counts)
+        return found
+
+    def GatherSparse(self, columns):
+        """The same of a sparse matrix whose rows are those of this process."""
+        pieces = self.skin.together.Gather(columns.tocsr()[self._mine])
+        found = scipy.sparse.vstack(pieces).tocoo()
+        shape = self.size, columns.shape[1]
+        where = self._order[found.row], found.col
+        return scipy.sparse.coo_matrix((found.data, where), shape=shape).tocsr()
+
+    def Matrix(self, mat):
+        """A SkinMatrix with the rows on the skin."""
+        return mat.there
+
+    def Add(self, values, total):
+        """Add values (size,) on the skin to those of this process."""
+        np.asarray(total)[self.local] += values[self.there]
+
+    def Put(self, values, total):
+        """Write values (size,) on the skin into those of this process."""
+        np.asarray(total)[self.local] = values[self.there]
+
+
+def EmptyLike(mesh):
+    """A serial mesh with the regions, names and geometry of another one."""
+    original, empty = mesh.ngmesh, netgen.meshing.Mesh(dim=mesh.dim)
+    for region in (*original.FaceDescriptors(), *original.EdgeDescriptors()):
+        empty.Add(region)
+    for number, name in enumerate(mesh.GetMaterials()):
+        empty.SetMaterial(number + 1, name)
+    for number, name in enumerate(mesh.GetBoundaries()):
+        empty.SetBCName(number, name)
+    empty.SetGeometry(original.GetGeometry())
+    return empty
+
+
+def PointColumns(table):
+    """The columns with points, and which of their entries are some."""
+    wide = table[:, HEAD : HEAD + table[:, HEAD - 1].max(initial=0)]
+    return wide, np.arange(wide.shape[1]) < table[:, HEAD - 1 : HEAD]
+
+
+def PointsOf(table):
+    """The points of the elements of a table."""
+    wide, inside = PointColumns(table)
+    return np.unique(wide[inside])
+
+
+def Touches(table, marked):
+    """Which elements have one of the points."""
+    wide, inside = PointColumns(table)
+    return np.any(inside & np.isin(wide, marked), axis=1)
+
+
+def Places(known, rows):
+    """Places of rows among all those known, in the order of their numbers."""
+    return np.searchsorted(np.unique(known[:, 0]), rows[:, 0])
+
+
+def ByElements(space, elements):
+    """Dofs of these elements, one after the other."""
+    counts, dofs = ElementDofs(space)
+    starts = np.cumsum(counts) - counts
+    many = counts[elements]
+    first = np.repeat(starts[elements] - (np.cumsum(many) - many), many)
+    return dofs[first + np.arange(len(first))].astype(int)
+
+
+def CopyOf(space, mesh):
+    """The same kind of space on another mesh."""
+    state = space.__getstate__()
+    if len(state) != 3:  # one that another space is in
+        raise ValueError(
+            f"a {type(space).__name__} space ({space.type}) is not known on a distributed mesh: "
+            "take the space in it"
+        )
+    kind, _, flags = state
+    copy = FESpace.__new__(FESpace)
+    copy.__setstate__((kind, mesh, flags))
+    return copy

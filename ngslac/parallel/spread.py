@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Arrays of which each process has its own rows, with the verbs of NumPy."""
+
+from functools import wraps
+
+import numpy as np
+
+__all__ = ["MaxAt", "Pick", "Spread", "SumAt"]
+
+REDUCED = {
+    np.add: "SUM",
+    np.maximum: "MAX",
+    np.minimum: "MIN",
+    np.logical_or: "LOR",
+    np.logical_and: "LAND",
+}
+LEAST = {np.add: 0, np.maximum: -np.inf, np.minimum: np.inf, np.logical_or: 0, np.logical_and: 1}
+
+
+class Spread(np.ndarray):
+    """An array with a row for each dof that this process knows.
+
+    Sums, norms, products and whatever else NumPy does along the rows is that of all processes: each
+    of them has to ask for it. Rows that several of them know are the same there.
+
+    Attributes
+    ----------
+    owned : (n,) bool
+        The rows that count for this process, of those that others know, too.
+    together : Together
+        The processes.
+    """
+
+    owned = together = None
+
+    @classmethod
+    def Of(cls, values, owned, together):
+        """An array as one of all processes, which shares its memory."""
+        found = np.asarray(values).view(cls)
+        found.owned, found.together = owned, together
+        return found
+
+    def __array_finalize__(self, other):
+        if (
+            isinstance(other, Spread)
+            and other.owned is not None
+            and self.shape[:1] == other.owned.shape
+        ):
+            self.owned, self.together = other.owned, other.together
+
+    def Like(self, values, owned=None):
+        """Other values of these rows."""
+        return Spread.Of(values, self.owned if owned is None else owned, self.together)
+
+    @property
+    def own(self):
+        """The rows that count here, as ordinary array."""
+        return np.asarray(self)[self.owned]
+
+    # --- rows ----------------------------------------------------------------------------------
+
+    def __getitem__(self, key):
+        found = np.asarray(self)[Plain(key)]
+        rows = key[0] if isinstance(key, tuple) else key
+        if not isinstance(found, np.ndarray) or self.owned is None or not KeepsRows(rows):
+            return found
+        return self.Like(found, self.owned[Plain(rows)])
+
+    def __setitem__(self, key, values):
+        np.asarray(self)[Plain(key)] = Plain(values)
+
+    def reshape(self, *shape, **options):
+        """Several rows become one, or one several; they belong to the same process."""
+        found = np.asarray(self).reshape(*shape, **options)
+        count = len(self.owned)
+        if len(found) == count:
+            return self.Like(found)
+        if len(found) and count % len(found) == 0:
+            return self.Like(found, self.owned[:: count // len(found)])
+        return self.Like(found, np.repeat(self.owned, len(found) // max(count, 1)))
+
+    def ravel(self, **options):
+        """Row by row."""
+        return self.reshape(-1, **options)
+
+    def repeat(self, repeats, axis=None):
+        """Each row several times."""
+        return self.Like(np.asarray(self).repeat(repeats, axis), self.owned.repeat(repeats))
+
+    @property
+    def T(self):
+        """Of which products are sums over the rows."""
+        return Turned(self) if self.ndim == 2 else self
+
+    # --- functions -----------------------------------------------------------------------------
+
+    def __array_ufunc__(self, ufunc, method, *inputs, out=None, **options):
+        if ufunc is np.matmul:
+            return Product(*inputs)
+        rows = next(part for part in (*inputs, *(out or ())) if isinstance(part, Spread))
+        plain, options = [Plain(part) for part in inputs], Plain(options)
+        if out is not None:
+            options["out"] = tuple(map(Plain, out))
+        if method == "reduce":
+            return Reduced(ufunc, inputs[0], options)
+        found = getattr(ufunc, method)(*plain, **options)
+        if out is not None:
+            return out[0]
+        if isinstance(found, tuple):
+            return tuple(rows.Like(part) for part in found)
+        return rows.Like(found) if np.ndim(found) and len(found) == len(rows.owned) else found
+
+    def __array_function__(self, function, types, args, options):
+        if function in FUNCTIONS:
+            return FUNCTIONS[function](*args, **options)
+        if function in LOCAL:
+            return function(*Plain(args), **Plain(options))
+        if function in BY_METHODS:
+            return super().__array_function__(function, types, args, options)
+        raise TypeError(f"numpy.{function.__name__} is not known of arrays of many processes")
+
+    def mean(self, axis=None, **_):
+        """Of all rows, or of the entries of each."""
+        if axis not in (None, 0):
+            return self.Like(np.asarray(self).mean(axis))
+        count = self.together.Sum(np.count_nonzero(self.owned))
+        each = self[0:0].size if axis is None and self.ndim > 1 else 0
+        return self.sum(axis) / (count * (np.prod(self.shape[1:]) if axis is None else 1) + each)
+
+    def tolist(self):
+        """The rows of this process."""
+        return np.asarray(self).tolist()
+
+
+class Turned:
+    """A Spread array with rows and columns exchanged."""
+
+    __array_ufunc__ = None  # products with it are its own
+
+    def __init__(self, values):
+        self.T = values
+
+    @property
+    def shape(self):
+        return self.T.shape[::-1]
+
+    def __matmul__(self, other):
+        return self.T.together.Sum(self.T.own.T @ OwnOf(other, self.T))
+
+    def __rmatmul__(self, other):
+        return self.T.Like(np.asarray(self.T) @ np.asarray(other).T).T  # of few rows
+
+    def __mul__(self, factor):
+        return (self.T * np.asarray(factor).T).T
+
+
+def Plain(thing):
+    """With ordinary arrays in place of those of all processes."""
+    if isinstance(thing, Spread):
+        return thing.view(np.ndarray)
+    if isinstance(thing, (tuple, list)):
+        return type(thing)(map(Plain, thing))
+    if isinstance(thing, dict):
+        return {name: Plain(part) for name, part in thing.items()}
+    return thing
+
+
+def KeepsRows(key):
+    """Does an index choose rows?"""
+    return isinstance(key, (slice, np.ndarray, list)) or key is Ellipsis
+
+
+def OwnOf(values, rows):
+    """The rows of an array that count here, as those of another one do."""
+    return np.asarray(values)[rows.owned]
+
+
+def Reduced(ufunc, values, options):
+    """What a function makes of all rows, or of the entries of each."""
+    axis = options.pop("axis", 0)
+    if axis not in (None, 0) and not (isinstance(axis, tuple) and 0 in axis):
+        found = ufunc.reduce(Plain(values), axis=axis, **options)
+        return values.Like(found)
+    options.pop("out", None)
+    own = values.own
+    if ufunc in (np.maximum, np.minimum):
+        start = options.pop("initial", None)
+        least = LEAST[ufunc] if own.dtype.kind == "f" else IntegerEnd(ufunc, own.dtype)
+        found = ufunc.reduce(own, axis=axis, initial=least, **options)
+        found = values.together.Reduce(found, REDUCED[ufunc])
+        if start is not None:
+            found = ufunc(found, start)
+        return found
+    found = ufunc.reduce(own, axis=axis, **options)
+    return values.together.Reduce(found, REDUCED[ufunc])
+
+
+def IntegerEnd(ufunc, dtype):
+    if dtype.kind == "b":
+        return ufunc is np.minimum
+    ends = np.iinfo(dtype)
+    return ends.min if ufunc is np.maximum else ends.max
+
+
+def Product(one, other):
+    """Of matrices and vectors, of which one at least has the rows of all processes."""
+    if isinstance(one, Spread) and one.ndim == 1:
+        return one.together.Sum(one.own @ OwnOf(other, one))
+    if isinstance(one, Spread):
+        return one.Like(np.asarray(one) @ Plain(other))
+    raise TypeError("a product with an array of all processes is not known: turn the first one")
+
+
+# --- functions of numpy --------------------------------------------------------------------------
+
+
+def NormOf(x, ord=None, axis=None, keepdims=False):
+    """The norm of vectors; Frobenius' one of matrices."""
+    if axis not in (None, 0):
+        return x.Like(np.linalg.norm(np.asarray(x), ord, axis, keepdims))
+    if ord == 2 and x.ndim == 2:
+        return np.linalg.norm(x.T @ x, 2) ** 0.5
+    return np.sqrt(np.sum(np.square(x), axis=axis))
+
+
+def Triangle(a, mode="reduced"):
+    """The triangle of a QR decomposition; with the first factor where that is asked for."""
+    local = np.linalg.qr(a.own, mode="r")
+    r = np.linalg.qr(np.concatenate(a.together.Gather(local)), mode="r")
+    if mode == "r":
+        return r
+    return a.Like(np.linalg.solve(r.T, np.asarray(a).T).T), r
+
+
+def LeastSquares(a, b, rcond=None):
+    """The solution, and nothing else."""
+    many = b.ndim > 1
+    both = a.Like(np.column_stack([np.asarray(a), np.asarray(b)]))
+    r, n = Triangle(both, "r"), a.shape[1]
+    found = np.linalg.lstsq(r[:n, :n], r[:n, n:], rcond=rcond)[0]
+    return (found if many else found[:, 0]), None, None, None
+
+
+def Median(values, **_):
+    """Of the rows of all processes."""
+    return np.median(np.concatenate(values.together.Gather(values.own)))
+
+
+def ArrayEqual(one, other, **_):
+    """The same rows on all processes?"""
+    known = next(part for part in (one, other) if isinstance(part, Spread))
+    same = np.shape(one) == np.shape(other) and np.array_equal(Plain(one), Plain(other))
+    return bool(known.together.Reduce(same, "LAND"))
+
+
+def Stack(arrays, axis=0):
+    """Columns side by side."""
+    arrays = list(arrays)
+    known = next(part for part in arrays if isinstance(part, Spread))
+    found = np.stack(Plain(arrays), axis=axis)
+    if not axis:
+        raise TypeError("arrays of all processes are stacked as columns: take axis=1")
+    return known.Like(found)
+
+
+def Concatenate(arrays, axis=0):
+    """One after the other: along the rows, or side by side."""
+    arrays = list(arrays)
+    known = next(part for part in arrays if isinstance(part, Spread))
+    found = np.concatenate(Plain(arrays), axis=axis)
+    if axis in (1, -1) and found.ndim > 1:
+        return known.Like(found)
+    owned = [
+        part.owned if isinstance(part, Spread) else np.full(len(part), known.together.rank == 0)
+        for part in arrays
+    ]
+    return known.Like(found, np.concatenate(owned))
+
+
+def Where(condition, *values):
+    """By row; alone the places of this process."""
+    parts = (condition, *values)
+    known = next(part for part in parts if isinstance(part, Spread))
+    found = np.where(*Plain(parts))
+    return known.Like(found) if values else found
+
+
+def CountNonzero(values, axis=None):
+    """Of all rows."""
+    if axis not in (None, 0):
+        return values.Like(np.count_nonzero(Plain(values), axis=axis))
+    return values.together.Sum(np.count_nonzero(values.own, axis=axis))
+
+
+def ByRow(function):
+    """A function that gives a row for each row."""
+
+    @wraps(function)
+    def Of(values, *args, **options):
+        found = function(Plain(values), *Plain(args), **Plain(options))
+        return values.Like(found) if isinstance(values, Spread) else found
+
+    return Of
+
+
+def Ptp(values, axis=None):
+    """The largest less the least."""
+    return np.max(values, axis=axis) - np.min(values, axis=axis)
+
+
+FUNCTIONS = {
+    np.linalg.norm: NormOf,
+    np.linalg.qr: Triangle,
+    np.linalg.lstsq: LeastSquares,
+    np.median: Median,
+    np.array_equal: ArrayEqual,
+    np.stack: Stack,
+    np.concatenate: Concatenate,
+    np.where: Where,
+    np.count_nonzero: CountNonzero,
+    np.ptp: Ptp,
+    np.nan_to_num: ByRow(np.nan_to_num),
+    np.zeros_like: ByRow(np.zeros_like),
+    np.full_like: ByRow(np.full_like),
+    np.ones_like: ByRow(np.ones_like),
+    np.clip: ByRow(np.clip),
+    np.copy: ByRow(np.copy),
+}
+# Of this process alone: places and shapes.
+LOCAL = {np.flatnonzero, np.nonzero, np.shape, np.ndim, np.size, np.array_repr, np.array_str}
+LOCAL |= {np.isin, np.column_stack, np.array2string}
+BY_METHODS = {np.sum, np.any, np.all, np.max, np.min, np.amax, np.amin, np.mean, np.repeat}
+BY_METHODS |= {np.reshape, np.ravel}
+
+
+# --- sums of groups of rows ----------------------------------------------------------------------
+
+
+def SumAt(numbers, values, count):
+    """Sums (count,) of values by the numbers (n,) of their groups."""
+    if isinstance(values, Spread):
+        sums = np.bincount(OwnOf(numbers, values), values.own, count).astype(float)
+        return values.together.Sum(sums)
+    return np.bincount(numbers, values, count)
+
+
+def MaxAt(numbers, values, count):
+    """The largest ones, at least 0, (count, ...) of values by the numbers (n,) of their groups."""
+    most = np.zeros((count, *values.shape[1:]))
+    if isinstance(values, Spread):
+        np.maximum.at(most, OwnOf(numbers, values), values.own)
+        return values.together.Reduce(most, "MAX")
+    np.maximum.at(most, numbers, values)
+    return most
+
+
+def Pick(values, rows):
+    """A copy of some rows of this process, as ordinary array."""
+    return np.array(np.asarray(values)[rows])

@@ -1,0 +1,321 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What processes do together: sums, decisions, and calls that all of them have to make."""
+
+import inspect
+import math
+import pickle
+import sys
+import time
+from contextlib import contextmanager, nullcontext
+from functools import wraps
+from numbers import Real
+from typing import ClassVar
+
+import numpy as np
+from netgen.meshing import NgException
+
+from ngslac.parallel.farewell import Farewell
+from ngslac.parallel.interrupts import Interrupts
+from ngslac.progress import Silence
+
+__all__ = ["ALONE", "OnAll", "OutOfStepError", "Portable", "Together"]
+
+PATIENCE = 60.0  # seconds to wait for others without a word
+RULE = "what belongs to a distributed mesh has to be called on all processes, in the same order"
+OWN = {"printing", "callback"}  # arguments that each process may choose
+# Differences of numbers that were computed on each process: relative, and near zero.
+SAME, NOTHING = 1e-9, 1e-14
+LEFT = -1  # in place of the length of a call: of a process whose script has ended
+
+
+class OutOfStepError(RuntimeError):
+    """Processes have called different things."""
+
+
+class Together:
+    """The processes of a distributed mesh.
+
+    All of them call each method, in the same order.
+    """
+
+    known: ClassVar = {}
+
+    def __init__(self, comm):
+        self.comm, self._roll = comm.Dup(), comm.Dup()
+        self.rank, self.size = comm.rank, comm.size
+        self.layouts, self.skins, self.extents, self._depth = [], [], [], 0
+        self.interrupts = Interrupts()
+        Farewell.Of(self._Leave)
+        if self.rank:
+            Silence()
+
+    @classmethod
+    def Of(cls, mesh):
+        """Those of a distributed mesh."""
+        comm = mesh.comm.mpi4py
+        key = comm.size, comm.rank
+        if key not in cls.known:
+            cls.known[key] = cls(comm)
+        return cls.known[key]
+
+    # --- calls ---------------------------------------------------------------------------------
+
+    @contextmanager
+    def Call(self, name, arguments):
+        """A call that all processes make, with the same numbers and words as `arguments`.
+
+        Interrupts wait until all of them know.
+        """
+        self._depth += 1
+        try:
+            with self.interrupts.Held():
+                if self._depth == 1:
+                    self._CallTheRoll(name, arguments)
+                yield
+                if self._depth == 1:
+                    self.CheckInterrupts()
+        finally:
+            self._depth -= 1
+
+    def ByUser(self, function, *args):
+        """What a function of users returns; where it fails on one process, it fails on all."""
+        depth, self._depth = self._depth, 0
+        try:
+            with self.interrupts.Let():
+                return self.Agree(lambda: function(*args), BaseException)
+        finally:
+            self._depth = depth
+
+    def CheckInterrupts(self):
+        """Raise an interrupt of any of the processes on all."""
+        if self.Reduce(self.interrupts.came, "LOR"):
+            self.interrupts.came = False
+            raise KeyboardInterrupt
+
+    def _CallTheRoll(self, name, arguments):
+        lengths = self._Lengths(0, name)
+        if LEFT in lengths:
+            other = int(np.flatnonzero(lengths == LEFT)[0])
+            raise OutOfStepError(
+                f"process {self.rank} calls {name} while process {other} has ended: {RULE}"
+            )
+        every = self._roll.allgather((name, arguments))
+        for other, (called, _) in enumerate(every):
+            if called != every[0][0]:
+                raise OutOfStepError(
+                    f"process 0 calls {every[0][0]} while process {other} calls {called}: {RULE}"
+                )
+        for other, (_, theirs) in enumerate(every):
+            if argument := Difference(every[0][1], theirs):
+                values = every[0][1].get(argument), theirs.get(argument)
+                raise ValueError(
+                    f"{name}: {argument} = {values[0]!r} on process 0 and {values[1]!r} on process "
+                    f"{other}: give the same on all"
+                )
+
+    def _Lengths(self, own, name):
+        """The numbers of all processes, which may come late."""
+        found = np.zeros(self.size, dtype=np.int64)
+        request = self._roll.Iallgather(np.array([own], dtype=np.int64), found)
+        end = time.monotonic() + PATIENCE
+        while not request.Test():
+            if time.monotonic() > end:
+                end = math.inf
+                print(
+                    f"process {self.rank} has been waiting for {PATIENCE:g} s for others to call "
+                    f"{name}, too: {RULE}",
+                    file=sys.stderr,
+                    flush=True,
+                )
+            time.sleep(1e-5)
+        return found
+
+    def _Leave(self):
+        """Steps of the end of a script, of which each is one of waiting for the others."""
+        while True:
+            found = np.zeros(self.size, dtype=np.int64)
+            request = self._roll.Iallgather(np.array([LEFT], dtype=np.int64), found)
+            while not request.Test():
+                yield
+            if np.all(found == LEFT):
+                return
+
+    # --- numbers -------------------------------------------------------------------------------
+
+    def Reduce(self, values, operation):
+        """Numbers or arrays of all processes combined: the same bits everywhere."""
+        from mpi4py import MPI
+
+        array = np.ascontiguousarray(values)
+        kind = array.dtype
+        if kind.kind == "b":
+            array = array.astype(np.int8)
+        found, operation = np.empty_like(array), getattr(MPI, operation)
+        if operation == MPI.SUM and kind.kind == "f":  # whose rounding is that of one process
+            self.comm.Reduce(array, found, op=operation)
+            self.comm.Bcast(found)
+        else:
+            self.comm.Allreduce(array, found, op=operation)
+        found = found.astype(kind)
+        return found if np.ndim(values) else found[()] if found.ndim == 0 else found.ravel()[0]
+
+    def Sum(self, values):
+        """The sum of what all have."""
+        return self.Reduce(values, "SUM")
+
+    def Gather(self, thing):
+        """A list of what all have."""
+        return self.comm.allgather(thing)
+
+    def Tell(self, thing):
+        """What the first process has."""
+        return self.comm.bcast(thing)
+
+    def Rows(self, array, counts=None):
+        """Rows of all, one after the other; `counts` says how many these are, if that is known."""
+        array = np.ascontiguousarray(array)
+        counts = np.array(self.comm.allgather(len(array))) if counts is None else counts
+        found = np.empty((counts.sum(), *array.shape[1:]), array.dtype)
+        self.comm.Allgatherv(array, (found, counts * int(np.prod(array.shape[1:]))))
+        return found
+
+    def First(self, work):
+        """What `work` gives on the first process, which alone does it; all raise its errors."""
+        return self.Tell(self.Agree(work if self.rank == 0 else lambda: None, Exception))
+
+    def Agree(self, work, *errors):
+        """What `work` gives; where it raises one of these errors on some process, on all."""
+        found = error = None
+        try:
+            found = work()
+        except errors as problem:
+            error = problem
+        first = int(self.Reduce(self.size if error is None else self.rank, "MIN"))
+        if first == self.size:
+            return found
+        said = self.comm.bcast(Portable(error), root=first)
+        raise error if self.rank == first else said
+
+
+class Alone:
+    """One process, with the verbs of Together."""
+
+    rank, size = 0, 1
+
+    def Call(self, *_):
+        """Nobody else has to make it."""
+        return nullcontext()
+
+    def ByUser(self, function, *args):
+        """What a function of users returns."""
+        return function(*args)
+
+    def CheckInterrupts(self):
+        """They come at once."""
+
+    def First(self, work):
+        """What `work` gives."""
+        return work()
+
+    def Reduce(self, values, _):
+        """As they are."""
+        return values
+
+    def Sum(self, values):
+        """As they are."""
+        return values
+
+    def Gather(self, thing):
+        """A list of it."""
+        return [thing]
+
+    def Tell(self, thing):
+        """It."""
+        return thing
+
+    def Rows(self, array):
+        """It."""
+        return array
+
+    def Agree(self, work, *_):
+        """What `work` gives."""
+        return work()
+
+
+ALONE = Alone()
+
+
+def OnAll(find):
+    """Of functions and methods that all processes of a distributed mesh call at once.
+
+    `find` gives the mesh, of all arguments.
+    """
+
+    def Decorate(function):
+        @wraps(function)
+        def Everywhere(*args, **options):
+            try:
+                mesh = find(*args, **options)
+            except TypeError:  # a wrong call, which is refused where it is made
+                mesh = None
+            if mesh is None or mesh.comm.size == 1:
+                return function(*args, **options)
+            with Together.Of(mesh).Call(NameOf(function, args), Words(function, args, options)):
+                return function(*args, **options)
+
+        return Everywhere
+
+    return Decorate
+
+
+def NameOf(function, args):
+    """As users know it."""
+    if function.__name__ == "MacroElements":
+        return "LACSpace"
+    if "." not in function.__qualname__:
+        return function.__name__
+    name = type(args[0]).__name__
+    return name if function.__name__ == "__init__" else f"{name}.{function.__name__}"
+
+
+def Words(function, args, options):
+    """Numbers and words among the arguments of a call, by their names."""
+    try:
+        known = inspect.signature(function).bind_partial(*args, **options).arguments
+    except TypeError:  # a wrong call, which is refused where it is made
+        return {}
+    return {name: value for name, value in known.items() if name not in OWN and IsWord(value)}
+
+
+def IsWord(value):
+    if isinstance(value, (list, tuple)):
+        return all(map(IsWord, value))
+    return value is None or isinstance(value, (bool, Real, str))
+
+
+def Difference(ours, others):
+    """The name of an argument that is another one on another process; None: they are alike."""
+    missing = object()
+    for name in [*ours, *others]:
+        if not Alike(ours.get(name, missing), others.get(name, missing)):
+            return name
+    return None
+
+
+def Alike(one, other):
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
+        return len(one) == len(other) and all(map(Alike, one, other))
+    if isinstance(one, Real) and isinstance(other, Real):
+        near = math.isclose(one, other, rel_tol=SAME, abs_tol=NOTHING)
+        return near or (math.isnan(one) and math.isnan(other))
+    return one == other
+
+
+def Portable(error):
+    """An error that can be sent to other processes: itself, or one of a similar kind."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        kind = next((k for k in (NgException, ValueError) if isinstance(error, k)), RuntimeError)
+        return kind(f"{type(error).__name__}: {error}" if kind is RuntimeError else str(error))
+    return error
