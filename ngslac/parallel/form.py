@@ -3,9 +3,9 @@
 
 import numpy as np
 import scipy
-from ngsolve import BilinearForm, GridFunction
+from ngsolve import BilinearForm, GridFunction, ProductSpace
 
-from ngslac._ngslac import ContactForm, EquilibrationScale, FormDiagonal, ProxyPath
+from ngslac._ngslac import ContactForm, EquilibrationScale, FormDiagonal, LACSpace, ProxyPath
 from ngslac.arrays import AsBits, AsNumPy, Exported, ToCSR
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.matrices import SkinMatrix, SkinRows
@@ -51,10 +51,10 @@ class SkinForm:
     def __init__(self, setup, active):
         u, lam = setup["u"], setup["lam"]
         self.fes = u.space
-        self.skin = Skin.Of(self.fes.mesh)
-        self.trace, self.layout = self.skin.Trace(self.fes), LayoutOf(self.fes)
         self.component, self.offset = ComponentOf(u, "u")
         self.space, self.lamoffset = ComponentOf(lam, "lam")
+        self.skin = Skin.Of(self.fes.mesh, *Slaves(self.fes), setup["master"])
+        self.trace, self.layout = self.skin.Trace(self.fes), LayoutOf(self.fes)
         there = {name: self._There(setup[name], name) for name in ("u", "lam")}
         if "scalars" in setup:
             there["scalars"] = [self._There(field, "field") for field in setup["scalars"]]
@@ -157,8 +157,8 @@ class SkinForm:
         diagonal = self.layout.Diagonal(mat)
         positive = diagonal > 0
         scale = np.where(positive, 1 / np.sqrt(np.where(positive, diagonal, 1.0)), 1.0)
-        found = EquilibrationScale(self._Diagonal(diagonal), [form.there for form in forms])
         for form in forms:
+            found = EquilibrationScale(form._Diagonal(diagonal), [form.there])
             scale[form.MultiplierDofs()] = found[form.there.MultiplierDofs()]
         return scale
 
@@ -280,6 +280,13 @@ def ScaleOf(mat, forms):
     if isinstance(forms[0], SkinForm):
         return forms[0].Scale(mat, forms)
     return EquilibrationScale(mat, forms)
+
+
+def Slaves(space):
+    """Those of the macro-elements among the components of a space."""
+    if type(space) is ProductSpace:
+        return [slave for part in space.components for slave in Slaves(part)]
+    return [space.slave] if isinstance(space, LACSpace) else []
 
 
 def ComponentOf(proxy, name):

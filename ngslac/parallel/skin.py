@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The skin of a distributed mesh: all elements at boundaries, on each process as serial mesh."""
+"""The skin of a distributed mesh: elements at contact surfaces, on each process as serial mesh."""
 
 import netgen.meshing
 import numpy as np
 import scipy
-from ngsolve import FESpace, Mesh, ProductSpace, Region
+from ngsolve import BND, BitArray, FESpace, Mesh, ProductSpace, Region
 
 from ngslac._ngslac import ElementDofs, LACSpace, PieceOf, WholeMesh
 from ngslac.arrays import AsBits, AsNumPy
@@ -17,7 +17,7 @@ HEAD = 4  # columns of a row of a piece before its points: number, type, region,
 
 
 class Skin:
-    """The elements that touch a boundary, as serial mesh with the numbers of one process.
+    """The elements that touch some boundaries, as serial mesh with the numbers of one process.
 
     Contact surfaces live on it, and what contact does is done on all processes alike.
 
@@ -25,18 +25,20 @@ class Skin:
     ----------
     mesh : Mesh
     faces : (m,) int
-        The number there of each boundary element of this process.
+        The number there of each boundary element of this process; -1 for those that it lacks.
     """
 
-    def __init__(self, mesh):
-        self.original, self.together = mesh, Together.Of(mesh)
-        self.spaces, self.homes, self._traces = [], [], []
+    def __init__(self, mesh, mask):
+        self.original, self.mask, self.together = mesh, mask, Together.Of(mesh)
+        self._traces = []
         numbers, points, *tables = map(np.array, PieceOf(mesh))
         volumes, surfaces, _, segments, _ = tables
         elements, faces = (volumes, surfaces) if mesh.dim == 3 else (surfaces, segments)
         rows = self.together.Rows
-        marked = np.unique(rows(PointsOf(faces)))
+        chosen = [face.nr for face in Region(mesh, BND, BitArray(mask)).Elements()]
+        marked = np.unique(rows(PointsOf(faces[chosen])))
         kept = [Touches(table, marked) for table in (volumes, surfaces, segments)]
+        of_elements, of_faces = kept[:2] if mesh.dim == 3 else kept[1:]
         tables = [table[kept[k]] for table, k in zip(tables, (0, 1, 1, 2, 2), strict=True)]
         used = [PointsOf(tables[k]) for k in (0, 1, 3)]
         used = np.isin(numbers[:, 0], np.unique(np.concatenate(used)))
@@ -47,20 +49,25 @@ class Skin:
             wide[inside] = np.searchsorted(known, wide[inside])
         piece = np.searchsorted(known, numbers).astype(np.int32), points, *tables
         self.mesh = WholeMesh(Mesh(EmptyLike(mesh)), piece)
-        volume, surface = (0, 1) if mesh.dim == 3 else (1, 3)
-        self.own = np.flatnonzero(kept[0 if mesh.dim == 3 else 1])
-        self.places = Places(tables[volume], elements[self.own])
-        self.faces = Places(tables[surface], faces)
+        every = tables[0:2] if mesh.dim == 3 else tables[1:4:2]
+        self.own = np.flatnonzero(of_elements)
+        self.places = Places(every[0], elements[self.own])
+        self.faces = np.full(len(faces), -1)
+        self.faces[of_faces] = Places(every[1], faces[of_faces])
         self.Follow()
 
     @classmethod
-    def Of(cls, mesh):
-        """That of a distributed mesh."""
+    def Of(cls, mesh, *regions):
+        """That of some regions of boundaries of a distributed mesh, of which some may be None."""
+        found = [
+            Region(mesh, BND, r) if isinstance(r, str) else r for r in regions if r is not None
+        ]
+        mask = [*map(any, zip(*(region.Mask() for region in found), strict=True))]
         known = Together.Of(mesh).skins
         for skin in known:
-            if skin.original == mesh:
+            if skin.original == mesh and skin.mask == mask:
                 return skin
-        known.append(cls(mesh))
+        known.append(cls(mesh, mask))
         return known[-1]
 
     def Follow(self):
@@ -86,6 +93,14 @@ class Skin:
         if not isinstance(original, Region):
             return original
         return Region(self.mesh, original.VB(), original.Mask())
+
+    def Macros(self, space):
+        """The same macro-elements of a LACSpace there."""
+        V, slave = self.Trace(space.displacement).copy, self.Region(space.slave)
+        found = LACSpace(V, slave=slave, axisymmetric=space.axisymmetric)
+        if found.ndof == space.ndof:
+            return found
+        return found.WithComponents(space.ndof * space.dim // max(space.nmacros, 1))
 
     def Trace(self, space):
         """The Trace of a space of the distributed mesh."""
@@ -113,9 +128,7 @@ class Trace:
         if type(space) is ProductSpace:
             self._Join([skin.Trace(part) for part in space.components])
         elif isinstance(space, LACSpace):
-            self.copy = skin.homes[space.number]
-            if self.copy.ndof != space.ndof:
-                self.copy = self.copy.WithComponents(space.ndof * space.dim // space.nmacros)
+            self.copy = skin.Macros(space)
             self.local = self.there = np.arange(space.ndof * space.dim)
         else:
             self.copy = CopyOf(space, skin.mesh)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ngslac._ngslac import LACSpace
+from ngslac._ngslac import LACSpace, RegionWithFaces
 from ngslac.parallel.skin import Skin
 from ngslac.parallel.together import OnAll
 
@@ -20,9 +20,10 @@ def MacroElements(V, slave, macros, axisymmetric):
     """What a LACSpace on a distributed mesh has to know."""
     if macros is not None:
         raise ValueError("LACSpace: macros= is not known on a distributed mesh: leave it out")
-    skin = Skin.Of(V.mesh)
+    region = RegionWithFaces(V.mesh, "LACSpace: slave", slave)
+    skin = Skin.Of(V.mesh, region)
     skin.Follow()
-    home = LACSpace(skin.Trace(V).copy, slave=skin.Region(slave), axisymmetric=axisymmetric)
-    skin.homes.append(home)
-    numbers = np.array(list(home.macros), dtype=np.int32)
-    return home.nmacros, numbers[skin.faces], len(skin.homes) - 1
+    there = skin.Trace(V).copy
+    home = LACSpace(there, slave=skin.Region(region), axisymmetric=axisymmetric)
+    numbers = np.array([*home.macros, -1], dtype=np.int32)  # of faces that it lacks: -1
+    return home.nmacros, numbers[skin.faces], 0

@@ -22,9 +22,8 @@ class Contacts:
         Displacements with entries.
     """
 
-    def __init__(self, mats, multipliers, scale, free):
+    def __init__(self, total, multipliers, scale, free):
         n, self._multipliers = len(free), np.asarray(multipliers, dtype=int)
-        total = sum((ToCSR(mat) for mat in mats), scipy.sparse.csr_matrix((n, n))).tocoo()
         kept = free[total.row] & free[total.col] & (total.data != 0)
         row, column = total.row[kept], total.col[kept]
         values = scale[row] * total.data[kept] * scale[column]
@@ -114,7 +113,7 @@ class CondensedSystem:
     def __init__(self, numbering, mat, contact):
         PETSc = LoadPETSc()
         self.numbering, self.mat, self.contact = numbering, mat, contact
-        rows = numbering.surface[contact.dofs] if contact else np.empty(0, dtype=int)
+        rows = numbering.surfaces.rows[contact.dofs] if contact else np.empty(0, dtype=int)
         self._local = PETSc.Vec().createSeq(len(rows), comm=PETSc.COMM_SELF)
         where = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
         self._work = numbering.Vector()

@@ -2,10 +2,12 @@
 """Which process owns which row, and its number there."""
 
 import numpy as np
+import scipy
 
+from ngslac.arrays import ToCSR
 from ngslac.petsc.library import LoadPETSc
 
-__all__ = ["Numbering"]
+__all__ = ["Numbering", "Surfaces"]
 
 
 class Numbering:
@@ -17,14 +19,13 @@ class Numbering:
     ----------
     rows : (n,) int
         Of the dofs of this process.
-    surface : (k,) int
-        Of those of the surfaces, see `Trace`, on all processes.
+    surfaces : Surfaces
     free : (n,) bool
     held : (stop - start,) float
         1 in this process's rows of no free dof, else 0.
     """
 
-    def __init__(self, layout, trace, nodes, free):
+    def __init__(self, layout, traces, nodes, free):
         PETSc = LoadPETSc()
         self.layout, self.together = layout, layout.together
         self.comm = getattr(self.together, "comm", PETSc.COMM_SELF)
@@ -40,7 +41,7 @@ class Numbering:
         rows[own[own >= 0]] = numbers[own >= 0]
         self.rows = np.round(np.asarray(layout.Consistent(rows))).astype(int)
         self._own = np.flatnonzero(owned)
-        self.surface = np.round(trace.Gather(self.rows.astype(float))).astype(int)
+        self.surfaces = Surfaces(traces, self.rows)
         vec, index = self.Vector(), self.rows.astype(PETSc.IntType)
         index = PETSc.IS().createGeneral(index, comm=PETSc.COMM_SELF)
         self._local = PETSc.Vec().createSeq(len(self.rows), comm=PETSc.COMM_SELF)
@@ -89,3 +90,42 @@ class Numbering:
         """The values (n,) of a vector."""
         self._scatter.scatter(vec, self._local)
         return self.layout.Of(self._local.array.copy())
+
+
+class Surfaces:
+    """The rows of PETSc's matrices on the surfaces of all contacts, which all processes know.
+
+    Attributes
+    ----------
+    rows : (k,) int
+    """
+
+    def __init__(self, traces, rows):
+        self._traces = traces
+        found = [np.round(trace.Gather(1.0 + rows)).astype(int) - 1 for trace in traces]
+        every = np.unique(np.concatenate(found))
+        self.rows = every[every >= 0]  # others have no dofs
+        self._places = [np.where(part < 0, -1, np.searchsorted(self.rows, part)) for part in found]
+
+    def Gather(self, values):
+        """Those of values (n,) of this process that are on the surfaces (k,), of all processes."""
+        found = np.zeros(len(self.rows))
+        for trace, places in zip(self._traces, self._places, strict=True):
+            found[places[places >= 0]] = trace.Gather(values)[places >= 0]
+        return found
+
+    def Rows(self, chosen, total):
+        """Set the rows (n,) bool of this process that are among those chosen (k,) bool."""
+        for trace, places in zip(self._traces, self._places, strict=True):
+            own = trace.Zeros()
+            trace.Put(1.0 * ((places >= 0) & chosen[places]), own)
+            total |= np.asarray(own) > 0
+
+    def Sum(self, mats):
+        """The sum (k, k) of a matrix for each contact, as scipy matrix."""
+        shape, total = (len(self.rows),) * 2, 0
+        for mat, trace, places in zip(mats, self._traces, self._places, strict=False):
+            part = ToCSR(trace.Matrix(mat)).tocoo()
+            where = places[part.row], places[part.col]
+            total = total + scipy.sparse.coo_matrix((part.data, where), shape=shape)
+        return scipy.sparse.coo_matrix(shape) if isinstance(total, int) else total.tocoo()

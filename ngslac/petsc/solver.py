@@ -84,16 +84,17 @@ class PetscMethod(Method):
         self._taken.NewBulk()
 
 
-def PetscLinearSolver(contact, freedofs, wanted=None):
-    """The LinearSolver of a contact's product space and free dofs with the methods of PETSc."""
-    layout, nodes = contact.layout, Nodes.Of(contact, freedofs)
+def PetscLinearSolver(contacts, freedofs, wanted=None):
+    """The LinearSolver of these contacts and free dofs with the methods of PETSc."""
+    layout, nodes = contacts[0].layout, Nodes.Of(contacts[0], freedofs)
+    traces = [TraceOf(contact.form) for contact in contacts]
     dim = nodes.blocks.shape[1]
     free = np.count_nonzero(layout.Of(AsNumPy(freedofs)))
     why = f"{free} free dofs in {dim}D" if wanted is None else "as asked for"
     if wanted is None:
         coarse = layout.together.Sum(np.count_nonzero(nodes.vertices))
         wanted = "iterative" if coarse and IsLarge(free, dim, "petsc") else "direct"
-    petsc = PetscSystem(layout, TraceOf(contact.form), AsNumPy(freedofs), nodes)
+    petsc = PetscSystem(layout, traces, AsNumPy(freedofs), nodes)
     names = dict.fromkeys((wanted, "direct"))
     taken, most = Taken(petsc), np.inf if wanted == "direct" else MOST_DIRECT
 
@@ -118,4 +119,4 @@ def LinearSolverFor(a, contacts, freedofs, options):
             f"solver={wanted!r} is for one process: on a distributed mesh leave it out, or "
             "take 'direct' or 'iterative', both on PETSc"
         )
-    return PetscLinearSolver(contacts[0], freedofs, None if wanted == "petsc" else wanted)
+    return PetscLinearSolver(contacts, freedofs, None if wanted == "petsc" else wanted)

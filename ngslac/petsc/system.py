@@ -23,12 +23,12 @@ __all__ = ["PetscSystem"]
 class PetscSystem:
     """Bulk matrices of all processes and the contacts of the first one as one system; collective.
 
-    What contacts add is known on their surfaces, see `Trace`.
+    What contacts add is known on their surfaces, of which there is a Trace for each.
     """
 
-    def __init__(self, layout, trace, free, nodes):
-        self.numbering = Numbering(layout, trace, nodes, free)
-        self.free, self._trace = self.numbering.free, trace
+    def __init__(self, layout, traces, free, nodes):
+        self.numbering = Numbering(layout, traces, nodes, free)
+        self.free, self._surfaces = self.numbering.free, self.numbering.surfaces
         self._nodes, self._bulk, self._scale, self._multigrid = nodes, None, None, None
         self._direct, self.krylov = PetscDirect(self.numbering), 0
         self.Forget()
@@ -50,14 +50,14 @@ class PetscSystem:
         """Take what contacts add to the bulk (k, k), and how the sum is scaled and shifted (n,)."""
         self.Forget()
         self._Scale(scale)
-        gather, ismultiplier = self._trace.Gather, np.zeros(len(self.free))
+        gather, ismultiplier = self._surfaces.Gather, np.zeros(len(self.free))
         ismultiplier[multipliers] = 1
         values = [gather(part) for part in (self._scale, self.free.astype(float), ismultiplier)]
         self._shift = None if shift is None else np.where(self.free, shift, 0.0)
         if self.numbering.rank == 0:
             scale, free, ismultiplier = values
-            mats = [self._trace.Matrix(mat) for mat in mats]
-            self._contacts = Contacts(mats, np.flatnonzero(ismultiplier), scale, free > 0)
+            total = self._surfaces.Sum(mats)
+            self._contacts = Contacts(total, np.flatnonzero(ismultiplier), scale, free > 0)
 
     def _Scale(self, scale):
         """Scale the bulk, once for each scale."""
@@ -106,7 +106,7 @@ class PetscSystem:
             self._multigrid = PetscMultigrid(numbering, numbering.Nodes(self._nodes.vertices))
         touched = numbering.Tell(self._OnRankZero(lambda contacts: contacts.touched))
         there = np.zeros(len(self.free), dtype=bool)
-        self._trace.Put(touched, there)
+        self._surfaces.Rows(touched, there)
         rows = numbering.Nodes(self._nodes.With(there))
         pc = self._multigrid.Preconditioner(mat, rows, self._Motions())
         return PetscIterative(numbering, mat, condensed, pc)
@@ -119,7 +119,7 @@ class PetscSystem:
     def _WithBulk(self, found):
         """The sum of the bulk and what rank 0 has found: a matrix and its dofs on surfaces."""
         part, dofs = found or (None, None)
-        rows = None if part is None else self.numbering.surface[dofs]
+        rows = None if part is None else self._surfaces.rows[dofs]
         shift = None if self._shift is None else self.numbering.Put(self._shift).array
         return Sum(self._bulk, Assembled(self.numbering, part, rows, shift))
 
