@@ -40,11 +40,12 @@ class PetscSystem:
 
     def SetBulk(self, mat):
         """Take this process's part of the bulk's matrix; entries of the same dofs are added."""
-        numbering, used = self.numbering, np.flatnonzero(self.free)
         self.Forget()
         self._bulk = self._scale = None
-        part = ToCSR(numbering.layout.Local(mat))[used][:, used]
-        self._bulk = Assembled(numbering, part, numbering.rows[used], numbering.held)
+        part = ToCSR(self.numbering.layout.Local(mat))
+        part.data *= np.repeat(self.free, np.diff(part.indptr))  # without another copy
+        part.data *= self.free[part.indices]
+        self._bulk = Assembled(self.numbering, part, self.numbering.rows)
 
     def SetContacts(self, mats, multipliers, scale, shift):
         """Take what contacts add to the bulk (k, k), and how the sum is scaled and shifted (n,)."""
@@ -120,8 +121,12 @@ class PetscSystem:
         """The sum of the bulk and what rank 0 has found: a matrix and its dofs on surfaces."""
         part, dofs = found or (None, None)
         rows = None if part is None else self._surfaces.rows[dofs]
-        shift = None if self._shift is None else self.numbering.Put(self._shift).array
-        return Sum(self._bulk, Assembled(self.numbering, part, rows, shift))
+        diagonal = self.numbering.held.copy()
+        if self._shift is not None:
+            diagonal += self.numbering.Put(self._shift).array
+        total = Assembled(self.numbering, part, rows, diagonal)
+        total.axpy(1.0, self._bulk, structure=LoadPETSc().Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        return total
 
     def _OnRankZero(self, function):
         """What a function of the Contacts returns, None on other ranks; all raise its errors."""
@@ -219,10 +224,3 @@ def WithDiagonal(part, rows, own, diagonal):
     column = np.concatenate([at[part.col], on])
     values = np.concatenate([part.data, diagonal])
     return scipy.sparse.csr_matrix((values, (row, column)), shape=(len(every),) * 2), every
-
-
-def Sum(mat, other):
-    """A new matrix."""
-    total = mat.copy()
-    total.axpy(1.0, other, structure=LoadPETSc().Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    return total
