@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from pairwise import MarkFull
+from pairwise import MarkFull, MarkSlow
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -44,3 +44,4 @@ def pytest_collection_modifyitems(items):
         raise pytest.UsageError(f"{changing[0]} has another name in each process: give it an id")
     items.sort(key=Rank)
     MarkFull(items)
+    MarkSlow(items)

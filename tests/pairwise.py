@@ -1,8 +1,16 @@
-"""Fewer cases of a product of options: every pair of values occurs, or some in equal steps."""
+"""Fewer cases of a product of options: every pair of values occurs, or some in equal steps.
+
+Beside that, the tests that take long: those of some rooms, and of others by `slow.txt`.
+"""
 
 from itertools import combinations
+from pathlib import Path
 
 import pytest
+
+HERE = Path(__file__).parent
+SLOW_ROOMS = {"benchmarks", "docs", "examples", "fuzz", "parallel", "stress", "tutorials"}
+SLOW_ROOMS |= {"validation"}
 
 
 def Pairs(case):
@@ -58,3 +66,21 @@ def MarkFull(items):
         for position, item in enumerate(family):
             if position not in needed:
                 item.add_marker(pytest.mark.full)
+
+
+def SlowTests():
+    """Pairs of a file, in the folder of the tests, and a function of it."""
+    lines = (HERE / "slow.txt").read_text().splitlines()
+    files = (line.split(": ") for line in lines if not line.startswith("#"))
+    return {(file, name) for file, names in files for name in names.split()}
+
+
+def MarkSlow(items):
+    """Mark `slow` all that is not for each change: also what is for each week alone."""
+    slow = SlowTests()
+    for item in items:
+        file = item.path.relative_to(HERE)
+        listed = (file.as_posix(), item.originalname) in slow
+        weekly = any(item.get_closest_marker(name) for name in ("full", "stress"))
+        if listed or weekly or file.parts[0] in SLOW_ROOMS:
+            item.add_marker(pytest.mark.slow)

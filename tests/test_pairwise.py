@@ -9,7 +9,7 @@ from itertools import combinations, product
 from pathlib import Path
 
 import pytest
-from pairwise import CoveringArray
+from pairwise import HERE, CoveringArray, SlowTests
 
 HOOK = f"""
 import sys
@@ -101,3 +101,8 @@ def test_the_other_cases_are_marked_full(tmp_path):
     assert sum(name == "test_thinned" for name, _ in default) == 9
     one = f"test_it.py::test_thinned[{rest[0][1]}]"
     assert Collected(tmp_path, "-m", "not full", one) == [rest[0]]
+
+
+def test_slow_tests_are_there():
+    for file, name in SlowTests():
+        assert f"def {name}(" in (HERE / file).read_text(), f"slow.txt: {file} has no {name}"

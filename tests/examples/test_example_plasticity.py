@@ -97,7 +97,6 @@ def test_a_failed_step_leaves_no_trace():
         assert runs[1][name] == approx(runs[0][name], rel=1e-8)
 
 
-@pytest.mark.slow
 @pytest.mark.full
 def test_force_converges_with_the_mesh():
     """The same steps on three meshes; none is halved, since the flow depends on the step size."""

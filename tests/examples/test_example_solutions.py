@@ -112,7 +112,6 @@ def test_the_flat_ring_touches_itself_as_a_plane():
     assert itself["force"][-1] == approx(plane["force"][-1], rel=0.1)
 
 
-@pytest.mark.slow
 @pytest.mark.full
 def test_the_flat_ring_comes_nearer_to_the_plane_on_a_finer_mesh():
     itself, plane = Pressed(0.06, False), Pressed(0.06, True)

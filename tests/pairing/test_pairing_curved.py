@@ -97,9 +97,9 @@ def test_segments_end_at_vertices_and_tile_the_circle(order):
         ("edge", 2, 3.65, (1, 4)),
         ("edge", 3, 3.65, (1, 4)),
         ("edge", 4, 5.65, (1, 4)),
-        pytest.param("trig", 1, 1.5, (2, 4), marks=pytest.mark.slow),
-        pytest.param("trig", 2, 3.3, (2, 4), marks=pytest.mark.slow),
-        pytest.param("trig", 3, 3.5, (2, 3), marks=pytest.mark.slow),
+        ("trig", 1, 1.5, (2, 4)),
+        ("trig", 2, 3.3, (2, 4)),
+        ("trig", 3, 3.5, (2, 3)),
     ],
 )
 def test_refinement_converges_to_spheres(kind, order, rate, sizes):

@@ -31,7 +31,6 @@ def test_long_steps_of_a_stiff_body():
     assert motion.mean() == pytest.approx((0.02, 0.04 - 0.05), abs=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("friction", "rho_inf"), [pytest.param(None, 1.0, marks=pytest.mark.full), (0.8, 0.5)]
 )

@@ -61,7 +61,6 @@ def test_a_frictionless_impact_wins_no_energy(name):
 
 
 @pytest.mark.full
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("friction", "end"),
     [(0.3, 1.0), *(pytest.param(f, 2.0, marks=pytest.mark.full) for f in (None, 0.3))],

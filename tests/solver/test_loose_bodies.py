@@ -48,8 +48,8 @@ def bearing(rollers, play, h):
         ("rings", 8, 0.01, 0.1, 25),
         ("rings", 8, 0.02, 0.3, 35),
         ("rollers", 8, 0.01, 0.1, 30),
-        pytest.param("rings", 12, 0.01, 0.1, 30, marks=pytest.mark.slow),
-        pytest.param("rollers", 12, 0.01, 0.3, 30, marks=pytest.mark.slow),
+        ("rings", 12, 0.01, 0.1, 30),
+        ("rollers", 12, 0.01, 0.3, 30),
     ],
 )
 def test_rollers_of_a_bearing_come_to_rest(slave, rollers, play, friction, first):

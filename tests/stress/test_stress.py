@@ -32,7 +32,7 @@ SAMPLE = {
 
 
 def Marks(name):
-    return () if name in SAMPLE else [pytest.mark.slow, pytest.mark.stress]
+    return () if name in SAMPLE else [pytest.mark.stress]
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=Marks(n)) for n in PROBLEMS])

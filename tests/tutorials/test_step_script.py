@@ -11,8 +11,6 @@ from notebooks import ROOT, Files
 
 from ngslac.meshes.geometry import CheckNonMatching
 
-pytestmark = pytest.mark.slow
-
 SCRIPT = ROOT / "tutorials" / "step_to_contact.py"
 
 

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from notebooks import Tutorial
 
-pytestmark = pytest.mark.slow
-
 NODES, FACES, LAC = METHODS = ["node-to-segment", "one per face", "LAC"]
 averages = Tutorial("04_why_averages", """
 def Result(name, result):

@@ -10,8 +10,6 @@ from PIL import Image
 
 from ngslac.reference import CattaneoMindlin, HertzLine
 
-pytestmark = pytest.mark.slow
-
 friction = Tutorial("05_friction", """
 VALUES = dict(
     states=history, pressed=pressed, stuck=stuck, ends=ends, limit=limit, a=a, p0=hertz.peak,

@@ -6,8 +6,6 @@ from notebooks import Files, Tutorial
 
 from ngslac.reference import HertzLine
 
-pytestmark = pytest.mark.slow
-
 own = Tutorial("10_your_own_problem", """
 names = dict.fromkeys(mesh.GetBoundaries())
 VALUES = dict(

@@ -5,8 +5,6 @@ import pytest
 from indentation import PRANDTL, OnsetPressure
 from notebooks import Tutorial
 
-pytestmark = pytest.mark.slow
-
 # The first exercise is done here: the cylinder is pressed in again.
 plasticity = Tutorial("07_plasticity", """
 end = dict(rows[-1], gap=np.nanmin(contact.gap.vec.FV().NumPy()))

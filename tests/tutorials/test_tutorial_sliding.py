@@ -5,8 +5,6 @@ import pytest
 from notebooks import Tutorial
 from published import DECK, PUBLISHED, TIMES
 
-pytestmark = pytest.mark.slow
-
 sliding = Tutorial("06_large_sliding", """
 VALUES = dict(
     rows=np.array(patient), resultant=resultant, reaction=reaction, piola=piola,

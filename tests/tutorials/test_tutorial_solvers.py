@@ -1,10 +1,7 @@
 """Tutorial 09, solvers, runs, and what it computes is right."""
 
 import numpy as np
-import pytest
 from notebooks import Tutorial
-
-pytestmark = pytest.mark.slow
 
 solvers = Tutorial("09_solvers", """
 lines = {

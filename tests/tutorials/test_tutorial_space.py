@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from notebooks import SPACE, Files, Tutorial
 
-pytestmark = pytest.mark.slow
-
 RECORD = {'print("reaction"': 'partial = contact.Table()\nprint("reaction"'}
 space = Tutorial(SPACE, """
 def State(table, force):

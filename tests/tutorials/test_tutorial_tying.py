@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from notebooks import Tutorial
 
-pytestmark = pytest.mark.slow
-
 tying = Tutorial("08_tying", """
 VALUES = dict(
     patch=patch, heat_patch=heat_patch, top=top, radial=[lam_r, exact_r], hoop=[lam_t, exact_t],

@@ -176,7 +176,6 @@ CASES = [
         "Johnson (1985), pages 171 and 200, as in the validation manual of code_aster, V6.04.506.",
         "pytest tests/validation/test_cases.py -k dent",
         Dented,
-        slow=True,
     ),
     Case(
         "materials",

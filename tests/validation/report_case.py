@@ -136,8 +136,6 @@ class Case:
     function : callable
         ``function(quick)`` returns an `Outcome`. With `quick` for small sizes, whose judged rows
         must hold, too: ``test_cases.py`` asserts it.
-    slow : bool
-        Are the small sizes still a matter of many seconds?
     """
 
     name: str
@@ -146,4 +144,3 @@ class Case:
     source: str
     command: str
     function: Callable = field(repr=False)
-    slow: bool = False

@@ -48,8 +48,7 @@ ELSEWHERE = {
 
 
 def Marked(case):
-    marks = [pytest.mark.slow] if case.slow else []
-    marks += [pytest.mark.full] if case.name in ELSEWHERE else []
+    marks = [pytest.mark.full] if case.name in ELSEWHERE else []
     return pytest.param(case, id=case.name, marks=marks)
 
 

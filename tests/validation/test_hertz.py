@@ -48,8 +48,8 @@ def equilibrium(problem):
         (0.5, 0.2, 10),
         (0.25, 0.0, 1),
         (0.25, 0.2, 10),
-        pytest.param(0.125, 0.0, 1, marks=[pytest.mark.slow, pytest.mark.full]),
-        pytest.param(0.125, 0.2, 4, marks=[pytest.mark.slow, pytest.mark.full]),
+        pytest.param(0.125, 0.0, 1, marks=[pytest.mark.full]),
+        pytest.param(0.125, 0.2, 4, marks=[pytest.mark.full]),
     ],
 )
 def test_pressure_agrees_with_hertz(h, friction, steps):

@@ -109,7 +109,7 @@ ACCURACY = {
         for name in ("bubble", "split", "none")
     },
 }
-MARKS = {"twelve elements": [pytest.mark.slow, pytest.mark.full]}
+MARKS = {"twelve elements": [pytest.mark.full]}
 # By default P1, bubbles and the split are tested on hexahedra and on prisms.
 LONG = [f"tetrahedra P1{name}" for name in ("", " bubble", " split")]
 MARKS |= dict.fromkeys(LONG, pytest.mark.full)

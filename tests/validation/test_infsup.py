@@ -94,7 +94,6 @@ def test_order_three_is_bounded(kind):
 
 
 @pytest.mark.full
-@pytest.mark.slow
 @pytest.mark.parametrize(("element", "published"), [("P1", 0.680), ("P1bubble", 0.473)])
 def test_order_one_on_hexahedra_on_finer_meshes(element, published):
     """The elements whose constants fall longest, once more between finer meshes."""

@@ -31,7 +31,6 @@ def twisted():
     return results, states, last
 
 
-@pytest.mark.slow
 def test_loads(pushed, twisted):
     shears = [row["shear_exact"] for row in pushed.figures["steps"][:STEPS]]
     assert shears == pytest.approx([0.572, 0.95], abs=2e-3)
@@ -99,7 +98,6 @@ def test_traction_profile_at_the_largest_load(pushed):
     assert np.abs(errors[:, 1]).max() <= 0.12
 
 
-@pytest.mark.slow
 def test_where_the_solution_is_exact():
     """For nu = 0 slip has no component across the load. No friction while pressing: no history."""
     options = dict(elements=4, steps=1, shear=0.8, reverse=0, press=1, nu=0.0, rough=False)
@@ -125,7 +123,6 @@ def test_twist(twisted):
 
 
 @pytest.mark.full
-@pytest.mark.slow
 def test_quarter_and_full_model():
     """Equally coarse, but not the same meshes."""
     options = dict(elements=3.0, radius=15.0, grading=0.7, press=1, steps=1, angle=0.7)
