@@ -43,6 +43,8 @@ ELSEWHERE = {
     "adaptive-size": "analysis/test_adapt.py::test_the_size_of_a_contact_takes_few_dofs",
     "mode-coupling": "analysis/test_modes.py::test_mode_coupling",
     "hertz-exponents": "analysis/test_sensitivity.py::test_by_material_friction_obstacle_and_load",
+    "cantilever": "tutorials/test_tutorial_peeling.py::test_force_and_beam_theory",
+    "stick-slip": "tutorials/test_tutorial_laws.py::test_stick_and_slip",
     "frictional-heat": "contact/test_flux.py::test_heat_is_the_power_of_friction",
 }
 
