@@ -108,6 +108,7 @@ def Axisymmetric(traction):
     return Participating(solved(posed(V, bulk, slave="top", axisymmetric=True, obstacle=x * x / 2)))
 
 
+@pytest.mark.full
 def test_a_circular_contact_in_3d():
     """A quarter of the cylinder: the radius, by the size of the contact."""
     traction = 2e-3

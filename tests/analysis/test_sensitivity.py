@@ -94,6 +94,7 @@ PROBLEMS = {
 }
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("kind", PROBLEMS)
 def test_by_material_friction_obstacle_and_load(kind, dim):
@@ -113,6 +114,7 @@ def test_of_ties(dim, finite):
     check(problem, Shape(problem.mesh, velocity(dim)), 1e-4)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize(
     "make",

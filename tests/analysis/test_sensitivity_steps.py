@@ -35,6 +35,7 @@ def recorded(slide):
     return record
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("finite", [False, True])
 def test_of_friction_through_steps(dim, finite):

@@ -60,6 +60,7 @@ LAWS = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_what_a_new_contact_learns_follows(name, dim):

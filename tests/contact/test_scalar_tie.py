@@ -84,6 +84,7 @@ def blocks(dim, *cells, **flags):
 CELLS = [(2,), (3,), (3, "prism", "hex", 2, 3), (3, "tet", "prism", 2, 3)]
 
 
+@pytest.mark.sample(18)
 @pytest.mark.parametrize("solver", [None, "iterative", "direct"])
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("cells", CELLS)

@@ -112,6 +112,7 @@ UNITS = [{"length": 1e-3, "stress": 1e9}, {"length": 1e-6}, {"length": 1e6, "shi
 TURNED = [(0, {}), (2, {"length": 1e3, "stress": 1e-6})]
 
 
+@pytest.mark.sample(12)
 @pytest.mark.parametrize(
     ("case", "seed", "units"),
     [

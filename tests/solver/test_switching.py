@@ -33,6 +33,7 @@ def is_off(contact, gf):
     return True
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize("solver", [ContactSolver, AugmentedLagrangianSolver])
 @pytest.mark.parametrize("law", LAWS, ids=str)
 @pytest.mark.parametrize("dim", [2, 3])

@@ -45,6 +45,8 @@ ELSEWHERE = {
     "hertz-exponents": "analysis/test_sensitivity.py::test_by_material_friction_obstacle_and_load",
     "cantilever": "tutorials/test_tutorial_peeling.py::test_force_and_beam_theory",
     "stick-slip": "tutorials/test_tutorial_laws.py::test_stick_and_slip",
+    "dent": "examples/test_example_plasticity.py::test_onset_of_yield",
+    "adhesion": "solver/test_descent.py::test_a_block_that_is_pulled_off_tilts",
     "frictional-heat": "contact/test_flux.py::test_heat_is_the_power_of_friction",
 }
 
