@@ -130,6 +130,7 @@ REFUSED = [
     ("make(contacts=[c, c])", SHARED, ValueError),
     ("make(contacts=[c, twin])", SHARED, ValueError),
     ("FormSum(p.a, c, twin)", SHARED, ValueError),
+    ("FormSum(p.a, c, c)", SHARED, ValueError),
     ("FormSum(p.a)", rf"contacts = \(\) {EMPTY}", ValueError),
     ("make(contacts=[])", rf"contacts = \[\] {EMPTY}", ValueError),
     ("make(contacts=press(h=0.5).contact)", "must live on the same product space", ValueError),
