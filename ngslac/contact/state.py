@@ -124,38 +124,31 @@ class FormState:
 
     def FormKept(self):
         """An error or interrupt in the block, which makes a new form, changes nothing."""
-        return _FormKept(self)
+        before = self.form, self.scaled, self.paired
+
+        def Restore():
+            self.form, self.scaled, self.paired = before
+
+        return _Kept(Restore)
 
     def WholeOrNot(self, gf):
         """An error or interrupt in the block changes nothing: `gf` is the solution."""
-        return _WholeOrNot(self, gf)
+        before = self.State()
+        return _Kept(lambda: self.SetState(before, gf))
 
 
-# These are classes: a generator may miss an interrupt before the first line of the block.
+class _Kept:
+    """Restores after an error; as a generator it may miss an interrupt before the first line."""
 
-
-class _FormKept:
-    def __init__(self, state):
-        self.state, self.before = state, (state.form, state.scaled, state.paired)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, *_):
-        if kind is not None:
-            self.state.form, self.state.scaled, self.state.paired = self.before
-
-
-class _WholeOrNot:
-    def __init__(self, state, gf):
-        self.state, self.gf, self.before = state, gf, state.State()
+    def __init__(self, restore):
+        self.restore = restore
 
     def __enter__(self):
         return self
 
     def __exit__(self, kind, *_):
         if kind is not None:
-            self.state.SetState(self.before, self.gf)
+            self.restore()
 
 
 def CheckSaved(state):
