@@ -17,7 +17,8 @@ Array<int> DofsOf(FlatArray<int> segments, const Pairing<D> & pairing, const Fac
   return dofs;
 }
 
-/// Gaps at the points of a macro-element that contact ends in, as linear functions of the dofs.
+/// Gaps at the points of a macro-element inside of which contact ends, as linear functions of the
+/// dofs.
 ///
 /// They differ from their mean by the share of the end in it, and forces spread in the same way.
 template <int D>

@@ -702,8 +702,8 @@ private:
     return flows.Size() ? MatrixOf(nscalars, flows) : nullptr;
   }
 
-  /// The matrix of the displacements alone: tractions are what the rows say, the product of which
-  /// with the columns is added. Rows of the multipliers stay empty.
+  /// The matrix of the displacements alone: the rows of the multipliers determine the tractions,
+  /// and their product with the columns is added. These rows stay empty.
   shared_ptr<SparseMatrix<double>> WithoutMultipliers() const {
     const SparseMatrix<double> & from = *mat; // reads 0 where there is no entry
     BitArray ismultiplier(nscalars);

@@ -62,9 +62,9 @@ public:
     return spaces;
   }
   size_t NMeans() const { return 2 * fields.size(); }
-  /// Of a macro-element, at the last look; 0 without a partner.
+  /// Means of a macro-element at the last evaluation; 0 without a partner.
   FlatVector<> Means(size_t m) { return {NMeans(), means.Data() + NMeans() * m}; }
-  /// Slave less master of a scalar field, where it was looked at last; else 0.
+  /// Slave less master of a scalar field at the last evaluation; 0 before the first one.
   double JumpOf(size_t m, size_t field) const {
     size_t at = NMeans() * m + 2 * field;
     return at + 1 < means.Size() ? means[at] - means[at + 1] : 0;

@@ -221,7 +221,7 @@ Array<double> EndShares(const LACSpace & space, const Surface<D> & slave, const 
   return shares;
 }
 
-/// The macro-elements of small sliding that contact ends in.
+/// The macro-elements of small sliding inside of which contact ends.
 template <int D>
 class MacroEnds {
   Array<EndRows<D>> rows;
@@ -318,7 +318,7 @@ public:
     return result;
   }
 
-  /// What was looked at, as numbers.
+  /// The points at the last evaluation, as numbers.
   Array<double> Save() const {
     Array<double> saved;
     for (auto & own : rows) {

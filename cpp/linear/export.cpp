@@ -30,7 +30,7 @@ Numbers<double> Changed(const Condensation & system, const Numbers<double> & num
   return ToNumPy(FlatVector<>(values));
 }
 
-/// The bulk's forces, as given, or of these displacements where they matter.
+/// The forces of the bulk: from the caller, or of these displacements at the dofs that matter.
 Vector<> Forces(const Condensation & self, FlatVector<> u,
                 const optional<Numbers<double>> & image) {
   if (image)

@@ -21,7 +21,8 @@ Array<int> DofsOf(const FaceShapes<D> & shapes, Array<int> & faces) {
   return dofs;
 }
 
-/// Do its forces act, and which faces face each other, now and where slip counts from?
+/// Numbers that decide on a coupling: whether forces act, and which faces face each other, now and
+/// in the configuration from which slip counts.
 template <int D>
 Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, size_t macro,
                  bool pushes) {

@@ -21,7 +21,7 @@ public:
     for (int j : Range(at))
       at[j] = rows.Position(Dof(j));
   }
-  /// Without rows, and without a master if its shapes are null.
+  /// A pair that belongs to no rows; it has no master if its shapes are null.
   FacePair(const FaceShapes<D> & aslave_shapes, const FaceShapes<D> * amaster_shapes,
            const Segment & asegment, LocalHeap & lh)
       : slave_shapes(aslave_shapes), master_shapes(amaster_shapes), segment(asegment),

@@ -69,8 +69,8 @@ struct MacroRows {
   MacroRows(FlatArray<int> adofs, FlatArray<int> aturning);
   /// Turns integrals of gap and normals (that of the master in place of `tilt`) into the means.
   void MakeMeans(const MacroGap<D> & mean, double area, double share);
-  /// Of all that the law looks at, at this normal, slip and gap; the slip may have a part along the
-  /// normal.
+  /// Rows of the place on which the law depends, at this normal, slip and gap; the slip may have a
+  /// part along the normal.
   PlaceRows<D> OfPlace(const Vec<D> & n, const Vec<D> & slipped, double opened) const;
   int Position(int dof) const { return PositionIn(dofs, dof); }
   int TurningPosition(int dof) const { return PositionIn(turning, dof); }
@@ -81,7 +81,7 @@ private:
   }
 };
 
-/// Is there any? Squares of what is tiny would say no.
+/// Is any component not zero? Squares of tiny ones would underflow.
 template <int D>
 bool IsTraction(const Vec<D> & traction) {
   for (int k : Range(D))
