@@ -144,7 +144,7 @@ protected:
                    state.gap < 10 * approach;
     return touches ? state.gap / approach : 0;
   }
-  /// The part of a step's slip that comes again until the touch, whatever that will be.
+  /// The part of a step's slip that will be repeated before the touch.
   static Vec<D> SlipBeforeTouch(const MacroState & state, double approach, const Vec<D> & slip) {
     double time = TimeToTouch(state, approach, sqrt(sqr(approach) + L2Norm2(slip)));
     return (time > 1 ? 1 / time : time) * slip; // if it touches earlier, slip must not turn round

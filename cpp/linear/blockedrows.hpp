@@ -41,12 +41,12 @@ struct NodeTerm {
 
 /// The rows of a system in blocks of nodes, in single precision: what counts is memory traffic.
 ///
-/// Macro-elements are nodes, too, whose values are what their local terms make of the others:
-/// they have columns, after those of the bulk, but no rows.
+/// Macro-elements are nodes, too. Their values are products of their local terms with the values of
+/// the others; they have columns, after those of the bulk, but no rows.
 class BlockedRows {
 public:
   static constexpr int width = NodeOrder::width;
-  /// What is beyond `width` is ignored: 4 numbers make a register.
+  /// Numbers beyond `width` are ignored: 4 of them make a register.
   using Node = std::array<float, 4>;
 
   /// The node's number in a local term.
@@ -103,7 +103,7 @@ public:
   size_t InBulk(size_t row) const { return rows[row].inbulk; }
   /// Column by column.
   const float * Block(size_t row, size_t j) const { return &rows[row].blocks[width * width * j]; }
-  /// What the node adds to a macro-element's value; j is the latter's column.
+  /// The node's contribution to a macro-element's value; j is the column of the macro-element.
   const float * Right(size_t row, size_t j) const {
     return Block(row, rows[row].columns.Size() + j - rows[row].inbulk);
   }
@@ -127,8 +127,8 @@ public:
   }
 
 private:
-  /// Rows are short: the processor's own prefetcher starts anew with each and comes too late. What
-  /// is `ahead` of a block, in numbers, is fetched in time.
+  /// Rows are short: the processor's own prefetcher starts anew with each and comes too late. The
+  /// block that lies this many numbers `ahead` is fetched in time.
   static constexpr size_t ahead = 1024;
   static void Prefetch([[maybe_unused]] const float * address) {
 #ifdef __GNUC__ // and clang

@@ -3,7 +3,7 @@
 #include "pairing.hpp"
 
 namespace ngslac {
-/// A part of a slave face that lies behind a master face, as deep as that at most.
+/// A part of a slave face that lies behind a master face, at most by `depth`.
 struct DeepPart {
   int slave, master;
   double depth; // against the slave normal

@@ -10,7 +10,8 @@ using namespace ngfem;
 /// Triangles: row after row of equal power of the second coordinate. Squares: tensor product.
 int NControlPoints(ELEMENT_TYPE type, int degree);
 
-/// Reference coordinates of the control points, by which a linear function is its own control net.
+/// Reference coordinates of the control points: the values of a linear function there are its
+/// control values.
 template <int R>
 Array<Vec<R>> ControlSites(ELEMENT_TYPE type, int degree);
 

@@ -58,7 +58,7 @@ class Constants:
         return np.sqrt(np.maximum(values[:, -1], 0))
 
     def Turn(self):
-        """Of the skew part of the gradient, less its mean (n,)."""
+        """Constant of the skew part of the gradient, less its mean (n,)."""
         d, n = self.dim, len(self.corners)
         matrix = 0.5 * (self._square - self._swapped)
         for i, j in product(range(d), repeat=2):
@@ -97,7 +97,7 @@ class Constants:
         return Monomials(np.einsum("qi,qik->qk", away, self._inverse[element]), self.degree)
 
     def Inside(self, less):
-        """Of the displacement in the element, less its part of a degree (n,); a length."""
+        """Constant of the displacement in the element, less its part of a degree (n,); a length."""
         rest = Rest(self._points, self._weights, self.degree, less)
         return self._Largest(self._Diagonal(self._volume[:, None, None] * rest))
 

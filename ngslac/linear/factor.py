@@ -78,7 +78,7 @@ class OneBLASThread(ContextDecorator):
     """
 
     def __init__(self):
-        self.before = []  # of each call that it is around
+        self.before = []  # for each block that is open
 
     def __enter__(self):
         self.before.append([tell() for tell, _ in BLASThreads()])

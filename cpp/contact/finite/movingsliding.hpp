@@ -186,7 +186,7 @@ public:
   void Commit(FlatVector<> x, FlatArray<MacroState>, FlatArray<MacroState> states) override {
     for (size_t m : Range(setup.tied ? 0 : Size())) {
       auto & normal = Normal(m);
-      Vec<D> slip = 0.0; // of all the step, what came before a touch included
+      Vec<D> slip = 0.0; // of the whole step, with the part before a touch
       if (Slides(m))
         slip = HasMet(m) ? Slip(m) : now->slip[m];
       slip -= InnerProduct(slip, normal) * normal;
@@ -265,7 +265,7 @@ private:
   }
   /// Did the partner come over it from the side?
   bool HasMet(size_t m) const { return start->points->area[m] == 0 && points->area[m] > 0; }
-  /// That slip counts of: pairs that faced each other at the last Commit, or do so now.
+  /// The pairs by which slip counts: those that faced each other at the last Commit, or do so now.
   const SlipPairs<D> & PairsOf(size_t m) const { return HasMet(m) ? *facing : *start; }
   const Vec<D> & Offset(size_t m) const { return HasMet(m) ? met[m] : reference[m]; }
   /// Of this step; what an approaching macro-element moves until it touches is no slip.
@@ -294,6 +294,6 @@ private:
   Array<Vec<D>> met;                     // see LookBack
   Array<double> last_gap;                // at the last Commit
   Couplings couplings;                   // of the last ZeroMatrix
-  mutable shared_ptr<Scene<D>> counted;  // that the rows of the jump are of
+  mutable shared_ptr<Scene<D>> counted;  // the configuration of the rows of the jump
 };
 } // namespace ngslac
