@@ -274,8 +274,9 @@ CASES = [
         "is so low that both bodies are half-planes. Spence's closed form takes the pressure "
         "from the problem without friction; the coupled equations do not. Differences of the "
         "stick ratio are accepted up to one macro-element.",
-        "Spence, Proc. Camb. Phil. Soc. 73 (1973) and J. Elasticity 5 (1975), as `SpenceLine`; "
-        "coupled equations solved by quadrature (`tests/validation/problems_punch.py`).",
+        "Spence, Proc. Camb. Phil. Soc. 73 (1973) and J. Elasticity 5 (1975), as in "
+        "`tests/reference/exact_spence.py`; coupled equations solved by quadrature "
+        "(`tests/validation/problems_punch.py`).",
         "pytest tests/validation/test_cylinder.py",
         Spence,
     ),

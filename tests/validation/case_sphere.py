@@ -145,7 +145,7 @@ CASES = [
         "The same sphere turns about its axis; slip comes in from the edge, and the stick zone "
         "shrinks to the middle. A quarter is computed, with six element edges along the contact "
         "radius.",
-        "Lubkin, J. Appl. Mech. 18 (1951), as `TwistPoint`.",
+        "Lubkin, J. Appl. Mech. 18 (1951), as in `tutorials/examples/lubkin.py`.",
         "python tutorials/examples/twist.py --steps 4 --out results",
         Twist,
     ),

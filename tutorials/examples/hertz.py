@@ -214,6 +214,7 @@ def Run(steps=31, h=0.2, power=2, out=None, quiet=True, **options):
         "newton_max": max(iterations),
         "ndof": len(problem.gf.vec),
     }
+    assert abs(figures["force_ratio"] - 1) < 1e-8, figures
     if out:
         Write(problem, out)
     if not quiet:

@@ -131,6 +131,7 @@ def Run(
         "newton_max": max(iterations),
         "ndof": pressed.solution.components[0].space.ndofglobal + table["traction"].size,
     }
+    assert abs(figures["force_ratio"] - 1) < 1e-8, figures
     if not quiet:
         print(f"{figures['ndof']} unknowns, {len(faces.area)} macro-elements, Newton {iterations}")
         print(f"Hertz: p0 = {hertz.peak:.1f} MPa, a = {Radius(hertz):.4f} mm; computed over Hertz:")

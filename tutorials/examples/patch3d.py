@@ -151,6 +151,7 @@ def Run(*, out=None, quiet=True, friction=0.0, cases=None):
             print(f"{case.name:<34}{errors[0]:9.1e}{errors[1]:9.1e}", flush=True)
     # numpy's maximum does not lose a NaN
     worst = float(np.max([[row["stress_error"], row["multiplier_error"]] for row in rows]))
+    assert worst < 1e-9, rows
     if out:
         Write(out, rows, displacement, contact)
     if not quiet:
