@@ -54,13 +54,12 @@ int CheckedComponents(const Argument<int> & components) {
   return number;
 }
 
-/// The macro-elements of a distributed mesh, which one process knows.
+/// The macro-elements of a distributed mesh, which its surfaces tell.
 MacroPartition Distributed(shared_ptr<FESpace> V, py::object slave, py::object macros,
-                           py::object axisymmetric, Flags & flags) {
-  auto [count, numbers, replica] = py::module_::import("ngslac.parallel.space")
-                                       .attr("MacroElements")(V, slave, macros, axisymmetric)
-                                       .cast<std::tuple<size_t, Numbers<int>, int>>();
-  flags.SetFlag("replica", double(replica));
+                           py::object axisymmetric) {
+  auto [count, numbers] = py::module_::import("ngslac.parallel.space")
+                              .attr("MacroElements")(V, slave, macros, axisymmetric)
+                              .cast<std::tuple<size_t, Numbers<int>>>();
   MacroPartition partition;
   partition.nmacros = count, partition.macro_of_face = FromNumPy(numbers);
   partition.cores.SetSize(count), partition.reach.SetSize(count);
@@ -101,7 +100,7 @@ shared_ptr<LACSpace> SpaceArguments::Make() const {
   Flags flags;
   optional<MacroPartition> taken;
   if (mesh->GetCommunicator().Size() > 1)
-    taken = Distributed(V, slave.value, macros.value, axisymmetric.value, flags);
+    taken = Distributed(V, slave.value, macros.value, axisymmetric.value);
   auto region = taken ? BoundaryRegion(mesh, "LACSpace: slave", slave.value)
                       : RegionWithFaces(mesh, "LACSpace: slave", slave.value);
   flags.SetFlag("slave", NumbersOf(region));

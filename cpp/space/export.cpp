@@ -96,10 +96,6 @@ void ExportSpace(py::module & m) {
       .def_property_readonly(
           "macros", [](const LACSpace & self) { return Array<int>(self.MacroOfFace()); },
           "Macro-element of each boundary element of the mesh, -1 off the slave surface.")
-      .def_property_readonly(
-          "number",
-          [](const LACSpace & self) { return int(self.GetFlags().GetNumFlag("replica", -1)); },
-          "Of its replica where the mesh is distributed, else -1.")
       .def_property_readonly("axisymmetric", &LACSpace::IsAxisymmetric,
                              "Are areas those of the whole circumference about the axis x = 0?")
       .def_property_readonly("slave", &LACSpace::SlaveRegion, "The slave surface (Region).")

@@ -25,7 +25,6 @@ public:
   /// A space on the same macro-elements with another number of components.
   shared_ptr<LACSpace> WithComponents(int n) const;
   /// On a mesh of which this process has a part only, the macro-elements come from elsewhere.
-  /// The number of its replica there is the flag "replica".
   void Take(MacroPartition other) { taken = std::move(other); }
 
   shared_ptr<FESpace> Displacement() const { return displacement; }

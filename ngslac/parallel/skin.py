@@ -58,11 +58,9 @@ class Skin:
 
     @classmethod
     def Of(cls, mesh, *regions):
-        """That of some regions of boundaries of a distributed mesh, of which some may be None."""
-        found = [
-            Region(mesh, BND, r) if isinstance(r, str) else r for r in regions if r is not None
-        ]
-        mask = [*map(any, zip(*(region.Mask() for region in found), strict=True))]
+        """That of some regions of a distributed mesh's boundaries, of which some may be None."""
+        masks = [region.Mask() for region in regions if region is not None]
+        mask = [*map(any, zip(*masks, strict=True))]
         known = Together.Of(mesh).skins
         for skin in known:
             if skin.original == mesh and skin.mask == mask:

@@ -26,4 +26,4 @@ def MacroElements(V, slave, macros, axisymmetric):
     there = skin.Trace(V).copy
     home = LACSpace(there, slave=skin.Region(region), axisymmetric=axisymmetric)
     numbers = np.array([*home.macros, -1], dtype=np.int32)  # of faces that it lacks: -1
-    return home.nmacros, numbers[skin.faces], 0
+    return home.nmacros, numbers[skin.faces]

@@ -123,9 +123,7 @@ class Spread(np.ndarray):
         """Of all rows, or of the entries of each."""
         if axis not in (None, 0):
             return self.Like(np.asarray(self).mean(axis))
-        count = self.together.Sum(np.count_nonzero(self.owned))
-        each = self[0:0].size if axis is None and self.ndim > 1 else 0
-        return self.sum(axis) / (count * (np.prod(self.shape[1:]) if axis is None else 1) + each)
+        return self.sum(axis) / (Count(self) * (np.prod(self.shape[1:]) if axis is None else 1))
 
     def tolist(self):
         """The rows of this process."""
@@ -133,25 +131,15 @@ class Spread(np.ndarray):
 
 
 class Turned:
-    """A Spread array with rows and columns exchanged."""
+    """A Spread array with rows and columns exchanged: its products are sums over the rows."""
 
-    __array_ufunc__ = None  # products with it are its own
+    __array_ufunc__ = None
 
     def __init__(self, values):
         self.T = values
 
-    @property
-    def shape(self):
-        return self.T.shape[::-1]
-
     def __matmul__(self, other):
         return self.T.together.Sum(self.T.own.T @ OwnOf(other, self.T))
-
-    def __rmatmul__(self, other):
-        return self.T.Like(np.asarray(self.T) @ np.asarray(other).T).T  # of few rows
-
-    def __mul__(self, factor):
-        return (self.T * np.asarray(factor).T).T
 
 
 def Plain(thing):
@@ -196,6 +184,7 @@ def Reduced(ufunc, values, options):
 
 
 def IntegerEnd(ufunc, dtype):
+    """The number that a maximum or a minimum of whole numbers begins with."""
     if dtype.kind == "b":
         return ufunc is np.minimum
     ends = np.iinfo(dtype)
@@ -241,9 +230,17 @@ def LeastSquares(a, b, rcond=None):
     return (found if many else found[:, 0]), None, None, None
 
 
-def Median(values, **_):
+def Count(values):
     """Of the rows of all processes."""
-    return np.median(np.concatenate(values.together.Gather(values.own)))
+    return values.together.Sum(np.count_nonzero(values.owned))
+
+
+def Median(values, **_):
+    """Of the rows of all processes, by bisection: no process knows all of them."""
+    low, high, half = np.min(values), np.max(values), Count(values) / 2
+    while low < (middle := (low + high) / 2) < high:
+        low, high = (low, middle) if np.count_nonzero(values <= middle) >= half else (middle, high)
+    return high
 
 
 def ArrayEqual(one, other, **_):

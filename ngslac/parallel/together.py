@@ -38,10 +38,10 @@ class Together:
     All of them call each method, in the same order.
     """
 
-    known: ClassVar = {}
+    known: ClassVar = []
 
     def __init__(self, comm):
-        self.comm, self._roll = comm.Dup(), comm.Dup()
+        self._original, self.comm, self._roll = comm, comm.Dup(), comm.Dup()
         self.rank, self.size = comm.rank, comm.size
         self.layouts, self.skins, self.extents, self._depth = [], [], [], 0
         self.interrupts = Interrupts()
@@ -52,11 +52,14 @@ class Together:
     @classmethod
     def Of(cls, mesh):
         """Those of a distributed mesh."""
+        from mpi4py import MPI
+
         comm = mesh.comm.mpi4py
-        key = comm.size, comm.rank
-        if key not in cls.known:
-            cls.known[key] = cls(comm)
-        return cls.known[key]
+        for known in cls.known:
+            if MPI.Comm.Compare(known._original, comm) in (MPI.IDENT, MPI.CONGRUENT):
+                return known
+        cls.known.append(cls(comm))
+        return cls.known[-1]
 
     # --- calls ---------------------------------------------------------------------------------
 

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BaseVector, BitArray
+from ngsolve import BaseVector, BilinearForm, BitArray
 
 from ngslac.arrays import AsNumPy, Multiply, ScalarDofs
 from ngslac.bulkforms import WithoutMass
@@ -73,8 +73,9 @@ class Bulk:
 
     @property
     def elastic(self):
-        """The form without inertia."""
-        return WithoutMass(self.a)
+        """The BilinearForm without inertia; None: unknown."""
+        form = WithoutMass(self.a)
+        return form if isinstance(form, BilinearForm) else None
 
     @property
     def load(self):

@@ -26,6 +26,7 @@ from parallel_shapes import block_on_block, disc_on_block
 from parallel_world import case
 
 from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, TimeStepper
+from ngslac.parallel.spread import MaxAt, Spread, SumAt
 from ngslac.parallel.together import Together
 
 HELD = {"dirichlet": "bottom|top"}
@@ -174,3 +175,41 @@ def one_after_the_other(world):
         del made, stepper
         gc.collect()
     return found | {"forms": ([form() is None for form in forms[:-1]], None)}
+
+
+@case
+def arrays(world):
+    """NumPy's functions of arrays of which each process has its rows, some of them shared."""
+    full = np.random.default_rng(0).normal(size=(40, 3))
+    a = full
+    if world.size > 1:
+        mesh = block_on_block(world.comm, COARSE)
+        first, end = (40 * (world.rank + k) // world.size for k in (0, 1))
+        rows = np.arange(max(first - 3, 0), end)
+        a = Spread.Of(full[rows], rows >= first, Together.Of(mesh))
+    v, w = a[:, 0], a[:, 1].copy()
+    w[v < -1] = 2
+    w *= 3.0
+    positive, group = v > 0, (np.asarray(v) > 0).astype(int)
+    found = {
+        "sum": np.sum(v),
+        "sums": a.sum(axis=0),
+        "most": [np.max(np.abs(v)), np.abs(w).max(initial=9.0), np.min(v), np.ptp(w)],
+        "yes": [np.any(v > 3), np.all(v < 3), np.count_nonzero(positive), (~positive).sum()],
+        "norms": [np.linalg.norm(v), np.linalg.norm(v[positive]), np.mean(w)],
+        "columns": np.linalg.norm(a, axis=0),
+        "products": [v @ w, *(v @ a)],
+        "gram": a.T @ a,
+        "turned": a.T @ (v[:, None] * a),
+        "fit": np.linalg.lstsq(a[:, :2], w, rcond=None)[0],
+        "whole": np.abs(np.linalg.qr(a, mode="r")),
+        "where": np.where(positive, v, -w).sum(),
+        "rows": np.sum(np.square(a), axis=1).max(),
+        "stacked": np.stack([v, w], axis=1).T @ v,
+        "same": [np.array_equal(v, v.copy()), np.array_equal(v, w)],
+        "groups": SumAt(group, w, 2),
+        "largest": MaxAt(group, np.abs(a), 2),
+        "moved": np.linalg.norm(a @ np.ones(3) - v),
+        "median": np.median(v[v > np.min(v)]),  # of an odd number it is one of them
+    }
+    return {name: (np.asarray(value, dtype=float), None) for name, value in found.items()}
