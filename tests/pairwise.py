@@ -80,7 +80,7 @@ def MarkSlow(items):
     slow = SlowTests()
     for item in items:
         file = item.path.relative_to(HERE)
-        listed = (file.as_posix(), item.originalname) in slow
+        listed = (file.as_posix(), getattr(item, "originalname", "")) in slow
         weekly = any(item.get_closest_marker(name) for name in ("full", "stress"))
         if listed or weekly or file.parts[0] in SLOW_ROOMS:
             item.add_marker(pytest.mark.slow)
