@@ -146,19 +146,15 @@ class Together:
     # --- numbers -------------------------------------------------------------------------------
 
     def Reduce(self, values, operation):
-        """Numbers or arrays of all processes combined: the same bits everywhere."""
+        """Numbers or arrays of all processes combined: the same bits on all, as MPI promises."""
         from mpi4py import MPI
 
         array = np.ascontiguousarray(values)
         kind = array.dtype
         if kind.kind == "b":
             array = array.astype(np.int8)
-        found, operation = np.empty_like(array), getattr(MPI, operation)
-        if operation == MPI.SUM and kind.kind == "f":  # whose rounding is that of one process
-            self.comm.Reduce(array, found, op=operation)
-            self.comm.Bcast(found)
-        else:
-            self.comm.Allreduce(array, found, op=operation)
+        found = np.empty_like(array)
+        self.comm.Allreduce(array, found, op=getattr(MPI, operation))
         found = found.astype(kind)
         return found if np.ndim(values) else found[()] if found.ndim == 0 else found.ravel()[0]
 

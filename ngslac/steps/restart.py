@@ -168,14 +168,12 @@ def LoadState(file, tool, *, also=None) -> None:
     """
     solver, also = _Solver(tool), _Also(also)
     together, whole = solver.system.layout.together, AsWhole(solver.gf.space)
-    read = (
-        (lambda: ReadTree(PathOf("file", file), RECORDS)) if not together.rank else (lambda: None)
-    )
+    first, path = together.rank == 0, PathOf("file", file)
+    read = (lambda: ReadTree(path, RECORDS)) if first else (lambda: {})
     found = together.Agree(read, Exception)
-    mesh = found.pop("mesh", None) if found else None
-    del mesh
-    space = together.Tell(_Fingerprint(whole.space) if together.rank == 0 else None)
-    saved = found.pop("also") if found else None
+    found.pop("mesh", None)
+    space = together.Tell(_Fingerprint(whole.space) if first else None)
+    saved = found.pop("also", {})
     found = _Spread(found, whole, together)
     found["also"] = _SpreadAlso(saved, also, together)
     _Compare("tool", found["tool"], type(tool).__name__)
@@ -221,7 +219,7 @@ def _Spread(tree, whole, together, name=""):
     if kind == "rows":
         return whole.Scatter(tree)
     if kind == "dict":
-        return {k: _Spread(tree and tree[k], whole, together, k) for k in keys}
+        return {k: _Spread(tree[k] if tree else None, whole, together, k) for k in keys}
     if kind in ("list", "tuple"):
         parts = tree if together.rank == 0 else [None] * keys
         found = [_Spread(part, whole, together, name) for part in parts]
@@ -234,8 +232,8 @@ def _SpreadAlso(saved, also, together):
     if together.size == 1:
         return saved
     found = {}
-    for name in together.Tell(saved and list(saved)):
-        value = None if saved is None else saved[name]
+    for name in together.Tell(list(saved)):
+        value = saved.get(name)
         if name in also and also[name].gf is not None:
             same = together.Tell(value is not None and value.shape)
             fits = same == (AsWhole(also[name].gf.space).size,)
@@ -370,7 +368,11 @@ def _Also(things):
     CheckInstance("also", things, dict, "a dict of names and GridFunctions")
     for name in things:
         CheckInstance("also: name", name, str, "a string")
-    return {name: _Stored(name, thing) for name, thing in things.items()}
+    found = {name: _Stored(name, thing) for name, thing in things.items()}
+    for name, stored in found.items():
+        if stored.gf is None and getattr(stored.thing, "comm", None) and stored.thing.comm.size > 1:
+            raise ValueError(f"also[{name!r}] is a vector of many processes: give a GridFunction")
+    return found
 
 
 def _Shape(values):
