@@ -149,6 +149,8 @@ class LACContact:
     components : int
         Of `u`: as many as dimensions, or 1.
     space : LACSpace
+    surface : LACSpace
+        The same on a mesh that each process has as a whole; in one process `space`.
     master : Region or None
     tool : Tool or None
     penetration : float or None

@@ -17,11 +17,11 @@ MANY = [
 ]  # fmt: skip
 FEW = ["hertz2d", "tied3d", "two_contacts", "selfcontact", "unknown_slave", "saved", "restarted"]
 RUNS = {3: ALL, 4: MANY, 5: FEW, 2: FEW, 1: FEW}
-# By default 3 ranks alone run these; of ngslac/parallel and ngslac/petsc they reach what all reach.
+# By default 3 ranks alone run these: they reach what all reach of the rooms parallel and petsc.
 SAMPLE = [
     "saved", "restarted", "vtu", "hertz2d", "builder", "curved", "two_contacts", "condensed",
     "nonlinear", "augmented", "bilateral", "tied3d", "heat", "floating", "load_as_linearform",
-    "heat_flow", "tied_temperature", "light_queries",
+    "heat_flow", "tied_temperature", "surfaces_alone", "arrays",
     "interior_point", "selfcontact", "tied_finite", "rigid_tool", "dynamics", "dynamics_small",
     "dynamics3d", "torn_off", "too_few_iterations", "unknown_slave", "unknown_options",
     "negative_friction", "failing_callback", "failing_prescribe", "bad_loads", "bad_form",

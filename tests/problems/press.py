@@ -30,6 +30,7 @@ from posed import Posed
 
 from ngslac import Flux, LACContact, LACSpace
 from ngslac.meshes import TwoBlocks, TwoBlocks3D
+from ngslac.parallel.layout import LayoutOf
 
 MU, LAME = 40.0, 60.0
 PUSH = {2: (0.02, -0.02), 3: (0.02, 0.01, -0.02)}
@@ -131,5 +132,7 @@ def same(problem, other, tol=1e-10):
 
 
 def numpy(vec):
-    """A copy of the entries of a vector or GridFunction."""
-    return getattr(vec, "vec", vec).FV().NumPy().copy()
+    """A copy of the entries of a vector or GridFunction; of one on many processes a Spread."""
+    if isinstance(vec, GridFunction):
+        return LayoutOf(vec.space).Values(vec.vec).copy()
+    return vec.FV().NumPy().copy()
