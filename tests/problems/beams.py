@@ -6,17 +6,16 @@ from itertools import pairwise
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (
-    CF,
-    BilinearForm,
-    GridFunction,
     Mesh,
     Parameter,
     VectorH1,
     ds,
 )
+from posed import posed
 from press import linear, neo_hooke
 
-from ngslac import ContactSolver, LACContact, LACSpace
+from ngslac import ContactSolver
+from ngslac.meshes import AddBody
 from ngslac.meshes.boxes import Cells, StructuredBox
 
 LENGTH, HEIGHT, WIDTH = 1.0, 0.1, 0.15
@@ -127,13 +126,10 @@ def beams(
     master = master or {"under": "over", "over": "under"}[slave]
     flags = {} if space is VectorH1 else {"slave": slave}
     V = space(mesh, order=order, dirichlet="clamp", **flags)
-    X = V * LACSpace(V, slave=slave)
-    (u, lam), (v, _) = X.TnT()
-    pressure = Parameter(load)
-    a = BilinearForm(X, condense=condense)
-    a += neo_hooke(u) if nonlinear else linear(u, v)
-    down = CF((0, 1)) if dim == 2 else CF((0, 0, 1))
-    a += pressure * down * v * ds("top")
-    contact = LACContact(u, lam, master=master, **law)
-    gf = GridFunction(X)
-    return Beams(mesh, gf, contact, solver(a, gf, contact), pressure, dim)
+
+    def bulk(u, v, pressure):
+        return (neo_hooke(u) if nonlinear else linear(u, v)) + pressure * v[dim - 1] * ds("top")
+
+    given = {"slave": slave, "condense": condense, "load": Parameter(load), "master": master}
+    p = posed(V, bulk, **given, **law)
+    return Beams(mesh, p.gf, p.contact, solver(p.a, p.gf, p.contact), p.load, dim)

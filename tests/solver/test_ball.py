@@ -7,9 +7,7 @@ import pytest
 from netgen.occ import Box, Compound, OCCGeometry, Pnt, Sphere, Z
 from ngsolve import (
     CF,
-    BilinearForm,
     Cross,
-    GridFunction,
     IfPos,
     InnerProduct,
     Integrate,
@@ -21,9 +19,10 @@ from ngsolve import (
     y,
     z,
 )
+from posed import posed
 from press import linear, numpy
 
-from ngslac import ContactSolver, ContactWarning, FloatingBodyError, LACContact, LACSpace
+from ngslac import ContactWarning, FloatingBodyError
 
 # Presses the ball by a quarter of its radius: several macro-elements touch.
 FORCE = {"block": 20.0, "plane": 60.0}
@@ -49,19 +48,18 @@ def problem(
     """Solver of a ball under a body force and a couple, on a block or a rigid plane."""
     mesh = ball_mesh(under)
     V = VectorH1(mesh, order=2, dirichlet="bottom")
-    X = V * LACSpace(V, slave="ball")
-    (u, lam), (v, _) = X.TnT()
     ball = mesh.Materials("ball")
     inertia, volume = (Integrate(f, ball, order=6) for f in (x * x + y * y, CF(1)))
     load = CF((*side, up * FORCE[under])) / volume + Cross(CF(couple), CF((x, y, z - 1))) / inertia
-    a, gf = BilinearForm(X), GridFunction(X)
-    a += linear(u, v) - InnerProduct(load, v) * dx("ball", bonus_intorder=2)
-    if under == "block":
-        contact = LACContact(u, lam, master="master", friction=friction)
-    else:  # the gap along the normal; what looks up or aside is far away
-        down = -specialcf.normal(3)[2]
-        contact = LACContact(u, lam, obstacle=z / IfPos(down - 0.2, down, 0.2), friction=friction)
-    return ContactSolver(a, gf, contact, **options), contact, gf
+    down = -specialcf.normal(3)[2]
+    # The gap along the normal; what looks up or aside is far away.
+    law = {} if under == "block" else {"obstacle": z / IfPos(down - 0.2, down, 0.2)}
+
+    def bulk(u, v, _):
+        return linear(u, v) - InnerProduct(load, v) * dx("ball", bonus_intorder=2)
+
+    made = posed(V, bulk, slave="ball", friction=friction, **law)
+    return made.solver(**options), made.contact, made.gf
 
 
 @pytest.mark.parametrize("under", FORCE)

@@ -27,6 +27,7 @@ from ngsolve import (
     x,
     y,
 )
+from posed import posed
 
 from ngslac import (
     ContactConvergenceError,
@@ -180,14 +181,15 @@ class Disc:
         self.mesh = Mesh(OCCGeometry(shape, dim=2).GenerateMesh()).Curve(curve)
         space = VectorH1(self.mesh, order=2, dirichlet="outside")
         slave, master = ("hole", "disc") if swap else ("disc", "hole")
-        fes = space * LACSpace(space, slave=slave)
-        (u, lam), (v, _) = fes.TnT()
-        self.torque, self.a, self.gf = Parameter(0.0), BilinearForm(fes), GridFunction(fes)
         down = np.sin(np.radians(turn)), -np.cos(np.radians(turn))
-        self.a += hooke(u, v, 100.0) * dx - CF(down) * v * dx("disc")
-        self.a += self.torque * (x * v[1] - y * v[0]) * dx("disc")
-        self.contact = LACContact(u, lam, master=master)
-        self.solver = ContactSolver(self.a, self.gf, self.contact)
+
+        def bulk(u, v, torque):
+            loads = (torque * (x * v[1] - y * v[0]) - CF(down) * v) * dx("disc")
+            return hooke(u, v, 100.0) * dx + loads
+
+        problem = posed(space, bulk, slave=slave, master=master, load=Parameter(0.0))
+        self.torque, self.gf, self.contact = problem.load, problem.gf, problem.contact
+        self.solver = problem.solver()
 
     def solve(self):
         return self.solver.Solve(printing=False)
@@ -233,13 +235,9 @@ def test_right_angles_are_no_curved_surface():
     up.edges.Max(X).name = "side"
     mesh = Mesh(OCCGeometry(Compound([low, up]), dim=2).GenerateMesh())
     space = VectorH1(mesh, order=2, dirichlet="bottom", dirichletx="side")
-    fes = space * LACSpace(space, slave="slave")
-    (u, lam), (v, _) = fes.TnT()
-    a, gf = BilinearForm(fes), GridFunction(fes)
-    a += hooke(u, v) * dx + 0.01 * v[1] * dx("upper")
-    contact = LACContact(u, lam, master="master")
-    assert warned(lambda: ContactSolver(a, gf, contact).Solve(printing=False)) == []
-    force = contact.Force()
+    problem = posed(space, lambda u, v, load: hooke(u, v) * dx + 0.01 * v[1] * dx("upper"))
+    assert warned(lambda: problem.solver().Solve(printing=False)) == []
+    force = problem.contact.Force()
     assert force[0] / force[1] == pytest.approx(-slope, rel=1e-6)
 
 
@@ -257,17 +255,19 @@ class Resting:
         shape = OCCGeometry(Compound([*discs, floor]), dim=2)
         mesh = Mesh(shape.GenerateMesh()).Curve(2)
         V = VectorH1(mesh, order=2, definedon="disc")
-        fes = V * LACSpace(V, slave="round")
-        (u, lam), (v, _) = fes.TnT()
-        self.load, a = Parameter(0), BilinearForm(fes)
-        if bulk == "hooke":
-            a += hooke(u, v, 1e3) * dx("disc")
-        else:
-            a += Variation(NeoHooke(Id(2) + Grad(u), 2.6e3, 0.3) * dx("disc"))
-        a += (self.load * weight * v[1] + spring * u * v) * dx("disc")
-        self.contact = LACContact(u, lam, master="round|wall", finite=True, friction=friction)
-        self.gf = GridFunction(fes)
-        self.solver = ContactSolver(a, self.gf, self.contact)
+
+        def inside(u, v, load):
+            if bulk == "hooke":
+                return hooke(u, v, 1e3) * dx("disc")
+            return Variation(NeoHooke(Id(2) + Grad(u), 2.6e3, 0.3) * dx("disc"))
+
+        def loads(u, v, load):
+            return (load * weight * v[1] + spring * u * v) * dx("disc")
+
+        law = {"slave": "round", "master": "round|wall", "finite": True, "friction": friction}
+        problem = posed(V, inside, loads, load=Parameter(0), **law)
+        self.load, self.contact, self.gf = problem.load, problem.contact, problem.gf
+        self.solver = problem.solver()
         self.weight = weight * Integrate(1.0, mesh, definedon=mesh.Materials("disc"))
 
 

@@ -22,6 +22,7 @@ from ngsolve import (
     VectorH1,
     dx,
 )
+from posed import posed
 from press import linear
 
 from ngslac import ContactSolver, FloatingBodyError, LACContact, LACSpace, LoadStepper
@@ -164,14 +165,15 @@ def test_six_discs_in_one_contact_fall_and_spread():
     box.faces.name, box.edges.name = "box", "wall"
     mesh = Mesh(OCCGeometry(Compound([*discs, box]), dim=2).GenerateMesh(maxh=0.5)).Curve(2)
     V = VectorH1(mesh, order=2, definedon="disc")
-    X = V * LACSpace(V, slave="round")
-    (u, lam), (v, _) = X.TnT()
-    weight, a, gf = Parameter(0), BilinearForm(X), GridFunction(X)
-    a += Variation(NeoHooke(Id(2) + Grad(u), 1000.0, 0.3) * dx("disc"))
-    a += weight * v[1] * dx("disc")
-    contact = LACContact(u, lam, master="round|wall", finite=True, friction=0.1)
-    LoadStepper(ContactSolver(a, gf, contact), weight).Integrate(1, steps=5, printing=False)
-    assert contact.Force(on="wall")[1] == pytest.approx(-6 * np.pi, rel=1e-2)
+
+    def bulk(u, v, weight):
+        rubber = Variation(NeoHooke(Id(2) + Grad(u), 1000.0, 0.3) * dx("disc"))
+        return rubber + weight * v[1] * dx("disc")
+
+    law = {"slave": "round", "master": "round|wall", "finite": True, "friction": 0.1}
+    problem = posed(V, bulk, load=Parameter(0), **law)
+    problem.stepper().Integrate(1, steps=5, printing=False)
+    assert problem.contact.Force(on="wall")[1] == pytest.approx(-6 * np.pi, rel=1e-2)
 
 
 @pytest.mark.full
