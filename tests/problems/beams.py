@@ -128,8 +128,11 @@ def beams(
     V = space(mesh, order=order, dirichlet="clamp", **flags)
 
     def bulk(u, v, pressure):
-        return (neo_hooke(u) if nonlinear else linear(u, v)) + pressure * v[dim - 1] * ds("top")
+        return neo_hooke(u) if nonlinear else linear(u, v)
+
+    def pressed(u, v, pressure):
+        return pressure * v[dim - 1] * ds("top")
 
     given = {"slave": slave, "condense": condense, "load": Parameter(load), "master": master}
-    p = posed(V, bulk, **given, **law)
+    p = posed(V, bulk, pressed, **given, **law)
     return Beams(mesh, p.gf, p.contact, solver(p.a, p.gf, p.contact), p.load, dim)
