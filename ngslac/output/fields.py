@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from ngsolve import GridFunction
 
-from ngslac.parallel.form import FunctionOn
+from ngslac.parallel.form import FunctionOver
 
 __all__ = [
     "ARROWS",
@@ -43,7 +43,7 @@ def FieldOf(contact, field):
     """A function on the slave surface."""
     if field in RECOVERED:
         return getattr(contact.Recovered(), field.removeprefix("recovered "))
-    return FunctionOn(contact.form, getattr(contact, field))
+    return FunctionOver(contact.form, getattr(contact, field))
 
 
 def NumbersOf(contact, values):

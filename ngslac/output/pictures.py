@@ -11,7 +11,7 @@ from ngslac.arrays import AsBits
 from ngslac.output.facepoints import FacePoints
 from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.vtkfile import WriteVTK
-from ngslac.parallel.form import FunctionOn
+from ngslac.parallel.form import FunctionOver
 
 __all__ = ["Plot", "WriteVTU"]
 
@@ -122,7 +122,7 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
     fields = {name: FieldOf(self, name) for name in names}
     fields["macro"] = NumbersOf(self, np.arange(self.space.nmacros))
     if displacement is not None:
-        fields["displacement"] = FunctionOn(self.form, displacement)
+        fields["displacement"] = FunctionOver(self.form, displacement)
     if self.mesh.dim == 2:  # ParaView's vectors have three components
         fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
     chosen, mesh = AsBits(np.array(self.surface.macros) >= 0), self.surface.mesh

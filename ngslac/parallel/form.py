@@ -13,7 +13,7 @@ from ngslac.parallel.skin import Skin
 
 __all__ = [
     "Compiled",
-    "FunctionOn",
+    "FunctionOver",
     "JumpRows",
     "JumpRowsEverywhere",
     "MakeForm",
@@ -85,7 +85,7 @@ class SkinForm:
 
     def _FieldThere(self, field):
         """A function on the skin with the values of one of users."""
-        there = FunctionOn(self, field)
+        there = FunctionOver(self, field)
         self._fields.append((field, self.skin.Trace(field.space), there))
         return there
 
@@ -305,7 +305,7 @@ def OnSurface(form, values):
     return np.asarray(values)
 
 
-def FunctionOn(form, function):
+def FunctionOver(form, function):
     """A function of users on the mesh that this process has as a whole."""
     if not isinstance(form, SkinForm) or not isinstance(function, GridFunction):
         return function

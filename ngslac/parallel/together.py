@@ -6,10 +6,11 @@ import math
 import pickle
 import sys
 import time
+from collections.abc import Callable
 from contextlib import contextmanager, nullcontext
 from functools import wraps
 from numbers import Real
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from netgen.meshing import NgException
@@ -25,6 +26,7 @@ RULE = "what belongs to a distributed mesh has to be called on all processes, in
 OWN = {"printing", "callback"}  # arguments that each process may choose
 # Differences of numbers that were computed on each process: relative, and near zero.
 SAME, NOTHING = 1e-9, 1e-14
+Called = TypeVar("Called", bound=Callable)  # keeps what type checkers know of it
 LEFT = -1  # in place of the length of a call: of a process whose script has ended
 
 
@@ -244,7 +246,7 @@ class Alone:
 ALONE = Alone()
 
 
-def OnAll(find):
+def OnAll(find: Callable) -> Callable[[Called], Called]:
     """Of functions and methods that all processes of a distributed mesh call at once.
 
     `find` gives the mesh, of all arguments.

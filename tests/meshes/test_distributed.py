@@ -3,9 +3,9 @@
 import pytest
 from ngsolve import GridFunction, VectorH1
 
-from ngslac.errors import Portable
 from ngslac.meshes import Distributed, TwoBlocks
 from ngslac.meshes.distributed import _Copied
+from ngslac.parallel.together import Portable
 
 
 class One:

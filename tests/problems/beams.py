@@ -15,7 +15,6 @@ from posed import posed
 from press import linear, neo_hooke
 
 from ngslac import ContactSolver
-from ngslac.meshes import AddBody
 from ngslac.meshes.boxes import Cells, StructuredBox
 
 LENGTH, HEIGHT, WIDTH = 1.0, 0.1, 0.15
