@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""How large a mesh is, whoever has which part of it."""
+"""The size of a mesh, whichever process has which part of it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ngslac.parallel.together import ALONE, Together
+from ngslac.parallel.together import ALONE, Recall, Together
 
 __all__ = ["Extent", "ExtentOf"]
 
 
 @dataclass(frozen=True)
 class Extent:
-    """Of a mesh.
+    """The size and place of a mesh.
 
     Attributes
     ----------
@@ -37,15 +37,12 @@ def ExtentOf(mesh):
     if mesh.comm.size == 1:
         return Measured(mesh, ALONE)
     together = Together.Of(mesh)
-    for known, extent in together.extents:
-        if known == mesh:
-            return extent
-    together.extents.append((mesh, Measured(mesh, together)))
-    return together.extents[-1][1]
+    fits, make = lambda known: known[0] == mesh, lambda: (mesh, Measured(mesh, together))
+    return Recall(together.extents, fits, make)[1]
 
 
 def Measured(mesh, together):
-    """The Extent of a mesh that these processes have parts of."""
+    """Measure a mesh of which these processes have parts."""
     points = np.asarray(mesh.ngmesh.Coordinates()).reshape(-1, mesh.dim)
     low = together.Reduce(points.min(axis=0, initial=np.inf), "MIN")
     high = together.Reduce(points.max(axis=0, initial=-np.inf), "MAX")

@@ -8,7 +8,7 @@ from ngsolve.la import PARALLEL_STATUS
 from ngslac._ngslac import LACSpace
 from ngslac.arrays import AsNumPy, ToCSR
 from ngslac.parallel.spread import Spread
-from ngslac.parallel.together import ALONE, Together
+from ngslac.parallel.together import ALONE, Recall, Together
 
 __all__ = ["LayoutOf"]
 
@@ -23,7 +23,7 @@ class Whole:
 
     @property
     def owned(self):
-        """All rows (n,) bool."""
+        """The rows (n,) bool that count for this process: all of them."""
         return np.ones(self.space.ndof * self.space.dim, dtype=bool)
 
     @property
@@ -36,27 +36,27 @@ class Whole:
         return np.zeros(self.space.ndof * self.space.dim)
 
     def Of(self, values):
-        """An array of rows of the space."""
+        """Return the array (n,) of rows of the space."""
         return values
 
     def Values(self, vec):
-        """The entries of a vector of NGSolve, to be written to."""
+        """Return the entries of a vector of NGSolve, which may be written to."""
         return vec.FV().NumPy()
 
     def Apply(self, form, x, y):
-        """y = what a form says at x."""
+        """Apply a form: y = form(x)."""
         form.Apply(x, y)
 
     def Consistent(self, values):
-        """Values (n,) that each process has made for itself."""
+        """Return values (n,) that each process has computed, as those of the owners."""
         return values
 
     def Added(self, values):
-        """The sums (n,) of what processes have made of their elements."""
+        """Add up values (n,) that processes have computed from their elements."""
         return values
 
     def Everywhere(self, rows):
-        """Rows (n,) bool that some process has found for its elements."""
+        """Return the rows (n,) bool that some process has found for its elements."""
         return rows
 
     def Local(self, mat):
@@ -68,7 +68,7 @@ class Whole:
         return columns.T @ forces
 
     def Diagonal(self, mat):
-        """That of a sparse matrix (n,)."""
+        """Return the diagonal (n,) of a sparse matrix."""
         return ToCSR(mat).diagonal()
 
 
@@ -86,38 +86,38 @@ class Layout:
         self._vec = GridFunction(space).vec
 
     def Of(self, values):
-        """An array of rows of the space, as one of all processes."""
+        """Make an array of rows of the space one of all processes."""
         return Spread.Of(values, self.owned, self.together)
 
     def Values(self, vec):
-        """The entries of a vector of NGSolve, to be written to; shared ones are the same."""
+        """Return the entries of a vector, which may be written to; shared ones are the same."""
         if vec.GetParallelStatus() == PARALLEL_STATUS.DISTRIBUTED:
             vec.Cumulate()
         vec.SetParallelStatus(PARALLEL_STATUS.CUMULATED)
         return self.Of(vec.FV().NumPy())
 
     def Apply(self, form, x, y):
-        """y = what a form says at x; where it raises an error on one process, on all."""
+        """Apply a form: y = form(x); an error on one process is raised on all."""
         self.Values(x)
         self.together.Agree(lambda: form.Apply(x, y), Exception)
         self.Values(y)
 
     def Consistent(self, values):
-        """Values (n,) that each process has made for itself: those of the owners."""
+        """Return values (n,) that each process has computed, as those of the owners."""
         found = self.Added(np.where(self.owned, values, 0.0))
         if np.any(self.multipliers):
             found[self.multipliers] = self.together.Tell(np.asarray(found)[self.multipliers])
         return found
 
     def Added(self, values):
-        """The sums (n,) of what processes have made of their elements."""
+        """Add up values (n,) that processes have computed from their elements."""
         self._vec.FV().NumPy()[:] = values
         self._vec.SetParallelStatus(PARALLEL_STATUS.DISTRIBUTED)
         self._vec.Cumulate()
         return self.Of(self._vec.FV().NumPy().copy())
 
     def Everywhere(self, rows):
-        """Rows (n,) bool that some process has found for its elements."""
+        """Return the rows (n,) bool that some process has found for its elements."""
         return self.Added(np.asarray(rows).astype(float)) > 0
 
     def Zeros(self):
@@ -133,25 +133,21 @@ class Layout:
         return getattr(mat, "local_mat", mat)
 
     def Diagonal(self, mat):
-        """That of a sparse matrix (n,)."""
+        """Return the diagonal (n,) of a sparse matrix."""
         return self.Added(ToCSR(self.Local(mat)).diagonal())
 
 
 def LayoutOf(space):
-    """The rows of a space."""
+    """The layout of a space: Whole in one process, otherwise Layout."""
     mesh = space.mesh
     if mesh.comm.size == 1:
         return Whole(space)
     known = Together.Of(mesh).layouts
-    for layout in known:
-        if layout.space == space:
-            return layout
-    known.append(Layout(space))
-    return known[-1]
+    return Recall(known, lambda layout: layout.space == space, lambda: Layout(space))
 
 
 def Owned(space, rank):
-    """Which rows (n,) bool count here."""
+    """Which rows (n,) bool of a space count for this process."""
     if type(space) is ProductSpace:
         return np.concatenate([Owned(part, rank) for part in space.components])
     n = space.ndof * space.dim
@@ -163,7 +159,7 @@ def Owned(space, rank):
 
 
 def IsMultiplier(space):
-    """Which rows (n,) bool are of multipliers, that all processes have."""
+    """Which rows (n,) bool belong to multipliers, which all processes have."""
     if type(space) is ProductSpace:
         return np.concatenate([IsMultiplier(part) for part in space.components])
     return np.full(space.ndof * space.dim, isinstance(space, LACSpace))

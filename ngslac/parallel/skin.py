@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The skin of a distributed mesh: elements at contact surfaces, on each process as serial mesh."""
+"""The skin of a distributed mesh: all elements at contact surfaces, as a serial mesh."""
 
 import netgen.meshing
 import numpy as np
@@ -9,7 +9,7 @@ from ngsolve import BND, BitArray, FESpace, Mesh, ProductSpace, Region
 from ngslac._ngslac import ElementDofs, LACSpace, PieceOf, WholeMesh
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.parallel.layout import LayoutOf
-from ngslac.parallel.together import Together
+from ngslac.parallel.together import Recall, Together
 
 __all__ = ["Skin", "Trace"]
 
@@ -17,9 +17,9 @@ HEAD = 4  # columns of a row of a piece before its points: number, type, region,
 
 
 class Skin:
-    """The elements that touch some boundaries, as serial mesh with the numbers of one process.
+    """The elements that touch some boundaries, as a serial mesh that is the same on all processes.
 
-    Contact surfaces live on it, and what contact does is done on all processes alike.
+    Contact surfaces are on it, and each process computes all of the contact.
 
     Attributes
     ----------
@@ -58,18 +58,17 @@ class Skin:
 
     @classmethod
     def Of(cls, mesh, *regions):
-        """That of some regions of a distributed mesh's boundaries, of which some may be None."""
+        """Find or make the skin of some boundaries of a distributed mesh; regions may be None."""
         masks = [region.Mask() for region in regions if region is not None]
         mask = [*map(any, zip(*masks, strict=True))]
-        known = Together.Of(mesh).skins
-        for skin in known:
-            if skin.original == mesh and skin.mask == mask:
-                return skin
-        known.append(cls(mesh, mask))
-        return known[-1]
+
+        def Fits(skin):
+            return skin.original == mesh and skin.mask == mask
+
+        return Recall(Together.Of(mesh).skins, Fits, lambda: cls(mesh, mask))
 
     def Follow(self):
-        """See to it that curved elements are as in the distributed mesh now."""
+        """Curve elements as they are in the distributed mesh now."""
         mesh = self.original
         if mesh.deformation is not None:
             raise ValueError(
@@ -87,13 +86,13 @@ class Skin:
             self.mesh.Curve(int(order))
 
     def Region(self, original):
-        """What a region of the distributed mesh is there."""
+        """Find a region of the distributed mesh on the skin."""
         if not isinstance(original, Region):
             return original
         return Region(self.mesh, original.VB(), original.Mask())
 
     def Macros(self, space):
-        """The same macro-elements of a LACSpace there."""
+        """Make a LACSpace with the same macro-elements on the skin."""
         V, slave = self.Trace(space.displacement).copy, self.Region(space.slave)
         found = LACSpace(V, slave=slave, axisymmetric=space.axisymmetric)
         if found.ndof == space.ndof:
@@ -101,12 +100,8 @@ class Skin:
         return found.WithComponents(space.ndof * space.dim // max(space.nmacros, 1))
 
     def Trace(self, space):
-        """The Trace of a space of the distributed mesh."""
-        for known in self._traces:
-            if known.space == space:
-                return known
-        self._traces.append(Trace(self, space))
-        return self._traces[-1]
+        """Find or make the Trace of a space of the distributed mesh."""
+        return Recall(self._traces, lambda trace: trace.space == space, lambda: Trace(self, space))
 
 
 class Trace:
@@ -144,7 +139,7 @@ class Trace:
         bits |= AsBits(free.reshape(self.copy.ndof, -1).any(axis=1))
 
     def _Join(self, parts):
-        """Of a product."""
+        """Join the rows of the parts of a product."""
         self.copy = FESpace([part.copy for part in parts])
         d = self.space.dim
         every = range(len(parts))
@@ -152,7 +147,7 @@ class Trace:
         self.there = np.concatenate([parts[k].there + d * self.copy.Range(k).start for k in every])
 
     def _Find(self):
-        """From the dofs of elements; those that none of this process has others tell."""
+        """Find the rows by the dofs of elements; others know those without an element here."""
         skin, space = self.skin, self.space
         here, there = ByElements(space, skin.own), ByElements(self.copy, skin.places)
         if skin.together.Sum(len(here) != len(there)):
@@ -172,7 +167,7 @@ class Trace:
         )
 
     def Gather(self, values):
-        """The rows on the skin (size, ...) of values of this process: the same on all."""
+        """Gather values of all processes (size, ...) on the skin; they are the same on all."""
         values = np.asarray(values)
         if isinstance(self.space, LACSpace):  # all processes have them
             return values.copy()
@@ -181,7 +176,7 @@ class Trace:
         return found
 
     def GatherSparse(self, columns):
-        """The same of a sparse matrix whose rows are those of this process."""
+        """Gather a sparse matrix, whose rows are those of this process, on the skin."""
         pieces = self.skin.together.Gather(columns.tocsr()[self._mine])
         found = scipy.sparse.vstack(pieces).tocoo()
         shape = self.size, columns.shape[1]
@@ -189,7 +184,7 @@ class Trace:
         return scipy.sparse.coo_matrix((found.data, where), shape=shape).tocsr()
 
     def Matrix(self, mat):
-        """A SkinMatrix with the rows on the skin."""
+        """Return the part of a SkinMatrix that is on the skin."""
         return mat.there
 
     def Add(self, values, total):
@@ -215,7 +210,7 @@ def EmptyLike(mesh):
 
 
 def PointColumns(table):
-    """The columns with points, and which of their entries are some."""
+    """The columns with points, and which of their entries (m, k) bool are points."""
     wide = table[:, HEAD : HEAD + table[:, HEAD - 1].max(initial=0)]
     return wide, np.arange(wide.shape[1]) < table[:, HEAD - 1 : HEAD]
 
@@ -227,7 +222,7 @@ def PointsOf(table):
 
 
 def Touches(table, marked):
-    """Which elements have one of the points."""
+    """Which elements (m,) bool have one of the points."""
     wide, inside = PointColumns(table)
     return np.any(inside & np.isin(wide, marked), axis=1)
 

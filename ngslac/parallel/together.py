@@ -19,7 +19,7 @@ from ngslac.parallel.farewell import Farewell
 from ngslac.parallel.interrupts import Interrupts
 from ngslac.progress import Silence
 
-__all__ = ["ALONE", "OnAll", "OutOfStepError", "Portable", "Together"]
+__all__ = ["ALONE", "OnAll", "OutOfStepError", "Portable", "Recall", "Together"]
 
 PATIENCE = 60.0  # seconds to wait for others without a word
 RULE = "what belongs to a distributed mesh has to be called on all processes, in the same order"
@@ -27,6 +27,7 @@ OWN = {"printing", "callback"}  # arguments that each process may choose
 # Differences of numbers that were computed on each process: relative, and near zero.
 SAME, NOTHING = 1e-9, 1e-14
 Called = TypeVar("Called", bound=Callable)  # keeps what type checkers know of it
+KEPT = 16  # things of a kind that are remembered, so that the memory of a long script is bounded
 LEFT = -1  # in place of the length of a call: of a process whose script has ended
 
 
@@ -53,7 +54,7 @@ class Together:
 
     @classmethod
     def Of(cls, mesh):
-        """Those of a distributed mesh."""
+        """Find the processes of a distributed mesh."""
         from mpi4py import MPI
 
         comm = mesh.comm.mpi4py
@@ -67,7 +68,7 @@ class Together:
 
     @contextmanager
     def Call(self, name, arguments):
-        """A call that all processes make, with the same numbers and words as `arguments`.
+        """Enter a call that all processes make, with the same numbers and words as `arguments`.
 
         Interrupts wait until all of them know.
         """
@@ -83,7 +84,7 @@ class Together:
             self._depth -= 1
 
     def ByUser(self, function, *args):
-        """What a function of users returns; where it fails on one process, it fails on all."""
+        """Call a function of the user; where it fails on one process, it fails on all."""
         depth, self._depth = self._depth, 0
         try:
             with self.interrupts.Let():
@@ -119,7 +120,7 @@ class Together:
                 )
 
     def _Lengths(self, own, name):
-        """The numbers of all processes, which may come late."""
+        """Gather a number of each process, and tell the user when some process comes late."""
         found = np.zeros(self.size, dtype=np.int64)
         request = self._roll.Iallgather(np.array([own], dtype=np.int64), found)
         end = time.monotonic() + PATIENCE
@@ -136,7 +137,7 @@ class Together:
         return found
 
     def _Leave(self):
-        """Steps of the end of a script, of which each is one of waiting for the others."""
+        """Wait, at the end of a script, until all processes have ended theirs."""
         while True:
             found = np.zeros(self.size, dtype=np.int64)
             request = self._roll.Iallgather(np.array([LEFT], dtype=np.int64), found)
@@ -148,7 +149,7 @@ class Together:
     # --- numbers -------------------------------------------------------------------------------
 
     def Reduce(self, values, operation):
-        """Numbers or arrays of all processes combined: the same bits on all, as MPI promises."""
+        """Combine numbers or arrays of all processes; MPI gives the same bits to all."""
         from mpi4py import MPI
 
         array = np.ascontiguousarray(values)
@@ -161,19 +162,19 @@ class Together:
         return found if np.ndim(values) else found[()] if found.ndim == 0 else found.ravel()[0]
 
     def Sum(self, values):
-        """The sum of what all have."""
+        """Sum up values of all processes."""
         return self.Reduce(values, "SUM")
 
     def Gather(self, thing):
-        """A list of what all have."""
+        """Return a list of the things of all processes."""
         return self.comm.allgather(thing)
 
     def Tell(self, thing):
-        """What the first process has."""
+        """Return the thing of the first process."""
         return self.comm.bcast(thing)
 
     def Rows(self, array, counts=None):
-        """Rows of all, one after the other; `counts` says how many these are, if that is known."""
+        """Join the rows of all processes; `counts` has their numbers where these are known."""
         array = np.ascontiguousarray(array)
         counts = np.array(self.comm.allgather(len(array))) if counts is None else counts
         found = np.empty((counts.sum(), *array.shape[1:]), array.dtype)
@@ -181,11 +182,11 @@ class Together:
         return found
 
     def First(self, work):
-        """What `work` gives on the first process, which alone does it; all raise its errors."""
+        """Let the first process alone do the work; all return its result or raise its error."""
         return self.Tell(self.Agree(work if self.rank == 0 else lambda: None, Exception))
 
     def Agree(self, work, *errors):
-        """What `work` gives; where it raises one of these errors on some process, on all."""
+        """Do the work; one of these errors that a process raises is raised by all."""
         found = error = None
         try:
             found = work()
@@ -199,57 +200,69 @@ class Together:
 
 
 class Alone:
-    """One process, with the verbs of Together."""
+    """A single process, with the methods of Together."""
 
     rank, size = 0, 1
 
     def Call(self, *_):
-        """Nobody else has to make it."""
+        """See Together; no other process has to make the call."""
         return nullcontext()
 
     def ByUser(self, function, *args):
-        """What a function of users returns."""
+        """See Together."""
         return function(*args)
 
     def CheckInterrupts(self):
-        """They come at once."""
+        """See Together; interrupts of a single process come at once."""
 
     def First(self, work):
-        """What `work` gives."""
+        """See Together."""
         return work()
 
     def Reduce(self, values, _):
-        """As they are."""
+        """See Together."""
         return values
 
     def Sum(self, values):
-        """As they are."""
+        """See Together."""
         return values
 
     def Gather(self, thing):
-        """A list of it."""
+        """See Together."""
         return [thing]
 
     def Tell(self, thing):
-        """It."""
+        """See Together."""
         return thing
 
     def Rows(self, array):
-        """It."""
+        """See Together."""
         return array
 
     def Agree(self, work, *_):
-        """What `work` gives."""
+        """See Together."""
         return work()
 
 
 ALONE = Alone()
 
 
-def OnAll(find: Callable) -> Callable[[Called], Called]:
-    """Of functions and methods that all processes of a distributed mesh call at once.
+def Recall(known, fits, make):
+    """Find a thing among those used last, or make it; all processes do so alike."""
+    found = next((thing for thing in known if fits(thing)), None)
+    if found is None:
+        found = make()
+    else:
+        known.remove(found)
+    known.append(found)
+    del known[:-KEPT]
+    return found
 
-    `find` gives the mesh, of all arguments.
+
+def OnAll(find: Callable) -> Callable[[Called], Called]:
+    """Decorate functions and methods that all processes of a distributed mesh call together.
+
+    `find` takes all arguments and returns the mesh.
     """
 
     def Decorate(function):
@@ -257,7 +270,7 @@ def OnAll(find: Callable) -> Callable[[Called], Called]:
         def Everywhere(*args, **options):
             try:
                 mesh = find(*args, **options)
-            except TypeError:  # a wrong call, which is refused where it is made
+            except TypeError:  # a wrong call, which the function refuses
                 mesh = None
             if mesh is None or mesh.comm.size == 1:
                 return function(*args, **options)
@@ -270,7 +283,7 @@ def OnAll(find: Callable) -> Callable[[Called], Called]:
 
 
 def NameOf(function, args):
-    """As users know it."""
+    """The name by which users know a function."""
     if function.__name__ == "MacroElements":
         return "LACSpace"
     if "." not in function.__qualname__:
@@ -289,13 +302,14 @@ def Words(function, args, options):
 
 
 def IsWord(value):
+    """Whether an argument is a number, a word, nothing, or a list of these."""
     if isinstance(value, (list, tuple)):
         return all(map(IsWord, value))
     return value is None or isinstance(value, (bool, Real, str))
 
 
 def Difference(ours, others):
-    """The name of an argument that is another one on another process; None: they are alike."""
+    """The name of an argument that differs between two processes; None if there is none."""
     missing = object()
     for name in [*ours, *others]:
         if not Alike(ours.get(name, missing), others.get(name, missing)):
@@ -304,6 +318,7 @@ def Difference(ours, others):
 
 
 def Alike(one, other):
+    """Whether two arguments are equal, but for the rounding of numbers."""
     if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         return len(one) == len(other) and all(map(Alike, one, other))
     if isinstance(one, Real) and isinstance(other, Real):

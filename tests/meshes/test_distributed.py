@@ -5,7 +5,7 @@ from ngsolve import GridFunction, VectorH1
 
 from ngslac.meshes import Distributed, TwoBlocks
 from ngslac.meshes.distributed import _Copied
-from ngslac.parallel.together import Portable
+from ngslac.parallel.together import KEPT, Portable, Recall
 
 
 class One:
@@ -45,3 +45,13 @@ def test_errors_that_cannot_be_sent_go_as_their_text():
 
     assert str(Portable(LocalError("why"))) == "LocalError: why"
     assert isinstance(Portable(KeyError("name")), KeyError)
+
+
+def test_things_used_last_are_found_and_others_are_dropped():
+    known = []
+    for number in range(2 * KEPT):
+        assert Recall(known, lambda thing: thing == [0], lambda: [0]) is known[-1]
+        own = [number + 1]
+        assert Recall(known, lambda thing, own=own: thing is own, lambda own=own: own) is own
+    assert [0] in known  # as it was used in between
+    assert len(known) == KEPT
