@@ -11,7 +11,7 @@ STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_R
 
 
 def WarnOfCopies(mesh):
-    """Say it where mpiexec has started many processes, but each has the whole mesh."""
+    """Warn where mpiexec has started many processes, but each has the whole mesh."""
     for size, rank in STARTED:
         count = int(os.environ.get(size, 1))
         if count > 1 and mesh.comm.size == 1 and os.environ.get(rank) == "0":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A compiled contact form of a distributed mesh: it works on the skin, on all processes alike."""
+"""A compiled contact form of a distributed mesh: each process has the whole of it, on the skin."""
 
 import numpy as np
 import scipy
@@ -26,26 +26,26 @@ __all__ = [
 
 
 def MakeForm(setup, *, active=True):
-    """The compiled form of these arguments."""
+    """Make a ContactForm with these arguments, on a distributed mesh a SkinForm."""
     if setup["u"].space.mesh.comm.size == 1:
         return ContactForm(**setup, active=active)
     return SkinForm(setup, active)
 
 
 def Compiled(form):
-    """The compiled form, on a mesh that this process has as a whole."""
+    """The ContactForm, whose mesh this process has as a whole."""
     return form.there if isinstance(form, SkinForm) else form
 
 
 def RegionOn(form, region):
-    """What a region, or None, is on that mesh."""
+    """The region on the mesh of the ContactForm; None stays None."""
     return form.skin.Region(region) if isinstance(form, SkinForm) else region
 
 
 class SkinForm:
-    """A ContactForm on the skin with the verbs that it has on vectors of the distributed space.
+    """A ContactForm on the skin, whose methods take vectors of the distributed space.
 
-    What is not here is that of the compiled form.
+    Attributes that are not defined here are those of the ContactForm.
     """
 
     def __init__(self, setup, active):
@@ -77,26 +77,26 @@ class SkinForm:
         return getattr(self.there, name)
 
     def _There(self, proxy, name):
-        """A trial function on the skin."""
+        """Find a trial function on the skin."""
         found = self.trace.copy.TrialFunction()
         for k in ProxyPath(proxy, name):
             found = found[k]
         return found
 
     def _FieldThere(self, field):
-        """A function on the skin with the values of one of users."""
+        """Make a function on the skin for a function of the user."""
         there = FunctionOver(self, field)
         self._fields.append((field, self.skin.Trace(field.space), there))
         return there
 
     def _Refresh(self):
-        """Take what users may have done to their functions."""
+        """Copy the values of the user's functions, which may have changed."""
         for field, trace, there in self._fields:
             values = LayoutOf(field.space).Values(field.vec)
             there.vec.FV().NumPy()[:] = trace.Gather(values)
 
     def _At(self, vec):
-        """The values of a vector on the skin."""
+        """Copy the values of a vector to the skin."""
         self._gf.vec.FV().NumPy()[:] = self.trace.Gather(self.layout.Values(vec))
         return self._gf.vec
 
@@ -146,14 +146,14 @@ class SkinForm:
         self.there.LearnStiffness(self._Diagonal(found))
 
     def _Elastic(self, form):
-        """The diagonal (n,) that elements at boundaries make; others may have their faces."""
+        """Sum up the diagonal (n,) of elements at boundaries, whichever process has these."""
         touched = AsNumPy(self.fes.GetDofs(self.fes.mesh.Boundaries(".*")))
         there = self.layout.Everywhere(np.repeat(touched, self.fes.dim))
         own = FormDiagonal(form, AsBits(np.asarray(there)[:: self.fes.dim]))
         return self.layout.Added(own)
 
     def Scale(self, mat, forms):
-        """The factors (n,) that equilibrate the matrix of the bulk with some SkinForms."""
+        """Compute factors (n,) that equilibrate the matrix of the bulk with some SkinForms."""
         diagonal = self.layout.Diagonal(mat)
         positive = diagonal > 0
         scale = np.where(positive, 1 / np.sqrt(np.where(positive, diagonal, 1.0)), 1.0)
@@ -163,7 +163,7 @@ class SkinForm:
         return scale
 
     def _Diagonal(self, values):
-        """A sparse matrix with a diagonal, on the skin."""
+        """Make a diagonal matrix on the skin."""
         return Exported(scipy.sparse.diags_array(self.trace.Gather(values)))
 
     # --- residual and matrices -----------------------------------------------------------------
@@ -219,24 +219,24 @@ class SkinForm:
 
     @property
     def mat(self):
-        """The matrix assembled last."""
+        """The SkinMatrix that was assembled last."""
         return SkinMatrix(self.there.mat, self)
 
     def MultiplierDofs(self):
-        """Rows of the multipliers."""
+        """See ContactForm; the rows are those of this process."""
         d = self.fes.dim
         return self.there.MultiplierDofs() + d * (self.lamoffset - self.there.lamoffset)
 
 
 def JumpRows(form, side):
-    """What each macro-element sees of a displacement, times its area: d rows of each, sparse."""
+    """Sparse rows, d for each macro-element: means of a displacement over it, times its area."""
     if isinstance(form, SkinForm):
         return SkinRows(ToCSR(form.there.JumpMatrix(side)), form.skin.Trace(form.component))
     return ToCSR(form.JumpMatrix(side))
 
 
 def JumpRowsEverywhere(form, side):
-    """The same on the whole product space."""
+    """The JumpRows as rows of the whole product space."""
     there = Compiled(form)
     jump = ToCSR(there.JumpMatrix(side))
     columns = jump.indices + there.offset * there.fes.dim
@@ -246,44 +246,44 @@ def JumpRowsEverywhere(form, side):
 
 
 def TraceOf(form):
-    """Which rows of a form's space are on the surfaces."""
+    """The Trace of the space of a form, or a WholeTrace."""
     if isinstance(form, SkinForm):
         return form.trace
     return WholeTrace(form.fes.ndof * form.fes.dim)
 
 
 class WholeTrace:
-    """The verbs of a Trace where all `count` rows are there in one process."""
+    """The methods of a Trace where one process has all `count` rows."""
 
     def __init__(self, count):
         self.count = count
 
     def Zeros(self):
-        """A new array of zeros."""
+        """See Trace."""
         return np.zeros(self.count)
 
     def Gather(self, values):
-        """The rows on the surfaces."""
+        """See Trace; no rows are left out."""
         return np.asarray(values)
 
     def Put(self, values, total):
-        """Write values of rows on the surfaces."""
+        """See Trace."""
         total[:] = values
 
     def Matrix(self, mat):
-        """A matrix of contact with the rows on the surfaces."""
+        """See Trace."""
         return mat
 
 
 def ScaleOf(mat, forms):
-    """The factors (n,) that equilibrate a system of bulk and contacts."""
+    """Factors (n,) that equilibrate a system of bulk and contacts."""
     if isinstance(forms[0], SkinForm):
         return forms[0].Scale(mat, forms)
     return EquilibrationScale(mat, forms)
 
 
 def Slaves(space):
-    """Those of the macro-elements among the components of a space."""
+    """The slave regions of the LACSpaces among the components of a space."""
     if type(space) is ProductSpace:
         return [slave for part in space.components for slave in Slaves(part)]
     return [space.slave] if isinstance(space, LACSpace) else []
@@ -299,14 +299,14 @@ def ComponentOf(proxy, name):
 
 
 def OnSurface(form, values):
-    """Values (k,) of the displacement's rows as those of the compiled form's."""
+    """Values (k,) of rows of the displacement in the order of the ContactForm."""
     if isinstance(form, SkinForm):
         return form.skin.Trace(form.component).Gather(np.asarray(values).astype(float))
     return np.asarray(values)
 
 
 def FunctionOver(form, function):
-    """A function of users on the mesh that this process has as a whole."""
+    """A function of the user on the mesh of the ContactForm."""
     if not isinstance(form, SkinForm) or not isinstance(function, GridFunction):
         return function
     trace = form.skin.Trace(function.space)

@@ -19,25 +19,25 @@ class SkinMatrix:
         self.height = self.width = form.fes.ndof * form.fes.dim if mat.height else 0
 
     def CSR(self):
-        """The arrays of the matrix on the skin."""
+        """Return the arrays of the matrix on the skin."""
         return self.there.CSR()
 
     def Times(self, values):
-        """The product with an array (n,)."""
+        """Multiply by an array (n,)."""
         factor, product = self.there.CreateRowVector(), self.there.CreateColVector()
         factor.FV().NumPy()[:] = self.trace.Gather(values)
         product.data = self.there * factor
         return self.FromSkin(product.FV().NumPy())
 
     def FromSkin(self, values):
-        """Those on the skin, and 0 elsewhere (n,)."""
+        """Extend values on the skin by 0 elsewhere (n,)."""
         found = self.layout.Zeros()
         self.trace.Put(values, found)
         return found
 
 
 class SkinSparse:
-    """A copy of a SkinMatrix, with the verbs of SciPy's matrices."""
+    """A copy of a SkinMatrix, with some methods of SciPy's matrices."""
 
     def __init__(self, there, mat):
         self.there, self.mat = there, mat
@@ -73,7 +73,7 @@ class SkinRows:
 
     @property
     def shape(self):
-        """Of all rows, and of the columns of this process."""
+        """The number of all rows, and of the columns of this process."""
         return self.there.shape[0], self.trace.count
 
     def __getitem__(self, rows):
@@ -91,7 +91,7 @@ class SkinRows:
         return SkinRows(mat @ self.there, self.trace)
 
     def Transposed(self, factors):
-        """The sum (n,) of rows times factors."""
+        """Multiply the transposed rows by factors (n,)."""
         found = self.trace.Zeros()
         self.trace.Put(self.there.T @ factors, found)
         return found
@@ -105,7 +105,7 @@ def Entries(rows, values):
 
 
 def Stacked(rows):
-    """Sparse rows, one below the other."""
+    """Put sparse rows one below the other."""
     if isinstance(rows[0], SkinRows):
         return SkinRows(scipy.sparse.vstack([part.there for part in rows]), rows[0].trace)
     return scipy.sparse.vstack(rows).tocsr()

@@ -11,13 +11,13 @@ __all__ = ["MacroElements"]
 
 
 def MeshOf(V, *_):
-    """That of a space."""
+    """The mesh of a space."""
     return V.mesh
 
 
 @OnAll(MeshOf)
 def MacroElements(V, slave, macros, axisymmetric):
-    """What a LACSpace on a distributed mesh has to know."""
+    """Number the macro-elements of a LACSpace: their count, and that of each boundary element."""
     if macros is not None:
         raise ValueError("LACSpace: macros= is not known on a distributed mesh: leave it out")
     region = RegionWithFaces(V.mesh, "LACSpace: slave", slave)

@@ -20,8 +20,8 @@ LEAST = {np.add: 0, np.maximum: -np.inf, np.minimum: np.inf, np.logical_or: 0, n
 class Spread(np.ndarray):
     """An array with a row for each dof that this process knows.
 
-    Sums, norms, products and whatever else NumPy does along the rows is that of all processes: each
-    of them has to ask for it. Rows that several of them know are the same there.
+    Sums, norms, products and whatever else NumPy does along the rows are taken over all processes,
+    so that each of them has to ask for them. A row that several processes know is the same there.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Spread(np.ndarray):
 
     @classmethod
     def Of(cls, values, owned, together):
-        """An array as one of all processes, which shares its memory."""
+        """Make these values an array of all processes, which shares their memory."""
         found = np.asarray(values).view(cls)
         found.owned, found.together = owned, together
         return found
@@ -49,12 +49,12 @@ class Spread(np.ndarray):
             self.owned, self.together = other.owned, other.together
 
     def Like(self, values, owned=None):
-        """Other values of these rows."""
+        """Make an array of other values with the same rows."""
         return Spread.Of(values, self.owned if owned is None else owned, self.together)
 
     @property
     def own(self):
-        """The rows that count here, as ordinary array."""
+        """An ordinary array of the rows that count for this process."""
         return np.asarray(self)[self.owned]
 
     # --- rows ----------------------------------------------------------------------------------
@@ -70,7 +70,7 @@ class Spread(np.ndarray):
         np.asarray(self)[Plain(key)] = Plain(values)
 
     def reshape(self, *shape, **options):
-        """Several rows become one, or one several; they belong to the same process."""
+        """Join or split rows; what comes of a row belongs to the process that had it."""
         found = np.asarray(self).reshape(*shape, **options)
         count = len(self.owned)
         if len(found) == count:
@@ -80,16 +80,16 @@ class Spread(np.ndarray):
         return self.Like(found, np.repeat(self.owned, len(found) // max(count, 1)))
 
     def ravel(self, **options):
-        """Row by row."""
+        """Return the entries row by row."""
         return self.reshape(-1, **options)
 
     def repeat(self, repeats, axis=None):
-        """Each row several times."""
+        """Repeat each row."""
         return self.Like(np.asarray(self).repeat(repeats, axis), self.owned.repeat(repeats))
 
     @property
     def T(self):
-        """Of which products are sums over the rows."""
+        """The transpose, whose products are sums over the rows of all processes."""
         return Turned(self) if self.ndim == 2 else self
 
     # --- functions -----------------------------------------------------------------------------
@@ -120,13 +120,13 @@ class Spread(np.ndarray):
         raise TypeError(f"numpy.{function.__name__} is not known of arrays of many processes")
 
     def mean(self, axis=None, **_):
-        """Of all rows, or of the entries of each."""
+        """Return the mean of all rows, or of the entries of each."""
         if axis not in (None, 0):
             return self.Like(np.asarray(self).mean(axis))
         return self.sum(axis) / (Count(self) * (np.prod(self.shape[1:]) if axis is None else 1))
 
     def tolist(self):
-        """The rows of this process."""
+        """Return a list of the rows of this process."""
         return np.asarray(self).tolist()
 
 
@@ -143,7 +143,7 @@ class Turned:
 
 
 def Plain(thing):
-    """With ordinary arrays in place of those of all processes."""
+    """Replace arrays of all processes by ordinary arrays."""
     if isinstance(thing, Spread):
         return thing.view(np.ndarray)
     if isinstance(thing, (tuple, list)):
@@ -154,17 +154,17 @@ def Plain(thing):
 
 
 def KeepsRows(key):
-    """Does an index choose rows?"""
+    """Whether an index chooses rows."""
     return isinstance(key, (slice, np.ndarray, list)) or key is Ellipsis
 
 
 def OwnOf(values, rows):
-    """The rows of an array that count here, as those of another one do."""
+    """The rows of an array that count for this process in another array."""
     return np.asarray(values)[rows.owned]
 
 
 def Reduced(ufunc, values, options):
-    """What a function makes of all rows, or of the entries of each."""
+    """Reduce all rows, or the entries of each row, by a function of NumPy."""
     axis = options.pop("axis", 0)
     if axis not in (None, 0) and not (isinstance(axis, tuple) and 0 in axis):
         found = ufunc.reduce(Plain(values), axis=axis, **options)
@@ -192,7 +192,7 @@ def IntegerEnd(ufunc, dtype):
 
 
 def Product(one, other):
-    """Of matrices and vectors, of which one at least has the rows of all processes."""
+    """Multiply matrices and vectors, one of which at least has the rows of all processes."""
     if isinstance(one, Spread) and one.ndim == 1:
         return one.together.Sum(one.own @ OwnOf(other, one))
     if isinstance(one, Spread):
@@ -222,7 +222,7 @@ def Triangle(a, mode="reduced"):
 
 
 def LeastSquares(a, b, rcond=None):
-    """The solution, and nothing else."""
+    """Solve a least squares problem; of NumPy's four results only the solution is given."""
     many = b.ndim > 1
     both = a.Like(np.column_stack([np.asarray(a), np.asarray(b)]))
     r, n = Triangle(both, "r"), a.shape[1]
@@ -231,12 +231,12 @@ def LeastSquares(a, b, rcond=None):
 
 
 def Count(values):
-    """Of the rows of all processes."""
+    """The number of rows of all processes."""
     return values.together.Sum(np.count_nonzero(values.owned))
 
 
 def Median(values, **_):
-    """Of the rows of all processes, by bisection: no process knows all of them."""
+    """Find the median of all rows by bisection, as no process knows all of them."""
     low, high, half = np.min(values), np.max(values), Count(values) / 2
     while low < (middle := (low + high) / 2) < high:
         low, high = (low, middle) if np.count_nonzero(values <= middle) >= half else (middle, high)
@@ -244,14 +244,14 @@ def Median(values, **_):
 
 
 def ArrayEqual(one, other, **_):
-    """The same rows on all processes?"""
+    """Whether two arrays are the same on all processes."""
     known = next(part for part in (one, other) if isinstance(part, Spread))
     same = np.shape(one) == np.shape(other) and np.array_equal(Plain(one), Plain(other))
     return bool(known.together.Reduce(same, "LAND"))
 
 
 def Stack(arrays, axis=0):
-    """Columns side by side."""
+    """Put columns side by side."""
     arrays = list(arrays)
     known = next(part for part in arrays if isinstance(part, Spread))
     found = np.stack(Plain(arrays), axis=axis)
@@ -261,7 +261,7 @@ def Stack(arrays, axis=0):
 
 
 def Concatenate(arrays, axis=0):
-    """One after the other: along the rows, or side by side."""
+    """Put arrays one after the other along the rows, or side by side."""
     arrays = list(arrays)
     known = next(part for part in arrays if isinstance(part, Spread))
     found = np.concatenate(Plain(arrays), axis=axis)
@@ -275,7 +275,7 @@ def Concatenate(arrays, axis=0):
 
 
 def Where(condition, *values):
-    """By row; alone the places of this process."""
+    """Choose row by row; without values, find the places of this process."""
     parts = (condition, *values)
     known = next(part for part in parts if isinstance(part, Spread))
     found = np.where(*Plain(parts))
@@ -283,14 +283,14 @@ def Where(condition, *values):
 
 
 def CountNonzero(values, axis=None):
-    """Of all rows."""
+    """Count nonzero entries of all rows, or of each row."""
     if axis not in (None, 0):
         return values.Like(np.count_nonzero(Plain(values), axis=axis))
     return values.together.Sum(np.count_nonzero(values.own, axis=axis))
 
 
 def ByRow(function):
-    """A function that gives a row for each row."""
+    """Wrap a function of NumPy that gives a row for each row."""
 
     @wraps(function)
     def Of(values, *args, **options):
@@ -301,7 +301,7 @@ def ByRow(function):
 
 
 def Ptp(values, axis=None):
-    """The largest less the least."""
+    """The difference of the largest and the smallest entry."""
     return np.max(values, axis=axis) - np.min(values, axis=axis)
 
 
@@ -323,7 +323,7 @@ FUNCTIONS = {
     np.clip: ByRow(np.clip),
     np.copy: ByRow(np.copy),
 }
-# Of this process alone: places and shapes.
+# These concern this process alone: places and shapes.
 LOCAL = {np.flatnonzero, np.nonzero, np.shape, np.ndim, np.size, np.array_repr, np.array_str}
 LOCAL |= {np.isin, np.column_stack, np.array2string}
 BY_METHODS = {np.sum, np.any, np.all, np.max, np.min, np.amax, np.amin, np.mean, np.repeat}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The whole of a distributed mesh on its first process, for files that know no processes."""
+"""The whole of a distributed mesh on its first process, for files of the whole problem."""
 
 import numpy as np
 from ngsolve import BND, FESpace, Mesh, ProductSpace, Region
@@ -18,17 +18,17 @@ def AsWhole(space):
 
 
 class Itself:
-    """The verbs of a WholeCopy where all is in one process."""
+    """The methods of a WholeCopy where one process has everything."""
 
     def __init__(self, space):
         self.space, self.size = space, space.ndof * space.dim
 
     def Gather(self, values):
-        """The values of all rows."""
+        """See WholeCopy."""
         return np.asarray(values)
 
     def Scatter(self, values):
-        """The values of the rows here."""
+        """See WholeCopy."""
         return values
 
 
@@ -40,7 +40,7 @@ class WholeCopy:
     space : FESpace or None
         On the first process, else None.
     size : int
-        Of all rows.
+        The number of all rows.
     """
 
     def __init__(self, space):
@@ -52,7 +52,7 @@ class WholeCopy:
         self.size = self.together.Tell(self.space and self.space.ndof * self.space.dim)
 
     def _Gather(self, mesh):
-        """The mesh, and the numbers of the elements of each process in it."""
+        """Gather the mesh, and find the numbers of the elements of each process in it."""
         tables = list(map(np.array, PieceOf(mesh)))
         pieces = self.together.comm.gather(tables)
         order = self.together.Reduce(mesh.GetCurveOrder(), "MAX")
@@ -66,7 +66,7 @@ class WholeCopy:
         self._places = [Places(every[volume], piece[volume]) for piece in pieces]
 
     def _Copy(self, space):
-        """The copy on the first process, and the numbers there of the rows here."""
+        """Copy the space to the first process; also find the numbers there of the rows here."""
         if type(space) is ProductSpace:
             copies, places = zip(*map(self._Copy, space.components), strict=True)
             copy = FESpace(list(copies)) if self._mesh is not None else None
@@ -84,7 +84,7 @@ class WholeCopy:
         return copy, (d * numbers[:, None] + np.arange(d)).ravel()
 
     def _Macros(self, space):
-        """The same macro-elements; of the whole mesh, since these are of its surfaces alone."""
+        """Make the same macro-elements on the whole mesh."""
         if self._mesh is None:
             return None
         V = CopyOf(space.displacement, self._mesh)
@@ -92,7 +92,7 @@ class WholeCopy:
         return LACSpace(V, slave=slave, axisymmetric=space.axisymmetric)
 
     def Gather(self, values):
-        """The values (size, ...) of all rows on the first process, None elsewhere."""
+        """Gather values (size, ...) of all rows on the first process; others get None."""
         values = np.asarray(values)
         mine = np.flatnonzero(self._layout.owned)
         found = self.together.comm.gather((mine, values[mine]))
@@ -104,6 +104,6 @@ class WholeCopy:
         return whole
 
     def Scatter(self, values):
-        """The values of the rows here, of all those that the first process has."""
+        """Give each process its rows of the values that the first process has."""
         parts = None if values is None else [values[rows] for rows in self._rows]
         return self._layout.Of(self.together.comm.scatter(parts))
