@@ -149,8 +149,6 @@ class LACContact:
     components : int
         Of `u`: as many as dimensions, or 1.
     space : LACSpace
-    surface : LACSpace
-        The same on a mesh that each process has as a whole; in one process `space`.
     master : Region or None
     tool : Tool or None
     penetration : float or None
@@ -249,12 +247,12 @@ class LACContact:
 
     @property
     def surface(self):
-        """The space of its macro-elements on a mesh that this process has as a whole."""
+        """The LACSpace on a mesh that each process has as a whole; in one process `space`."""
         return Compiled(self.form).space
 
     @property
     def facing(self):
-        """The master on that mesh, a Region or None."""
+        """The master, a Region or None, on the mesh of `surface`."""
         return RegionOn(self.form, self.master)
 
     @property

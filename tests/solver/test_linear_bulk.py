@@ -77,7 +77,7 @@ def test_confirmation_finds_that_a_bulk_is_not_linear(step):
     """Where the step led to nothing better, or where there is no residual, it is taken back."""
     problem = mixed_press(nonlinear=True)
     solver = trusting(problem, step)
-    start = numpy(solver.system.bulk.last)
+    start = numpy(solver.system.bulk.last.vec)
     confirmed = solver.system.residual.Confirm(
         solver.system.residual.Measure(solver.system.scale), solver.system.scale
     )
