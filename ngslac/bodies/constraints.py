@@ -5,7 +5,7 @@ import numpy as np
 import scipy
 
 from ngslac._ngslac import Side
-from ngslac.parallel.form import JumpRowsEverywhere
+from ngslac.parallel.form import JumpRowsEverywhere, NoRows
 from ngslac.parallel.matrices import Stacked
 
 __all__ = [
@@ -46,9 +46,9 @@ def ActiveRows(contact, holds="now"):
     """
     table, d = contact.Table(), contact.components
     stick, slip = _AtWork(contact, table, holds)
-    jump = AllJumps(contact)
     if not len(slip) and not np.any(stick):
-        return jump[:0]
+        return NoRows(contact.form)
+    jump = AllJumps(contact)
     normals = scipy.sparse.csr_matrix(
         (
             table["normal"][slip].ravel(),

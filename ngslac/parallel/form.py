@@ -17,6 +17,7 @@ __all__ = [
     "JumpRows",
     "JumpRowsEverywhere",
     "MakeForm",
+    "NoRows",
     "OnSurface",
     "RegionOn",
     "ScaleOf",
@@ -242,6 +243,13 @@ def JumpRowsEverywhere(form, side):
     columns = jump.indices + there.offset * there.fes.dim
     shape = jump.shape[0], there.fes.ndof * there.fes.dim
     rows = scipy.sparse.csr_matrix((jump.data, columns, jump.indptr), shape=shape)
+    return SkinRows(rows, form.trace) if isinstance(form, SkinForm) else rows
+
+
+def NoRows(form):
+    """No rows of the whole product space, without any work."""
+    fes = Compiled(form).fes
+    rows = scipy.sparse.csr_matrix((0, fes.ndof * fes.dim))
     return SkinRows(rows, form.trace) if isinstance(form, SkinForm) else rows
 
 

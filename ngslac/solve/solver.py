@@ -43,16 +43,21 @@ from ngslac.solve.problem import (
 from ngslac.solve.snapshot import Snapshot
 from ngslac.solve.system import System
 
-__all__ = ["ContactSolver", "Equilibrium"]
+__all__ = ["ContactSolver", "Equilibrium", "MeshOfSolver"]
 
 
 def MeshOf(solver, *_, **__):
-    """That of a solver."""
+    """The mesh of a solver."""
     return solver.gf.space.mesh
 
 
+def MeshOfSolver(_, solver=None, *__, **___):
+    """The mesh of the solver that a stepper is made with; None where that is no solver."""
+    return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
+
+
 def MeshOfSolution(_, a=None, gf=None, *__, **___):
-    """That of a solution; None where it is none."""
+    """The mesh of a solution; None where that is no GridFunction."""
     return gf.space.mesh if isinstance(gf, GridFunction) else None
 
 

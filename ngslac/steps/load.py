@@ -22,7 +22,7 @@ from ngslac.progress import Say
 from ngslac.solve.failure import CarriedOff
 from ngslac.solve.iteration import MostlySlips
 from ngslac.solve.problem import MultiplierRows
-from ngslac.solve.solver import ContactSolver
+from ngslac.solve.solver import ContactSolver, MeshOfSolver
 from ngslac.steps.control import Journal, StepControl, StepLine
 from ngslac.steps.limitload import LimitLoad
 from ngslac.steps.prescribed import Prescribed
@@ -67,13 +67,8 @@ class Step:
 
 
 def MeshOf(stepper, *_, **__):
-    """That of a stepper."""
+    """The mesh of a stepper."""
     return stepper.solver.gf.space.mesh
-
-
-def MeshOfSolver(_, solver=None, *__, **___):
-    """That of a solver; None where it is none."""
-    return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
 
 
 class LoadStepper:

@@ -22,7 +22,7 @@ from ngslac.errors import ContactConvergenceError, RefuseCopy
 from ngslac.parallel.together import OnAll
 from ngslac.progress import Say
 from ngslac.solve.bulk import Bulk
-from ngslac.solve.solver import ContactSolver, Equilibrium
+from ngslac.solve.solver import ContactSolver, Equilibrium, MeshOfSolver
 from ngslac.solve.system import System
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.control import Journal, StepControl
@@ -58,13 +58,8 @@ def CheckLaws(solver):
 
 
 def MeshOf(stepper, *_, **__):
-    """That of a stepper."""
+    """The mesh of a stepper."""
     return stepper.static.gf.space.mesh
-
-
-def MeshOfSolver(_, solver=None, *__, **___):
-    """That of a solver; None where it is none."""
-    return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
 
 
 class TimeStepper:
