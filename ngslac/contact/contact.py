@@ -34,12 +34,12 @@ SELF = "self-contact needs finite=True"
 
 
 def MeshOf(contact, *_, **__):
-    """That of a contact."""
+    """The mesh of a contact."""
     return contact.mesh
 
 
 def MeshOfTrial(_, u=None, *__, **___):
-    """That of a trial function; None where it is none."""
+    """The mesh of a trial function; None where `u` is none."""
     return getattr(getattr(u, "space", None), "mesh", None)
 
 

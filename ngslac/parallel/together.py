@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What processes do together: sums, decisions, and calls that all of them have to make."""
+"""Sums, decisions and calls that the processes of a distributed mesh make together."""
 
 import inspect
 import math

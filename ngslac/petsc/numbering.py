@@ -61,13 +61,13 @@ class Numbering:
         return vec
 
     def CleanUp(self):
-        """Let PETSc free what Python has let go: it waits for all processes to say so."""
+        """Let PETSc free objects that Python has dropped; PETSc waits until all processes ask."""
         PETSc = LoadPETSc()
         for comm in (PETSc.COMM_SELF, self.comm):
             PETSc.garbage_cleanup(comm)
 
     def Tell(self, found):
-        """What the first process has found, on all."""
+        """Send the result of the first process to all."""
         return self.together.Tell(found)
 
     def Total(self, values):

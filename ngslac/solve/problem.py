@@ -278,7 +278,7 @@ def CheckMatrix(mat, rows, layout):
     if not np.any(Multiply([mat], values)):
         raise ValueError("a, the bulk form, has no stiffness: add that of the bodies to it")
     coupled = np.abs(Multiply([mat], values * rows)), np.abs(Multiply([mat], values) * rows)
-    if any(np.any(part > 0) for part in coupled):  # NaN is told of elsewhere
+    if any(np.any(part > 0) for part in coupled):  # CheckBodies reports NaN
         raise ValueError(
             "a, the bulk form, holds terms with lam or its test function: LACContact adds all of "
             "contact, leave these terms out"

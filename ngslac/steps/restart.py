@@ -30,7 +30,7 @@ RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
 def _MeshOf(file=None, tool=None, **_):
-    """That of a tool; None where it is none."""
+    """The mesh of a tool; None where it is none of ours."""
     known = isinstance(tool, (ContactSolver, LoadStepper, TimeStepper))
     return _Solver(tool).gf.space.mesh if known else None
 
@@ -196,7 +196,7 @@ def LoadState(file, tool, *, also=None) -> None:
             _WarnOfOther(f"contact number {number}", saved, _Limits(solver.contacts[number]))
 
 
-# What has a row for each dof, by name.
+# Names of the entries that have a row for each dof.
 ROWS = ("gf", "scale", "push", "paired", "velocity", "momentum", "rate", "forces", "last")
 
 

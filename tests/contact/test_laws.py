@@ -72,7 +72,7 @@ def test_derivative(dim, finite, name):
 @pytest.mark.parametrize("name", GLUED)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_derivative_of_glue(dim, name):
-    """What is tied has a jump that counts from the reference, and neither gap nor slip."""
+    """A tied contact has a jump that counts from the reference, and neither gap nor slip."""
     for finite in (False, True) if name == "expression" else (name.endswith("finite"),):
         form = blocks_form(dim, finite=finite, tied=True, law=GLUED[name])
         if name == "expression":

@@ -132,6 +132,6 @@ def beams(
     def pressed(u, v, pressure):
         return pressure * v[dim - 1] * ds("top")
 
-    given = {"slave": slave, "condense": condense, "load": Parameter(load), "master": master}
-    p = posed(V, bulk, pressed, **given, **law)
+    law |= {"slave": slave, "master": master}
+    p = posed(V, bulk, pressed, condense=condense, load=Parameter(load), **law)
     return Beams(mesh, p.gf, p.contact, solver(p.a, p.gf, p.contact), p.load, dim)

@@ -91,6 +91,6 @@ def test_large_sliding_in_steps(small_is_large):
 
 
 def test_an_older_name_of_the_direct_solver():
-    with pytest.warns(DeprecationWarning, match="solver='direct'") as told:
+    with pytest.warns(DeprecationWarning, match="solver='direct'") as warned:
         assert press().solver(solver="saddle").linear.method == "direct"
-    assert "posed.py" in told[0].filename
+    assert "posed.py" in warned[0].filename
