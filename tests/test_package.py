@@ -58,6 +58,11 @@ def test_signatures_are_known():
 LATER = "scipy.sparse", "scipy.spatial", "scipy.linalg", "scipy.optimize", "pyamg", "netgen.csg"
 
 
+def test_tracers_and_profiles_tell_calls_apart():
+    contact = ngslac.LACContact
+    assert [f.__code__.co_name for f in (contact.Update, contact.Commit)] == ["Update", "Commit"]
+
+
 def test_the_import_leaves_alone_what_only_some_calls_need():
     code = f"import sys, ngslac; print(sorted({{*{LATER}}} & {{*sys.modules}}))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
