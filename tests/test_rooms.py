@@ -1,4 +1,7 @@
-"""Imports run one way: from a room to those below it, and in no room in a circle."""
+"""Imports run one way: from a room to those below it, and in no room in a circle.
+
+What is imported for annotations alone does not run: these may name any class.
+"""
 
 import ast
 from functools import cache
@@ -42,8 +45,13 @@ def room(module):
 
 
 def imported(path):
-    """Modules of the package that a file imports, at its top or later."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    """Modules of the package that a file imports when it runs, at its top or later."""
+    todo = [ast.parse(path.read_text())]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            continue
+        todo += ast.iter_child_nodes(node)
         if isinstance(node, ast.ImportFrom) and node.module:
             yield from (node.module, *(f"{node.module}.{name.name}" for name in node.names))
         elif isinstance(node, ast.Import):
