@@ -149,6 +149,8 @@ V = VectorH1(mesh, order=2)
 Q = LACSpace(V, slave="bottom")
 (u, lam), (v, mu) = (V * Q).TnT()
 Q.ndof, Q.FreeDofs()  # are NGSolve's
+contact = LACContact(u, lam, master="top")
+solver = ContactSolver(BilinearForm(V * Q), GridFunction(V * Q), contact)
 """
 MISTAKES = {
     'contact = LACContact(u, lam, mastr="top")': "mastr",
@@ -158,13 +160,13 @@ MISTAKES = {
     'LACSpace(V, slaves="bottom")': "slaves",
     "Q.nmacro": "nmacro",
     "ContactSolver(BilinearForm(V * Q)).Solve()": "contacts",
-    "LoadStepper(None, None).Integrate(step=3)": "step",
+    "LoadStepper(solver, Parameter(0)).Integrate(step=3)": "step",
     "HertzLine(force=1, radius=2)": "radius",
     "LACSpaces(V)": "LACSpaces",
     "from ngslac import LACContct": "LACContct",
     'LACContact(u, lam, master="top").Check().nmacro': "nmacro",
-    "ContactSolver(None, None, None).Solve().equilibrum": "equilibrum",
-    "def Later():\n    return TimeStepper(None, 1, dt=1).Tabel()": "Tabel",
+    "solver.Solve().equilibrum": "equilibrum",
+    "def Later():\n    return TimeStepper(solver, 1, dt=1).Tabel()": "Tabel",
 }
 
 
