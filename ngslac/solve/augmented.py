@@ -1,11 +1,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Augmented Lagrangian method: the multipliers move on after each Newton step."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.arguments import CheckPositive
 from ngslac.parallel.form import Compiled, TraceOf
 from ngslac.solve.solver import ContactSolver
+
+if TYPE_CHECKING:
+    from ngsolve import BilinearForm, GridFunction
+
+    from ngslac._ngslac import ContactForm
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.iteration import Iteration
+    from ngslac.solve.newton import Newton
+    from ngslac.solve.residual import Measurement
+    from ngslac.solve.system import System
 
 __all__ = ["Augmented", "AugmentedLagrangianSolver"]
 
@@ -60,7 +75,15 @@ class AugmentedLagrangianSolver(ContactSolver):
     True
     """
 
-    def __init__(self, a, gf, contacts, *, augmentation=None, **options):
+    def __init__(
+        self,
+        a: BilinearForm,
+        gf: GridFunction,
+        contacts: LACContact | Sequence[LACContact],
+        *,
+        augmentation: float | None = None,
+        **options,
+    ):
         if augmentation is not None:
             CheckPositive("augmentation", augmentation, "a positive factor, or None")
         super().__init__(a, gf, contacts, **options)
@@ -87,22 +110,22 @@ class Augmented:
 
     most, searches = np.inf, False
 
-    def __init__(self, wanted):
+    def __init__(self, wanted: float | None):
         self.wanted, self.factor, self.outer = wanted, wanted or START, 0
 
     @property
-    def advice(self):
+    def advice(self) -> str:
         """What else to try where there is no convergence."""
         if self.wanted is None:
             return ""
         return f", or an augmentation larger than {self.wanted:g}"
 
     @property
-    def accuracy(self):
+    def accuracy(self) -> float:
         """Relative residual of a linear system that is enough in each step."""
         return EXACT / max(self.factor, 1.0)
 
-    def Prepare(self, newton, state):
+    def Prepare(self, newton: Newton, state: Measurement) -> None:
         """Adapt the augmentation to what the last update reached."""
         count = len(newton.history)
         if count == 1:
@@ -111,11 +134,12 @@ class Augmented:
             self.factor = min(GROWTH * self.factor, LARGEST)
         self.outer += 1
 
-    def _IsSlow(self, newton, before, last):
+    def _IsSlow(self, newton: Newton, before: Iteration, last: Iteration) -> bool:
+        """Do the constraints hardly come closer while the status stays?"""
         slow = last.constraint > max(PROGRESS * before.constraint, newton.tol)
         return slow and last.damping == 1 and not last.changed
 
-    def Change(self, system):
+    def Change(self, system: System) -> None:
         """Give the multipliers the compliance of the penalty, which makes their update."""
         for contact in system.contacts:
             # No weaker than the scale of the contact, or else the status goes round.
@@ -124,7 +148,7 @@ class Augmented:
             Soften(Compiled(contact.form), factor, scale)
 
 
-def Soften(form, factor, scale):
+def Soften(form: ContactForm, factor: float, scale: np.ndarray) -> None:
     """Let the projection see less of a change of the multipliers: 1 - 1/factor of it.
 
     The derivative of the rows ``(P(lambda - c j) - lambda) A/c`` by the multipliers is

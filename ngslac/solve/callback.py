@@ -1,14 +1,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Calls back to the user, who may look at everything but not change what a solver works on."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ngslac.parallel.layout import LayoutOf
 
+if TYPE_CHECKING:
+    from ngsolve import GridFunction, Parameter
+
+    from ngslac.solve.iteration import Iteration
+
 __all__ = ["TellIterate", "TellStep"]
 
 
-def TellIterate(callback, entry, gf):
+def TellIterate(
+    callback: Callable[[Iteration], object], entry: Iteration, gf: GridFunction
+) -> None:
     """Hand over a line of the iteration; the iterate stays as it is."""
     layout = LayoutOf(gf.space)
     kept = layout.Values(gf.vec).copy()
@@ -20,7 +32,13 @@ def TellIterate(callback, entry, gf):
         )
 
 
-def TellStep(callback, step, name, parameter, **fields):
+def TellStep(
+    callback: Callable[[Any], object],
+    step: Any,
+    name: str,
+    parameter: Parameter,
+    **fields: GridFunction,
+) -> None:
     """Hand over a step; load or time stay where it ended: stepping would never end.
 
     Its callback may change `fields`, as long as there are numbers in them.

@@ -1,7 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Laws that soften: steps that go down in energy, to a state that is stable."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from ngslac.solve.search import FAILURES, NEARER, POLISH
+
+if TYPE_CHECKING:
+    from ngslac.errors import ContactConvergenceError, LinearSolveError
+    from ngslac.solve.iteration import Iteration
+    from ngslac.solve.newton import Newton
+    from ngslac.solve.residual import Measurement
 
 __all__ = ["Descent"]
 
@@ -31,10 +41,10 @@ class Descent:
         Number of linear solves up to which its table may grow.
     """
 
-    def __init__(self, newton, maxit):
+    def __init__(self, newton: Newton, maxit: int):
         self.newton, self.system, self.maxit = newton, newton.system, maxit
 
-    def Run(self, error):
+    def Run(self, error: ContactConvergenceError | LinearSolveError) -> Iteration:
         """The last line of the table; `error` is what Newton's method ended with."""
         self.newton.log.Say(f"  {error}: descent without softening")
         self.newton.onpath = True
@@ -43,7 +53,8 @@ class Descent:
         except FAILURES as another:
             raise error from another
 
-    def _Descend(self):
+    def _Descend(self) -> Iteration:
+        """The last line, where steps without softening have come to a stable state."""
         newton, system, near, factor = self.newton, self.system, NEAR, 1.0
         state, begin = system.Measure(), len(newton.history)
         while len(newton.history) <= self.maxit:
@@ -65,7 +76,7 @@ class Descent:
                 state, factor = system.Measure(), 1.0
         raise newton.NotConverged(state)
 
-    def _Step(self, state, factor):
+    def _Step(self, state: Measurement, factor: float) -> tuple[Measurement, float]:
         """The next Measurement after a step that is `factor` times as long, and its length."""
         system, before, carries = self.system, self.system.values.copy(), self.system.motion
         system.Assemble()
@@ -80,7 +91,7 @@ class Descent:
         system.values[:] = found
         return system.Measure(), damping
 
-    def _Polish(self):
+    def _Polish(self) -> Iteration | None:
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         self.system.Assemble()
         return self.newton.Polish(self.system.Measure(), POLISH)

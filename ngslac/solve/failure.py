@@ -1,10 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What is known of a solve that fails: whether the loads have a balance at all."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from ngslac.bodies.messages import DrivenMessage, FloatingMessage, OwnLawMessage
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError, Reason
 from ngslac.solve.look import MechanismError
+
+if TYPE_CHECKING:
+    from ngslac.solve.holding import Holding
+    from ngslac.solve.iteration import Iteration
+    from ngslac.solve.system import System
 
 __all__ = ["CarriedOff", "Failure"]
 
@@ -12,17 +24,23 @@ __all__ = ["CarriedOff", "Failure"]
 class Failure:
     """Reasons why a System has no solution, as they are found."""
 
-    def __init__(self, system, holding):
+    def __init__(self, system: System, holding: Holding):
         self.system, self.holding = system, holding
         self.unbalanced = self.slides = ""  # which bodies loads carry off, or friction lets go
         self.reason = Reason(0)
 
     @property
-    def known(self):
+    def known(self) -> bool:
         """Is another method of no use?"""
         return bool(self.unbalanced) or Reason.EXHAUSTED in self.reason
 
-    def LookAt(self, start, error, *, lost):
+    def LookAt(
+        self,
+        start: tuple[np.ndarray, np.ndarray | None],
+        error: ContactConvergenceError | LinearSolveError,
+        *,
+        lost: bool,
+    ) -> None:
         """From the start again: raise the error if the loads have no equilibrium for certain."""
         system = self.system
         now = system.Place()
@@ -39,14 +57,19 @@ class Failure:
             raise error
         system.GoTo(now)
 
-    def _Unheld(self, error):
+    def _Unheld(self, error: ContactConvergenceError | LinearSolveError) -> str:
         """What no closed contact would hold, where the error does not speak of it."""
         free = self.system.Freedom("closed")
         if isinstance(error, FloatingBodyError) or not self.system.IsDriven(free, "closed"):
             return ""
         return DrivenMessage(self.system.DrivenMotion(free, "closed"))
 
-    def Error(self, error, floating, history):
+    def Error(
+        self,
+        error: ContactConvergenceError | LinearSolveError,
+        floating: Sequence[str],
+        history: Sequence[Iteration],
+    ) -> ContactConvergenceError:
         """An error with all that is known: which body is carried off, first of all."""
         if isinstance(error, LinearSolveError):
             kind = FloatingBodyError if floating else ContactConvergenceError
@@ -66,7 +89,7 @@ class Failure:
         return error
 
 
-def CarriedOff(system):
+def CarriedOff(system: System) -> str:
     """Which bodies the loads carry off, whatever contact does; "" where there is a balance."""
     bodies = system.bodies
     if not bodies.floating or system.own_law:

@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact as one form."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
-from ngsolve import BaseMatrix
+from ngsolve import BaseMatrix, BaseVector, BilinearForm
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arguments import CheckVector
 from ngslac.errors import RefuseCopy
 from ngslac.solve.problem import AssembleBulk, CheckBulk, CheckContacts
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["FormSum"]
 
@@ -45,7 +52,7 @@ class FormSum:
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
-    def __init__(self, a, *contacts):
+    def __init__(self, a: BilinearForm, *contacts: LACContact):
         self.a = CheckBulk(a)
         if a.space.mesh.comm.size > 1:
             raise ValueError(
@@ -53,9 +60,9 @@ class FormSum:
                 "and the contacts itself"
             )
         self.contacts = tuple(CheckContacts(contacts, a.space))
-        self.mat = None
+        self.mat: Any = None  # before it is assembled
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<FormSum: {self.a!r} and {', '.join(map(repr, self.contacts))}>"
 
     @property
@@ -78,7 +85,7 @@ class FormSum:
         """Matrix of the bulk, for what it condenses."""
         return self.a.inner_solve
 
-    def AssembleLinearization(self, x) -> None:
+    def AssembleLinearization(self, x: BaseVector) -> None:
         """Assemble `mat` at a state; pairs the surfaces if that was not done.
 
         Parameters
@@ -95,7 +102,7 @@ class FormSum:
             self.a.mat, [c.form for c in self.contacts], np.ones(self.contacts[0].nscalars)
         )
 
-    def Apply(self, x, y) -> None:
+    def Apply(self, x: BaseVector, y: BaseVector) -> None:
         """y = residual of bulk and contact at x.
 
         Parameters

@@ -1,7 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """How much of a Newton step to take."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ngslac.solve.residual import Measurement
 
 __all__ = ["Globalization"]
 
@@ -28,42 +36,44 @@ class Globalization:
     LONG = 10  # and of one that has not
     TINY = 1 / 64
 
-    def __init__(self, halvings=12, patience=6):
+    def __init__(self, halvings: int = 12, patience: int = 6):
         self.halvings, self.patience = halvings, patience
         self.Begin()
 
-    def Begin(self):
+    def Begin(self) -> None:
         """Forget the solve before."""
         self._seen, self._merits, self._tiny, self._leaps = {}, [], 0, 0
         self.cycles = self.damped = False  # a contact status came back; a line search is made
 
     @property
-    def stagnates(self):
+    def stagnates(self) -> bool:
         """Are the steps so short that nothing comes of it?"""
         return self._tiny >= self.patience
 
     @property
-    def crawls(self):
+    def crawls(self) -> bool:
         """Does the residual hardly fall, as where a thin body opens one macro-element at a time?"""
         merits = self._merits
         return len(merits) > CRAWLED and min(merits[-3:]) > CRAWL * min(merits[:-3])
 
     @property
-    def leaps(self):
+    def leaps(self) -> bool:
         """Has the status of late been nearly another one each time?"""
         return self._leaps >= LEAPS
 
     @property
-    def falls(self):
+    def falls(self) -> bool:
         """Has the residual of late become as small as never before?"""
         merits = self._merits
         return len(merits) > LATE and min(merits[-LATE:]) < FELL * min(merits[:-LATE])
 
-    def Knows(self, state):
+    def Knows(self, state: Measurement) -> bool:
         """Has an iterate of this solve had that contact status?"""
         return state.status.tobytes() in self._seen
 
-    def Watch(self, state, changed, *, patient=False, moving=False):
+    def Watch(
+        self, state: Measurement, changed: int, *, patient: bool = False, moving: bool = False
+    ) -> None:
         """Look at a new iterate: does the status return, or nothing get better?
 
         Where only contact is nonlinear the residual tells nothing about how near the status is: of
@@ -79,7 +89,9 @@ class Globalization:
         stuck = not patient and number > 5 and min(self._merits[-4:]) > 0.5 * min(self._merits[:-4])
         self.cycles, self.damped = self.cycles or returned, self.damped or returned or stuck
 
-    def Search(self, move, moving=False):
+    def Search(
+        self, move: Callable[[float], Measurement], moving: bool = False
+    ) -> tuple[Measurement, float]:
         """The part of a step, by ``move(part)``: its Measurement, not finite if none is, and it.
 
         `moving`: the step carries Dirichlet values, of which the residual before does not know.
@@ -97,7 +109,7 @@ class Globalization:
         self._tiny = self._tiny + 1 if best[1] <= self.TINY else 0
         return best
 
-    def SearchStart(self, move):
+    def SearchStart(self, move: Callable[[float], Measurement]) -> tuple[Measurement, float] | None:
         """The first step of a body that a few macro-elements hold: as Search, None if none fits.
 
         The full step pushes the body far through the master: it closes nearly everything, and it
@@ -110,10 +122,10 @@ class Globalization:
                 return trial, damping
         return None
 
-    def _Last(self):
+    def _Last(self) -> float:
         return self._merits[-1] if self._merits else np.inf
 
-    def _Halvings(self, state, damping):
+    def _Halvings(self, state: Measurement, damping: float) -> int:
         """How many halvings have to be looked at if this state is the best so far."""
         if not self.damped:
             if damping == 1:

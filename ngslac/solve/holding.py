@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact that has to hold bodies: what floats, and which macro-elements close for it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.arrays import AsBits
 from ngslac.bodies.messages import FewMessage, FloatingMessage, SlidingMessage
 from ngslac.errors import FloatingBodyError
-from ngslac.solve.iteration import STILL, Unchanged
+from ngslac.solve.iteration import STILL, Iteration, Unchanged
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.system import System
 
 __all__ = ["Holding"]
 
@@ -21,10 +30,10 @@ TOUCHING = 1e-6
 class Holding:
     """Closes the nearest macro-elements where a body is held by open contact."""
 
-    def __init__(self, system, initial):
+    def __init__(self, system: System, initial: str):
         self.system, self.initial, self.closings = system, initial, 0
 
-    def Close(self, start=False, *, guess=True):
+    def Close(self, start: bool = False, *, guess: bool = True) -> bool:
         """Close what has to hold bodies; True if something was closed.
 
         At the start the status is no guide: rounding closes some of the macro-elements that touch.
@@ -53,7 +62,7 @@ class Holding:
         few = FewMessage(system.contacts)
         raise FloatingBodyError(FloatingMessage(system.WhatFloats()) + few)
 
-    def Reaches(self):
+    def Reaches(self) -> bool:
         """Are there closed macro-elements that do not touch?"""
         for contact in self.system.contacts:
             table = contact.Table()
@@ -62,12 +71,12 @@ class Holding:
                 return True
         return False
 
-    def MayHold(self):
+    def MayHold(self) -> bool:
         """Would contact hold all bodies that loads move, if all of it were closed?"""
         system = self.system
         return self.initial == "gap" and not system.IsDriven(system.Freedom("closed"), "closed")
 
-    def WhatSlides(self, history):
+    def WhatSlides(self, history: Sequence[Iteration]) -> str:
         """What loads carry off where the status has settled, with friction at its limit."""
         system = self.system
         settled = len(history) > STILL and Unchanged(history)
@@ -79,7 +88,7 @@ class Holding:
         return SlidingMessage(system.WhatFloats()) if system.IsPushed(free) else ""
 
 
-def CloseNearest(system):
+def CloseNearest(system: System) -> bool:
     """Close macro-elements, the nearest first, until loads move no body; False if none helps.
 
     Of each contact as few as hold what all of it would. Farther contacts are left alone where the
@@ -106,19 +115,19 @@ def CloseNearest(system):
     return False
 
 
-def Loose(system):
+def Loose(system: System) -> int:
     """How many motions contact leaves, if loads do work on one; else 0."""
     free = system.Freedom()
     return free.weights.shape[1] if system.IsDriven(free) else 0
 
 
-def SmallestGap(contact):
+def SmallestGap(contact: LACContact) -> float:
     """Relative to the mean size of the macro-elements."""
     table = contact.Table()
     return abs(table["gap"][table["area"] > 0]).min(initial=np.inf) / contact._Sizes().mean()
 
 
-def NearestMacros(contact, distance):
+def NearestMacros(contact: LACContact, distance: float) -> np.ndarray:
     """Macro-elements whose gap exceeds the smallest one by at most `distance` times their size.
 
     With the distance 0 those that touch, if any do.

@@ -1,15 +1,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The contact status by an interior point method, where Newton's method with active set fails."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
 from ngslac.parallel.spread import Pick
-from ngslac.solve.barrier import Barrier, Tie
+from ngslac.solve.barrier import Barrier, BarrierStep, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BaseVector, GridFunction
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.residual import Measurement
+    from ngslac.solve.system import System
 
 __all__ = ["EvenPressures", "InteriorPoint"]
 
@@ -29,7 +40,7 @@ class InteriorPoint:
     positive definite where that of the bulk is.
     """
 
-    def __init__(self, system, state):
+    def __init__(self, system: System, state: Measurement):
         self.system, self.vec, self.values = system, system.gf.vec, system.values
         self.multipliers, self.returns = system.residual.multipliers, 0
         system.linear.shifts = 0
@@ -42,7 +53,7 @@ class InteriorPoint:
         for spring in self.springs:
             spring.Start(pressure)
 
-    def _Settle(self, state):
+    def _Settle(self, state: Measurement) -> float:
         """Let weak springs hold what loads and prescribed motions move: the size of pressures.
 
         Where the bulk is linear that is a better start, too, and its Measurement the next one.
@@ -58,7 +69,7 @@ class InteriorPoint:
             self.state = self.system.Trial(state, 0)
         return pressure
 
-    def Step(self, state):
+    def Step(self, state: Measurement) -> tuple[Measurement, float]:
         """Move on by one step: the next Measurement, and the part that was taken."""
         mats = [spring.Assemble(self.vec) for spring in self.springs]
         self.system.HoldIdle("closed")
@@ -75,18 +86,20 @@ class InteriorPoint:
                 spring.law.Center(before)
         return trial, part
 
-    def _Each(self, steps):
+    def _Each(self, steps: Iterable) -> Iterable[tuple[Springs, Any]]:
         return zip(self.springs, steps, strict=True)
 
     @staticmethod
-    def _Mean(products):
+    def _Mean(products: Iterable[np.ndarray]) -> float:
         total, count = sum(products)
         return total / count if count else 0.0
 
-    def _Longest(self, steps):
+    def _Longest(self, steps: Sequence[BarrierStep | np.ndarray]) -> float:
         return min(spring.law.Longest(step) for spring, step in self._Each(steps))
 
-    def _Motion(self, state, mats, tractions):
+    def _Motion(
+        self, state: Measurement, mats: Sequence[BaseMatrix], tractions: Sequence[np.ndarray]
+    ) -> np.ndarray:
         """How displacements answer to tractions, with these matrices of the springs."""
         residual = self.vec.CreateVector()
         forces = self.system.layout.Values(residual)
@@ -97,14 +110,21 @@ class InteriorPoint:
         system = self.system
         pins = system.ground.Shift() if system.ground else None
 
-        def Solve(forces):
+        def Solve(forces: np.ndarray) -> np.ndarray:
+            """Without condensed dofs, with the springs as matrix."""
             # Bodies that nothing pushes in the end stay where they are.
             springs = system.MakeLinearSystem(mats, forces, shift=pins, alone=True)
             return system.linear.SolveShifted(springs, ~self.multipliers)
 
         return -system.Displace(residual, Solve, mats)
 
-    def _Direction(self, state, mats, mu, corrections=None):
+    def _Direction(
+        self,
+        state: Measurement,
+        mats: Sequence[BaseMatrix],
+        mu: float,
+        corrections: Sequence[BarrierStep | np.ndarray] | None = None,
+    ) -> tuple[list[BarrierStep | np.ndarray], np.ndarray]:
         """Steps of the springs, and the motion of the displacements, towards a `mu`."""
         corrections = corrections or [None] * len(self.springs)
         changes = [spring.law.Change(mu, own) for spring, own in self._Each(corrections)]
@@ -113,7 +133,9 @@ class InteriorPoint:
         steps = [spring.Step(change, motion) for spring, change in self._Each(changes)]
         return steps, motion
 
-    def _Take(self, state, steps, motion):
+    def _Take(
+        self, state: Measurement, steps: Sequence[BarrierStep | np.ndarray], motion: np.ndarray
+    ) -> tuple[Measurement, float]:
         """As much of the steps as stays inside and has a residual."""
         start = self.values.copy()
         part = min(self._Longest(steps), self.system.Sight(-motion))
@@ -134,7 +156,7 @@ class InteriorPoint:
 
 
 @contextmanager
-def EvenPressures(contacts, even=True):
+def EvenPressures(contacts: Sequence[LACContact], even: bool = True) -> Iterator[None]:
     """Pressures of the contacts are even where contact ends, or not, in this context."""
     try:
         for contact in contacts:
@@ -148,7 +170,7 @@ def EvenPressures(contacts, even=True):
 class Springs:
     """What takes the place of the law of one contact."""
 
-    def __init__(self, contact, gf):
+    def __init__(self, contact: LACContact, gf: GridFunction):
         self.contact, self.form, self.gf = contact, contact.form, gf
         contact.Evaluate(gf)
         table, self._scale = contact.Table(), self.form.Table()["c"]
@@ -157,13 +179,13 @@ class Springs:
         self.area, self.stiffness = self._Areas(table), self._scale[self.own]
         self.dofs = self.form.MultiplierDofs().reshape(len(self.own), -1)
 
-    def Weaken(self, vec):
+    def Weaken(self, vec: BaseVector) -> BaseMatrix:
         """Matrix of springs that hold the surfaces loosely where they are."""
         d = self.dofs.shape[1]
         weak = np.multiply.outer(self._scale / WIDE * self.own, np.eye(d))
         return self.form.Matrix(vec, vec.FV().NumPy()[self.dofs.ravel()], weak.ravel())
 
-    def Pressure(self, motion):
+    def Pressure(self, motion: np.ndarray) -> float:
         """The size of the pressures of those springs after a motion, and of those at the start."""
         if self.contact.tied:
             return 0.0
@@ -173,17 +195,17 @@ class Springs:
         start = np.abs(table["pressure"][self.own])
         return max(np.max(sizes, initial=0.0) for sizes in (np.abs(change), overlap, start))
 
-    def _Areas(self, table):
+    def _Areas(self, table: dict[str, np.ndarray]) -> np.ndarray:
         """Of its macro-elements: all of those that face no master."""
         area, full = table["area"][self.own], table["fullarea"][self.own]
         return np.where(area > 0, area, full)
 
-    def _Gaps(self, table, without):
+    def _Gaps(self, table: dict[str, np.ndarray], without: float | np.ndarray) -> np.ndarray:
         """Of its macro-elements, those `without` (n,) or a number where they face no master."""
         gap = table["gap"][self.own]
         return np.where(np.isnan(gap), without, gap)
 
-    def Start(self, pressure):
+    def Start(self, pressure: float) -> None:
         """Start with pressures of this size."""
         self.contact.Evaluate(self.gf)
         table = self.contact.Table()
@@ -197,7 +219,7 @@ class Springs:
             press = Bilateral(table["pressure"][self.own], self.stiffness, pressure)
         self.law = Barrier(press, normal, gap, self._Bound(press.size, table), product)
 
-    def _Bound(self, pressure, table):
+    def _Bound(self, pressure: np.ndarray, table: dict[str, np.ndarray]) -> np.ndarray:
         """Of the tangential traction."""
         friction = table["friction"][self.own]
         threshold = self.form.Table()["tresca"][self.own]
@@ -205,7 +227,7 @@ class Springs:
         bound = np.minimum(coulomb, np.where(threshold >= 0, threshold, np.inf))
         return np.where(np.isfinite(bound), bound, 0.0)
 
-    def Assemble(self, vec):
+    def Assemble(self, vec: BaseVector) -> BaseMatrix:
         """Their matrix, of the displacements alone, where the solution is now."""
         self._Place(vec)
         d = self.dofs.shape[1]
@@ -213,7 +235,8 @@ class Springs:
         stiffness[self.own] = self.law.Stiffness()
         return self.form.Matrix(vec, self.Tractions(self.law.traction), stiffness.ravel())
 
-    def _Place(self, vec):
+    def _Place(self, vec: BaseVector) -> None:
+        """Let the law know gaps and slips, or jumps, where the solution is now."""
         if self.contact.tied:
             rows = vec.CreateVector()
             self.contact.Apply(vec, rows)
@@ -227,21 +250,21 @@ class Springs:
         self.law.Place(table["normal"][self.own], gaps, table["slip"][self.own])
         self.law.Bound(self._Bound(self.law.press.size, table))
 
-    def Tractions(self, own):
+    def Tractions(self, own: np.ndarray) -> np.ndarray:
         """Of all macro-elements, flat: those `own` (n, d) of its own, and 0."""
         tractions = np.zeros(self.dofs.shape)
         tractions[self.own] = own
         return tractions.ravel()
 
-    def Show(self, values, traction):
+    def Show(self, values: np.ndarray, traction: np.ndarray) -> None:
         """Put tractions (n, d) into the solution."""
         values[self.dofs.ravel()] = self.Tractions(traction)
 
-    def Step(self, change, motion):
+    def Step(self, change: np.ndarray, motion: np.ndarray) -> BarrierStep | np.ndarray:
         """The step of the law to a motion of the displacements."""
         return self.law.Step(change + self._Follow(motion))
 
-    def _Follow(self, motion):
+    def _Follow(self, motion: np.ndarray) -> np.ndarray:
         """What a motion of the displacements changes the tractions (n, d) by."""
         follow = Pick(Multiply([self.form.mat], motion), self.dofs[self.own])
         return (self.stiffness / self.area)[:, None] * follow

@@ -4,20 +4,23 @@
 import numpy as np
 from ngsolve import (
     VOL,
+    BilinearForm,
     CoefficientFunction,
     Det,
     ElementId,
+    FESpace,
     Grad,
     GridFunction,
     Id,
     IfPos,
     Integrate,
+    Mesh,
     x,
     y,
     z,
 )
 
-from ngslac._ngslac import PieceOf
+from ngslac._ngslac import ContactForm, PieceOf
 from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.bodies.rigidmotions import DofsOfMaterials
@@ -36,7 +39,9 @@ class InvertedError(ContactConvergenceError):
     """Newton's method converged to a state with elements turned inside out."""
 
 
-def InvertedMessage(form, gf, materials=None):
+def InvertedMessage(
+    form: ContactForm, gf: GridFunction, materials: np.ndarray | None = None
+) -> str:
     """Which elements the displacement of a compiled contact form turns inside out; "" if none."""
     space, mesh = form.component, form.fes.mesh
     u, first = GridFunction(space), form.offset * form.fes.dim
@@ -54,7 +59,7 @@ def InvertedMessage(form, gf, materials=None):
     return f"{words} inside out (det F <= 0), the first {min(found)[1]}"
 
 
-def First(mesh, numbers):
+def First(mesh: Mesh, numbers: np.ndarray) -> tuple[int, str] | None:
     """Of some elements here the first one: its number among all, and where it is; or None."""
     if not len(numbers):
         return None
@@ -68,7 +73,7 @@ def First(mesh, numbers):
     return (int(table[first]) if mesh.comm.size > 1 else first), place
 
 
-def TurningMaterials(a, form, gf):
+def TurningMaterials(a: BilinearForm, form: ContactForm, gf: GridFunction) -> np.ndarray:
     """Materials of which the bulk form knows finite rotations: they turn the forces with them.
 
     Where they do, as in linear elasticity, the determinant of the deformation means nothing.
@@ -92,7 +97,7 @@ def TurningMaterials(a, form, gf):
     return np.array(materials)
 
 
-def Bent(space):
+def Bent(space: FESpace) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients of a displacement with strains, and of the same that is then turned."""
     d, extent = space.mesh.dim, ExtentOf(space.mesh)
     middle, size = extent.center, extent.size
@@ -108,7 +113,9 @@ def Bent(space):
     return Values(u.vec).copy(), Values(turned.vec).copy()
 
 
-def Forces(a, form, gf, displacement):
+def Forces(
+    a: BilinearForm, form: ContactForm, gf: GridFunction, displacement: np.ndarray
+) -> np.ndarray:
     """What the bulk form says of a displacement (n,)."""
     vec, forces = gf.vec.CreateVector(), gf.vec.CreateVector()
     own = slice(first := form.offset * form.fes.dim, first + len(displacement))

@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The convergence table of a solve, as it grows."""
 
+from __future__ import annotations
+
 import logging
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.parallel.layout import LayoutOf
-from ngslac.progress import Say, ShowLive
+from ngslac.progress import Progress, Say, ShowLive
 from ngslac.solve.callback import TellIterate
+
+if TYPE_CHECKING:
+    from ngsolve import GridFunction
+
+    from ngslac.solve.residual import Measurement
 
 __all__ = ["STILL", "Iteration", "Log", "MostlySlips", "Unchanged"]
 
@@ -45,7 +54,7 @@ class Iteration:
     damping: float
 
     @classmethod
-    def Of(cls, number, state, before, damping) -> "Iteration":
+    def Of(cls, number: int, state: Measurement, before: np.ndarray, damping: float) -> Iteration:
         """The line for a Measurement.
 
         Parameters
@@ -65,7 +74,7 @@ class Iteration:
         changed = int(np.sum(before != state.status))
         return cls(number, state.equilibrium, state.constraint, *counts, changed, damping)
 
-    def __str__(self):
+    def __str__(self) -> str:
         damping = "" if self.damping == 1 else f"  damped {self.damping:g}"
         return (
             f"  {self.number:3d}  equilibrium {self.equilibrium:8.2e}  "
@@ -74,13 +83,13 @@ class Iteration:
         )
 
 
-def MostlySlips(history):
+def MostlySlips(history: Sequence[Iteration]) -> bool:
     """Does nearly all that is closed slip, all along the way after the start?"""
     slipped = sum(entry.slip for entry in history[1:])
     return slipped > SLIPPED * (slipped + sum(entry.stick for entry in history[1:]))
 
 
-def Unchanged(history):
+def Unchanged(history: Sequence[Iteration]) -> bool:
     """Has the status of late been the same?"""
     return not any(entry.changed for entry in history[-STILL:])
 
@@ -88,16 +97,23 @@ def Unchanged(history):
 class Log:
     """Notes each iterate, and shows it to whom it concerns."""
 
-    def __init__(self, gf, tol, printing, callback, progress):
+    def __init__(
+        self,
+        gf: GridFunction,
+        tol: float,
+        printing: bool,
+        callback: Callable[[Iteration], object] | None,
+        progress: Progress,
+    ):
         self.gf, self.tol, self.printing, self.callback = gf, tol, printing, callback
         self.history, self.progress, self._status = [], progress, None
 
-    def Say(self, line):
+    def Say(self, line: Iteration | str) -> None:
         """Print a line between those of the table."""
         if self.printing:
             Say(line)
 
-    def Add(self, state, damping=1.0):
+    def Add(self, state: Measurement, damping: float = 1.0) -> None:
         """The line of a Measurement, which a part of a step led to."""
         number = len(self.history)
         entry = Iteration.Of(number, state, self._status if number else state.status, damping)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Loads besides those of the bulk form: checked, and as numbers."""
 
+from collections.abc import Callable
+
 import numpy as np
-from ngsolve import BaseVector, GridFunction, LinearForm
+from ngsolve import BaseVector, FESpace, GridFunction, LinearForm
 from ngsolve.la import DynamicVectorExpression
 
 from ngslac._ngslac import IsAssembled
@@ -12,7 +14,9 @@ from ngslac.parallel.layout import LayoutOf
 __all__ = ["CheckNoMultiplierLoad", "CheckRhs", "LoadVector"]
 
 
-def CheckRhs(rhs, space):
+def CheckRhs(
+    rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, space: FESpace
+) -> LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None:
     """Loads that are a LinearForm or a vector on the space, or a function that returns one."""
     if isinstance(rhs, GridFunction):
         raise TypeError("rhs is a GridFunction: give its gf.vec if that holds forces")
@@ -28,14 +32,18 @@ def CheckRhs(rhs, space):
     return rhs
 
 
-def LoadVector(rhs, gf):
+def LoadVector(
+    rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, gf: GridFunction
+) -> np.ndarray:
     """The load on the space of a GridFunction: from nothing, a vector, a form or a callable."""
     if IsFunction(rhs):  # which may fail on one of many processes
         return LayoutOf(gf.space).together.ByUser(_LoadOf, rhs, gf)
     return _LoadOf(rhs, gf)
 
 
-def _LoadOf(rhs, gf):
+def _LoadOf(
+    rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, gf: GridFunction
+) -> np.ndarray:
     """The same, of this process."""
     name, load = ("rhs()", rhs()) if IsFunction(rhs) else ("rhs", rhs)
     values = Values(load, gf.space, name)
@@ -47,7 +55,7 @@ def _LoadOf(rhs, gf):
     return values
 
 
-def Values(load, space, name="rhs"):
+def Values(load: LinearForm | BaseVector | None, space: FESpace, name: str = "rhs") -> np.ndarray:
     """A load that is no function as array of the rows of a space."""
     layout, size = LayoutOf(space), space.ndof * space.dim
     if load is None and name == "rhs":
@@ -65,7 +73,7 @@ def Values(load, space, name="rhs"):
     return layout.Values(copy).copy()
 
 
-def CheckNoMultiplierLoad(name, size, allowed):
+def CheckNoMultiplierLoad(name: str, size: float, allowed: float) -> None:
     """Refuse forces of bulk or loads in the rows of the multipliers: they would shift the gap.
 
     Their `size` may be what the solver takes for zero: reactions of an earlier solve hold as much.

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A second look at a converged state, which does not know how it was found."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import Grad, GridFunction, InnerProduct, Integrate
 
@@ -10,6 +15,11 @@ from ngslac.contact.certificate import PointsInside
 from ngslac.contact.fields import FluxName
 from ngslac.errors import ContactConvergenceError, FloatingBodyError
 from ngslac.solve.inverted import InvertedError
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
+    from ngslac.contact.flux import Flux
+    from ngslac.solve.system import System
 
 __all__ = ["BORNE", "Look", "MechanismError"]
 
@@ -29,10 +39,10 @@ class MechanismError(FloatingBodyError):
 class Look:
     """What a state of bulk and contact says of itself."""
 
-    def __init__(self, system):
+    def __init__(self, system: System):
         self.system = system
 
-    def __call__(self):
+    def __call__(self) -> None:
         """Raise an error if the state is none, and note what may not be meant."""
         self.system.notes.clear()
         self._LookAtElements()
@@ -44,18 +54,20 @@ class Look:
         self._LookAtRotations()
         self._LookAtFlows()
 
-    def _Say(self, kind, message):
+    def _Say(self, kind: str, message: str) -> None:
         """Note a message, if there is one."""
         if message:
             self.system.notes[kind] = message
 
-    def _LookAtElements(self):
+    def _LookAtElements(self) -> None:
+        """Are elements inside out?"""
         known, others = self.system.Inverted()
         if known:
             raise InvertedError(known + "; take smaller steps, or a finer mesh there")
         self._Say("inverted", others and others + ": the material knows small strains only there")
 
-    def _LookAtMotions(self):
+    def _LookAtMotions(self) -> None:
+        """Motions that loads drive and nothing but curved contact holds, or that nothing drives."""
         system = self.system
         free = system.Freedom("rubbing", slides=True) if system.MayFloat() else None
         if free and system.IsDriven(free, "rubbing"):
@@ -68,7 +80,7 @@ class Look:
                 "nothing drives, as facets of their meshes lean: refine the slave where it touches",
             )
 
-    def _LookAtWays(self):
+    def _LookAtWays(self) -> None:
         """Bodies that have gone through another one, and are far behind it."""
         if found := self.system.Passed():
             way, place = found
@@ -77,7 +89,7 @@ class Look:
                 "that it faced, and touches nothing: take smaller steps"
             )
 
-    def _LookAtDepths(self):
+    def _LookAtDepths(self) -> None:
         """Parts of a slave so deep in the master that contact does not see them."""
         for number, contact in enumerate(self.system.contacts):
             message = self._Depth(contact) if contact.active and contact.master else ""
@@ -85,7 +97,8 @@ class Look:
                 raise ContactConvergenceError(message)
             self._Say(f"depth {number}", message)
 
-    def _Depth(self, contact):
+    def _Depth(self, contact: LACContact) -> str:
+        """How deep some of the slave lies in the master where contact sees nothing, in words."""
         table = contact.Table()
         if np.all(table["area"] > 0.5 * table["fullarea"]):
             return ""
@@ -100,7 +113,7 @@ class Look:
             f"{1.1 * depths[deepest]:.3g}, move the bodies apart, or take smaller steps"
         )
 
-    def _LookAtPoints(self):
+    def _LookAtPoints(self) -> None:
         """Corners and edges that lie inside of another body, where the mean gap is open."""
         for number, contact in enumerate(self.system.contacts):
             if found := PointsInside(contact, self.system.gf):
@@ -112,11 +125,11 @@ class Look:
                     "there. Refine the slave there",
                 )
 
-    def _LookAtSliding(self):
+    def _LookAtSliding(self) -> None:
         for number, contact in enumerate(self.system.contacts):
             self._Say(f"slid {number}", self._Slid(contact))
 
-    def _Slid(self, contact):
+    def _Slid(self, contact: LACContact) -> str:
         """Does a closed macro-element touch what it was paired with, and has slid away from?"""
         table = contact.Table()
         far = np.linalg.norm(contact._Slid(), axis=1) * (table["status"] > 0)
@@ -131,7 +144,7 @@ class Look:
             "between steps"
         )
 
-    def _LookAtFlows(self):
+    def _LookAtFlows(self) -> None:
         """Fields that flow through contact from their lower to their higher side."""
         for number, contact in enumerate(self.system.contacts):
             if contact.components == 1 and contact.own_law:
@@ -139,7 +152,7 @@ class Look:
             elif contact.fluxes:
                 self._LookAtFluxes(number, contact.fluxes, contact.form.Table())
 
-    def _LookAtLaw(self, number, table):
+    def _LookAtLaw(self, number: int, table: dict[str, np.ndarray]) -> None:
         """That of a tied scalar field, as the last Newton step knew it."""
         power = table["jump"] * table["traction"][:, 0]
         uphill = min(table["area"] @ power, table["area"] @ table["growth"]) > 0
@@ -149,7 +162,9 @@ class Look:
         )
         self._Say(f"flow {number}", message if uphill else "")
 
-    def _LookAtFluxes(self, number, fluxes, table):
+    def _LookAtFluxes(
+        self, number: int, fluxes: Sequence[Flux], table: dict[str, np.ndarray]
+    ) -> None:
         """Each `Flux`, without the heat that it sets free."""
         for k, flux in enumerate(fluxes):
             name, parts = FluxName(k), {"out": 1 - flux.share, "in": flux.share}
@@ -163,7 +178,7 @@ class Look:
             )
             self._Say(f"flow {number} {k}", message if uphill else "")
 
-    def _LookAtRotations(self):
+    def _LookAtRotations(self) -> None:
         """Rotations and strains that a bulk form does not know which is linear."""
         system = self.system
         form = system.contacts[0].form

@@ -1,22 +1,30 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """One solve by a generalised Newton method with active set."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.bodies.messages import OwnLawMessage, RubberMessage
-from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason
+from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError, Reason
 from ngslac.solve.descent import Descent
 from ngslac.solve.failure import CarriedOff, Failure
 from ngslac.solve.globalization import Globalization
 from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
-from ngslac.solve.iteration import MostlySlips, Unchanged
+from ngslac.solve.iteration import Iteration, Log, MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
 from ngslac.solve.stability import UnstableError
+
+if TYPE_CHECKING:
+    from ngslac.solve.residual import Measurement
+    from ngslac.solve.system import System
 
 __all__ = ["Newton"]
 
@@ -60,7 +68,7 @@ class FlightError(ContactConvergenceError):
 class Newton:
     """The way of a System to its solution, once."""
 
-    def __init__(self, system, log, *, initial, path):
+    def __init__(self, system: System, log: Log, *, initial: str, path: bool):
         self.system, self.log, self.tol, self.path = system, log, log.tol, path
         self.globalization, self.holding = Globalization(), Holding(system, initial)
         self.failure = Failure(system, self.holding)
@@ -69,11 +77,11 @@ class Newton:
         self.stuck = None  # the solution where the residual has a minimum that is not zero
 
     @property
-    def history(self):
+    def history(self) -> list[Iteration]:
         """The lines of the table so far."""
         return self.log.history
 
-    def Run(self, maxit):
+    def Run(self, maxit: int) -> Iteration:
         """The last line, after at most so many linear solves; raises what keeps it from that."""
         system = self.system
         system.Assemble()
@@ -100,7 +108,7 @@ class Newton:
         except FAILURES as error:
             return self._Otherwise(error, maxit, start, found)
 
-    def _Falls(self):
+    def _Falls(self) -> bool:
         """Do loose bodies have a way to fall before large sliding sees what holds them?"""
         system = self.system
         if not (system.finite and system.bodies.loose):
@@ -111,7 +119,7 @@ class Newton:
 
     # --- the loop ------------------------------------------------------------------------------
 
-    def Iterate(self, state, patience, most=0):
+    def Iterate(self, state: Measurement, patience: int, most: int = 0) -> Iteration:
         """Newton's method from the Measurement noted last: the last line.
 
         At most `patience` steps, or up to `most` as long as the residual falls.
@@ -138,12 +146,12 @@ class Newton:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
 
-    def Watch(self, state, *, patient=False):
+    def Watch(self, state: Measurement, *, patient: bool = False) -> None:
         """Let the globalisation look at the iterate noted last, see there."""
         moving = self.system.motion is not None
         self.globalization.Watch(state, self.history[-1].changed, patient=patient, moving=moving)
 
-    def Polish(self, state, steps):
+    def Polish(self, state: Measurement, steps: int) -> Iteration | None:
         """The end of the method from a Measurement; None, and back, if it does not come to one."""
         before = self.system.Place()
         try:
@@ -153,7 +161,7 @@ class Newton:
             self.system.residual.Follow()
             return None
 
-    def _LetTurn(self):
+    def _LetTurn(self) -> Iteration | None:
         """The last line where round bodies have turned until contact balances them, or None.
 
         Contact does so as far as it meets several macro-elements of each, by what their meshes make
@@ -179,12 +187,12 @@ class Newton:
         system.Evaluate()
         return None
 
-    def _Balanced(self):
+    def _Balanced(self) -> Measurement:
         """The Measurement with what holds idle bodies now."""
         self.system.HoldIdle("rubbing")
         return self.system.Measure()
 
-    def _Crawls(self):
+    def _Crawls(self) -> bool:
         """Is another method faster? Without friction, where it follows a path to the status."""
         system = self.system
         suits = system.scheme.searches and system.islinear and not self.onpath
@@ -194,7 +202,7 @@ class Newton:
         leaps = bool(system.bodies.floating) and self.globalization.leaps
         return leaps or self.globalization.crawls
 
-    def _Strides(self):
+    def _Strides(self) -> bool:
         """May it tear more than the next stable state does, where a law softens?
 
         Near a state its residual falls in each step.
@@ -204,7 +212,7 @@ class Newton:
         before, now = (max(entry.equilibrium, entry.constraint) for entry in self.history[-2:])
         return now > before
 
-    def Record(self, state, damping=1.0):
+    def Record(self, state: Measurement, damping: float = 1.0) -> None:
         """Note an iterate, which a part of a step led to."""
         self.system.Evaluate()
         self.log.Add(state, damping)
@@ -212,12 +220,12 @@ class Newton:
         if self.reach and late and self.system.Flight(self.reach[0]) > self.reach[1]:
             raise FlightError("bodies fly about")
 
-    def Converged(self, state):
+    def Converged(self, state: Measurement) -> bool:
         """Is it the solution?"""
         done = state.equilibrium < self.tol and state.constraint < self.tol
         return done and self.system.motion is None
 
-    def Confirmed(self, state):
+    def Confirmed(self, state: Measurement) -> Measurement:
         """The state, by the bulk's own residual where it looks converged or hopeless."""
         system = self.system
         if self.Converged(state) or self.globalization.stagnates:
@@ -229,7 +237,7 @@ class Newton:
                 self.globalization.Begin()
         return state
 
-    def Accept(self):
+    def Accept(self) -> Iteration:
         """The last line, if the state that it tells of is possible."""
         Look(self.system)()
         self.system.stability.Check(self.system)
@@ -241,7 +249,7 @@ class Newton:
         self.system.residual.Accept()
         return self.history[-1]
 
-    def NotConverged(self, state):
+    def NotConverged(self, state: Measurement) -> ContactConvergenceError:
         """The error that ends the table at a Measurement."""
         return ContactConvergenceError(
             f"no convergence in {len(self.history) - 1} iterations: equilibrium "
@@ -253,7 +261,7 @@ class Newton:
             + (advice and "; " + advice if (advice := self._RubberAdvice()) else "")
         )
 
-    def _RubberAdvice(self):
+    def _RubberAdvice(self) -> str:
         """Advice for a first solve that is long because a material hardly changes its volume."""
         bulk, count = self.system.bulk, len(self.history) - 1
         if self.system.residual.converged or count <= LONG or bulk.islinear or bulk.a.condense:
@@ -261,13 +269,13 @@ class Newton:
         return RubberMessage(count, self._poisson) if self._poisson > RUBBER else ""
 
     @cached_property
-    def _poisson(self):
+    def _poisson(self) -> float:
         """Poisson's ratio, once for all errors of a solve."""
         return self.system.bodies.PoissonRatio(self.system.bulk.mat)
 
     # --- one step ------------------------------------------------------------------------------
 
-    def _Step(self, state, *, convex=False):
+    def _Step(self, state: Measurement, *, convex: bool = False) -> tuple[Measurement, float]:
         """The Measurement after a step, and the part of it; `convex`: of a `Descent`."""
         system, vec = self.system, self.system.gf.vec
         system.scheme.Prepare(self, state)
@@ -278,7 +286,7 @@ class Newton:
         start.data = vec
         longest = system.Sight(correction)
 
-        def move(part):
+        def move(part: float) -> Measurement:
             vec.data = start
             system.values[:] -= part * longest * correction
             return system.Trial(state, part * longest)
@@ -298,7 +306,9 @@ class Newton:
             return system.Measure(), damping
         return trial, damping
 
-    def _Stick(self, state, move):
+    def _Stick(
+        self, state: Measurement, move: Callable[[float], Measurement]
+    ) -> tuple[Measurement, float] | None:
         """The step up to where another macro-element sticks; None if none comes to rest.
 
         Where all that holds a body slips nothing tells how far it moves: until a slip turns round.
@@ -319,11 +329,11 @@ class Newton:
                     return trial, part
         return None
 
-    def _Slips(self):
+    def _Slips(self) -> np.ndarray:
         """Of the macro-elements of all contacts (n, d)."""
         return np.concatenate([contact.Table()["slip"] for contact in self.system.contacts])
 
-    def _Accuracy(self, state):
+    def _Accuracy(self, state: Measurement) -> float:
         """Relative residual that an iterative solution needs for the next step to be a Newton step.
 
         Loose while the contact status changes, then such that convergence stays quadratic, or
@@ -344,7 +354,7 @@ class Newton:
 
     # --- where it does not get there -----------------------------------------------------------
 
-    def _Strays(self):
+    def _Strays(self) -> bool:
         """Did a body that contact holds move farther than what drives it, by a macro-element?
 
         In small sliding its slip tells, which is not made for as much.
@@ -357,7 +367,7 @@ class Newton:
         slips = [np.linalg.norm(c.Table()["slip"], axis=1) / c._Sizes() for c in contacts]
         return max((np.max(slip) for slip in slips), default=0.0) > STRAYED
 
-    def _IsPushedFrom(self, start):
+    def _IsPushedFrom(self, start: tuple[np.ndarray, np.ndarray | None]) -> bool:
         """Do loads carry a body off from that solution? Contacts are as they are afterwards."""
         now = self.system.Place()
         self.system.values[:] = start[0]
@@ -366,7 +376,9 @@ class Newton:
         self.system.Measure()
         return bool(carried)
 
-    def _Reach(self, start):
+    def _Reach(
+        self, start: tuple[np.ndarray, np.ndarray | None]
+    ) -> tuple[np.ndarray, float] | None:
         """How far from the start Newton's method may carry several loose bodies that rub."""
         system = self.system
         if not (system.islinear and system.rubs and len(system.bodies.floating) >= SEVERAL):
@@ -374,7 +386,13 @@ class Newton:
         farthest = STRAYED if self.holding.Reaches() else FLOWN
         return start[0], farthest * np.max(system.Sizes())
 
-    def _Otherwise(self, error, maxit, start, found):
+    def _Otherwise(
+        self,
+        error: ContactConvergenceError | LinearSolveError,
+        maxit: int,
+        start: tuple[np.ndarray, np.ndarray | None],
+        found: tuple[np.ndarray, np.ndarray | None] | None,
+    ) -> Iteration:
         """The last line of another method, from the start again; else what Newton's found."""
         system, failure, self.reach = self.system, self.failure, None
         if not system.scheme.searches:
@@ -408,7 +426,12 @@ class Newton:
             self.Record(system.Measure())
             return self.Accept()
 
-    def _Search(self, error, maxit, start):
+    def _Search(
+        self,
+        error: ContactConvergenceError | LinearSolveError,
+        maxit: int,
+        start: tuple[np.ndarray, np.ndarray | None],
+    ) -> Iteration:
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
         if system.own_law:
@@ -431,7 +454,11 @@ class Newton:
             system.GoTo(start)
             return self._Relax(failed, start)
 
-    def _Relax(self, error, start):
+    def _Relax(
+        self,
+        error: ContactConvergenceError | LinearSolveError,
+        start: tuple[np.ndarray, np.ndarray | None],
+    ) -> Iteration:
         """The last line where loose bodies have come to rest."""
         system = self.system
         try:

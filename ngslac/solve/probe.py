@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Whether a bulk form is linear, asked by a random displacement."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BaseVector
+from ngsolve import BaseVector, BilinearForm, Mesh
 
 from ngslac.parallel.extent import ExtentOf
+
+if TYPE_CHECKING:
+    from ngslac.parallel.layout import Layout, Whole
+    from ngslac.solve.bulk import Bulk
 
 __all__ = ["AssembleLinear", "Probe"]
 
@@ -29,7 +36,7 @@ class Probe:
     change: np.ndarray
 
     @classmethod
-    def At(cls, bulk):
+    def At(cls, bulk: Bulk) -> Probe | None:
         """From the solution of a Bulk; None where the form has no value."""
         gf, vec, layout = bulk.gf, bulk.gf.vec, bulk.layout
         there, at, here = (vec.CreateVector() for _ in range(3))
@@ -46,7 +53,7 @@ class Probe:
             return None
         return cls(values.copy(), here, way, change)
 
-    def Agrees(self, bulk):
+    def Agrees(self, bulk: Bulk) -> bool:
         """Is the matrix of a Bulk that of a linear form with this change?"""
         deviation, expected = map(np.abs, bulk.Deviation(self.change, self.way))
         return all(
@@ -56,7 +63,7 @@ class Probe:
         )
 
 
-def AssembleLinear(a, layout):
+def AssembleLinear(a: BilinearForm, layout: Layout | Whole) -> bool:
     """The matrix of a form, if it is linear; False where that fails.
 
     A form that is not has some other matrix then, also where a product of test functions alone
@@ -69,13 +76,13 @@ def AssembleLinear(a, layout):
     return True
 
 
-def ElementSize(mesh):
+def ElementSize(mesh: Mesh) -> float:
     """A length of elements."""
     extent = ExtentOf(mesh)
     return extent.size * extent.elements ** (-1 / mesh.dim)
 
 
-def RandomWay(n):
+def RandomWay(n: int) -> np.ndarray:
     """The same each time, (n,): no number of it is small."""
     random = np.random.default_rng(17)
     return random.choice([-1.0, 1.0], n) * random.uniform(0.5, 1, n)

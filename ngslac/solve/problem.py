@@ -1,13 +1,30 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The parts of a problem as users hand them to a solver, checked."""
 
-from collections.abc import Iterable
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 from netgen.meshing import NgException
-from ngsolve import BND, CF, ET, BilinearForm, BitArray, GridFunction, Integrate, IntegrationRule, x
+from ngsolve import (
+    BND,
+    CF,
+    ET,
+    BaseMatrix,
+    BaseVector,
+    BilinearForm,
+    BitArray,
+    FESpace,
+    GridFunction,
+    Integrate,
+    IntegrationRule,
+    Region,
+    x,
+)
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import BoundaryNames, CheckInstance, CheckNumber, CheckOnSpace, Shown, Wrong
@@ -16,7 +33,10 @@ from ngslac.bodies.rigidmotions import DofsOfMaterials, RigidMotions
 from ngslac.contact.contact import LACContact
 from ngslac.errors import ContactConvergenceError, Warn
 from ngslac.parallel.extent import ExtentOf
-from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.layout import Layout, LayoutOf, Whole
+
+if TYPE_CHECKING:
+    from ngslac._ngslac import ContactForm
 
 __all__ = [
     "AssembleBulk",
@@ -57,7 +77,7 @@ REFUSED = {
 }
 
 
-def CheckBulk(a):
+def CheckBulk(a: BilinearForm) -> BilinearForm:
     """A bulk form whose matrix can be assembled, merged with that of contact, and solved."""
     CheckInstance("a", a, BilinearForm, "the bulk as a BilinearForm on the product space")
     if a.space.is_complex:
@@ -74,7 +94,12 @@ def CheckBulk(a):
     return a
 
 
-def CheckContacts(contacts, space, gf=None, name="contacts"):
+def CheckContacts(
+    contacts: LACContact | Iterable[LACContact],
+    space: FESpace,
+    gf: GridFunction | None = None,
+    name: str = "contacts",
+) -> list[LACContact]:
     """One contact or several as a list of contacts on one space, each with a lam of its own.
 
     `gf` is the solution, which tells whether a contact or the bulk form is on another space.
@@ -122,7 +147,7 @@ OBSTACLES = (
 )
 
 
-def CheckSlaves(contacts):
+def CheckSlaves(contacts: Sequence[LACContact]) -> None:
     """No two contacts that are on press one slave face on one surface: which one is not told."""
     for one, other in combinations([contact for contact in contacts if contact.active], 2):
         both = one.space.slave * other.space.slave
@@ -135,19 +160,19 @@ def CheckSlaves(contacts):
             )
 
 
-def HasFaces(region):
+def HasFaces(region: Region) -> bool:
     """Is there an element in a region?"""
     return next(iter(region.Elements()), None) is not None
 
 
-def AreApart(one, other):
+def AreApart(one: LACContact, other: LACContact) -> bool:
     """Have two contacts masters without a common face?"""
     if one.master is None or other.master is None:
         return False
     return not HasFaces(one.master * other.master)
 
 
-def CheckStart(gf, space):
+def CheckStart(gf: GridFunction, space: FESpace) -> GridFunction:
     """A solution on the product space with finite values."""
     CheckOnSpace("gf", gf, space)
     if not np.isfinite(LayoutOf(space).Values(gf.vec)).all():
@@ -155,7 +180,9 @@ def CheckStart(gf, space):
     return gf
 
 
-def CheckFreeDofs(freedofs, space, contacts):
+def CheckFreeDofs(
+    freedofs: BitArray | None, space: FESpace, contacts: Sequence[LACContact]
+) -> BitArray | None:
     """A BitArray with one bit for each dof of the space; those free by default for None.
 
     Multipliers that are not free would let the surfaces pass through each other.
@@ -179,7 +206,7 @@ def CheckFreeDofs(freedofs, space, contacts):
     return freedofs
 
 
-def CheckInverse(inverse):
+def CheckInverse(inverse: str | None) -> str | None:
     """The name of a sparse direct solver that is there: it has to solve one equation."""
     if inverse is None:
         return None
@@ -200,12 +227,12 @@ def CheckInverse(inverse):
 # --- a solve -------------------------------------------------------------------------------------
 
 
-def CheckTolerance(tol):
+def CheckTolerance(tol: float) -> float:
     """A relative tolerance: below 1, where the start would do."""
     return CheckNumber("tol", tol, "a number > 0 and < 1, such as 1e-10", lambda x: 0 < x < 1)
 
 
-def CheckMotion(motion, constrained):
+def CheckMotion(motion: np.ndarray | None, constrained: np.ndarray) -> np.ndarray | None:
     """How far constrained dofs move, as array of finite numbers; None where they do not."""
     if motion is None:
         return None
@@ -220,7 +247,7 @@ def CheckMotion(motion, constrained):
 # --- multipliers ---------------------------------------------------------------------------------
 
 
-def MultiplierRows(contacts):
+def MultiplierRows(contacts: Sequence[LACContact]) -> np.ndarray:
     """The scalar dofs of the multipliers of all contacts as (n,) bool."""
     rows = contacts[0].layout.Of(np.zeros(contacts[0].nscalars, dtype=bool))
     for form in (contact.form for contact in contacts):
@@ -229,13 +256,15 @@ def MultiplierRows(contacts):
     return rows
 
 
-def ScalarFields(contacts):
+def ScalarFields(contacts: Sequence[LACContact]) -> list[tuple[FESpace, np.ndarray]]:
     """Pairs of the scalar fields that flow through contacts: their spaces, and rows (k,)."""
     known = {first: space for contact in contacts for space, first in contact.form.scalars}
     return [(space, np.arange(first, first + space.ndof)) for first, space in known.items()]
 
 
-def UnheldFields(mats, contacts, free):
+def UnheldFields(
+    mats: Sequence[BaseMatrix], contacts: Sequence[LACContact], free: np.ndarray
+) -> str:
     """In which materials the matrices hold no constant of a scalar field, in words, or ""."""
     names = []
     for space, rows in ScalarFields(contacts):
@@ -260,7 +289,7 @@ def UnheldFields(mats, contacts, free):
     )
 
 
-def AssembleBulk(a, x, layout):
+def AssembleBulk(a: BilinearForm, x: BaseVector, layout: Layout | Whole) -> None:
     """The derivative of the bulk form at a vector; what NGSolve says against it names the form."""
     layout.Values(x)
     try:
@@ -269,7 +298,7 @@ def AssembleBulk(a, x, layout):
         raise NgException(f"a, the bulk form, cannot be assembled: {error}") from error
 
 
-def CheckMatrix(mat, rows, layout):
+def CheckMatrix(mat: BaseMatrix, rows: np.ndarray, layout: Layout | Whole) -> None:
     """Refuse a bulk without stiffness, or one that couples the multipliers in the (n,) bool `rows`.
 
     Such terms would change the contact law.
@@ -285,7 +314,7 @@ def CheckMatrix(mat, rows, layout):
         )
 
 
-def CheckBodies(mat, contact, free, *, rests):
+def CheckBodies(mat: BaseMatrix, contact: LACContact, free: np.ndarray, *, rests: bool) -> None:
     """Refuse a material that has no stiffness, or NaN, where it is `free` (n,) bool to move.
 
     `rests`: is the solution 0? Else NaN comes from that, as of elements that are inside out.
@@ -312,7 +341,7 @@ def CheckBodies(mat, contact, free, *, rests):
             )
 
 
-def CheckAxis(mat, contacts, free):
+def CheckAxis(mat: BaseMatrix, contacts: Sequence[LACContact], free: np.ndarray) -> None:
     """Refuse a bulk without hoop strain beside axisymmetric contact; warn of the opposite.
 
     A shift away from the axis strains a body of revolution, but nothing in a plane.
@@ -355,7 +384,9 @@ def CheckAxis(mat, contacts, free):
         )
 
 
-def _CheckFactor(mat, space, rows, layout, *, axisymmetric):
+def _CheckFactor(
+    mat: BaseMatrix, space: FESpace, rows: np.ndarray, layout: Layout | Whole, *, axisymmetric: bool
+) -> None:
     """Warn of a bulk with the factor x beside contact that is not axisymmetric, or the opposite.
 
     The energies of r^2/2 and r, with the distance r from the innermost point, have another ratio
@@ -386,7 +417,7 @@ def _CheckFactor(mat, space, rows, layout, *, axisymmetric):
         )
 
 
-def _LeavesAxis(form, free):
+def _LeavesAxis(form: ContactForm, free: np.ndarray) -> bool:
     """Can some of the `free` (n,) bool dofs move a vertex on the axis across?"""
     space, block = form.component, form.fes.dim
     own = _Displacements(form)
@@ -401,7 +432,9 @@ def _LeavesAxis(form, free):
     return together.Reduce(leaves, "LOR")
 
 
-def _HoopStiffness(mat, form, layout):
+def _HoopStiffness(
+    mat: BaseMatrix, form: ContactForm, layout: Layout | Whole
+) -> Iterator[tuple[str, bool, float]]:
     """Of each material: its name, does it resist a shift along x, and how much.
 
     1 is about what hoop strains make, by the modulus that a shear tells; 0 where a shift along y,
@@ -432,13 +465,13 @@ def _HoopStiffness(mat, form, layout):
             yield name, resists, ratio
 
 
-def _Displacements(form):
+def _Displacements(form: ContactForm) -> slice:
     """The scalar dofs of the displacement among those of the product space."""
     block = form.fes.dim
     return slice(form.offset * block, (form.offset + form.component.ndof) * block)
 
 
-def _MaterialsOf(space, dofs):
+def _MaterialsOf(space: FESpace, dofs: np.ndarray) -> list[str]:
     """Names of the materials that have some of these dofs (n,) bool for themselves."""
     materials = np.array(space.mesh.GetMaterials())
     names = list(dict.fromkeys(materials.tolist()))

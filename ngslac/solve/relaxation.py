@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Loose bodies come to rest as if they moved in something viscous, less and less."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.solve.search import FAILURES
+
+if TYPE_CHECKING:
+    from ngslac.solve.iteration import Iteration
+    from ngslac.solve.newton import Newton
 
 __all__ = ["Relaxation"]
 
@@ -57,11 +64,11 @@ class Drag:
     place: np.ndarray
     rows: np.ndarray
 
-    def Forces(self, values, scale):
+    def Forces(self, values: np.ndarray, scale: np.ndarray) -> np.ndarray:
         """At other values (n,), with the factors (n,) of the rows."""
         return np.where(self.rows, self.size * (values - self.place) / scale**2, 0.0)
 
-    def Shift(self):
+    def Shift(self) -> np.ndarray:
         """What the scaled diagonal of the matrix gets."""
         return self.size * self.rows
 
@@ -80,10 +87,10 @@ class Relaxation:
         Number of linear solves up to which its table may grow.
     """
 
-    def __init__(self, newton, maxit):
+    def __init__(self, newton: Newton, maxit: int):
         self.newton, self.system, self.maxit = newton, newton.system, maxit
 
-    def Run(self):
+    def Run(self) -> Iteration:
         """The last line of the table, or an error if bodies do not come to rest."""
         newton, system = self.newton, self.system
         newton.log.Say("  relaxation of loose bodies")
@@ -121,14 +128,14 @@ class Relaxation:
             newton.reach = None
         raise newton.NotConverged(system.Measure())
 
-    def _FirstDrag(self, way):
+    def _FirstDrag(self, way: float) -> float:
         """The size with which forces carry bodies about so far at first."""
         system = self.system
         system.Measure()
         drift = system.bodies.Drift(system.residual.scaled / system.scale, 1 / system.scale**2)
         return np.clip(drift / way, LAST, FIRST) if drift else FIRST
 
-    def _SlidesOn(self, moved):
+    def _SlidesOn(self, moved: float) -> bool:
         """Do bodies slide steadily and far, against a force that does not fall?
 
         `moved` is their way of the last stage, relative to the smallest macro-element.
@@ -143,7 +150,7 @@ class Relaxation:
         same = np.abs(np.diff(forces)) <= SAME_FORCE * forces[1:]
         return len(same) == STEADY and bool(np.all(same)) and np.sum(ways[1:]) > SLID
 
-    def _Settles(self, size):
+    def _Settles(self, size: float) -> int:
         """In how many steps Newton's method comes to the end of a stage; 0 if it does not."""
         newton, system = self.newton, self.system
         rows = system.linear.free & system.residual.displacements & ~system.bulk.inner
@@ -166,12 +173,12 @@ class Relaxation:
             pass
         return 0
 
-    def _Unbalance(self):
+    def _Unbalance(self) -> float:
         """The forces that move bodies on without drag, relative to those at work."""
         self.system.SetDrag(None)
         return self.system.Measure().equilibrium
 
-    def _Polish(self):
+    def _Polish(self) -> Iteration | None:
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         self.system.SetDrag(None)
         self.newton.reach = self.system.values.copy(), self._flies

@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The residual of bulk plus contact, and how large it is."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from netgen.meshing import NgException
 
 from ngslac.arrays import Sparse
-from ngslac.parallel.extent import ExtentOf
-from ngslac.solve.bulk import LINEAR, ROUNDING
+from ngslac.parallel.extent import Extent, ExtentOf
+from ngslac.solve.bulk import LINEAR, ROUNDING, Bulk
 from ngslac.solve.loads import CheckNoMultiplierLoad
 from ngslac.solve.problem import MultiplierRows, ScalarFields
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Measurement", "Residual"]
 
@@ -57,16 +64,16 @@ class Measurement:
     exact: bool = True
 
     @property
-    def finite(self):
+    def finite(self) -> bool:
         """Is there a residual?"""
         return np.isfinite(self.merit)
 
-    def LostSight(self, before):
+    def LostSight(self, before: Measurement) -> bool:
         """Did a macro-element lose its partner, as when a step moves it through the master?"""
         return bool(np.any(self.covered < 0.5 * before.covered))
 
     @classmethod
-    def Nothing(cls, reason):
+    def Nothing(cls, reason: str) -> Measurement:
         """Of an iterate that has no residual."""
         return cls(None, np.inf, np.inf, np.inf, np.inf, None, None, reason)
 
@@ -87,7 +94,7 @@ class Residual:
         solves, and rounding errors, in the rows of multipliers those of positions.
     """
 
-    def __init__(self, bulk, contacts, free):
+    def __init__(self, bulk: Bulk, contacts: Sequence[LACContact], free: np.ndarray):
         self.bulk, self.gf, self.contacts, self.free = bulk, bulk.gf, contacts, free
         self.layout = bulk.layout
         self.multipliers, self.tol = MultiplierRows(contacts), None
@@ -100,12 +107,12 @@ class Residual:
         self.forces = self.first = self.reference = 0.0
 
     @property
-    def drowned(self):
+    def drowned(self) -> bool:
         """Are the forces so small, or the motions so large, that rounding sets the tolerance?"""
         return 0 < max(self.forces, self.converged) < self.rounding / self.tol
 
     @property
-    def borne(self):
+    def borne(self) -> float:
         """Forces that hold idle bodies, relative to those of contact, in what was measured last."""
         bulk, contact = np.abs(self.parts).sum(axis=0)
         if not self.ground or contact <= ROUNDING * bulk:
@@ -114,18 +121,18 @@ class Residual:
         held = unbalanced - self.ground.Balanced(unbalanced)
         return np.abs(held).sum() / (contact or np.inf)
 
-    def State(self):
+    def State(self) -> dict[str, float]:
         """What the next solve depends on, as a dict."""
         names = REMEMBERED if self.tol else REMEMBERED[:-1]  # none before the first solve
         return {name: getattr(self, name) for name in names}
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go on from a `State`."""
         for name in state.keys() & set(REMEMBERED):  # of older files there are others
             setattr(self, name, state[name])
         self.bulk.Forget()
 
-    def Begin(self, scale, tol):
+    def Begin(self, scale: np.ndarray, tol: float) -> Measurement:
         """Start a solve with these factors and tolerance; returns the first Measurement."""
         self.reference, self.tol = self.converged, tol
         state = self.Measure(scale, exact=True)
@@ -136,16 +143,16 @@ class Residual:
         self.reference = max(self.converged, 1e-5 * self.forces)
         return state
 
-    def Follow(self):
+    def Follow(self) -> None:
         """Contacts that follow the motion pair anew in the configuration of gf."""
         for contact in self.contacts:
             contact.Follow(self.gf)
 
-    def Accept(self):
+    def Accept(self) -> None:
         """The state measured last has converged."""
         self.converged = max(self.forces, self.converged)
 
-    def Confirm(self, state, scale):
+    def Confirm(self, state: Measurement, scale: np.ndarray) -> Measurement:
         """The exact Measurement of gf in place of the last one.
 
         Where the bulk turns out not to be linear, gf is that of the last exact residual if this
@@ -164,7 +171,7 @@ class Residual:
             exact = self.Measure(scale)
         return exact
 
-    def _SeemsLinear(self, change, error, scale):
+    def _SeemsLinear(self, change: np.ndarray, error: np.ndarray, scale: np.ndarray) -> bool:
         """Are errors (n,) of a change of the bulk's forces small, in each kind of rows?"""
         least = max(1e-2 * LINEAR * self.forces, self.rounding)
         kinds = [(self.displacements, least)]
@@ -174,7 +181,7 @@ class Residual:
             for rows, rounding in kinds
         )
 
-    def Measure(self, scale, exact=False):
+    def Measure(self, scale: np.ndarray, exact: bool = False) -> Measurement:
         """The Measurement of gf; `exact`: by the bulk form, even if it seems to be linear."""
         vec = self.gf.vec
         contact_residual = vec.CreateVector()
@@ -222,13 +229,13 @@ class Residual:
             return self.Measure(scale, exact=True)
         return state
 
-    def _IsSpoilt(self, state):
+    def _IsSpoilt(self, state: Measurement) -> bool:
         """Do products go on from so far away that rounding errors of there are all there is?"""
         errors = self.bulk.last.rounding
         matters = errors > max(self.tol * max(self.forces, self.reference), 10 * self.rounding)
         return matters and state.unbalance <= errors
 
-    def _Unsteadiness(self, flows, scale):
+    def _Unsteadiness(self, flows: Sequence[float], scale: np.ndarray) -> float:
         """The largest residual of a scalar field, relative to what flows in it."""
         largest = 0.0
         crossing = self._RoundingOfFlows(scale) if self.scalars else None
@@ -238,7 +245,7 @@ class Residual:
             largest = max(largest, Norm(self.scaled[rows]) / (size or 1.0))
         return largest
 
-    def _StateOf(self, bulk, exact, unsteadiness):
+    def _StateOf(self, bulk: np.ndarray, exact: bool, unsteadiness: float) -> Measurement:
         """What was measured, relative to the forces at work."""
         reference = max(self.forces, self.reference, self.rounding / self.tol)
         # Gaps know their rounding errors better: no sums over elements are in them.
@@ -266,7 +273,7 @@ class Residual:
             exact=exact,
         )
 
-    def _Rounding(self, scale, pushed):
+    def _Rounding(self, scale: np.ndarray, pushed: bool) -> float:
         """No residual gets below the rounding errors of the stiffness times the displacement.
 
         A nonlinear bulk has those of the positions in each element, too, and of the whole mesh
@@ -283,11 +290,11 @@ class Residual:
             return max(moved, 1e-15 * Norm(size / factors))
         return max(moved, 3e-16 * Norm(size * elements ** (-1 / mesh.dim) / factors))
 
-    def _RoundingOf(self, rows, scale):
+    def _RoundingOf(self, rows: np.ndarray, scale: np.ndarray) -> float:
         """Errors of the stiffness times the values of some rows."""
         return ROUNDING * Norm(self.layout.Values(self.gf.vec)[rows] / scale[rows])
 
-    def _RoundingOfFlows(self, scale):
+    def _RoundingOfFlows(self, scale: np.ndarray) -> np.ndarray:
         """Errors (n,) of what flows through contacts, which are differences of their unknowns.
 
         With large sliding these are positions.
@@ -302,15 +309,15 @@ class Residual:
         return ROUNDING * scale * errors
 
     @cached_property
-    def _extent(self):
+    def _extent(self) -> Extent:
         return ExtentOf(self.gf.space.mesh)
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Of the mesh."""
         return self._extent.size
 
-    def _RoundingOfPlaces(self, scale):
+    def _RoundingOfPlaces(self, scale: np.ndarray) -> float:
         """Gaps and slip of large sliding are differences of positions, wherever these are."""
         rows = [
             scale[c.form.MultiplierDofs()] * c.Table()["area"].repeat(c.mesh.dim)
@@ -319,19 +326,19 @@ class Residual:
         ]
         return np.finfo(float).eps * self.size * Norm(np.concatenate(rows)) if rows else 0.0
 
-    def IsRounding(self, forces, scale):
+    def IsRounding(self, forces: np.ndarray, scale: np.ndarray) -> bool:
         """Are forces (n,) of bulk and loads nothing but rounding errors?"""
         free = self.free & self.displacements
         return Norm((scale * forces)[free]) <= 10 * self.rounding
 
-    def _CheckMultiplierLoads(self, scale):
+    def _CheckMultiplierLoads(self, scale: np.ndarray) -> None:
         """Once per solve: what depends on the iterate, the matrix shows."""
         allowed = self.tol * max(self.forces, self.reference, self.rounding / self.tol)
         for name, shift in self._gapshifts.items():
             CheckNoMultiplierLoad(name, Norm(scale[self.multipliers] * shift), allowed)
 
 
-def Norm(values):
+def Norm(values: np.ndarray) -> float:
     """Euclidean norm without BLAS, whose threads fight for the cores with those of NGSolve.
 
     Squares of what is very large or very small are none: such values are scaled.

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Where Newton's method finds no contact status: another method does, and Newton's ends it."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.bodies.messages import LostMessage
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError
 from ngslac.solve.interior import EvenPressures, InteriorPoint
 from ngslac.solve.look import MechanismError
+
+if TYPE_CHECKING:
+    from ngslac.solve.iteration import Iteration
+    from ngslac.solve.newton import Newton
+    from ngslac.solve.residual import Measurement
 
 __all__ = ["StatusSearch"]
 
@@ -25,10 +34,10 @@ TINY, MOST_TINY = 1e-3, 3
 class StatusSearch:
     """A solve by an interior point method, from its start and with its table."""
 
-    def __init__(self, newton, maxit):
+    def __init__(self, newton: Newton, maxit: int):
         self.newton, self.system, self.maxit = newton, newton.system, maxit
 
-    def Run(self, error):
+    def Run(self, error: ContactConvergenceError | LinearSolveError) -> Iteration:
         """The last line of the table; `error` is what Newton's method ended with."""
         system = self.system
         self.newton.log.Say(f"  {error}: interior point method")
@@ -47,7 +56,8 @@ class StatusSearch:
                 raise another from error
             raise error from another
 
-    def _Follow(self, path):
+    def _Follow(self, path: InteriorPoint) -> Iteration:
+        """The last line at the end of a central path, or where Newton's method ends it."""
         newton, state, near, tiny = self.newton, path.state, NEAR, 0
         while len(newton.history) <= self.maxit and tiny < MOST_TINY and not self._Stalls():
             state, damping = path.Step(state)
@@ -69,7 +79,7 @@ class StatusSearch:
             return last
         raise newton.NotConverged(state)
 
-    def _Stalls(self):
+    def _Stalls(self) -> bool:
         """Have the residuals for some time been those of one, or a few, steps before?"""
         last = self.newton.history[-STALLED - PERIOD :]
         if len(last) < STALLED + PERIOD or self.system.motion is not None:
@@ -79,7 +89,7 @@ class StatusSearch:
         before = (sizes[PERIOD - p : len(sizes) - p] for p in range(1, PERIOD + 1))
         return any(np.all(np.abs(now - old) <= SAME * now.max(axis=0)) for old in before)
 
-    def _Polish(self, state, was_even):
+    def _Polish(self, state: Measurement, was_even: bool) -> Iteration | None:
         """The end of Newton's method from here; None, and back, if it does not come to one."""
         if not was_even:
             return self.newton.Polish(state, POLISH)
@@ -87,7 +97,7 @@ class StatusSearch:
             self.system.Assemble()
             return self.newton.Polish(self.system.Measure(), POLISH_ENDS)
 
-    def _CheckLost(self, error):
+    def _CheckLost(self, error: ContactConvergenceError | LinearSolveError) -> None:
         """Raise an error if a body is carried off: that before, if it knows of it."""
         if not (lost := self.system.bodies.Lost(self.system.values)):
             return

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What a computation depends on from one step to the next: noted, and put back after a failure."""
 
+from __future__ import annotations
+
+from types import TracebackType
+
 __all__ = ["Snapshot"]
 
 
@@ -10,14 +14,19 @@ class Snapshot:
     def __init__(self, *things):
         self._states = [(thing, thing.State()) for thing in things]
 
-    def __enter__(self):
+    def __enter__(self) -> Snapshot:
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if kind is not None:
             self.Restore()
 
-    def Restore(self):
+    def Restore(self) -> None:
         """Put everything back; an interrupt meanwhile is passed on when that is done."""
         try:
             self._PutBack()
@@ -25,6 +34,6 @@ class Snapshot:
             self._PutBack()
             raise
 
-    def _PutBack(self):
+    def _PutBack(self) -> None:
         for thing, state in self._states:
             thing.SetState(state)

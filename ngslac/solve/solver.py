@@ -1,10 +1,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk plus contact in equilibrium: the solver that users call."""
 
+from __future__ import annotations
+
 import weakref
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from ngsolve import CF, GridFunction
+from ngsolve import (
+    CF,
+    BaseMatrix,
+    BaseVector,
+    BilinearForm,
+    BitArray,
+    CoefficientFunction,
+    GridFunction,
+    LinearForm,
+    Mesh,
+    Region,
+)
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import (
@@ -46,17 +60,17 @@ from ngslac.solve.system import System
 __all__ = ["ContactSolver", "Equilibrium", "MeshOfSolver"]
 
 
-def MeshOf(solver, *_, **__):
+def MeshOf(solver: Equilibrium, *_, **__) -> Mesh:
     """The mesh of a solver."""
     return solver.gf.space.mesh
 
 
-def MeshOfSolver(_, solver=None, *__, **___):
+def MeshOfSolver(_: object, solver: object = None, *__, **___) -> Mesh | None:
     """The mesh of the solver that a stepper is made with; None where that is no solver."""
     return solver.gf.space.mesh if isinstance(solver, ContactSolver) else None
 
 
-def MeshOfSolution(_, a=None, gf=None, *__, **___):
+def MeshOfSolution(_: object, a: object = None, gf: object = None, *__, **___) -> Mesh | None:
     """The mesh of a solution; None where that is no GridFunction."""
     return gf.space.mesh if isinstance(gf, GridFunction) else None
 
@@ -64,17 +78,18 @@ def MeshOfSolution(_, a=None, gf=None, *__, **___):
 class Equilibrium:
     """Solves a System; `constrained` (n,) bool are the dofs that its space holds."""
 
-    def __init__(self, system, constrained, initial):
+    def __init__(self, system: System, constrained: np.ndarray, initial: str):
         self.system, self.constrained, self.initial = system, constrained, initial
-        self.history, self.stuck = [], None
+        self.history: list[Iteration] = []
+        self.stuck: np.ndarray | None = None
         self._running, self._silent = lambda: None, True
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         contacts = ", ".join(map(repr, self.contacts))
         return f"<{type(self).__name__}: {contacts}; {self.linear}>"
 
     @property
-    def a(self):
+    def a(self) -> BilinearForm:
         """The bulk form."""
         return self.system.bulk.a
 
@@ -98,7 +113,14 @@ class Equilibrium:
 
     @OnAll(MeshOf)
     def Solve(
-        self, *, maxit=100, tol=1e-10, printing=True, callback=None, motion=None, path=True
+        self,
+        *,
+        maxit: int = 100,
+        tol: float = 1e-10,
+        printing: bool = True,
+        callback: Callable[[Iteration], object] | None = None,
+        motion: np.ndarray | None = None,
+        path: bool = True,
     ) -> Iteration:
         """Iterate until both relative residuals are below `tol`.
 
@@ -159,7 +181,7 @@ class Equilibrium:
             newton = Newton(self.system, log, initial=self.initial, path=path)
             return self._Run(newton, maxit, before)
 
-    def _Run(self, newton, maxit, before):
+    def _Run(self, newton: Newton, maxit: int, before: Snapshot) -> Iteration:
         """The last line; after any error all is as before, but for what tells of the failure."""
         try:
             # No flag: an interrupt of the last line below would leave it set.
@@ -189,7 +211,9 @@ class Equilibrium:
             self._running, self.stuck = lambda: None, newton.stuck
 
     @OnAll(MeshOf)
-    def Reaction(self, region, *, motion=None) -> np.ndarray | float:
+    def Reaction(
+        self, region: Region | str, *, motion: CoefficientFunction | None = None
+    ) -> np.ndarray | float:
         """Force of a support on the bodies: the work of the bulk's residual in a motion of it.
 
         It balances loads and contact forces up to `tol`. The boundary should have no neighbour that
@@ -229,7 +253,7 @@ class Equilibrium:
         own = slice(first, first + len(unit.vec.FV().NumPy()))
         forces = (layout.Values(forces) - self.system.bulk.load)[own]
 
-        def Work(motion):
+        def Work(motion: CoefficientFunction) -> float:
             unit.Set(motion, definedon=region)
             return float(forces @ LayoutOf(unit.space).Values(unit.vec))
 
@@ -239,7 +263,7 @@ class Equilibrium:
         return np.array([Work(CF(tuple(direction))) for direction in directions])
 
     @OnAll(MeshOf)
-    def Merit(self, *, same_load=False) -> float | None:
+    def Merit(self, *, same_load: bool = False) -> float | None:
         """Size of the residual at `gf`, infinite without one; None before the first solve.
 
         Parameters
@@ -268,7 +292,7 @@ class Equilibrium:
         return self.system.State() | {"history": self.history}
 
     @OnAll(MeshOf)
-    def SetState(self, state) -> None:
+    def SetState(self, state: dict) -> None:
         """Go back to a state.
 
         Parameters
@@ -354,16 +378,16 @@ class ContactSolver(Equilibrium):
     @OnAll(MeshOfSolution)
     def __init__(
         self,
-        a,
-        gf,
-        contacts,
+        a: BilinearForm,
+        gf: GridFunction,
+        contacts: LACContact | Sequence[LACContact],
         *,
-        rhs=None,
-        freedofs=None,
-        inverse=None,
-        solver=None,
-        preconditioner=None,
-        initial="gap",
+        rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None = None,
+        freedofs: BitArray | None = None,
+        inverse: str | None = None,
+        solver: str | None = None,
+        preconditioner: Callable[[BaseMatrix, BitArray], BaseMatrix] | None = None,
+        initial: str = "gap",
     ):
         space = CheckBulk(a).space
         contacts = CheckContacts(contacts, space, gf)

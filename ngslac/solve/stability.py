@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Is an equilibrium of laws that soften stable?"""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.arrays import Sparse
 from ngslac.errors import ContactConvergenceError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from ngslac.solve.system import System
 
 __all__ = ["Stability", "UnstableError"]
 
@@ -21,7 +30,7 @@ LENGTH = 1e-3
 class UnstableError(ContactConvergenceError):
     """Energy falls along a `push` (n,) out of the equilibrium at a `place`."""
 
-    def __init__(self, place, push):
+    def __init__(self, place: tuple[np.ndarray, np.ndarray | None], push: np.ndarray):
         super().__init__(
             "the equilibrium is unstable, as a law softens: is the sign of its traction right?"
         )
@@ -40,11 +49,11 @@ class Stability:
         self.push = None
 
     @property
-    def softened(self):
+    def softened(self) -> bool:
         """Did a law soften in the state looked at last?"""
         return self.push is not None
 
-    def Check(self, system):
+    def Check(self, system: System) -> None:
         """Raise an `UnstableError`, if the state of a System is an unstable equilibrium."""
         if not system.own_law or system.bulk.a.condense:
             return
@@ -57,7 +66,7 @@ class Stability:
             push = length / np.abs(self.push).max() * self.push
             raise UnstableError(system.Place(), push)
 
-    def _Iterate(self, system, softening):
+    def _Iterate(self, system: System, softening: csr_matrix) -> float:
         """The growth of `push`, which becomes the motion that grows most."""
         displacements = system.residual.displacements
         moves = displacements & system.linear.free
@@ -78,7 +87,7 @@ class Stability:
         return growth
 
 
-def Softening(system):
+def Softening(system: System) -> csr_matrix:
     """The part that the matrix of a descent leaves out, which is assembled last; sparse."""
     state, found = system.Measure(), []
     for convex in (False, True):

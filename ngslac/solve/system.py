@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts as one system of equations: residual, matrices and corrections."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve.la import SparseMatrixd
@@ -10,7 +14,7 @@ from ngslac.arguments import FillVector
 from ngslac.arrays import Multiply
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
-from ngslac.bodies.freedom import EXACT, Ground
+from ngslac.bodies.freedom import EXACT, Freedom, Ground
 from ngslac.bulkforms import WithoutMass
 from ngslac.errors import Warn
 from ngslac.linear.system import LinearSystem
@@ -25,6 +29,16 @@ from ngslac.solve.problem import (
 )
 from ngslac.solve.residual import Measurement, Residual
 from ngslac.solve.stability import Stability
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BaseVector
+
+    from ngslac._ngslac import ContactForm
+    from ngslac.contact.contact import LACContact
+    from ngslac.linear.solver import LinearSolver
+    from ngslac.solve.bulk import Bulk
+    from ngslac.solve.newton import Newton
+    from ngslac.solve.relaxation import Drag
 
 __all__ = ["Saddle", "System"]
 
@@ -63,10 +77,10 @@ class Saddle:
 
     most, searches, advice, accuracy = NEWTON, True, "", 0.0
 
-    def Prepare(self, newton, state):
+    def Prepare(self, newton: Newton, state: Measurement) -> None:
         """Before each linear system of a Newton's method."""
 
-    def Change(self, system):
+    def Change(self, system: System) -> None:
         """Change the matrices of the contacts, which are assembled."""
 
 
@@ -101,7 +115,14 @@ class System:
         Was the last linear system nearly singular, as it is where all contact of a body slips?
     """
 
-    def __init__(self, bulk, contacts, linear, free, bodies=None):
+    def __init__(
+        self,
+        bulk: Bulk,
+        contacts: list[LACContact],
+        linear: LinearSolver,
+        free: np.ndarray,
+        bodies: Bodies | None = None,
+    ):
         self.bulk, self.gf, self.contacts, self.linear = bulk, bulk.gf, contacts, linear
         self.layout = bulk.layout
         self.residual, self.scheme = Residual(bulk, contacts, free), Saddle()
@@ -115,46 +136,46 @@ class System:
         self._turning = None  # materials of which it knows finite rotations, once that matters
 
     @property
-    def values(self):
+    def values(self) -> np.ndarray:
         """All coefficients of the solution, to be written to."""
         return self.layout.Values(self.gf.vec)
 
     @property
-    def finite(self):
+    def finite(self) -> bool:
         """Does a contact follow large sliding?"""
         return any(contact.finite for contact in self.contacts)
 
     @property
-    def _meshed(self):
+    def _meshed(self) -> list[LACContact]:
         """Contacts that follow large sliding on a mesh."""
         return [c for c in self.contacts if c.finite and c.tool is None and not c.tied]
 
     @property
-    def rubs(self):
+    def rubs(self) -> bool:
         """Does a contact hold surfaces in tangential direction?"""
         return any(contact.holds_tangentially for contact in self.contacts)
 
-    def HasFriction(self):
+    def HasFriction(self) -> bool:
         """May friction be at its limit? Of a law of the user's own: does it pull aside now?"""
         return any(PullsAside(c) if c.own_law else c.holds_tangentially for c in self.contacts)
 
     @property
-    def own_law(self):
+    def own_law(self) -> bool:
         """Has a contact a law of the user's own, of which only Newton's method knows?"""
         return any(contact.own_law for contact in self.contacts)
 
-    def Softens(self):
+    def Softens(self) -> bool:
         """Does a law soften in the present state?"""
         return any(contact.form.Softens(self.gf.vec) for contact in self.contacts)
 
     @property
-    def islinear(self):
+    def islinear(self) -> bool:
         """Is nothing but the contact law nonlinear?"""
         return bool(self.bulk.islinear) and not self.finite
 
     # --- state ---------------------------------------------------------------------------------
 
-    def State(self):
+    def State(self) -> dict:
         """What the next solve depends on, as a dict."""
         return {
             "gf": self.values.copy(),
@@ -164,7 +185,7 @@ class System:
             "push": self.stability.push,
         }
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go on from a `State`, or stay as before if it is that of another problem."""
         if len(state["contacts"]) != len(self.contacts):
             raise ValueError(
@@ -181,41 +202,41 @@ class System:
         self.scale = state["scale"]
         self.stability.push = state.get("push")
 
-    def _Put(self, values, parts):
+    def _Put(self, values: np.ndarray, parts: Sequence[dict]) -> None:
         FillVector("gf", self.gf.vec, values)
         for contact, part in zip(self.contacts, parts, strict=True):
             contact.SetState(part, self.gf)
 
-    def Place(self):
+    def Place(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Solution and what is left of the motion, for `GoTo`."""
         return self.values.copy(), self.motion
 
-    def GoTo(self, place):
+    def GoTo(self, place: tuple[np.ndarray, np.ndarray | None]) -> None:
         """Take the solution of another `Place`."""
         self.values[:], self.motion = place
 
-    def Tell(self):
+    def Tell(self) -> None:
         """Warn of the notes, unless the solution before had the same ones."""
         for kind, message in self.notes.items():
             if kind not in self._said:
                 Warn(message)
         self._said = set(self.notes)
 
-    def Way(self, before):
+    def Way(self, before: np.ndarray) -> float:
         """How far anything has moved since other values (n,)."""
         return np.abs(self.values - before)[self.residual.displacements].max()
 
-    def Flight(self, before=None):
+    def Flight(self, before: np.ndarray | None = None) -> float:
         """How much farther a body has moved than what is driven, since values (n,) or the start."""
         moved = self.values - (self._start if before is None else before)
         driven = self.residual.displacements & ~self.residual.free
         return self.bodies.Way(moved) - np.max(np.abs(moved[driven]), initial=0)
 
-    def Sizes(self):
+    def Sizes(self) -> np.ndarray:
         """Of all macro-elements."""
         return np.concatenate([contact._Sizes() for contact in self.contacts])
 
-    def Passed(self):
+    def Passed(self) -> tuple[float, np.ndarray] | None:
         """How far the slave has gone through its master since the start, and where; or None.
 
         By more than the slave is large, straight on, where all that moves so far is open.
@@ -234,25 +255,25 @@ class System:
         self.Evaluate()
         return (way, place) if way > 0 else None
 
-    def CheckSpace(self):
+    def CheckSpace(self) -> None:
         """What was made for a space goes on with this one: it was not refined since."""
         if len(self.linear.free) != self.values.size:
             raise ValueError(
                 "the space was refined: make a new ContactSolver, and then new steppers"
             )
 
-    def PairOnce(self):
+    def PairOnce(self) -> None:
         """Pair what is not paired yet, in the reference configuration."""
         for contact in self.contacts:
             if not contact.form.paired:
                 contact.Update()
 
-    def StartAfresh(self):
+    def StartAfresh(self) -> None:
         """Keep no matrix and no factorisation: the next solve makes its own."""
         self.bulk.StartAfresh()
         self.linear.NewBulk()
 
-    def Begin(self, motion, constrained):
+    def Begin(self, motion: np.ndarray | None, constrained: np.ndarray) -> None:
         """Start a solve."""
         self.bulk.Begin()
         self.motion, self._driven, self.slides = None, None, True
@@ -265,7 +286,7 @@ class System:
             # What is left of the motion up to this is rounding, see `Moved`.
             self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))
 
-    def Lean(self):
+    def Lean(self) -> None:
         """Turn the pressures of the contacts by what is known."""
         for k, contact in enumerate(self.contacts):
             if contact.form.paired:
@@ -273,7 +294,7 @@ class System:
 
     # --- residual and matrices -----------------------------------------------------------------
 
-    def Assemble(self):
+    def Assemble(self) -> None:
         """Make the bulk's matrix at the solution, and the scale."""
         bulk = self.bulk
         if bulk.Assemble():
@@ -292,34 +313,36 @@ class System:
         if bulk.a.condense:  # the Schur complement does not tell the stiffness of inner dofs
             self.scale[bulk.inner] = np.median(self.scale[self.linear.free])
 
-    def _Forms(self):
+    def _Forms(self) -> list[ContactForm]:
         return [contact.form for contact in self.contacts]
 
-    def Evaluate(self):
+    def Evaluate(self) -> None:
         """Contacts look at the solution."""
         for contact in self.contacts:
             contact.Evaluate(self.gf)
 
-    def Measure(self):
+    def Measure(self) -> Measurement:
         """The Measurement of the solution."""
         return self.residual.Measure(self.scale, self.motion is not None)
 
-    def MeasureExactly(self):
+    def MeasureExactly(self) -> Measurement:
         """The Measurement of the solution, by the bulk form itself."""
         return self.residual.Measure(self.scale, exact=True)
 
-    def Sight(self, correction):
+    def Sight(self, correction: np.ndarray) -> float:
         """The part of a correction (n,) that takes no face farther than contact looks for it."""
         return min((SightOf(contact, -correction) for contact in self._meshed), default=1.0)
 
-    def Trial(self, state, part):
+    def Trial(self, state: Measurement, part: float) -> Measurement:
         """The Measurement after a part of a step from another Measurement."""
         trial = self.Measure()
         if trial.finite and part > LEAST_SIGHT and trial.LostSight(state):
             return Measurement.Nothing("surfaces pass through each other")
         return trial
 
-    def Moved(self, before, after, motion, part):
+    def Moved(
+        self, before: Measurement, after: Measurement, motion: np.ndarray, part: float
+    ) -> None:
         """Learn from a part of a motion between two States, which was taken."""
         self.bulk.Learn(before, after, -part * motion, self.scale, self.residual)
         if self.motion is not None:
@@ -327,7 +350,7 @@ class System:
             if np.max(np.abs(self.motion)) <= self._rest:
                 self.motion = None
 
-    def CountMotionAsDone(self):
+    def CountMotionAsDone(self) -> bool:
         """Where one step of a linear bulk carries the whole motion; says whether it does."""
         if self.islinear:
             self.motion = None
@@ -335,7 +358,7 @@ class System:
 
     # --- linear systems ------------------------------------------------------------------------
 
-    def Linearize(self, state, *, convex=False):
+    def Linearize(self, state: Measurement, *, convex: bool = False) -> BaseVector:
         """The residual (BaseVector) of the next linear system, whose matrices are assembled.
 
         `convex`: they know nothing of how laws soften.
@@ -350,17 +373,20 @@ class System:
         self.scheme.Change(self)
         return residual
 
-    def MakeLinearSystem(self, contacts, rhs, **options):
+    def MakeLinearSystem(
+        self, contacts: Sequence[BaseMatrix], rhs: np.ndarray, **options
+    ) -> LinearSystem:
         """That of the bulk, and of matrices of contacts."""
         multipliers = np.concatenate([form.MultiplierDofs() for form in self._Forms()])
         return LinearSystem(self.bulk.mat, contacts, multipliers, self.scale, rhs, **options)
 
-    def Correction(self, residual, accuracy=0.0):
+    def Correction(self, residual: BaseVector, accuracy: float = 0.0) -> np.ndarray:
         """The correction (n,) of the linear system with this residual."""
         self.loose, drag, mats = False, self.residual.drag, [form.mat for form in self._Forms()]
         self.HoldIdle("rubbing", mats)
 
-        def Solve(residual):
+        def Solve(residual: np.ndarray) -> np.ndarray:
+            """The same without condensed dofs; bodies and tools that nothing holds stay."""
             displacements = ~self.residual.multipliers
             system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
             if drag or self.idle:
@@ -382,14 +408,14 @@ class System:
 
         return self.Displace(residual, Solve, mats)
 
-    def _MayStay(self, displacements):
+    def _MayStay(self, displacements: np.ndarray) -> bool:
         """May bodies stay where they are, in place of displacements of a nearly singular system?"""
         if free := self.Freedom().Others():
             return not self.IsPushed(free)
         # What holds them is soft, then, unless it hardly holds them.
-        return self.bodies.floating and np.max(np.abs(displacements)) > self.bodies.size
+        return bool(self.bodies.floating) and np.max(np.abs(displacements)) > self.bodies.size
 
-    def _WithHeldTools(self, system):
+    def _WithHeldTools(self, system: LinearSystem) -> np.ndarray:
         """The solution with springs on the motions of tools, as weak as they may be."""
         tools = np.isin(np.arange(len(system.rhs)), ToolDofs(self.contacts))
         for shift in TOOL_SHIFTS:
@@ -398,11 +424,17 @@ class System:
                 break
         return found
 
-    def Displace(self, residual, solve, mats):
+    def Displace(
+        self,
+        residual: BaseVector,
+        solve: Callable[[np.ndarray], np.ndarray],
+        mats: Sequence[BaseMatrix],
+    ) -> np.ndarray:
         """The correction (n,) of a residual; `solve` gives it without condensed dofs."""
         bulk, correction, Values = self.bulk, self.gf.vec.CreateVector(), self.layout.Values
 
-        def Solve(forces, motion=None):
+        def Solve(forces: np.ndarray, motion: np.ndarray | None = None) -> np.ndarray:
+            """The correction (n,) of forces, with condensed dofs, that carries a motion."""
             right = residual.CreateVector()
             rows, found = Values(right), Values(correction)
             rows[:] = forces
@@ -424,34 +456,36 @@ class System:
     # --- bodies --------------------------------------------------------------------------------
 
     @property
-    def bodies(self):
+    def bodies(self) -> Bodies:
         """The Bodies, found when first asked for."""
         if self._bodies is None:
             self._bodies = Bodies(self.bulk.mat, self.contacts[0], self.linear.free)
         return self._bodies
 
-    def Freedom(self, holds="now", normals=CONTACT, slides=None):
+    def Freedom(
+        self, holds: str = "now", normals: str = CONTACT, slides: bool | None = None
+    ) -> Freedom:
         """The motions that contact leaves, see `Bodies.Freedom`."""
         slides = self.slides if slides is None else slides
         turns = self.finite or self.bulk.islinear is False
         values = self.values if turns else None
         return self.bodies.Freedom(self.contacts, holds, values, normals, slides)
 
-    def WhatFloats(self, holds="now"):
+    def WhatFloats(self, holds: str = "now") -> list[str]:
         """Descriptions of these motions."""
         return self.bodies.Names(self.Freedom(holds).weights)
 
-    def UnheldFields(self):
+    def UnheldFields(self) -> str:
         """Where the last matrices hold no constant of a scalar field, in words."""
         mats = [self.bulk.mat, *(form.mat for form in self._Forms())]
         known = self._apart and isinstance(self.bulk.mat, SparseMatrixd)
         return UnheldFields(mats, self.contacts, self.linear.free) if known else ""
 
-    def IsDriven(self, freedom, holds="now"):
+    def IsDriven(self, freedom: Freedom, holds: str = "now") -> bool:
         """Do the forces measured last do work on the motions that contact leaves?"""
         return bool(freedom) and bool(np.any(self._Drives(freedom, holds)))
 
-    def _Drives(self, freedom, holds):
+    def _Drives(self, freedom: Freedom, holds: str) -> np.ndarray:
         """Their work (k,) on free motions.
 
         On curved surfaces with other normals on both sides, as in a hole with play, bodies slide
@@ -464,7 +498,7 @@ class System:
             works[[k for k in seem if not self._IsDrivenAlong(freedom.Some([k]), sides)]] = 0
         return works
 
-    def _IsDrivenAlong(self, motion, sides):
+    def _IsDrivenAlong(self, motion: Freedom, sides: list[Freedom]) -> bool:
         """Is a motion driven as all sides that know it see it?"""
         if motion.own[0] < 0 and motion.resistance[0] <= EXACT:  # where too little touches to tell
             near = [others for side in sides if (others := side.Others())]
@@ -473,7 +507,7 @@ class System:
         near = [side.Along(motion) for side in sides if side]
         return all(np.any(self._Works(own)) for own in near if own is not None)
 
-    def IsPushed(self, freedom):
+    def IsPushed(self, freedom: Freedom) -> bool:
         """Does the residual measured last do work on them, with all multipliers as they are?
 
         Those of a linear system balance the bulk's false work, too.
@@ -483,16 +517,18 @@ class System:
             return False
         return bool(np.any((pushed != 0) & (self._WorksOf(freedom, contact, bulk) != 0)))
 
-    def DrivenMotion(self, freedom, holds="now"):
+    def DrivenMotion(self, freedom: Freedom, holds: str = "now") -> list[str]:
         """Description of the free motion along which the forces measured last do work."""
         works = self._Drives(freedom, holds)
         return self.bodies.Names((freedom.weights @ works / np.linalg.norm(works))[:, None])
 
-    def _Works(self, freedom):
+    def _Works(self, freedom: Freedom) -> np.ndarray:
         """The work of loads and friction along free motions, 0 where it is none."""
         return self._WorksOf(freedom, self._Rubbing())
 
-    def _WorksOf(self, freedom, contact, bulk=None):
+    def _WorksOf(
+        self, freedom: Freedom, contact: np.ndarray, bulk: np.ndarray | None = None
+    ) -> np.ndarray:
         """The same of other forces of the contacts, and of the bulk: without its false ones."""
         residual = self.residual
         # Loads may be in balance: then the springs that hold bodies leave a part of them.
@@ -505,13 +541,13 @@ class System:
             freedom = replace(freedom, mesh=np.where(freedom.own >= 0, turns, freedom.mesh))
         return freedom.Works([bulk, contact], least, self._Blur(), self.bodies.false)
 
-    def _FalseForces(self):
+    def _FalseForces(self) -> np.ndarray | float:
         """What the bulk says of the displacement, if that does false work along rigid motions."""
         if not (self.bodies.false and self.bulk.islinear):
             return 0.0
         return Multiply([self.bulk.mat], np.where(self.residual.multipliers, 0.0, self.values))
 
-    def _Rubbing(self):
+    def _Rubbing(self) -> np.ndarray:
         """The forces of friction where contact is closed: pressures do not drive what they hold."""
         vec, forces = self.gf.vec.CreateVector(), self.gf.vec.CreateVector()
         vec.data, forces[:] = self.gf.vec, 0
@@ -528,13 +564,13 @@ class System:
             contact.AddApply(vec, forces)
         return np.where(self.residual.multipliers, 0.0, self.layout.Values(forces))
 
-    def _Blur(self):
+    def _Blur(self) -> float:
         """How different the gaps are that have to close: so far is where they meet not known."""
         tables = [contact.Table() for contact in self.contacts]
         closed = [t["gap"][t["status"] > 0] for t in tables]
         return max((np.ptp(gaps) for gaps in closed if len(gaps)), default=0.0)
 
-    def HoldIdle(self, holds, mats=()):
+    def HoldIdle(self, holds: str, mats: Sequence[BaseMatrix] = ()) -> None:
         """Hold bodies that nothing pushes and nothing else holds, not even friction.
 
         With the matrices of contacts in the next linear system: nor their weight, as of a ball in a
@@ -560,7 +596,7 @@ class System:
         measure, free = self.bodies.Measure(self.contacts, held), self.residual.free
         self.SetGround(Ground(held, measure, self._start, free, self.ground))
 
-    def _Rocks(self, motion, mats):
+    def _Rocks(self, motion: Freedom, mats: Sequence[BaseMatrix]) -> bool:
         """Does a motion change the direction in which forces push the body?
 
         The false stiffness of a linear bulk does not tell.
@@ -573,19 +609,19 @@ class System:
         stiffness = abs(way @ Multiply(mats, way))
         return stiffness * self.residual.size > ROCKS * forces > 0
 
-    def SetGround(self, ground):
+    def SetGround(self, ground: Ground | None) -> None:
         """Take what holds idle bodies, or None."""
         self.ground = self.residual.ground = ground
 
-    def SetDrag(self, drag):
+    def SetDrag(self, drag: Drag | None) -> None:
         """Let a Drag hold bodies, too, or None."""
         self.residual.drag = drag
 
-    def MayFloat(self):
+    def MayFloat(self) -> bool:
         """Are there bodies or tools that contact has to hold?"""
         return bool(self.bodies.floating) or len(ToolDofs(self.contacts)) > 0
 
-    def Inverted(self):
+    def Inverted(self) -> tuple[str, str]:
         """Which elements are inside out: of materials that know rotations, and of all others."""
         form = self.contacts[0].form
         if self.islinear:
@@ -600,7 +636,7 @@ class System:
         return known, others
 
 
-def PullsAside(contact):
+def PullsAside(contact: LACContact) -> bool:
     """Has a traction a tangential part, beyond rounding, where surfaces may slide?"""
     if contact.tied:
         return False
@@ -610,14 +646,16 @@ def PullsAside(contact):
     return bool(np.linalg.norm(aside) > ROUNDING * np.linalg.norm(traction))
 
 
-def Approach(contact, motion):
+def Approach(contact: LACContact, motion: np.ndarray) -> np.ndarray:
     """How much nearer to the master a motion (n,) brings each macro-element, times its area."""
     table, d = contact.Table(), contact.mesh.dim
     moved = (AllJumps(contact) @ motion).reshape(len(table["area"]), d)
     return np.sum(moved * table["normal"], axis=1)
 
 
-def WayThrough(contact, size, may, motion):
+def WayThrough(
+    contact: LACContact, size: float, may: np.ndarray, motion: np.ndarray
+) -> tuple[float, np.ndarray]:
     """How far a motion takes some macro-elements through the master, if by more than a size."""
     table = contact.Table()
     paired = may & (table["area"] > 0)
@@ -627,7 +665,7 @@ def WayThrough(contact, size, may, motion):
     return (way[farthest] if way[farthest] > size else 0.0), table["x"][farthest]
 
 
-def SightOf(contact, motion):
+def SightOf(contact: LACContact, motion: np.ndarray) -> float:
     """The part of a motion (n,) of the solution after which a contact still sees its master.
 
     Macro-elements may come as near as they are to it, and pass it by the depth of the search.
