@@ -1,11 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The energy balance of a motion."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.steps.control import StepLine
+
+if TYPE_CHECKING:
+    from ngsolve import GridFunction
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["ContactWorks", "EnergyBalance", "TimeStep"]
 
@@ -50,7 +59,7 @@ class EnergyBalance:
         """Kinetic and internal energy together."""
         return self.kinetic + self.internal
 
-    def Won(self, before) -> float:
+    def Won(self, before: EnergyBalance) -> float:
         """Energy that contact and time integration have brought in since another balance.
 
         Parameters
@@ -67,7 +76,7 @@ class EnergyBalance:
         work = abs(self.external - before.external)
         return won / (max(self.AtHand(before), work) or 1.0)
 
-    def AtHand(self, before) -> float:
+    def AtHand(self, before: EnergyBalance) -> float:
         """The largest energy of both balances, or work of internal forces in between.
 
         A part of what has been lost counts, too: of bodies that came to rest little else is left.
@@ -87,7 +96,16 @@ class EnergyBalance:
         lost = before.friction + before.impact + before.algorithmic
         return max(*energies, abs(self.internal - before.internal), PAST * lost)
 
-    def After(self, time, kinetic, *, internal, external, friction, impact) -> "EnergyBalance":
+    def After(
+        self,
+        time: float,
+        kinetic: float,
+        *,
+        internal: float,
+        external: float,
+        friction: float,
+        impact: float,
+    ) -> EnergyBalance:
         """The balance after a step.
 
         Parameters
@@ -113,7 +131,7 @@ class EnergyBalance:
         )
 
     @classmethod
-    def Table(cls, balances) -> dict[str, np.ndarray]:
+    def Table(cls, balances: Iterable[EnergyBalance]) -> dict[str, np.ndarray]:
         """Balances as arrays.
 
         Parameters
@@ -128,7 +146,7 @@ class EnergyBalance:
         rows = np.array([astuple(balance) for balance in balances]).reshape(-1, len(fields(cls)))
         return {f.name: column for f, column in zip(fields(cls), rows.T, strict=True)}
 
-    def __str__(self):
+    def __str__(self) -> str:
         names = ("kinetic", "internal", "external", "friction", "impact", "algorithmic")
         return "  energy: " + "  ".join(f"{name} {getattr(self, name):.5g}" for name in names)
 
@@ -155,11 +173,13 @@ class TimeStep:
     cuts: int
     balance: EnergyBalance
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{StepLine(self, 'time')}{self.balance}"
 
 
-def ContactWorks(contacts, gf, motion):
+def ContactWorks(
+    contacts: Sequence[LACContact], gf: GridFunction, motion: np.ndarray
+) -> tuple[list[np.ndarray], float, float]:
     """Residuals (n,) of the contacts before the commit, their work, and what sliding dissipates."""
     residuals, friction = [], 0.0
     for contact in contacts:

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Energy and momentum of bodies in a time step, corrected by changes of the velocities."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
@@ -10,6 +14,12 @@ from ngslac.parallel.form import OnSurface
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.matrices import Entries
 from ngslac.parallel.spread import Spread, SumAt
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix, spmatrix
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.steps.inertia import Mass
 
 __all__ = ["Conservation"]
 
@@ -31,7 +41,7 @@ class Conservation:
     slides on something is not held up.
     """
 
-    def __init__(self, mass, contact):
+    def __init__(self, mass: Mass, contact: LACContact):
         form, block = contact.form, contact.form.fes.dim
         self.mass, self._space = mass, form.component
         first, dofs = form.offset * block, form.component.ndof
@@ -44,29 +54,31 @@ class Conservation:
         self.account = np.zeros(self.count)  # energy taken from each body by time integration
         self._rigid, _, self._size = RigidMotions(self._space)
 
-    def Products(self, a, b):
+    def Products(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The scalar product of two vectors (n,), body by body."""
         own = self._own
         return SumAt(self._body, a[own] * b[own], self.count)
 
-    def OfMacros(self, contact, works):
+    def OfMacros(self, contact: LACContact, works: np.ndarray) -> np.ndarray:
         """Values (m,) of the macro-elements of a contact, summed up body by body."""
         block = contact.form.fes.dim
         cores = np.array([contact.surface.CoreDofs(m)[0] for m in range(len(works))])
         body = OnSurface(contact.form, self._body)[cores * block].astype(int)
         return np.bincount(body, weights=works, minlength=self.count)
 
-    def Kinetic(self, velocity):
+    def Kinetic(self, velocity: np.ndarray) -> np.ndarray:
         """Kinetic energies of the bodies."""
         return 0.5 * self.Products(velocity, self.mass.Times(velocity))
 
-    def Virtual(self, forces, displacement):
+    def Virtual(self, forces: np.ndarray, displacement: np.ndarray) -> np.ndarray:
         """Work of forces (n,) in the rigid motions of the displaced bodies, a row for each body."""
         return np.stack(
             [self.Products(m, forces) for m in Columns(self._Motions(displacement))], axis=1
         )
 
-    def Balanced(self, forces, displacement, squares):
+    def Balanced(
+        self, forces: np.ndarray, displacement: np.ndarray, squares: np.ndarray
+    ) -> np.ndarray:
         """Do forces (n,) do no work in the rigid motions of a displaced body? For each body.
 
         `squares` (count,) are those of forces that are not small.
@@ -75,7 +87,7 @@ class Conservation:
         sizes = np.stack([self.Products(m, m) for m in motions], axis=1) * size
         return np.all(self.Virtual(forces, displacement) ** 2 <= BALANCED**2 * sizes, axis=1)
 
-    def _Motions(self, displacement):
+    def _Motions(self, displacement: np.ndarray) -> np.ndarray:
         """The rigid motions (n, m) of the whole mesh where it is displaced."""
         motions = np.zeros((len(displacement), self._rigid.shape[1]))
         motions = LayoutOf(self.mass.space).Of(motions)
@@ -83,7 +95,15 @@ class Conservation:
         motions[self._own] = self._rigid + turned
         return motions
 
-    def Restore(self, velocity, momenta, groups, free, impulses, displacement):
+    def Restore(
+        self,
+        velocity: np.ndarray,
+        momenta: np.ndarray,
+        groups: np.ndarray,
+        free: np.ndarray,
+        impulses: np.ndarray,
+        displacement: np.ndarray,
+    ) -> np.ndarray:
         """Give free bodies the momenta that they should have, by one rigid motion of each group.
 
         Groups that supports hold, or on which forces or contacts act from outside, are left alone.
@@ -103,13 +123,13 @@ class Conservation:
             velocity = velocity + own @ np.linalg.solve(pushed.T @ own, wrong[bodies].sum(axis=0))
         return velocity
 
-    def _Inside(self, bodies):
+    def _Inside(self, bodies: np.ndarray) -> np.ndarray:
         """Which entries of a vector (n,) belong to some bodies."""
         inside = np.zeros(len(self.mass.free), dtype=bool)
         inside[self._own] = bodies[np.asarray(self._body)]
         return inside
 
-    def Groups(self, rows):
+    def Groups(self, rows: spmatrix) -> np.ndarray:
         """Numbers (count,) of the bodies, the same where constraints (sparse rows) join them."""
         every = np.full(len(self.mass.free), -1.0)
         every[self._own] = self._body
@@ -122,7 +142,15 @@ class Conservation:
         )
         return scipy.sparse.csgraph.connected_components(touched.T @ touched, directed=False)[1]
 
-    def Settle(self, velocity, groups, rows, impact, algorithmic, displacement):
+    def Settle(
+        self,
+        velocity: np.ndarray,
+        groups: np.ndarray,
+        rows: spmatrix,
+        impact: np.ndarray,
+        algorithmic: np.ndarray,
+        displacement: np.ndarray,
+    ) -> tuple[np.ndarray, float, float]:
         """The velocity without energy brought in; what went out for contact; what is owed."""
         self.account = self.account + algorithmic
         least = ROUNDING * self.Kinetic(velocity).sum()
@@ -141,7 +169,9 @@ class Conservation:
             self.account[bodies] += (out - by_contact) / bodies.sum()
         return velocity, back, owed
 
-    def _Slower(self, velocity, bodies, energy, kept):
+    def _Slower(
+        self, velocity: np.ndarray, bodies: np.ndarray, energy: float, kept: np.ndarray
+    ) -> tuple[np.ndarray, float]:
         """Take the energy from some bodies, or as much as is there; returns it, too."""
         relative = velocity * (self._Inside(bodies) & self.mass.free)
         if kept.shape[1]:
@@ -157,7 +187,7 @@ class Conservation:
         factor = min(max(factor, 0.0), 1.0)
         return velocity - factor * relative, factor * slope - 0.5 * factor**2 * most
 
-    def _Kept(self, bodies, rows, displacement):
+    def _Kept(self, bodies: np.ndarray, rows: csr_matrix, displacement: np.ndarray) -> np.ndarray:
         """Rigid motions (n, m) of each of some bodies, as far as supports and contact let them.
 
         Those of all together are among them, whatever contact says.
@@ -174,7 +204,7 @@ class Conservation:
         return each @ np.concatenate([together, apart], axis=1)
 
 
-def Numbered(part, used):
+def Numbered(part: np.ndarray, used: np.ndarray) -> np.ndarray:
     """Numbers (n,) from 0 on in place of those of the parts that are used; 0 elsewhere."""
     if isinstance(part, Spread):
         return np.where(used, part, 0)
@@ -183,6 +213,6 @@ def Numbered(part, used):
     return body
 
 
-def Columns(matrix):
+def Columns(matrix: np.ndarray) -> list[np.ndarray]:
     """The columns of an array (n, m) as a list."""
     return [matrix[:, k] for k in range(matrix.shape[1])]

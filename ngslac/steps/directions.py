@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Directions of pressures that do no work where surfaces slide along each other."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac._ngslac import Side
 from ngslac.parallel.form import JumpRows
+
+if TYPE_CHECKING:
+    from ngsolve import GridFunction
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Directions"]
 
@@ -25,26 +35,26 @@ class Directions:
     a discrete gradient (Gonzalez 1996). The forces on both sides remain opposite and equal.
     """
 
-    def __init__(self, contacts):
+    def __init__(self, contacts: Sequence[LACContact]):
         self.contacts, self._start = contacts, None
         # With which the last solution was found; no rows where they do not count.
         self.used = [np.zeros((c.space.nmacros * Turns(c), c.mesh.dim)) for c in contacts]
         self._next = self.used
 
-    def State(self):
+    def State(self) -> dict:
         """What the next step depends on."""
         return {"used": self.used, "next": self._next}
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go back to a `State`."""
         self.used, self._next = state["used"], state["next"]
 
-    def Begin(self, gf):
+    def Begin(self, gf: GridFunction) -> None:
         """A step begins at a solution."""
         self._start = [self._Facing(contact, gf) for contact in self.contacts]
 
     @staticmethod
-    def _Facing(contact, gf):
+    def _Facing(contact: LACContact, gf: GridFunction) -> np.ndarray | None:
         """Mean normals (m, d) of the master, 0 where it is not seen."""
         if not Turns(contact):
             return None
@@ -52,17 +62,18 @@ class Directions:
         contact.Evaluate(gf)
         return contact.form.Table()["facing"]
 
-    def Learn(self, gf, motion):
+    def Learn(self, gf: GridFunction, motion: np.ndarray) -> float:
         """Find the vectors of the `Next` solution from the motion (n,) to this one."""
         found = [self._LearnOf(k, gf, motion) for k in range(len(self.contacts))]
         self._next = [vectors for vectors, _ in found]
         return sum(work for _, work in found)
 
-    def Next(self):
+    def Next(self) -> None:
         """Use what was learnt last."""
         self.used = self._next
 
-    def _LearnOf(self, k, gf, motion):
+    def _LearnOf(self, k: int, gf: GridFunction, motion: np.ndarray) -> tuple[np.ndarray, float]:
+        """The vectors of one contact, and the work that they change."""
         contact, begin = self.contacts[k], self._start[k]
         if not Turns(contact):
             return self.used[k], 0.0
@@ -82,12 +93,12 @@ class Directions:
         return vectors, float(np.abs(table["pressure"]) @ np.abs(change))
 
 
-def Turns(contact):
+def Turns(contact: LACContact) -> bool:
     """Do pressures get directions? Those of tools and tied surfaces keep theirs."""
     return contact.finite and contact.master is not None and not contact.tied
 
 
-def Unit(vectors):
+def Unit(vectors: np.ndarray) -> np.ndarray:
     """Vectors (m, d) of length 1, or 0."""
     size = np.linalg.norm(vectors, axis=1)[:, None]
     return vectors / np.where(size > 0, size, 1)

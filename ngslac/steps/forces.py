@@ -1,7 +1,20 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forces of the bulk at the ends of a step, and on the way."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from ngslac.solve.residual import Norm
+
+if TYPE_CHECKING:
+    from ngsolve import BaseVector
+
+    from ngslac.parallel.layout import Layout, Whole
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["BulkForces"]
 
@@ -15,19 +28,19 @@ INNER, END = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5), 1 / 12
 class BulkForces:
     """The forces of the bulk of a static problem."""
 
-    def __init__(self, static, rows):
+    def __init__(self, static: ContactSolver, rows: np.ndarray):
         self.static, self.rows = static, rows
         self._seen = None  # displacement and what the bulk form said there, and of 0
 
     @property
-    def _layout(self):
+    def _layout(self) -> Layout | Whole:
         return self.static.system.layout
 
     @property
-    def _values(self):
+    def _values(self) -> np.ndarray:
         return self._layout.Values(self.static.gf.vec)
 
-    def Now(self, force=None):
+    def Now(self, force: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Force of the bulk including the loads (n,), and the loads alone.
 
         `force`: what the bulk form says of the solution, if it was asked.
@@ -38,7 +51,9 @@ class BulkForces:
         self._seen = values.copy(), force, self._Apply(zero)
         return self._Known(force)
 
-    def Next(self, force, product):
+    def Next(
+        self, force: np.ndarray | None, product: Callable[[np.ndarray], np.ndarray] | None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The same at the next solution.
 
         Where the force changes from that of before as a linear form does whose loads stay, these
@@ -52,23 +67,36 @@ class BulkForces:
         known = Norm(deviation) <= self._Least(force, before)
         return self._Known(force) if known else self.Now(force)
 
-    def _Deviation(self, force, before, change):
+    def _Deviation(self, force: np.ndarray, before: np.ndarray, change: np.ndarray) -> np.ndarray:
         return (force - before - change) * self.rows
 
-    def _Least(self, *forces):
+    def _Least(self, *forces: np.ndarray) -> float:
         return STEADY * max(Norm(force * self.rows) for force in forces)
 
-    def _Known(self, force):
+    def _Known(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         load = self.static.system.bulk.load
         return (force - load) * self.rows, (load - self._seen[2]) * self.rows
 
-    def Changed(self, before, now, change, isrounding):
+    def Changed(
+        self,
+        before: tuple[np.ndarray, np.ndarray],
+        now: tuple[np.ndarray, np.ndarray],
+        change: np.ndarray,
+        isrounding: Callable[[np.ndarray], bool],
+    ) -> bool:
         """Did the force without loads change in a step by `change`, that of a linear form?"""
         before, now = sum(before), sum(now)
         deviation = self._Deviation(now, before, change)
         return Norm(deviation) <= self._Least(now, before) or isrounding(deviation)
 
-    def OnTheWay(self, motion, before, now, linear, isrounding):
+    def OnTheWay(
+        self,
+        motion: np.ndarray,
+        before: tuple[np.ndarray, np.ndarray],
+        now: tuple[np.ndarray, np.ndarray],
+        linear: bool,
+        isrounding: Callable[[np.ndarray], bool],
+    ) -> tuple[list[tuple[float, np.ndarray, np.ndarray]], bool]:
         """Weights, places and forces (without loads) along a step; and is the force linear?
 
         For an elastic bulk their work is the change of the strain energy: exact for a linear one,
@@ -85,7 +113,13 @@ class BulkForces:
             points += zip((0.5 - END, 0.5 - END), places, forces, strict=True)
         return points, linear
 
-    def _Straight(self, start, forces, now, isrounding):
+    def _Straight(
+        self,
+        start: np.ndarray,
+        forces: Sequence[np.ndarray],
+        now: tuple[np.ndarray, np.ndarray],
+        isrounding: Callable[[np.ndarray], bool],
+    ) -> bool:
         """Is the force a linear function on the way, as its inner points say, and its start?
 
         The law may change with the time: the force where the step began is another one by now.
@@ -93,19 +127,19 @@ class BulkForces:
         (first, second), end = forces, sum(now)
         slope = (second - first) / (INNER[1] - INNER[0])
 
-        def On(force, place):
+        def On(force: np.ndarray, place: float) -> bool:
             deviation = force - first - (place - INNER[0]) * slope
             return Norm(deviation) <= STRAIGHT * Norm(slope) or isrounding(deviation)
 
         return bool(On(end, 1.0) and On(self._At(start, now), 0.0))
 
-    def _At(self, place, now):
+    def _At(self, place: np.ndarray, now: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         """The force without loads of a displacement (n,), under the loads of `Now`."""
         vec, (_, loads) = self.static.gf.vec.CreateVector(), now
         self._layout.Values(vec)[:] = place
         return (self._Apply(vec) - self.static.system.bulk.load) * self.rows + loads
 
-    def _Apply(self, vec):
+    def _Apply(self, vec: BaseVector) -> np.ndarray:
         result = vec.CreateVector()
         self._layout.Apply(self.static.a, vec, result)
         return self._layout.Values(result)

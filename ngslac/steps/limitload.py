@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The largest load that a structure carries before it snaps or collapses."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from ngsolve import VOL, ElementId, Grad, GridFunction, InnerProduct, Integrate, Sym
+from ngsolve import VOL, ElementId, Grad, GridFunction, InnerProduct, Integrate, Parameter, Sym
 
 from ngslac.errors import ContactConvergenceError, LinearSolveError
+
+if TYPE_CHECKING:
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["LimitLoad"]
 
@@ -31,17 +38,17 @@ class LimitLoad:
     least load that is left there shows the limit, too.
     """
 
-    def __init__(self, solver, load, full):
+    def __init__(self, solver: ContactSolver, load: Parameter, full: float):
         self.solver, self.system, self.load, self.full = solver, solver.system, load, full
         self.expected = None  # the limit, by the first estimate; None: there seems to be none
         self.folds, self._place = 0, ""  # how often the second one found a limit, and where
 
     @property
-    def suspected(self):
+    def suspected(self) -> bool:
         """Does anything speak for a limit?"""
         return self.expected is not None or self.folds > 0
 
-    def Estimate(self, goal, failed):
+    def Estimate(self, goal: float, failed: bool) -> None:
         """Look from the converged state at hand towards another load, by which a step may fail.
 
         Solution and load are the same afterwards, not so what contacts have evaluated.
@@ -68,7 +75,7 @@ class LimitLoad:
             values[:] = before
             self.load.Set(self._begin)
 
-    def Size(self, size):
+    def Size(self, size: float) -> float:
         """Of the next step: that which is wanted, unless the limit is nearer."""
         if self.expected is None:
             return size
@@ -76,30 +83,30 @@ class LimitLoad:
         own = SAFE * left if left > NEAR * abs(self.full) else BEYOND * left
         return np.copysign(min(abs(size), own), self.full)
 
-    def Passed(self):
+    def Passed(self) -> bool:
         """Does the short step that failed last confirm a limit?"""
         size = abs(self._goal - self._begin)
         return size <= 1.001 * BEYOND * NEAR * abs(self.full) and self.known
 
     @property
-    def known(self):
+    def known(self) -> bool:
         """Does the step that failed last lead beyond a limit?"""
         return self.expected is not None or (self._fold and self.folds >= FOLDS)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"a limit load is reached between {self._begin:.4g} and {self._goal:.4g}, where "
             f"{self._place}. Prescribe a displacement in place of a force, or follow the motion "
             "with a TimeStepper"
         )
 
-    def _LeadsWhatTouches(self):
+    def _LeadsWhatTouches(self) -> bool:
         """Does the load move a tool or change gaps, rather than push? Such a load has no limit."""
         return self.system.MeasureExactly().constraint > IDLE
 
     # --- from a converged state ------------------------------------------------------------------
 
-    def _Share(self):
+    def _Share(self) -> float:
         """Part of the step of the load up to the first maximum of the resistance; or infinite."""
         before = self.system.values.copy()
         start, motion = self._Tangent()
@@ -110,7 +117,7 @@ class LimitLoad:
             self._place = self._Place(motion)
         return share
 
-    def _Tangent(self):
+    def _Tangent(self) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
         """Forces that are not balanced, and the motion that follows from the tangent."""
         system = self.system
         system.motion = None
@@ -121,12 +128,12 @@ class LimitLoad:
         start = self._Forces()
         return start, -system.Correction(system.Linearize(state))
 
-    def _Forces(self):
+    def _Forces(self) -> np.ndarray:
         """Of bulk, loads and contact on the displacements, as measured last."""
         residual = self.system.residual
         return np.where(residual.displacements, residual.scaled / self.system.scale, 0.0)
 
-    def _Peak(self, before, start, motion):
+    def _Peak(self, before: np.ndarray, start: np.ndarray, motion: np.ndarray) -> float:
         """From the parabola that the work against the resistance is for a short way."""
         push = -float(motion @ start)
         if push <= 0:
@@ -143,7 +150,9 @@ class LimitLoad:
             part = share / 8
         return share
 
-    def _Work(self, before, start, motion, part):
+    def _Work(
+        self, before: np.ndarray, start: np.ndarray, motion: np.ndarray, part: float
+    ) -> float:
         """Of the forces that a part of the motion adds, along all of it."""
         self.system.values[:] = before + part * motion
         if not self.system.MeasureExactly().finite:
@@ -152,7 +161,7 @@ class LimitLoad:
 
     # --- from where Newton's method got stuck ----------------------------------------------------
 
-    def _LookAtFold(self):
+    def _LookAtFold(self) -> None:
         """Is what is left of the residual there a part of the load? Then that has a limit."""
         residual = self.system.residual
         self.system.values[:] = self.solver.stuck
@@ -169,7 +178,7 @@ class LimitLoad:
             _, motion = self._Tangent()
             self._place = self._Place(motion) if motion is not None else self._place
 
-    def _Place(self, motion):
+    def _Place(self, motion: np.ndarray) -> str:
         """The body and the element that a motion strains most, in words."""
         form = self.system.contacts[0].form
         u, mesh = GridFunction(form.component), form.fes.mesh

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Load stepping with control of the step size."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import Parameter
+from ngsolve import BaseVector, CoefficientFunction, GridFunction, Mesh, Parameter, Region
 
 from ngslac.arguments import (
     CheckCount,
@@ -20,7 +23,7 @@ from ngslac.errors import ContactConvergenceError, FloatingBodyError, Reason, Re
 from ngslac.parallel.together import OnAll
 from ngslac.progress import Say
 from ngslac.solve.failure import CarriedOff
-from ngslac.solve.iteration import MostlySlips
+from ngslac.solve.iteration import Iteration, MostlySlips
 from ngslac.solve.problem import MultiplierRows
 from ngslac.solve.solver import ContactSolver, MeshOfSolver
 from ngslac.steps.control import Journal, StepControl, StepLine
@@ -61,12 +64,12 @@ class Step:
     cuts: int
     forces: tuple = ()
 
-    def __str__(self):
+    def __str__(self) -> str:
         forces = "  ".join(f"({', '.join(f'{part:.5g}' for part in f)})" for f in self.forces)
         return f"{StepLine(self, 'load')}  force on the slave {forces}"
 
 
-def MeshOf(stepper, *_, **__):
+def MeshOf(stepper: LoadStepper, *_, **__) -> Mesh:
     """The mesh of a stepper."""
     return stepper.solver.gf.space.mesh
 
@@ -111,37 +114,60 @@ class LoadStepper:
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
     @OnAll(MeshOfSolver)
-    def __init__(self, solver, load, *, prescribe=None, predict=True, maxcuts=8):
+    def __init__(
+        self,
+        solver: ContactSolver,
+        load: Parameter,
+        *,
+        prescribe: dict[str | Region, CoefficientFunction]
+        | Callable[[GridFunction], object]
+        | None = None,
+        predict: bool = True,
+        maxcuts: int = 8,
+    ):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver")
         CheckInstance("load", load, Parameter, "an ngsolve.Parameter, such as Parameter(0)")
         self.solver, self.load = solver, load
         self.prescribe = prescribe
         self.predict = CheckFlag("predict", predict)
         self.maxcuts = CheckCount("maxcuts", maxcuts, least=0)
-        self.steps, self.printing = [], True
+        self.steps: list[Step] = []
+        self.printing = True
         self._journal = Journal(self, "load", load)
         self._idle = True  # has no step changed anything?
         self._last = None  # increment of the solution and of the load in the last step
         self._size = np.inf  # of the next step, where the last ones had to be cut
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<LoadStepper: load {self.load.Get():g} after {len(self.steps)} steps>"
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self!r}\n{self.Table()}" if self.steps else repr(self)
 
     @property
-    def prescribe(self):
+    def prescribe(
+        self,
+    ) -> dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None:
         """Dirichlet values that depend on the load, see above."""
         return self._prescribed.values
 
     @prescribe.setter
-    def prescribe(self, values):
+    def prescribe(
+        self,
+        values: dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None,
+    ) -> None:
         self._prescribed = Prescribed(self.solver, values)
 
     @OnAll(MeshOf)
     def Integrate(
-        self, end=1.0, *, steps=10, callback=None, printing=True, maxit=100, tol=1e-10
+        self,
+        end: float = 1.0,
+        *,
+        steps: int = 10,
+        callback: Callable[[Step], object] | None = None,
+        printing: bool | str = True,
+        maxit: int = 100,
+        tol: float = 1e-10,
     ) -> list[Step]:
         """Go from the current load to `end` in `steps` equal steps.
 
@@ -207,7 +233,8 @@ class LoadStepper:
             )
         return done
 
-    def _CheckBegin(self, end):
+    def _CheckBegin(self, end: float) -> float:
+        """The present load, from which there is a step to the end."""
         begin = CheckNumber("load.Get()", self.load.Get())
         CheckNumber("end - load.Get()", end - begin)
         if abs(end - begin) <= SAME * max(abs(end), abs(begin)):
@@ -262,7 +289,7 @@ class LoadStepper:
         }
 
     @OnAll(MeshOf)
-    def SetState(self, state) -> None:
+    def SetState(self, state: dict) -> None:
         """Go back to a state.
 
         Parameters
@@ -276,7 +303,10 @@ class LoadStepper:
         self.steps[:] = state["steps"]
         self._last, self._size = state["last"], state["size"]
 
-    def _Reach(self, target, callback, maxit, tol):
+    def _Reach(
+        self, target: float, callback: Callable[[Step], object] | None, maxit: int, tol: float
+    ) -> list[Step]:
+        """The steps up to a target, shorter ones where a step fails."""
         done, hopeless, rubs = [], 0, 0
         control = StepControl(self.load.Get(), target, self.maxcuts, self._size)
         limit = LimitLoad(self.solver, self.load, control.full)
@@ -310,23 +340,31 @@ class LoadStepper:
                 control.size = limit.Size(control.size)
         return done
 
-    def _Forces(self):
+    def _Forces(self) -> tuple[tuple[float, ...], ...]:
         return tuple(tuple(contact.Force().tolist()) for contact in self.solver.contacts)
 
-    def _Continue(self, control):
+    def _Continue(self, control: StepControl) -> None:
         """Choose the next size after success: what was hard mostly is so for another while."""
         control.size = control.size if control.cuts else 2 * control.size
         shortened = control.cuts or abs(control.size) < 0.9 * abs(control.full)
         self._size = 2 * abs(control.size) if shortened else np.inf
 
-    def _Estimate(self, limit, goal, failed):
+    def _Estimate(self, limit: LimitLoad, goal: float, failed: bool) -> None:
         """Is there a limit of the load on the way from the last converged state to this one?"""
         try:
             limit.Estimate(goal, failed)
         finally:
             self._journal.saved.Restore()
 
-    def _Jump(self, target, error, limit, maxit, tol, tried):
+    def _Jump(
+        self,
+        target: float,
+        error: ContactConvergenceError,
+        limit: LimitLoad,
+        maxit: int,
+        tol: float,
+        tried: float | None,
+    ) -> tuple[float, Iteration]:
         """Leave a state from which no small step converges: it may snap to another one.
 
         `tried`: a load that is known to have no equilibrium, of which no part was tried, or None.
@@ -345,7 +383,7 @@ class LoadStepper:
         known.reason = error.reason
         raise known from error
 
-    def _Attempt(self, goal, maxit, tol, start, path):
+    def _Attempt(self, goal: float, maxit: int, tol: float, start: str, path: bool) -> Iteration:
         """One step from a start: "predicted", "last" or "free" of contact tractions."""
         solver, vec = self.solver, self.solver.gf.vec
         begin = self.load.Get()
@@ -379,12 +417,12 @@ class LoadStepper:
         self._last = increment, goal - begin
         return result
 
-    def _Driven(self):
+    def _Driven(self) -> list[np.ndarray]:
         """The data of contacts that the load may change, besides the solution."""
         tables = [contact.Table() for contact in self.solver.contacts]
         return [np.nan_to_num(table[name]) for table in tables for name in ("gap", "friction")]
 
-    def _Start(self, last, step, start):
+    def _Start(self, last: BaseVector, step: float, start: str) -> dict[str, np.ndarray]:
         """Put the start of a step into the solution; returns what Solve has to know of it."""
         solver, vec = self.solver, self.solver.gf.vec
         Values = solver.system.layout.Values
@@ -410,13 +448,13 @@ class LoadStepper:
                 values[contact.form.MultiplierDofs()] = 0
         return {} if fixed is None else {"motion": wanted - now}
 
-    def _Steady(self, last, increment):
+    def _Steady(self, last: np.ndarray, increment: np.ndarray) -> np.ndarray:
         """The increment less that of what has just closed, beside what was closed before."""
         multipliers = MultiplierRows(self.solver.contacts)
         fresh = multipliers & (last == increment)
         return np.where(fresh, 0.0, increment) if np.any(last[multipliers & ~fresh]) else increment
 
-    def _Balanced(self, least):
+    def _Balanced(self, least: float) -> float:
         """The largest load between the present one and one without balance that has a balance."""
         most = self.load.Get()
         try:
@@ -428,7 +466,9 @@ class LoadStepper:
             self._journal.saved.Restore()
         return most
 
-    def _Diagnosis(self, error, limit, tried):
+    def _Diagnosis(
+        self, error: ContactConvergenceError, limit: LimitLoad, tried: float | None
+    ) -> str:
         """The message about a step that fails at any size, or for certain."""
         begin = f"{self.load.Get():g}"
         if tried is not None:

@@ -4,14 +4,21 @@
 NGSolve's text format would round the curved elements.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import ngsolve
 import numpy as np
 from netgen import meshing
 
+if TYPE_CHECKING:
+    from ngsolve import Mesh
+
 __all__ = ["MeshOf", "MeshState"]
 
 
-def Classes():
+def Classes() -> dict[str, type]:
     """What meshes are made of, by name: nothing else is made from a file."""
     from netgen.csg import CSGeometry
     from netgen.geom2d import SplineGeometry
@@ -31,12 +38,12 @@ def Classes():
     return found | {"OCCGeometry": OCCGeometry}
 
 
-def MeshState(mesh):
+def MeshState(mesh: Mesh) -> dict:
     """The state of a mesh in dicts, lists, bytes and arrays."""
     return {"parts": Parts(mesh), "volumes": Volumes(mesh), "order": mesh.GetCurveOrder()}
 
 
-def MeshOf(state):
+def MeshOf(state: dict) -> Mesh:
     """The mesh of a `MeshState`."""
     mesh = Whole(state["parts"])
     if not SameVolumes(mesh, state):
@@ -46,16 +53,16 @@ def MeshOf(state):
     return mesh
 
 
-def Volumes(mesh):
+def Volumes(mesh: Mesh) -> np.ndarray:
     return np.array(ngsolve.Integrate(1.0, mesh, element_wise=True))
 
 
-def SameVolumes(mesh, state):
+def SameVolumes(mesh: Mesh, state: dict) -> bool:
     """Curvature included: to rounding, to which surfaces of geometries project points."""
     return np.allclose(Volumes(mesh), state["volumes"], rtol=1e-9, atol=0)
 
 
-def Parts(thing):
+def Parts(thing: Any) -> dict | bytes | None:
     """A mesh or a geometry as the bytes that NGSolve's pickle consists of."""
     if thing is None or isinstance(thing, bytes):
         return thing
@@ -66,7 +73,7 @@ def Parts(thing):
     raise TypeError(f"a mesh with a {type(thing).__name__} cannot be saved")
 
 
-def Whole(parts):
+def Whole(parts: dict | bytes | None) -> Any:
     """The inverse of `Parts`."""
     if not isinstance(parts, dict):
         return parts

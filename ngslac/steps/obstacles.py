@@ -1,9 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Velocities of things that are no bodies: obstacles, tools, offsets with a Parameter, wear."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.bodies.constraints import ToolRows
+
+if TYPE_CHECKING:
+    from ngsolve import GridFunction
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Obstacles"]
 
@@ -15,17 +25,17 @@ class Obstacles:
     body does, along the slave as well.
     """
 
-    def __init__(self, contacts):
+    def __init__(self, contacts: Sequence[LACContact]):
         self.contacts = contacts
         self.state = None  # rates of the last step, of all macro-elements, and its length
         self._start, self._before, self.ways, self._offsets = None, None, None, None
 
-    def Begin(self, gf):
+    def Begin(self, gf: GridFunction) -> None:
         """Before the time is set to the end of the step; `gf` is where the step begins."""
         self._start = self.contacts[0].layout.Values(gf.vec).copy()
         self._before = [self._Of(contact, gf) for contact in self.contacts]
 
-    def Move(self, gf):
+    def Move(self, gf: GridFunction) -> None:
         """After that; `gf` is the same. `ways`: how far the obstacle moves each macro-element."""
         self.ways = [
             self._Way(contact, gf, before)
@@ -33,7 +43,7 @@ class Obstacles:
         ]
         self._offsets = [contact.form.Table()["offset"] for contact in self.contacts]
 
-    def Wear(self, gf):
+    def Wear(self, gf: GridFunction) -> None:
         """After the step is solved: the change of an offset that depends on the contact."""
         for contact, way, before in zip(self.contacts, self.ways, self._offsets, strict=True):
             if contact.gap_is_driven:
@@ -41,7 +51,7 @@ class Obstacles:
                 worn = contact.form.Table()["offset"] - before
                 way += worn[:, None] * contact.Table()["normal"]
 
-    def _Of(self, contact, gf):
+    def _Of(self, contact: LACContact, gf: GridFunction) -> tuple[np.ndarray, np.ndarray] | None:
         """Mean gaps, and where the points of a tool are that are at the macro-elements."""
         if not contact.gap_is_driven:
             return None
@@ -53,7 +63,10 @@ class Obstacles:
             places = (table["x"] - shift) @ turn
         return np.nan_to_num(table["gap"]), places  # what has no partner is not moved
 
-    def _Way(self, contact, gf, before):
+    def _Way(
+        self, contact: LACContact, gf: GridFunction, before: tuple[np.ndarray, np.ndarray] | None
+    ) -> np.ndarray:
+        """How far the obstacle of a contact moves each macro-element: (m, d)."""
         now = self._Of(contact, gf)
         if now is None:
             return np.zeros((contact.space.nmacros, contact.mesh.dim))
@@ -65,7 +78,7 @@ class Obstacles:
         along = np.sum(way * normal, axis=1)
         return way + (now[0] - before[0] - along)[:, None] * normal
 
-    def Rates(self, dt):
+    def Rates(self, dt: float) -> list[np.ndarray]:
         """Velocities at the end of a step of the length `dt`, from backward differences."""
         rates = np.concatenate(self.ways) / dt
         before, last = self.state or (rates, dt)
@@ -75,13 +88,13 @@ class Obstacles:
         rates = rates + dt / (dt + last) * (rates - before)
         return np.split(rates, np.cumsum([len(part) for part in self.ways])[:-1])
 
-    def Works(self, gf):
+    def Works(self, gf: GridFunction) -> list[np.ndarray]:
         """Of the moved obstacles on each macro-element, after `Evaluate` of `gf`, the solution."""
         motion = self.contacts[0].layout.Values(gf.vec) - self._start
         return [self._WorkOf(*pair, motion) for pair in zip(self.contacts, self.ways, strict=True)]
 
     @staticmethod
-    def _WorkOf(contact, way, motion):
+    def _WorkOf(contact: LACContact, way: np.ndarray, motion: np.ndarray) -> np.ndarray:
         table = contact.Table()
         way = table["area"][:, None] * way
         if len(contact.form.ToolDofs()):  # forces move it, too

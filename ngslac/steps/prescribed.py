@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What goes with the load: Dirichlet values that change with it, and a load that stays."""
 
-from collections.abc import Mapping
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
+from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction, Region
+from ngsolve import CoefficientFunction, FESpace, GridFunction, Region
 
 from ngslac._ngslac import RegionWithFaces
 from ngslac.arguments import CheckFunction, CheckValues, Shown, Wrong
 from ngslac.arrays import AsBits, AsNumPy, ComponentsOf, ScalarDofs
 from ngslac.parallel.layout import LayoutOf
+
+if TYPE_CHECKING:
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["Prescribed"]
 
@@ -23,7 +29,11 @@ WANTED = (
 class Prescribed:
     """Sets Dirichlet values for the current load."""
 
-    def __init__(self, solver, values):
+    def __init__(
+        self,
+        solver: ContactSolver,
+        values: dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None,
+    ):
         self.values, self.gf, self.dofs = values, solver.gf, {}
         if not isinstance(values, Mapping):
             CheckFunction("prescribe", values, WANTED)
@@ -44,10 +54,10 @@ class Prescribed:
                 )
             self.dofs[key] = region, np.flatnonzero(dofs)
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return bool(self.values)
 
-    def Set(self):
+    def Set(self) -> None:
         """Put the values for the current load into the solution."""
         if callable(self.values):
             LayoutOf(self.gf.space).together.ByUser(self.values, self.gf)
@@ -63,7 +73,7 @@ class Prescribed:
             vec[self.first + dofs] = field[dofs]
 
 
-def ConstrainedOn(space, region):
+def ConstrainedOn(space: FESpace, region: Region) -> np.ndarray:
     """The scalar dofs (n,) bool of a region in the components that are constrained on it.
 
     A vertex may belong to another boundary, too, where more components are. Where no component is
@@ -85,13 +95,15 @@ def ConstrainedOn(space, region):
     return fixed & layout.Everywhere(AsNumPy(ScalarDofs(space.GetDofs(region), space)))
 
 
-def _Components(space):
+def _Components(space: FESpace) -> list[slice]:
     """Slices of the dofs of each component of a space; of one without components, all."""
     ranges = [space.Range(k) for k in range(len(ComponentsOf(space)))]
     return [slice(one.start, one.stop) for one in ranges] or [slice(None)]
 
 
-def Displacement(key, value, dim):
+def Displacement(
+    key: Region | str, value: CoefficientFunction | float | Sequence, dim: int
+) -> CoefficientFunction:
     """The value of a region as a real function with `dim` components."""
     wanted = "a number" if dim == 1 else f"a displacement with {dim} components, CF({(0,) * dim})"
     parts = value if isinstance(value, (tuple, list)) else (value,)

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Save the state of a computation, and continue it in another process."""
 
+from __future__ import annotations
+
 import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BaseVector, GridFunction, Mesh, Parameter
+from ngsolve import BaseVector, FESpace, GridFunction, Mesh, Parameter
 
 from ngslac._ngslac import DofFingerprint
 from ngslac.arguments import CheckInstance, Shown
@@ -12,16 +17,19 @@ from ngslac.errors import Warn
 from ngslac.files import PathOf
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.spread import Spread
-from ngslac.parallel.together import OnAll
-from ngslac.parallel.whole import AsWhole
+from ngslac.parallel.together import Alone, OnAll, Together
+from ngslac.parallel.whole import AsWhole, Itself, WholeCopy
 from ngslac.solve.iteration import Iteration
 from ngslac.solve.snapshot import Snapshot
-from ngslac.solve.solver import ContactSolver
+from ngslac.solve.solver import ContactSolver, Equilibrium
 from ngslac.steps.balance import EnergyBalance, TimeStep
 from ngslac.steps.load import LoadStepper, Step
 from ngslac.steps.meshstate import MeshOf, MeshState
 from ngslac.steps.statefile import ReadTree, WriteTree
 from ngslac.steps.time import TimeStepper
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["LoadMesh", "LoadState", "SaveState"]
 
@@ -29,14 +37,19 @@ SAME = 1e-9  # relative difference of means that are computed anew
 RECORDS = (EnergyBalance, Iteration, Step, TimeStep)
 
 
-def _MeshOf(file=None, tool=None, **_):
+def _MeshOf(file: object = None, tool: object = None, **_) -> Mesh | None:
     """The mesh of a tool; None where it is none of ours."""
     known = isinstance(tool, (ContactSolver, LoadStepper, TimeStepper))
     return _Solver(tool).gf.space.mesh if known else None
 
 
 @OnAll(_MeshOf)
-def SaveState(file, tool, *, also=None) -> None:
+def SaveState(
+    file: str | Path,
+    tool: ContactSolver | LoadStepper | TimeStepper,
+    *,
+    also: dict[str, GridFunction | BaseVector | Parameter] | None = None,
+) -> None:
     """Write all that the next step depends on to a file: solution, histories, mesh.
 
     NGSolve cannot store forms: the script that continues makes the same problem again, on the mesh
@@ -94,7 +107,7 @@ def SaveState(file, tool, *, also=None) -> None:
     solver.system.layout.together.Agree(write, Exception)
 
 
-def LoadMesh(file, *, comm=None) -> Mesh:
+def LoadMesh(file: str | Path, *, comm: object = None) -> Mesh:
     """The mesh of a file of `SaveState`, with the numbering that its values refer to.
 
     It comes back exactly; where it is curved and was refined, up to rounding. Call `SetDeformation`
@@ -130,7 +143,12 @@ def LoadMesh(file, *, comm=None) -> Mesh:
 
 
 @OnAll(_MeshOf)
-def LoadState(file, tool, *, also=None) -> None:
+def LoadState(
+    file: str | Path,
+    tool: ContactSolver | LoadStepper | TimeStepper,
+    *,
+    also: dict[str, GridFunction | BaseVector | Parameter] | None = None,
+) -> None:
     """Put a computation into the state that `SaveState` wrote.
 
     Parameters
@@ -200,7 +218,7 @@ def LoadState(file, tool, *, also=None) -> None:
 ROWS = ("gf", "scale", "push", "paired", "velocity", "momentum", "rate", "forces", "last")
 
 
-def _Rows(tree, gather):
+def _Rows(tree: Any, gather: Callable[[np.ndarray], np.ndarray]) -> Any:
     """A state with the rows of all processes in place of those of this one."""
     if isinstance(tree, Spread):
         return gather(tree)
@@ -211,7 +229,9 @@ def _Rows(tree, gather):
     return tree
 
 
-def _Spread(tree, whole, together, name=""):
+def _Spread(
+    tree: Any, whole: WholeCopy | Itself, together: Together | Alone, name: str = ""
+) -> Any:
     """The inverse, of a state that the first process has read."""
     if together.size == 1:
         return tree
@@ -227,7 +247,7 @@ def _Spread(tree, whole, together, name=""):
     return keys
 
 
-def _SpreadAlso(saved, also, together):
+def _SpreadAlso(saved: dict, also: dict[str, _Stored], together: Together | Alone) -> dict:
     """The same of what else was saved, under the names that are known here."""
     if together.size == 1:
         return saved
@@ -243,7 +263,7 @@ def _SpreadAlso(saved, also, together):
     return found
 
 
-def _Outline(tree, size, name):
+def _Outline(tree: Any, size: int, name: str) -> tuple[str, Any]:
     """Of which kind a part of a state is, and what else others have to know of it."""
     if isinstance(tree, np.ndarray) and name in ROWS and tree.shape[:1] == (size,):
         return "rows", None
@@ -254,7 +274,7 @@ def _Outline(tree, size, name):
     return "plain", tree
 
 
-def _Limits(contact):
+def _Limits(contact: LACContact) -> dict[str, Any]:
     """The coefficients and limits of the law on macro-elements, with Parameters as now."""
     setup, form = contact._state.setup, contact.form
     limits = {name: setup[name] for name in ("maxdist", "penetration", "adjust")}
@@ -266,7 +286,7 @@ def _Limits(contact):
     return limits
 
 
-def _WarnOfOther(contact, saved, here):
+def _WarnOfOther(contact: str, saved: dict, here: dict) -> None:
     """Warn of values that are not the saved ones: they may have been changed on purpose."""
     for name in saved.keys() & here.keys():
         there, now = np.broadcast_arrays(saved[name], here[name])
@@ -280,17 +300,17 @@ def _WarnOfOther(contact, saved, here):
             )
 
 
-def _ShownLimit(name, value):
+def _ShownLimit(name: str, value: float) -> str:
     none = value < 0 if name in ("friction", "tresca") else value == 0 and name != "offset"
     return "None" if none else f"{value:g}"
 
 
-def _Compare(what, saved, here):
+def _Compare(what: str, saved: object, here: object) -> None:
     if saved != here:
         raise ValueError(f"the saved state has another {what}: {saved} there, {here} here")
 
 
-def _Fingerprint(space):
+def _Fingerprint(space: FESpace) -> str:
     """A value that is equal for two spaces with the same meaning of their dofs."""
     mesh = space.mesh
     digest = hashlib.sha256(np.ascontiguousarray(mesh.ngmesh.Coordinates()))
@@ -300,7 +320,8 @@ def _Fingerprint(space):
     return f"{space.ndof} dofs, {mesh.ne} elements, {digest.hexdigest()[:12]}"
 
 
-def _Kind(contact):
+def _Kind(contact: LACContact) -> str:
+    """What a saved state of a contact fits to, in words."""
     sliding = "finite" if contact.finite else "small"
     setup = contact._state.setup
     sides = {"master": "a master", "tool": "a tool", "obstacle": "an obstacle"}
@@ -310,7 +331,8 @@ def _Kind(contact):
     return f"{sliding} sliding of {contact.space.nmacros} macro-elements on {', '.join(words)}"
 
 
-def _Solver(tool):
+def _Solver(tool: object) -> Equilibrium:
+    """The solver of a tool; refuses what is none of ours."""
     if isinstance(tool, ContactSolver):
         return tool
     if isinstance(tool, (LoadStepper, TimeStepper)):
@@ -327,7 +349,7 @@ def _Solver(tool):
 class _Stored:
     """A GridFunction, vector or Parameter whose values can be put back."""
 
-    def __init__(self, name, thing):
+    def __init__(self, name: str, thing: GridFunction | BaseVector | Parameter):
         self.gf = thing if isinstance(thing, GridFunction) else None
         self.thing = thing.vec if self.gf else thing
         if not isinstance(self.thing, (Parameter, BaseVector)):
@@ -336,34 +358,35 @@ class _Stored:
                 "Parameter"
             )
 
-    def State(self):
+    def State(self) -> np.ndarray | float:
         if isinstance(self.thing, Parameter):
             return self.thing.Get()
         return self._values.copy()
 
     @property
-    def _values(self):
+    def _values(self) -> np.ndarray:
         if self.gf is None:
             return self.thing.FV().NumPy()
         return LayoutOf(self.gf.space).Values(self.thing)
 
-    def Gather(self):
+    def Gather(self) -> np.ndarray | float:
         """The state on the first process, of all rows."""
         values = self.State()
         return AsWhole(self.gf.space).Gather(values) if self.gf is not None else values
 
-    def Scatter(self, values):
+    def Scatter(self, values: np.ndarray) -> np.ndarray:
         """The inverse."""
         return AsWhole(self.gf.space).Scatter(values) if self.gf is not None else values
 
-    def SetState(self, values):
+    def SetState(self, values: np.ndarray | float) -> None:
         if isinstance(self.thing, Parameter):
             self.thing.Set(values)
         else:
             self._values[:] = values
 
 
-def _Also(things):
+def _Also(things: dict[str, GridFunction | BaseVector | Parameter] | None) -> dict[str, _Stored]:
+    """What else is saved, each with what puts its values back."""
     things = {} if things is None else things
     CheckInstance("also", things, dict, "a dict of names and GridFunctions")
     for name in things:
@@ -375,7 +398,7 @@ def _Also(things):
     return found
 
 
-def _Shape(values):
+def _Shape(values: np.ndarray | float) -> str:
     if isinstance(values, float):
         return "a number"
     return f"{values.size} numbers of the kind {values.dtype}"

@@ -3,7 +3,10 @@
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 
@@ -16,7 +19,7 @@ PICKLE = b"\x80"  # what files of older versions begin with
 CHUNK = 1 << 20
 
 
-def WriteTree(path, tree, records=()):
+def WriteTree(path: Path, tree: Any, records: Sequence[type] = ()) -> None:
     """Write dicts, lists, tuples, numbers, strings, bytes and arrays, in each other, to a file."""
     arrays = []
     encoded = Encoded(tree, arrays, tuple(records))
@@ -29,7 +32,7 @@ def WriteTree(path, tree, records=()):
         file.write(stream.digest())
 
 
-def ReadTree(path, records=()):
+def ReadTree(path: Path, records: Sequence[type] = ()) -> Any:
     """Read a file of `WriteTree`."""
     if path.exists() and not path.is_file():
         raise OSError(f"{path} is no regular file")
@@ -45,16 +48,16 @@ def ReadTree(path, records=()):
 class Summing:
     """A stream that sums up what it writes."""
 
-    def __init__(self, file):
+    def __init__(self, file: IO[bytes]):
         self._file, self._sum = file, hashlib.sha256()
         self.digest = self._sum.digest
 
-    def write(self, data):
+    def write(self, data: bytes) -> int:
         self._sum.update(data)
         return self._file.write(data)
 
 
-def CheckSum(path, file):
+def CheckSum(path: Path, file: IO[bytes]) -> None:
     """Refuse a file that differs in any bit from the one that was written."""
     begin = file.read(len(MAGIC))
     if begin[:1] == PICKLE:
@@ -77,10 +80,10 @@ def CheckSum(path, file):
 # --- values --------------------------------------------------------------------------------------
 
 
-def Encoded(value, arrays, records):
+def Encoded(value: Any, arrays: list, records: tuple[type, ...]) -> Any:
     """A tree that JSON can hold; arrays are appended to the list."""
 
-    def Inside(part):
+    def Inside(part: Any) -> Any:
         return Encoded(part, arrays, records)
 
     if isinstance(value, (np.ndarray, bytes)):
@@ -103,10 +106,10 @@ def Encoded(value, arrays, records):
     raise TypeError(f"a {type(value).__name__} cannot be saved")
 
 
-def Decoded(value, arrays, records):
+def Decoded(value: Any, arrays: Sequence[np.ndarray], records: dict[str, type]) -> Any:
     """The inverse of `Encoded`; `records` by their names."""
 
-    def Inside(part):
+    def Inside(part: Any) -> Any:
         return Decoded(part, arrays, records)
 
     if isinstance(value, list):

@@ -1,16 +1,28 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The end of a time step: forces, velocities and the energy balance."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.bodies.constraints import ActiveRates, ActiveRows
-from ngslac.parallel.matrices import Stacked
-from ngslac.steps.balance import ContactWorks
+from ngslac.parallel.matrices import SkinRows, Stacked
+from ngslac.steps.balance import ContactWorks, EnergyBalance
 from ngslac.steps.conservation import Conservation
 from ngslac.steps.forces import BulkForces
 from ngslac.steps.obstacles import Obstacles
+
+if TYPE_CHECKING:
+    from ngsolve import BaseVector, GridFunction
+    from scipy.sparse import spmatrix
+
+    from ngslac.parallel.layout import Layout, Whole
+    from ngslac.solve.solver import ContactSolver
+    from ngslac.solve.system import System
+    from ngslac.steps.inertia import DynamicForm, Mass, Scheme
 
 __all__ = ["StepEnd"]
 
@@ -27,7 +39,7 @@ class StepBalance:
     by_time: np.ndarray
     pushed: np.ndarray
 
-    def After(self, before, time, kinetic):
+    def After(self, before: EnergyBalance, time: float, kinetic: float) -> EnergyBalance:
         """The EnergyBalance that follows from the one before."""
         names = ("internal", "external", "friction", "impact")
         return before.After(time, kinetic, **{name: getattr(self, name) for name in names})
@@ -36,7 +48,14 @@ class StepBalance:
 class StepEnd:
     """The state that one time step leaves for the next one besides the solution."""
 
-    def __init__(self, static, form, mass, scheme, velocity):
+    def __init__(
+        self,
+        static: ContactSolver,
+        form: DynamicForm,
+        mass: Mass,
+        scheme: Scheme,
+        velocity: GridFunction,
+    ):
         self.static, self.form, self.mass, self.scheme = static, form, mass, scheme
         self.gf, self.contacts, self.velocity = static.gf, static.contacts, velocity
         self.obstacles = Obstacles(static.contacts)
@@ -47,13 +66,13 @@ class StepEnd:
         self._balanced = None  # force of the bulk with loads, and loads alone, at its end
 
     @property
-    def _layout(self):
+    def _layout(self) -> Layout | Whole:
         return self.static.system.layout
 
-    def _Values(self, gf):
+    def _Values(self, gf: GridFunction) -> np.ndarray:
         return self._layout.Values(gf.vec)
 
-    def State(self):
+    def State(self) -> dict:
         """As a dict."""
         return {
             "momentum": self._momentum,
@@ -63,13 +82,13 @@ class StepEnd:
             "account": self._conservation.account,
         }
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go back to a `State`."""
         self._momentum, self._rate = state["momentum"], state["rate"]
         self.obstacles.state, self._balanced = state["obstacles"], state["forces"]
         self._conservation.account = state["account"]
 
-    def Begin(self, dt, prescribed):
+    def Begin(self, dt: float, prescribed: bool) -> None:
         """Forces of the present state; `dt` is the step, `prescribed` whether supports move."""
         self._balanced = self._forces.Now()
         if self._momentum is not None:
@@ -79,15 +98,15 @@ class StepEnd:
         self._momentum = -self._balanced[0]
         self._rate = self.Velocity(), dt
 
-    def Velocity(self):
+    def Velocity(self) -> np.ndarray:
         """Of the displacement (n,), 0 elsewhere."""
         return self._Values(self.velocity) * self.mass.rows
 
-    def Kinetic(self):
+    def Kinetic(self) -> float:
         """Kinetic energy."""
         return self.mass.Energy(self.Velocity())
 
-    def Load(self):
+    def Load(self) -> BaseVector:
         """Right hand side of the step: loads and what the step before leaves behind."""
         scheme, vec = self.scheme, self.gf.vec.CreateVector()
         memory = (1 - 2 * scheme.beta - scheme.weight * scheme.mass) * self._momentum
@@ -98,7 +117,16 @@ class StepEnd:
         self._layout.Values(vec)[:] = memory + scheme.share * load
         return vec
 
-    def Accept(self, start, dt, before, now, *, system, energy):
+    def Accept(
+        self,
+        start: np.ndarray,
+        dt: float,
+        before: EnergyBalance,
+        now: float,
+        *,
+        system: System,
+        energy: float | None,
+    ) -> tuple[EnergyBalance, float, float]:
         """Go on from the end of a step: its EnergyBalance, the parts of the energy won and owed."""
         self.obstacles.Wear(self.gf)
         motion = (self._Values(self.gf) - start) * self.mass.rows
@@ -121,14 +149,16 @@ class StepEnd:
         self._balanced, self._momentum = forces, momentum
         return self._Settle(groups, rows, velocity, before, now, step)
 
-    def _Forces(self, start, motion, system):
+    def _Forces(
+        self, start: np.ndarray, motion: np.ndarray, system: System
+    ) -> tuple[tuple[np.ndarray, np.ndarray], list[tuple[float, np.ndarray, np.ndarray]], bool]:
         """Those of the bulk at the end, on the way, and whether they are linear there."""
         form, step = self.form, self._Values(self.gf) - start
         islinear, before = system.bulk.islinear, self._balanced
         linear = islinear and not form.renewed
         whole = not form.condense  # is the matrix that of all dofs?
 
-        def IsRounding(forces):
+        def IsRounding(forces: np.ndarray) -> bool:
             return islinear and system.residual.IsRounding(forces, system.scale)
 
         product = form.ElasticChange if whole and linear else None
@@ -138,7 +168,9 @@ class StepEnd:
             linear = self._forces.Changed(before, forces, change, IsRounding)
         return forces, *self._forces.OnTheWay(motion, before, forces, linear, IsRounding)
 
-    def _NewVelocity(self, motion, force, dt):
+    def _NewVelocity(
+        self, motion: np.ndarray, force: np.ndarray, dt: float
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Velocity and `_momentum` at the end of the step, by the time integration."""
         scheme, before = self.scheme, self._momentum
         mean = (1 - scheme.force) * force + scheme.force * self._balanced[0]
@@ -149,7 +181,9 @@ class StepEnd:
             velocity += bend * self.mass.Solve(momentum - before)
         return velocity, momentum
 
-    def _Arrest(self, rows, velocity, dt, step):
+    def _Arrest(
+        self, rows: SkinRows | spmatrix, velocity: np.ndarray, dt: float, step: StepBalance
+    ) -> np.ndarray:
         """The admissible velocity, with what that takes from the bodies."""
         mass, contacts = self.mass, self.contacts
         rates = self.obstacles.Rates(dt)
@@ -161,7 +195,16 @@ class StepEnd:
         step.by_contact += self._conservation.Kinetic(velocity - admissible)
         return admissible
 
-    def _Restore(self, velocity, groups, motion, dt, loads, way, step):
+    def _Restore(
+        self,
+        velocity: np.ndarray,
+        groups: np.ndarray,
+        motion: np.ndarray,
+        dt: float,
+        loads: np.ndarray,
+        way: list[tuple[float, np.ndarray, np.ndarray]],
+        step: StepBalance,
+    ) -> np.ndarray:
         """The velocity with the momenta that loads give to free bodies."""
         conservation, end = self._conservation, self._Values(self.gf)
         momenta = conservation.Virtual(self.mass.Times(self.Velocity()), end - motion)
@@ -173,7 +216,15 @@ class StepEnd:
         step.by_time += conservation.Kinetic(velocity) - conservation.Kinetic(restored)
         return restored
 
-    def _Settle(self, groups, rows, velocity, before, now, step):
+    def _Settle(
+        self,
+        groups: np.ndarray,
+        rows: SkinRows | spmatrix,
+        velocity: np.ndarray,
+        before: EnergyBalance,
+        now: float,
+        step: StepBalance,
+    ) -> tuple[EnergyBalance, float, float]:
         """Remove the energy that contact and time integration have brought in; see `Accept`."""
         won = step.After(before, now, self.mass.Energy(velocity)).Won(before)
         velocity, back, owed = self._conservation.Settle(
@@ -184,7 +235,7 @@ class StepEnd:
         after = step.After(before, now, self.mass.Energy(velocity))
         return after, won, owed / (after.AtHand(before) or 1.0)
 
-    def _MoveSupports(self, velocity, rate, dt):
+    def _MoveSupports(self, velocity: np.ndarray, rate: np.ndarray, dt: float) -> float:
         """Velocities of what is prescribed, from backward differences; returns the energy of that.
 
         The trapezoidal rule would answer to a jump of the velocity with oscillations for ever.
@@ -198,7 +249,14 @@ class StepEnd:
         velocity[fixed] = (rate + dt / (dt + last) * (rate - before))[fixed]
         return self.mass.Energy(velocity) - energy
 
-    def _Works(self, motion, force, loads, way, velocity):
+    def _Works(
+        self,
+        motion: np.ndarray,
+        force: np.ndarray,
+        loads: np.ndarray,
+        way: list[tuple[float, np.ndarray, np.ndarray]],
+        velocity: np.ndarray,
+    ) -> StepBalance:
         """The StepBalance of all forces, before the commit."""
         forces, work, friction = ContactWorks(self.contacts, self.gf, motion)
         conservation, form, end = self._conservation, self.form, self._Values(self.gf)

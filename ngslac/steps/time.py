@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Implicit dynamics with contact."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from ngsolve import GridFunction, Integrate, Parameter
+from ngsolve import CoefficientFunction, GridFunction, Integrate, Mesh, Parameter, Region
 
 from ngslac.arguments import (
     LARGEST_COUNT,
@@ -42,7 +45,7 @@ MOST_WON, MOST_OWED = 0.02, 1e-3
 CHANGED, MOST_SOLVES = 1e-4, 3
 
 
-def CheckLaws(solver):
+def CheckLaws(solver: ContactSolver) -> None:
     """Raise for laws of the user's own, of which impacts do not know, and for scalar fields."""
     if solver.contacts[0].components == 1:
         raise ValueError(
@@ -57,7 +60,7 @@ def CheckLaws(solver):
         )
 
 
-def MeshOf(stepper, *_, **__):
+def MeshOf(stepper: TimeStepper, *_, **__) -> Mesh:
     """The mesh of a stepper."""
     return stepper.static.gf.space.mesh
 
@@ -136,7 +139,18 @@ class TimeStepper:
 
     @OnAll(MeshOfSolver)
     def __init__(
-        self, solver, density, *, dt, rho_inf=1.0, time=None, prescribe=None, energy=None, maxcuts=8
+        self,
+        solver: ContactSolver,
+        density: CoefficientFunction | float,
+        *,
+        dt: float,
+        rho_inf: float = 1.0,
+        time: Parameter | None = None,
+        prescribe: dict[str | Region, CoefficientFunction]
+        | Callable[[GridFunction], object]
+        | None = None,
+        energy: CoefficientFunction | float | None = None,
+        maxcuts: int = 8,
     ):
         CheckInstance("solver", solver, ContactSolver, "a ContactSolver, of the static problem")
         solver.system.CheckSpace()
@@ -158,10 +172,12 @@ class TimeStepper:
         system.scheme = solver.system.scheme
         self.solver = Equilibrium(system, solver.constrained, solver.initial)
         self._journal = Journal(self, "time", self.time)
-        self.balance, self.steps, self.printing = None, [], True
+        self.balance: EnergyBalance | None = None
+        self.steps: list[TimeStep] = []
+        self.printing = True
         self._directions = Directions(solver.contacts)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         steps = f"{len(self.steps)} steps, dt = {self.dt:g}"
         return f"<TimeStepper: time {self.time.Get():g} after {steps}>"
 
@@ -171,19 +187,30 @@ class TimeStepper:
         return self.solver.gf
 
     @property
-    def prescribe(self):
+    def prescribe(
+        self,
+    ) -> dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None:
         """Dirichlet values that depend on the time, see above."""
         return self._prescribed.values
 
     @prescribe.setter
-    def prescribe(self, values):
+    def prescribe(
+        self,
+        values: dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None,
+    ) -> None:
         self._prescribed = Prescribed(self.static, values)
 
     # --- steps ---------------------------------------------------------------------------------
 
     @OnAll(MeshOf)
     def Integrate(
-        self, end, *, callback=None, printing=True, maxit=100, tol=1e-10
+        self,
+        end: float,
+        *,
+        callback: Callable[[TimeStep], object] | None = None,
+        printing: bool | str = True,
+        maxit: int = 100,
+        tol: float = 1e-10,
     ) -> list[TimeStep]:
         """Go on to the time `end`, in equal steps of at most `dt`.
 
@@ -245,7 +272,7 @@ class TimeStepper:
         } | self._end.State()
 
     @OnAll(MeshOf)
-    def SetState(self, state) -> None:
+    def SetState(self, state: dict) -> None:
         """Go back to a state.
 
         Parameters
@@ -267,7 +294,7 @@ class TimeStepper:
             self.form.SetStep(state["dt"])
         self.solver.system.bulk.StartAfresh()
 
-    def _Begin(self):
+    def _Begin(self) -> None:
         """Forces and energies of the present state, which the user may have changed."""
         self.solver.system.CheckSpace()
         for name, field in {"gf": self.gf, "velocity": self.velocity}.items():
@@ -287,7 +314,10 @@ class TimeStepper:
         external = self.balance.external + kinetic - self.balance.kinetic
         self.balance = replace(self.balance, kinetic=kinetic, external=external)
 
-    def _Reach(self, target, callback, maxit, tol):
+    def _Reach(
+        self, target: float, callback: Callable[[TimeStep], object] | None, maxit: int, tol: float
+    ) -> list[TimeStep]:
+        """The steps up to a target, shorter ones where a step fails."""
         printing = self.printing is True
         done, control = [], StepControl(self.time.Get(), target, self.maxcuts)
         while not control.done:
@@ -312,7 +342,10 @@ class TimeStepper:
             control.size *= 2
         return done
 
-    def _Attempt(self, goal, printing, maxit, tol, last_chance):
+    def _Attempt(
+        self, goal: float, printing: bool, maxit: int, tol: float, last_chance: bool
+    ) -> int:
+        """The linear solves of one step up to a goal; after an error all is as before."""
         now = self.time.Get()
         start = self._Values(self.gf).copy()
         if self.form.SetStep(goal - now):
@@ -349,7 +382,7 @@ class TimeStepper:
             raise ContactConvergenceError(f"the step wins {100 * won:.2g} % of the energy")
         return count
 
-    def _Solve(self, start, **options):
+    def _Solve(self, start: np.ndarray, **options) -> int:
         """Solve, with directions of pressures that suit the motion; returns the linear solves."""
         directions, count = self._directions, 0
         for _ in range(MOST_SOLVES):
@@ -361,18 +394,18 @@ class TimeStepper:
                 break
         return count
 
-    def _Turn(self):
+    def _Turn(self) -> None:
         """The pressures get the directions of the step."""
         self.solver.system.lean = self._directions.used
         self.solver.system.Lean()
 
-    def _MotionFrom(self, start):
+    def _MotionFrom(self, start: np.ndarray) -> np.ndarray:
         return (self._Values(self.gf) - start) * self.mass.rows
 
-    def _Values(self, gf):
+    def _Values(self, gf: GridFunction) -> np.ndarray:
         return self.static.system.layout.Values(gf.vec)
 
-    def _Energy(self):
+    def _Energy(self) -> float | None:
         """The strain energy (None: unknown)."""
         if self.energy is None:
             return None
