@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies and the rigid motions that nothing prevents."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -13,10 +17,16 @@ from ngslac.bodies.freedom import EXACT, Apart, Freedom, NullSpace, Unresisted
 from ngslac.bodies.names import BodyNames
 from ngslac.bodies.parts import AreApart, Forces, Groups, PartsOf
 from ngslac.bodies.rigidmotions import MotionIntegrals, PoissonRatio, RigidMotions, Turned
-from ngslac.bodies.slides import SlidesOf
+from ngslac.bodies.slides import OwnSlides, SlidesOf
 from ngslac.parallel.extent import ExtentOf
 from ngslac.parallel.layout import LayoutOf
 from ngslac.rigid import Tables
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
+    from scipy.sparse import csr_matrix
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Bodies", "NoBodies"]
 
@@ -49,11 +59,11 @@ class Placed:
 
     displacement: np.ndarray | None
     motions: np.ndarray
-    columns: "scipy.sparse.csr_matrix"  # SciPy loads it when it is used
+    columns: scipy.sparse.csr_matrix  # SciPy loads it when it is used
     found: dict = field(default_factory=dict)
     _contacts: list = field(default_factory=list)
 
-    def Forget(self, contacts):
+    def Forget(self, contacts: Sequence[tuple]) -> None:
         """Drop the results for other states of contacts than these."""
         if self._contacts != contacts:
             self._contacts, self.found = contacts, {}
@@ -76,7 +86,7 @@ class Bodies:
     first = count = 0
     _slides = _placed = None
 
-    def __init__(self, mat, contact, free):
+    def __init__(self, mat: BaseMatrix, contact: LACContact, free: np.ndarray):
         form = contact.form
         self.space, block = form.component, form.fes.dim
         space = self.space
@@ -99,7 +109,9 @@ class Bodies:
         self.floating = list(self._WithoutForces(allowed, forces, sizes))
         self.name = BodyNames(space, self.part, sizes > 0, self.motions)
 
-    def _Allowed(self, used, free):
+    def _Allowed(
+        self, used: np.ndarray, free: np.ndarray
+    ) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """Parts that their constrained dofs let move: part, dofs, combinations as columns."""
         allowed = []
         for part, own in Groups(self.part, used):
@@ -108,7 +120,12 @@ class Bodies:
                 allowed.append((part, own, combinations))
         return allowed
 
-    def _WithoutForces(self, parts, forces, sizes):
+    def _WithoutForces(
+        self,
+        parts: Sequence[tuple[int, np.ndarray, np.ndarray]],
+        forces: Callable[[np.ndarray], np.ndarray],
+        sizes: np.ndarray,
+    ) -> Iterator[tuple[int, np.ndarray]]:
         """Reduce the combinations of each part to those that nothing resists.
 
         All parts move at once: no two of them are connected.
@@ -137,14 +154,26 @@ class Bodies:
             if motions.shape[1]:
                 yield part, motions
 
-    def _ForcesOf(self, parts, forces, weights):
+    def _ForcesOf(
+        self,
+        parts: Sequence[tuple[int, np.ndarray, np.ndarray]],
+        forces: Callable[[np.ndarray], np.ndarray],
+        weights: np.ndarray,
+    ) -> np.ndarray:
         """The forces where each part moves by its combinations, weighted."""
         values = LayoutOf(self.space).Zeros()
         for _, dofs, motions in parts:
             values[dofs] = self.motions[dofs] @ (motions @ weights[: motions.shape[1]])
         return forces(values) if parts else values
 
-    def Freedom(self, contacts, holds="now", displacement=None, normals=CONTACT, slides=True):
+    def Freedom(
+        self,
+        contacts: Sequence[LACContact],
+        holds: str = "now",
+        displacement: np.ndarray | None = None,
+        normals: str = CONTACT,
+        slides: bool = True,
+    ) -> Freedom:
         """The motions that contact leaves, as a Freedom."""
         placed = self._Placed(contacts, displacement)
         sights = [self._sights.setdefault(contact, Sight(contact)) for contact in contacts]
@@ -154,11 +183,14 @@ class Bodies:
             placed.found[key] = self._Free(placed, sights, *key)
         return placed.found[key]
 
-    def _Free(self, placed, sights, holds, normals, slides):
+    def _Free(
+        self, placed: Placed, sights: Sequence[Sight], holds: str, normals: str, slides: bool
+    ) -> Freedom:
+        """The motions that contact leaves bodies there, and how well it resists them."""
         contacts = [sight.contact for sight in sights]
         motions, columns, displacement = placed.motions, placed.columns, placed.displacement
 
-        def Seen(holds):
+        def Seen(holds: str) -> tuple[np.ndarray, ...]:
             found = [sight.Resistances(columns, holds, normals) for sight in sights]
             return tuple(map(np.concatenate, zip(*found, strict=True)))
 
@@ -190,7 +222,7 @@ class Bodies:
         motions = contacts[0].layout.Of(columns @ weights)
         return Freedom(weights, resistance, motions, turning, mesh, whose, body, len(self.floating))
 
-    def _Placed(self, contacts, displacement):
+    def _Placed(self, contacts: Sequence[LACContact], displacement: np.ndarray | None) -> Placed:
         """The Placed bodies, kept as long as they stay where they are."""
         own, motions = None, self.motions
         if displacement is not None and self.floating:
@@ -208,7 +240,7 @@ class Bodies:
         self._placed = Placed(own, motions, columns)
         return self._placed
 
-    def Columns(self, motions):
+    def Columns(self, motions: np.ndarray) -> csr_matrix:
         """The free rigid motions of all bodies as columns of a sparse matrix (count, k)."""
         values = [np.asarray(motions[dofs] @ own).ravel() for dofs, own, _ in self.unknowns]
         shape = self.count, sum(own.shape[1] for _, own in self.floating)
@@ -216,7 +248,7 @@ class Bodies:
         return scipy.sparse.csr_matrix((values, self._entries), shape)
 
     @cached_property
-    def _entries(self):
+    def _entries(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows and columns of the entries of `Columns`."""
         rows, columns = [np.zeros(0, int)], [np.zeros(0, int)]
         for dofs, own, numbers in self.unknowns:
@@ -225,7 +257,7 @@ class Bodies:
         return np.concatenate(rows), np.concatenate(columns)
 
     @cached_property
-    def unknowns(self):
+    def unknowns(self) -> list[tuple[np.ndarray, np.ndarray, slice]]:
         """Of each floating body: dofs, combinations of motions, their rows among all weights."""
         found, at = [], 0
         for part, combinations in self.floating:
@@ -235,12 +267,12 @@ class Bodies:
         return found
 
     @cached_property
-    def _sights(self):
+    def _sights(self) -> dict[LACContact, Sight]:
         """The Sight of each contact."""
         return {}
 
     @cached_property
-    def _bodies(self):
+    def _bodies(self) -> np.ndarray:
         """Which floating body each dof (count,) moves with; none: -1."""
         body = np.full(self.count, -1)
         for number, (inside, *_) in enumerate(self.unknowns):
@@ -248,18 +280,18 @@ class Bodies:
         return body
 
     @cached_property
-    def _triangles(self):
+    def _triangles(self) -> list[np.ndarray]:
         return self._Triangles(self.motions)
 
-    def _Triangles(self, motions):
+    def _Triangles(self, motions: np.ndarray) -> list[np.ndarray]:
         """Of the free motions of each body: products of their columns are those of the motions."""
         return [np.linalg.qr(motions[inside] @ own, mode="r") for inside, own, _ in self.unknowns]
 
-    def _Measure(self, motions):
+    def _Measure(self, motions: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """A function of weights whose columns have products that are those of displacements."""
         triangles = self._triangles if motions is self.motions else self._Triangles(motions)
 
-        def Sized(weights):
+        def Sized(weights: np.ndarray) -> np.ndarray:
             sized = weights.copy()
             for triangle, (*_, rows) in zip(triangles, self.unknowns, strict=True):
                 sized[rows] = triangle @ weights[rows]
@@ -267,7 +299,13 @@ class Bodies:
 
         return Sized
 
-    def _Slides(self, contacts, displacement, prevented, seen):
+    def _Slides(
+        self,
+        contacts: Sequence[LACContact],
+        displacement: np.ndarray | None,
+        prevented: np.ndarray,
+        seen: np.ndarray,
+    ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
         """Motions along all own surfaces of bodies which do not meet corners of others.
 
         `prevented` and `seen` are those of `Resistances`. Yields weights (m, k), and across, mesh
@@ -286,7 +324,7 @@ class Bodies:
             found.append((weights @ kept, *figures, np.full(count, body)))
         return found
 
-    def _Carried(self, slides, displacement):
+    def _Carried(self, slides: OwnSlides, displacement: np.ndarray) -> np.ndarray:
         """Weights of the slides of a body that has moved: it turns about a center that moved."""
         tables, _ = Tables(self.space.mesh.dim)
         d, inside, combinations = len(tables[0]), slides.inside, slides.combinations
@@ -299,11 +337,11 @@ class Bodies:
         return np.linalg.lstsq(combinations, motions, rcond=None)[0]
 
     @cached_property
-    def _integrals(self):
+    def _integrals(self) -> np.ndarray:
         """Of the motions times the basis functions."""
         return MotionIntegrals(self.space)
 
-    def Measure(self, contacts, freedom):
+    def Measure(self, contacts: Sequence[LACContact], freedom: Freedom) -> np.ndarray:
         """Integrals of free motions times displacements, as (n, k) array; tools count once."""
         tools, weights = ToolDofs(contacts), freedom.weights
         result = np.zeros_like(freedom.motions)
@@ -312,7 +350,7 @@ class Bodies:
         result[tools] = weights[len(weights) - len(tools) :]
         return result
 
-    def Names(self, weights):
+    def Names(self, weights: np.ndarray) -> list[str]:
         """Descriptions of motions, columns of weights as those of a Freedom."""
         if not weights.shape[1]:
             return []
@@ -326,14 +364,14 @@ class Bodies:
         chosen = [divmod(k, len(self.names)) for k in sorted(pivots[: weights.shape[1]])]
         return [self._Named(body, k) for body, k in chosen]
 
-    def _Named(self, body, k):
+    def _Named(self, body: int, k: int) -> str:
         """A motion that nothing prevents; after those of bodies the unknowns of tools count on."""
         if body < len(self.floating):
             return f"body {self.name(self.floating[body][0])} floats ({self.names[k]})"
         number = (body - len(self.floating)) * len(self.names) + k
         return f"the tool floats (unknown {number + 1} of its motion)"
 
-    def Lost(self, values):
+    def Lost(self, values: np.ndarray) -> list[str]:
         """Descriptions of the bodies that displacements (n,) carry off like rigid ones.
 
         Farther than the size of the mesh, and far more than they deform.
@@ -345,11 +383,11 @@ class Bodies:
                 lost.append(f"body {self.name(part)} moves off ({self.names[most]})")
         return lost
 
-    def Way(self, values):
+    def Way(self, values: np.ndarray) -> float:
         """How far displacements (n,) carry any of the bodies like a rigid one."""
         return max((rigid for _, _, rigid, _ in self._Rigid(values)), default=0.0)
 
-    def Drift(self, forces, stiffness):
+    def Drift(self, forces: np.ndarray, stiffness: np.ndarray) -> float:
         """How far forces (n,) carry any of the bodies against springs (n,) at all of its dofs."""
         way = 0.0
         for _, _, rows, motions in self._Loose():
@@ -358,18 +396,18 @@ class Bodies:
             way = max(way, np.max(np.abs(motions @ weights)))
         return way
 
-    def _Loose(self):
+    def _Loose(self) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray]]:
         """Of each body that floats its number and combinations, its rows, and its motions there."""
         for part, combinations in self.floating:
             own = np.flatnonzero(self.part == part)
             yield part, combinations, self.first + own, self.motions[own] @ combinations
 
-    def PoissonRatio(self, mat):
+    def PoissonRatio(self, mat: BaseMatrix) -> float:
         """The largest one of all bodies, from the matrix of the bulk."""
         forces = Forces(mat, self.layout, self.first, self.count)
         return PoissonRatio(self.space, self.part, forces)
 
-    def _Rigid(self, values):
+    def _Rigid(self, values: np.ndarray) -> Iterator[tuple[int, np.ndarray, float, float]]:
         """Of each body its number, rigid motion, how far that takes it, and how far the rest."""
         for part, combinations, rows, motions in self._Loose():
             moved = values[rows]
@@ -385,11 +423,11 @@ class NoBodies(Bodies):
     def __init__(self):
         self.names, self.motions = ["unknown"], np.zeros((0, 0))
 
-    def PoissonRatio(self, _):
+    def PoissonRatio(self, _: BaseMatrix) -> float:
         """Not known: the matrix is that of the mass, too."""
         return 0.0
 
 
-def Norm(matrix):
+def Norm(matrix: np.ndarray) -> float:
     """The largest singular value of a tall matrix."""
     return np.sqrt(np.linalg.norm(matrix.T @ matrix, 2))

@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The motions that contact prevents, as rows of a sparse matrix on the displacements."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
 from ngslac._ngslac import Side
 from ngslac.parallel.form import JumpRowsEverywhere, NoRows
-from ngslac.parallel.matrices import Stacked
+from ngslac.parallel.matrices import SkinRows, Stacked
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = [
     "COARSE",
@@ -38,7 +48,7 @@ SAME_NORMAL, SMOOTH = 1e-6, 0.5
 CONTACT, SLAVE, MASTER = "normal", "slave_normal", "facing"
 
 
-def ActiveRows(contact, holds="now"):
+def ActiveRows(contact: LACContact, holds: str = "now") -> SkinRows | csr_matrix:
     """The constraints at work, as a scipy matrix on all scalar dofs, scaled by the areas.
 
     `holds` selects what slipping contact prevents: "now" approach alone, "rubbing" all motion
@@ -60,7 +70,7 @@ def ActiveRows(contact, holds="now"):
     return rows / table["fullarea"].mean()
 
 
-def AllJumps(contact):
+def AllJumps(contact: LACContact) -> SkinRows | csr_matrix:
     """Jumps of u and of tools on macro-elements: a row for each component, on all scalar dofs."""
     rows = JumpRowsEverywhere(contact.form, Side.both)
     return rows + ToolRows(contact) if len(contact.form.ToolDofs()) else rows
@@ -69,10 +79,10 @@ def AllJumps(contact):
 class Sight:
     """How the macro-elements of a contact see motions; kept as long as neither of them changes."""
 
-    def __init__(self, contact):
+    def __init__(self, contact: LACContact):
         self.contact, self._place, self._motions, self._curved = contact, None, None, None
 
-    def Look(self):
+    def Look(self) -> tuple:
         """Look at the contact as it is now; returns a key that changes with what it prevents."""
         contact = self.contact
         self._table = table = contact.Table()
@@ -82,7 +92,9 @@ class Sight:
         tells = (*(table[name].tobytes() for name in ("status", "area", "normal")),)
         return *place, *tells, contact.holds_tangentially
 
-    def Resistances(self, motions, holds, normals=CONTACT):
+    def Resistances(
+        self, motions: csr_matrix, holds: str, normals: str = CONTACT
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Resistance to the columns of a sparse matrix (n, k), as of the last `Look`.
 
         Arrays: (r, k) the parts that contact prevents; (r,) how much of a motion along the surface
@@ -98,7 +110,7 @@ class Sight:
         coarse = np.concatenate([np.full(len(held), TIGHT), mesh[slip]])
         return np.concatenate([held, across]), coarse, np.concatenate([held, sliding])
 
-    def _Seen(self, motions):
+    def _Seen(self, motions: csr_matrix) -> np.ndarray:
         """The relative motions (m, d, k) of macro-elements, of their mean size."""
         if self._motions is not motions:
             shape = len(self._table["area"]), self.contact.components, motions.shape[1]
@@ -106,14 +118,14 @@ class Sight:
             self._motions, self._seen = motions, seen.reshape(shape)
         return self._seen
 
-    def _Coarse(self):
+    def _Coarse(self) -> np.ndarray:
         turned = self._table["normal"].tobytes()
         if self._curved != turned:
             self._curved, self._coarse = turned, _Coarseness(self.contact, self._table)
         return self._coarse
 
 
-def _Normals(contact, table, kind):
+def _Normals(contact: LACContact, table: dict[str, np.ndarray], kind: str) -> np.ndarray:
     """Of all macro-elements (m, d); those of contact where a side has none."""
     if kind == CONTACT:
         return table["normal"]
@@ -122,7 +134,7 @@ def _Normals(contact, table, kind):
     return np.where(there, normals, table["normal"])
 
 
-def _Coarseness(contact, table):
+def _Coarseness(contact: LACContact, table: dict[str, np.ndarray]) -> np.ndarray:
     """Approach over motion along the surface that the mesh may make, of each macro-element."""
     normal, paired = table["normal"], np.flatnonzero(table["area"] > 0)
     bend = 24 * np.maximum(1 - contact.form.Table()["flatness"], 0)
@@ -137,14 +149,16 @@ def _Coarseness(contact, table):
     return np.where(curved, coarse, TIGHT)
 
 
-def _AtWork(contact, table, holds):
+def _AtWork(
+    contact: LACContact, table: dict[str, np.ndarray], holds: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Macro-elements held in all directions (as mask), and along the normal only (numbers)."""
     closed = table["area"] > 0 if holds == "closed" else table["status"] > 0
     stick = closed & ((table["status"] == 1) | ((holds != "now") & contact.holds_tangentially))
     return stick, np.flatnonzero(closed & ~stick)
 
 
-def ActiveRates(contact, rates):
+def ActiveRates(contact: LACContact, rates: np.ndarray) -> np.ndarray:
     """The product of `ActiveRows` and the velocity, if bodies go with the obstacle."""
     table = contact.Table()
     stick, slip = _AtWork(contact, table, "now")
@@ -152,17 +166,17 @@ def ActiveRates(contact, rates):
     return np.concatenate([rates[stick].ravel(), np.sum(rates * table["normal"], axis=1)[slip]])
 
 
-def ToolDofs(contacts):
+def ToolDofs(contacts: Sequence[LACContact]) -> np.ndarray:
     """Scalar dofs of the unknown motions of tools, each once."""
     return np.unique(np.concatenate([contact.form.ToolDofs() for contact in contacts]))
 
 
-def ToolsSlipFar(contacts, correction):
+def ToolsSlipFar(contacts: Sequence[LACContact], correction: np.ndarray) -> bool:
     """Does a correction (n,) move a tool along the slave as far as no iterate should?"""
     return any(_ToolWay(contact, correction) > FAR_SLIP for contact in contacts)
 
 
-def _ToolWay(contact, values):
+def _ToolWay(contact: LACContact, values: np.ndarray) -> float:
     """How far an unknown of a tool moves it along the slave, relative to the size of that."""
     dofs, table = contact.form.ToolDofs(), contact.Table()
     normal, area = table["normal"], table["area"].sum()
@@ -176,7 +190,7 @@ def _ToolWay(contact, values):
     return np.max(np.abs(values[dofs]) * lengths) / (area * size)
 
 
-def ToolRows(contact):
+def ToolRows(contact: LACContact) -> csr_matrix:
     """How the unknown motion of a tool moves it relative to macro-elements, like `JumpRows`.
 
     On all scalar dofs.

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Rotations that a bulk resists since its space cannot represent them."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import VOL, CoefficientFunction, GridFunction
@@ -10,6 +14,9 @@ from ngslac.arrays import AsNumPy, ScalarDofs
 from ngslac.bodies.freedom import NullSpace
 from ngslac.bodies.rigidmotions import Arms, MotionIntegrals, StrainIntegrals
 from ngslac.parallel.layout import LayoutOf
+
+if TYPE_CHECKING:
+    from ngslac.bodies.bodies import Bodies
 
 __all__ = ["FalseStiffness"]
 
@@ -24,16 +31,16 @@ class FalseStiffness:
     that nothing holds then seems to have weak springs.
     """
 
-    def __init__(self, bodies, forces):
+    def __init__(self, bodies: Bodies, forces: Callable[[np.ndarray], np.ndarray]):
         self.bodies, self.forces, self.space = bodies, forces, bodies.space
 
     @cached_property
-    def strains(self):
+    def strains(self) -> np.ndarray:
         """Integrals of the strains of the motions times those of the basis functions (n, m)."""
         return StrainIntegrals(self.space, self.bodies.motions)
 
     @cached_property
-    def any(self):
+    def any(self) -> bool:
         """Has a motion strains at all?"""
         if self.space.mesh.GetCurveOrder() <= 1:
             return False
@@ -42,7 +49,7 @@ class FalseStiffness:
         return bool(np.any(squares > EXACT**2 * volume))
 
     @cached_property
-    def inside(self):
+    def inside(self) -> np.ndarray:
         """(n,) bool: dofs that no element of the boundary has."""
         space, forces = self.space, self.forces
         layout = LayoutOf(space)
@@ -53,7 +60,7 @@ class FalseStiffness:
         return ~outer & (forces(values) == 0)
 
     @cached_property
-    def shear(self):
+    def shear(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """A simple shear, what it does as `forces`, and integrals of its strains (n,)."""
         arms = Arms(self.space.mesh)
         gf = GridFunction(self.space)
@@ -61,7 +68,9 @@ class FalseStiffness:
         values = LayoutOf(self.space).Values(gf.vec).copy()
         return values, self.forces(values), StrainIntegrals(self.space, values[:, None])[:, 0]
 
-    def Unresisted(self, dofs, motions, moved, scale):
+    def Unresisted(
+        self, dofs: np.ndarray, motions: np.ndarray, moved: np.ndarray, scale: float
+    ) -> np.ndarray:
         """Combinations (m, k) of the motions of a body that nothing but false stiffness resists."""
         rigid, values = self.bodies.motions[dofs] @ motions, self.shear
         inner = np.where(self.inside[dofs, None], moved, 0.0) / scale

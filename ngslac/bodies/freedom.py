@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Motions that nothing resists, and the forces that drive them."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,24 +67,24 @@ class Freedom:
     body: np.ndarray
     bodies: int
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return self.weights.shape[1] > 0
 
-    def Outright(self):
+    def Outright(self) -> Freedom:
         """The motions that no mesh makes look as if something resisted."""
         return self.Some(self.resistance <= EXACT)
 
-    def Others(self):
+    def Others(self) -> Freedom:
         """The motions that contact would hold, if it were closed elsewhere."""
         return self.Some(self.own < 0)
 
-    def Some(self, chosen):
+    def Some(self, chosen: np.ndarray | Sequence[int]) -> Freedom:
         """Those of the motions that a mask (k,) or numbers select."""
         parts = self.weights[:, chosen], self.resistance[chosen], self.motions[:, chosen]
         every = self.turning[chosen], self.mesh[chosen], self.own[chosen]
         return Freedom(*parts, *every, self.body, self.bodies)
 
-    def Along(self, motion):
+    def Along(self, motion: Freedom) -> Freedom | None:
         """The motion of these that is nearest to one of other weights; None: none is near."""
         factors, *_ = np.linalg.lstsq(self.weights, motion.weights[:, 0], rcond=None)
         weights = self.weights @ factors
@@ -92,7 +95,9 @@ class Freedom:
         parts = weights[:, None], motion.resistance, moved[:, None]
         return Freedom(*parts, motion.turning, mesh, motion.own, self.body, self.bodies)
 
-    def Works(self, forces, least, blur=0.0, false=False):
+    def Works(
+        self, forces: list[np.ndarray], least: np.ndarray, blur: float = 0.0, false: bool = False
+    ) -> np.ndarray:
         """The work (k,) of a list of forces (n,) that add up; 0 where `least` (n,) makes more.
 
         `blur` is how far forces may be from where they seem to act; with `false` stress does false
@@ -110,7 +115,7 @@ class Freedom:
             allowed = np.where(vague, np.maximum(allowed, across), allowed)
         return np.where(np.abs(works) > allowed, works, 0.0)
 
-    def Across(self, sizes):
+    def Across(self, sizes: list[np.ndarray]) -> np.ndarray:
         """The work (k,) of forces of a list of sizes (n,) if all were along the motions."""
         inside = np.flatnonzero(self.body >= 0)
         body, count = self.body[inside], self.bodies
@@ -125,7 +130,14 @@ class Ground:
     meshes of curved surfaces make of contact across them.
     """
 
-    def __init__(self, freedom, measure, start, free, like=None):
+    def __init__(
+        self,
+        freedom: Freedom,
+        measure: np.ndarray,
+        start: np.ndarray,
+        free: np.ndarray,
+        like: Ground | None = None,
+    ):
         self.motions, self.measure, self.start = freedom.motions, measure, start
         self.turns = bool(np.any(freedom.own >= 0))
         # Does contact along curved surfaces seem to resist?
@@ -136,23 +148,29 @@ class Ground:
         self._works = self.motions.T @ self.forces
         self.pins = self._Pins(free, like)
 
-    def _Pins(self, free, like):
+    def _Pins(self, free: np.ndarray, like: Ground | None) -> Pins:
         serves = like is not None and like.motions.shape == self.motions.shape
         if serves and np.linalg.cond(like.pins.Of(self.motions)) < REGULAR:
             return like.pins
         return Pins.Among(np.flatnonzero(free & np.any(self.motions, axis=1)), self.motions)
 
-    def Shift(self):
+    def Shift(self) -> np.ndarray:
         """What the scaled diagonal of the matrix gets."""
         shift = np.zeros_like(self.start)
         shift[self.pins.dofs] = WEAK if self.resisted else SPRING
         return shift
 
-    def Balanced(self, forces):
+    def Balanced(self, forces: np.ndarray) -> np.ndarray:
         """Forces (n,) and what holds the bodies: together they do no work along the motions."""
         return forces - self.forces @ np.linalg.solve(self._works, self.motions.T @ forces)
 
-    def Nearest(self, values, correction, scale, solve):
+    def Nearest(
+        self,
+        values: np.ndarray,
+        correction: np.ndarray,
+        scale: np.ndarray,
+        solve: Callable[[np.ndarray], np.ndarray],
+    ) -> np.ndarray:
         """The correction (n,) of the solution that leaves bodies nearest to the start.
 
         `solve` gives those of forces (n,), of the system with `Shift`, which the springs are taken
@@ -189,7 +207,7 @@ class Pins:
     count: int
 
     @classmethod
-    def Among(cls, dofs, motions):
+    def Among(cls, dofs: np.ndarray, motions: np.ndarray) -> Pins:
         """Those of some rows (k,) here that tell the motions (n, m) apart best."""
         if not isinstance(motions, Spread):
             chosen = MostApart(dofs, motions[dofs])
@@ -203,13 +221,13 @@ class Pins:
         places = np.flatnonzero(ranks[chosen] == together.rank)
         return cls(rows[chosen][places], places, len(chosen))
 
-    def Of(self, values):
+    def Of(self, values: np.ndarray) -> np.ndarray:
         """These rows (k, ...) of an array, on all processes."""
         found = np.zeros((self.count, *values.shape[1:]))
         found[self.places] = np.asarray(values)[self.dofs]
         return values.together.Sum(found) if isinstance(values, Spread) else found
 
-    def Each(self, values):
+    def Each(self, values: np.ndarray) -> Iterator[np.ndarray]:
         """Arrays with one of the rows of values (n,) each."""
         for place in range(self.count):
             found = np.zeros_like(values)
@@ -218,7 +236,9 @@ class Pins:
             yield found
 
 
-def Unresisted(prevented, coarse, seen):
+def Unresisted(
+    prevented: np.ndarray, coarse: np.ndarray, seen: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Combinations (m, k) of motions that contact does not resist, and what it prevents of them."""
     prevented_there = prevented / coarse[:, None]
     both = np.concatenate([prevented_there, seen])
@@ -238,7 +258,12 @@ def Unresisted(prevented, coarse, seen):
     return np.concatenate([outright, near], axis=1), resistance
 
 
-def Apart(weights, resistance, own, measure):
+def Apart(
+    weights: np.ndarray,
+    resistance: np.ndarray,
+    own: np.ndarray,
+    measure: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
     """Those of some motions, with their resistance (k,), that are not nearly of another set."""
     if not weights.shape[1]:
         return weights, resistance
@@ -250,13 +275,13 @@ def Apart(weights, resistance, own, measure):
     return weights @ mixed, np.sqrt(resistance**2 @ mixed**2)
 
 
-def Triangular(matrix):
+def Triangular(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Singular values of a matrix (r, m), m of them, and its right singular vectors as rows."""
     _, sizes, basis = np.linalg.svd(np.linalg.qr(matrix, mode="r"))
     return np.pad(sizes, (0, len(basis) - len(sizes))), basis
 
 
-def NullSpace(matrix, tolerance=TOLERANCE):
+def NullSpace(matrix: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
     """Orthonormal basis of the null space, relative to the size of the matrix or to 1."""
     if isinstance(matrix, Spread) or matrix.shape[0] > matrix.shape[1]:
         matrix = np.linalg.qr(matrix, mode="r")

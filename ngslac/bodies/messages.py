@@ -1,7 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Messages about bodies that nothing holds."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ngslac.bodies.bodies import Bodies
+    from ngslac.contact.contact import LACContact
 
 __all__ = [
     "DrivenMessage",
@@ -18,13 +27,13 @@ __all__ = [
 MOST = 6  # motions that a message names
 
 
-def _Listed(motions, verb="floats"):
+def _Listed(motions: Sequence[str], verb: str = "floats") -> str:
     """The first of many motions, with another verb."""
     more = [f"and {len(motions) - MOST} motions more"] if len(motions) > MOST else []
     return "; ".join([*motions[:MOST], *more]).replace(" floats (", f" {verb} (")
 
 
-def FloatingMessage(floating):
+def FloatingMessage(floating: Sequence[str]) -> str:
     return (
         _Listed(floating)
         + ": no Dirichlet condition and no active contact holds it. Constrain it, start in "
@@ -32,7 +41,8 @@ def FloatingMessage(floating):
     )
 
 
-def DrivenMessage(floating):
+def DrivenMessage(floating: Sequence[str]) -> str:
+    """For loads that move bodies along what nothing resists."""
     return (
         "no equilibrium: "
         + _Listed(floating)
@@ -41,7 +51,7 @@ def DrivenMessage(floating):
     )
 
 
-def IdleMessage(floating):
+def IdleMessage(floating: Sequence[str]) -> str:
     return (
         _Listed(floating, "is free")
         + ": nothing holds it and nothing drives it, so that it stays where it was. Constrain it "
@@ -49,7 +59,7 @@ def IdleMessage(floating):
     )
 
 
-def FewMessage(contacts):
+def FewMessage(contacts: Sequence[LACContact]) -> str:
     """Where there are so few macro-elements that bodies may turn on them; empty if nowhere."""
     active = [c for c in contacts if c.active]
     few = [c for c in active if np.count_nonzero(c.Table()["area"]) < c.mesh.dim]
@@ -61,7 +71,8 @@ def FewMessage(contacts):
     )
 
 
-def SlidingMessage(floating):
+def SlidingMessage(floating: Sequence[str]) -> str:
+    """For bodies that slide off where friction is at its limit."""
     return (
         "no equilibrium is found: "
         + _Listed(floating, "slides away")
@@ -70,7 +81,8 @@ def SlidingMessage(floating):
     )
 
 
-def OverloadMessage(bodies):
+def OverloadMessage(bodies: Bodies) -> str:
+    """For a load that seems to exceed what friction can carry."""
     names = [bodies.name(part) for part, _ in bodies.floating[:3]]
     return (
         "nearly all closed macro-elements slip: the load seems to exceed what friction can carry"
@@ -79,7 +91,8 @@ def OverloadMessage(bodies):
     )
 
 
-def OwnLawMessage():
+def OwnLawMessage() -> str:
+    """Advice on laws of the user's own."""
     return (
         ". A law of your own needs a traction without jumps, and right derivatives (compare those "
         "of one in NumPy with differences); where it softens, small steps and several faces in "
@@ -88,7 +101,7 @@ def OwnLawMessage():
     )
 
 
-def RubberMessage(iterations, nu):
+def RubberMessage(iterations: int, nu: float) -> str:
     """Of a first solve of a material that hardly changes its volume."""
     return (
         f"the first solve has taken {iterations} iterations, as a material hardly changes its "
@@ -97,14 +110,14 @@ def RubberMessage(iterations, nu):
     )
 
 
-def FarMessage():
+def FarMessage() -> str:
     return (
         ". Loose bodies that fall, roll or slide far before they rest have no equilibrium near "
         "the start: let them move in time by TimeStepper"
     )
 
 
-def LostMessage(lost):
+def LostMessage(lost: Sequence[str]) -> str:
     return (
         _Listed(lost)
         + ": the loads exceed what contact and friction can carry. Constrain it, or prescribe a "

@@ -1,29 +1,39 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which rows of a sparse matrix are connected."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
-from ngslac._ngslac import PieceOf, VertexDofs
+from ngslac._ngslac import ContactForm, PieceOf, VertexDofs
 from ngslac.arrays import Multiply
-from ngslac.parallel.layout import LayoutOf
+from ngslac.parallel.layout import Layout, LayoutOf, Whole
 from ngslac.parallel.spread import Spread
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
 
 __all__ = ["AreApart", "ConnectedParts", "Forces", "Groups", "PartsOf"]
 
 
-def Forces(mat, layout, first, count):
+def Forces(
+    mat: BaseMatrix, layout: Layout | Whole, first: int, count: int
+) -> Callable[[np.ndarray], np.ndarray]:
     """A function that multiplies with the rows and columns of the displacement, in threads."""
     every, own = layout.Zeros(), slice(first, first + count)
 
-    def Times(values):
+    def Times(values: np.ndarray) -> np.ndarray:
         every[own] = values
         return Multiply([mat], every)[own]
 
     return Times
 
 
-def Groups(part, used):
+def Groups(part: np.ndarray, used: np.ndarray) -> list[tuple[int, np.ndarray]]:
     """Pairs of a part and those of its rows that are used, of this process."""
     rows = np.flatnonzero(used)
     numbers = np.asarray(part)[rows]
@@ -37,7 +47,12 @@ def Groups(part, used):
     return [(k, rows[ends[k] : ends[k + 1]]) for k in range(count)]
 
 
-def PartsOf(mat, form, are_apart, used):
+def PartsOf(
+    mat: BaseMatrix,
+    form: ContactForm,
+    are_apart: Callable[[np.ndarray], bool] | None,
+    used: np.ndarray,
+) -> np.ndarray:
     """A number (n,) for each dof of the displacement of a contact form: the same in each body.
 
     `are_apart` checks numbers that may be right; `used` are the rows (n,) of the bulk.
@@ -53,7 +68,7 @@ def PartsOf(mat, form, are_apart, used):
     return ConnectedParts(mat, form.offset, space.ndof).repeat(block)
 
 
-def ConnectedParts(mat, first, count):
+def ConnectedParts(mat: BaseMatrix, first: int, count: int) -> np.ndarray:
     """A number (count,) for each of some rows of a sparse matrix: the same where they connect."""
     columns, starts = Graph(mat, first, count)
     # Other rows are left empty, which makes each a strongly connected part of its own.
@@ -64,7 +79,7 @@ def ConnectedParts(mat, first, count):
     ]
 
 
-def LikelyParts(mat, first, count):
+def LikelyParts(mat: BaseMatrix, first: int, count: int) -> np.ndarray:
     """The same or too many parts, from two entries of each row."""
     columns, starts = Graph(mat, first, count)
     ends = np.arange(count)[:, None].repeat(2, axis=1)
@@ -78,14 +93,19 @@ def LikelyParts(mat, first, count):
     return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
-def Graph(mat, first, count):
+def Graph(mat: BaseMatrix, first: int, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Columns of some rows of a sparse matrix, which are not copied, and where each row starts."""
     _, columns, starts = (np.asarray(a) for a in mat.CSR())
     starts = starts[first : first + count + 1].astype(np.int64)
     return columns[starts[0] : starts[-1]], starts - starts[0]
 
 
-def AreApart(part, forces, values, pushed):
+def AreApart(
+    part: np.ndarray,
+    forces: Callable[[np.ndarray], np.ndarray],
+    values: np.ndarray,
+    pushed: np.ndarray,
+) -> bool:
     """Do the parts not act on each other? The test is forces(values) = pushed."""
     weights = np.random.default_rng(1).standard_normal(1 + part.max(initial=0))[part]
     sizes = np.zeros(1 + part.max(initial=0))
@@ -93,7 +113,7 @@ def AreApart(part, forces, values, pushed):
     return bool(np.all(np.abs(forces(weights * values) - weights * pushed) <= 1e-12 * sizes[part]))
 
 
-def JoinedParts(part, used, layout):
+def JoinedParts(part: np.ndarray, used: np.ndarray, layout: Layout | Whole) -> np.ndarray:
     """Numbers (n,) of the parts of all processes, in the order of their vertices; unused: -1.
 
     `part` are numbers of connected rows here. Those of several processes are joined by their rows
@@ -110,7 +130,7 @@ def JoinedParts(part, used, layout):
     return layout.Of(np.where(used, Ordered(joined, used, layout), -1))
 
 
-def Ordered(part, used, layout):
+def Ordered(part: np.ndarray, used: np.ndarray, layout: Layout | Whole) -> np.ndarray:
     """Numbers from 0 on in place of others, in the order of the first vertices of the parts."""
     together, space = layout.together, layout.space
     numbers = np.array(PieceOf(space.mesh)[0])[:, 0]

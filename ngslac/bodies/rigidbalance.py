@@ -6,6 +6,11 @@ tractions, and what tractions there may be is a cone: a linear programme decides
 balances the loads, or finds the motion along which the loads win. It needs no solution.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
@@ -13,6 +18,12 @@ from ngslac._ngslac import Side
 from ngslac.bodies.rigidmotions import Turned
 from ngslac.parallel.form import JumpRows
 from ngslac.parallel.layout import LayoutOf
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix, csr_matrix
+
+    from ngslac.bodies.bodies import Bodies
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["RigidBalance"]
 
@@ -30,14 +41,16 @@ MOVING = 0.1
 class RigidBalance:
     """Looks for contact tractions that balance the loads on bodies moved as rigid ones."""
 
-    def __init__(self, bodies, contacts, displacement=None):
+    def __init__(
+        self, bodies: Bodies, contacts: Sequence[LACContact], displacement: np.ndarray | None = None
+    ):
         self.bodies, self.contacts = bodies, contacts
         self.motions = bodies.motions
         if displacement is not None:
             self.motions = self.motions + Turned(bodies.space, displacement, bodies.size)
         self.dim = bodies.space.mesh.dim
 
-    def Find(self, forces):
+    def Find(self, forces: np.ndarray) -> str:
         """Why these loads have no balance, in words; "" if they have one."""
         columns = self.bodies.Columns(self.motions)
         if not columns.shape[1]:
@@ -52,7 +65,7 @@ class RigidBalance:
         motion = self._Winner(0.0)
         return "" if motion is None else self._Message(motion)
 
-    def _Winner(self, rough, within=None):
+    def _Winner(self, rough: float, within: np.ndarray | None = None) -> np.ndarray | None:
         """The motion along which loads do more work than contact resists; None: none."""
         within = np.eye(len(self._loads)) if within is None else within
         loads = within.T @ self._loads
@@ -68,7 +81,7 @@ class RigidBalance:
         motion, lacking = found
         return within @ motion if lacking > LEAST else None
 
-    def _Message(self, motion):
+    def _Message(self, motion: np.ndarray) -> str:
         """The message about loads that do work along a motion."""
         straight = self._Translations()
         pulled = self._Winner(np.inf, straight)
@@ -85,16 +98,16 @@ class RigidBalance:
             return self._Says(motion, "turns ({}): " + limit)
         return self._Says(self._Along(slides, straight), "slides away ({}): " + limit)
 
-    def _Rubs(self):
+    def _Rubs(self) -> bool:
         return any(contact.holds_tangentially for contact in self.contacts)
 
-    def _Translations(self):
+    def _Translations(self) -> np.ndarray:
         """The motions without rotation, as columns of weights of all combinations."""
         turning = (combinations[self.dim :] for _, combinations in self.bodies.floating)
         _, singular, vectors = np.linalg.svd(scipy.linalg.block_diag(*turning))
         return vectors[np.sum(singular > 1e-8) :].T
 
-    def _Along(self, motion, within):
+    def _Along(self, motion: np.ndarray, within: np.ndarray) -> np.ndarray:
         """The part of a motion along the surfaces: Coulomb's cone tilts what slides off them."""
         normals = np.zeros((0, within.shape[1]))
         for contact, jump in zip(self.contacts, self._jumps, strict=True):
@@ -110,7 +123,7 @@ class RigidBalance:
         along = within @ (kept @ (kept.T @ (within.T @ motion)))
         return along if np.linalg.norm(along) > MOVING * np.linalg.norm(motion) else motion
 
-    def _Says(self, motion, words):
+    def _Says(self, motion: np.ndarray, words: str) -> str:
         """The same words of each body that a motion (m,) moves."""
         found = []
         for (part, combinations), (*_, rows) in zip(
@@ -126,7 +139,7 @@ class RigidBalance:
         ]
         return "no equilibrium: " + "; ".join(texts) + REMEDY
 
-    def _Direction(self, weights):
+    def _Direction(self, weights: np.ndarray) -> str:
         """A motion in words: where to, or which rotation."""
         straight, turning = weights[: self.dim], weights[self.dim :]
         if np.linalg.norm(turning) > 0.5 * np.linalg.norm(straight):
@@ -138,7 +151,7 @@ class RigidBalance:
         return "in direction (" + ", ".join(f"{value + 0.0:.2g}" for value in direction) + ")"
 
 
-def Separate(rays, bounds, loads):
+def Separate(rays: csc_matrix, bounds: np.ndarray, loads: np.ndarray) -> tuple[np.ndarray, float]:
     """The motion that parts the loads from all that contact can do, and how much is lacking.
 
     The least sum of forces that have to be added for ``rays @ x + added = loads`` with
@@ -160,7 +173,7 @@ def Separate(rays, bounds, loads):
     return result.eqlin.marginals, result.fun
 
 
-def Rays(contact, rough):
+def Rays(contact: LACContact, rough: float) -> tuple[csr_matrix, np.ndarray]:
     """Tractions as columns (d m, r) of which any sum is possible, and bounds (r,) of weights."""
     table, d = contact.Table(), contact.components
     faces = (table["area"] > 0)[:, None, None]
@@ -183,7 +196,7 @@ def Rays(contact, rough):
     return Blocks(faces * np.concatenate([pressed, held], axis=2)), bounds.ravel()
 
 
-def Blocks(tractions):
+def Blocks(tractions: np.ndarray) -> csr_matrix:
     """A (m, d, r) array as block diagonal sparse matrix (m d, m r)."""
     m, d, r = tractions.shape
     indices = np.arange(m * r).reshape(m, 1, r).repeat(d, axis=1)
@@ -193,7 +206,7 @@ def Blocks(tractions):
     )
 
 
-def Tangents(normal):
+def Tangents(normal: np.ndarray) -> np.ndarray:
     """Directions (m, d, r) along the surface."""
     if normal.shape[1] == 2:
         tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)

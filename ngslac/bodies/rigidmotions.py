@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Rigid motions as coefficients of a displacement space."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import (
     VOL,
     BitArray,
     CoefficientFunction,
+    FESpace,
     Grad,
     GridFunction,
     InnerProduct,
     Integrate,
     LinearForm,
+    Mesh,
     Region,
     Sym,
     dx,
@@ -24,6 +31,11 @@ from ngslac.parallel.extent import ExtentOf
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.spread import SumAt
 from ngslac.rigid import Tables
+
+if TYPE_CHECKING:
+    from ngsolve.comp import ProxyFunction
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = [
     "DofsOfMaterials",
@@ -39,7 +51,7 @@ __all__ = [
 ACCURACY = 1e-10
 
 
-def RigidMotions(space):
+def RigidMotions(space: FESpace) -> tuple[np.ndarray, list[str], float]:
     """The rigid motions of the whole mesh, rotations about its middle and divided by its size."""
     points, center, size = Vertices(space.mesh)
     arms, (tables, names) = Arms(space.mesh), TablesOf(space)
@@ -53,13 +65,13 @@ def RigidMotions(space):
     return LayoutOf(space).Of(motions), names, size
 
 
-def TablesOf(space):
+def TablesOf(space: FESpace) -> tuple[np.ndarray, list[str]]:
     """The `Tables` of a displacement; of a scalar field that of a constant."""
     d = space.mesh.dim
     return (np.eye(1, 1 + d)[None], ["a constant"]) if space.TestFunction().dim == 1 else Tables(d)
 
 
-def MotionsOf(contact):
+def MotionsOf(contact: LACContact) -> np.ndarray:
     """Those of all scalar dofs of a contact's product space (n, m): zero but for displacements."""
     form = contact.form
     block, (own, *_) = form.fes.dim, RigidMotions(form.component)
@@ -68,13 +80,13 @@ def MotionsOf(contact):
     return contact.layout.Of(motions)
 
 
-def MotionIntegrals(space):
+def MotionIntegrals(space: FESpace) -> np.ndarray:
     """Integrals of each of the `RigidMotions` times the basis functions (n, m)."""
     arms, (tables, _) = Arms(space.mesh), TablesOf(space)
     return Integrals(space, [Field(table, arms) for table in tables], lambda v: v)
 
 
-def StrainIntegrals(space, motions):
+def StrainIntegrals(space: FESpace, motions: np.ndarray) -> np.ndarray:
     """Integrals of the strains of motions (n, m) times those of the basis functions, (n, m)."""
     strains = []
     for k in range(motions.shape[1]):
@@ -84,11 +96,14 @@ def StrainIntegrals(space, motions):
     return Integrals(space, strains, lambda v: Sym(Grad(v)))
 
 
-def PoissonRatio(space, part, forces):
+def PoissonRatio(
+    space: FESpace, part: np.ndarray, forces: Callable[[np.ndarray], np.ndarray]
+) -> float:
     """The largest one of parts (n,) of the dofs, from what `forces` a dilation and a shear make."""
     arms = Arms(space.mesh)
 
-    def Modulus(field):
+    def Modulus(field: Sequence[CoefficientFunction | float]) -> np.ndarray:
+        """Work in a displacement over the squares of its strains, of each part."""
         gf = GridFunction(space)
         gf.Set(CoefficientFunction(tuple(field)), VOL)
         values = LayoutOf(space).Values(gf.vec).copy()
@@ -102,7 +117,11 @@ def PoissonRatio(space, part, forces):
     return np.max((stiffer / (1 + 2 * stiffer))[stiffer > 0], initial=0.0)
 
 
-def Integrals(space, fields, of):
+def Integrals(
+    space: FESpace,
+    fields: Sequence[CoefficientFunction],
+    of: Callable[[ProxyFunction], CoefficientFunction],
+) -> np.ndarray:
     """Of fields times what is made of the basis functions, (n, m)."""
     columns, v = [], space.TestFunction()
     for field in fields:
@@ -112,19 +131,19 @@ def Integrals(space, fields, of):
     return np.stack(columns, axis=1)
 
 
-def Vertices(mesh):
+def Vertices(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float]:
     """The vertices of a mesh (n, d) here, the mean of all, and the size of the mesh."""
     points, extent = np.asarray(mesh.ngmesh.Coordinates())[: mesh.nv, : mesh.dim], ExtentOf(mesh)
     return points, extent.center, extent.size
 
 
-def Arms(mesh):
+def Arms(mesh: Mesh) -> list[CoefficientFunction]:
     """Coordinates from the middle of the mesh, over its size."""
     _, center, size = Vertices(mesh)
     return [(c - c0) / size for c, c0 in zip((x, y, z), center, strict=False)]
 
 
-def Turned(space, displacement, size):
+def Turned(space: FESpace, displacement: np.ndarray, size: float) -> np.ndarray:
     """What a displacement (n,) changes `RigidMotions` by: (n, m), those of the deformed mesh.
 
     Zero for spaces of which the components are not alike.
@@ -140,13 +159,15 @@ def Turned(space, displacement, size):
     return turned.reshape(len(displacement), len(tables))
 
 
-def Field(table, arms):
+def Field(table: np.ndarray, arms: Sequence[CoefficientFunction]) -> CoefficientFunction:
     """The motion of such a table as CoefficientFunction."""
     rows = (row[0] + sum(f * arm for f, arm in zip(row[1:], arms, strict=True)) for row in table)
     return CoefficientFunction(tuple(rows))  # of one row: a scalar
 
 
-def FromVertices(space, points, arms, tables):
+def FromVertices(
+    space: FESpace, points: np.ndarray, arms: Sequence[CoefficientFunction], tables: np.ndarray
+) -> np.ndarray | None:
     """The motions of spaces with a hierarchical basis of H1; None for others.
 
     Setting a GridFunction on the volume takes longer than all else that a search for floating
@@ -169,14 +190,20 @@ def FromVertices(space, points, arms, tables):
     return np.einsum(f"ib,mcb->{order}", basis, tables).reshape(n * d, len(tables))
 
 
-def SameComponents(space):
+def SameComponents(space: FESpace) -> list[FESpace]:
     """The components of a space that are alike and as many as dimensions; else nothing."""
     parts = ComponentsOf(space)
     alike = len(parts) == space.mesh.dim and len({part.ndof for part in parts}) == 1
     return parts if alike and all(part.dim == 1 for part in parts) else []
 
 
-def IsAccurate(space, motions, arms, tables, size):
+def IsAccurate(
+    space: FESpace,
+    motions: np.ndarray,
+    arms: Sequence[CoefficientFunction],
+    tables: np.ndarray,
+    size: float,
+) -> bool:
     """Is a random one of the motions, where the space has dofs, what it should be?
 
     `size` is that of the mesh.
@@ -191,6 +218,6 @@ def IsAccurate(space, motions, arms, tables, size):
     return not LayoutOf(space).together.Sum(sum(found))
 
 
-def DofsOfMaterials(space, chosen):
+def DofsOfMaterials(space: FESpace, chosen: np.ndarray) -> BitArray:
     """Dofs of the space on materials, of which `chosen` (n,) bool selects some, as BitArray."""
     return space.GetDofs(Region(space.mesh, VOL, BitArray(list(map(bool, chosen)))))

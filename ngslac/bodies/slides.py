@@ -1,14 +1,31 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Motions of bodies along all of their own curved surfaces that may touch others."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import GridFunction, InnerProduct, LinearForm, SurfaceL2, ds, specialcf
+from ngsolve import (
+    CoefficientFunction,
+    GridFunction,
+    InnerProduct,
+    LinearForm,
+    Region,
+    SurfaceL2,
+    ds,
+    specialcf,
+)
 
 from ngslac.bodies.rigidmotions import Arms, Field, TablesOf
 from ngslac.parallel.layout import LayoutOf
+
+if TYPE_CHECKING:
+    from ngslac.bodies.bodies import Bodies
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["OwnSlides", "SlidesOf"]
 
@@ -38,7 +55,7 @@ class OwnSlides:
     mesh: np.ndarray
 
 
-def SlidesOf(bodies, contacts):
+def SlidesOf(bodies: Bodies, contacts: Sequence[LACContact]) -> list[OwnSlides]:
     """The OwnSlides of each floating body that has some."""
     found = []
     surfaces = Surfaces(bodies, contacts) if bodies.floating else None
@@ -54,7 +71,7 @@ def SlidesOf(bodies, contacts):
 class Surfaces:
     """All surfaces of contacts, and how rigid motions move them."""
 
-    def __init__(self, bodies, contacts):
+    def __init__(self, bodies: Bodies, contacts: Sequence[LACContact]):
         self.bodies, self.space, mesh = bodies, bodies.space, bodies.space.mesh
         arms, (tables, _) = Arms(mesh), TablesOf(self.space)
         self.fields = [Field(table, arms) for table in tables]
@@ -66,7 +83,11 @@ class Surfaces:
         self.across = self._Integrals(slips, self._Means) + held
         self.points = self._Integrals(slips, self._Points) + held
 
-    def _Integrals(self, region, of):
+    def _Integrals(
+        self,
+        region: Region | None,
+        of: Callable[[CoefficientFunction, Region], CoefficientFunction],
+    ) -> np.ndarray:
         """Integrals over a region of `of(motion, region)` times the basis functions: (n, m)."""
         if region is None:
             zeros = np.zeros((self.bodies.count, len(self.fields)))
@@ -78,25 +99,27 @@ class Surfaces:
             columns.append(LayoutOf(self.space).Values(form.Assemble().vec).copy())
         return np.stack(columns, axis=1)
 
-    def _Whole(self, field, _):
+    def _Whole(self, field: CoefficientFunction, _: Region) -> CoefficientFunction:
         return field
 
-    def _Points(self, field, _):
+    def _Points(self, field: CoefficientFunction, _: Region) -> CoefficientFunction:
         normal = specialcf.normal(self.space.mesh.dim)
         return InnerProduct(field, normal) * normal
 
-    def _Means(self, field, region):
+    def _Means(self, field: CoefficientFunction, region: Region) -> CoefficientFunction:
         """Across each face, on average."""
         normal = specialcf.normal(self.space.mesh.dim)
         mean = GridFunction(SurfaceL2(self.space.mesh, order=0))
         mean.Set(InnerProduct(field, normal), definedon=region)
         return mean * normal
 
-    def Slides(self, inside, combinations):
+    def Slides(
+        self, inside: np.ndarray, combinations: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of one body: weights (m, k) of its free motions; how far across on average, at points."""
         motions = self.bodies.motions[inside] @ combinations
 
-        def Squares(integrals):
+        def Squares(integrals: np.ndarray) -> np.ndarray:
             squares = motions.T @ integrals[inside] @ combinations
             return (squares + squares.T) / 2
 
@@ -120,7 +143,7 @@ class Surfaces:
         return own, np.sqrt(np.maximum(across, 0)), np.sqrt(np.maximum(points, 0))
 
 
-def Regions(contacts, tangentially):
+def Regions(contacts: Sequence[LACContact], tangentially: bool) -> Region | None:
     """The surfaces of contacts that hold tangentially, or of all others; None: there are none."""
     found = [contact for contact in contacts if contact.holds_tangentially == tangentially]
     surfaces = [contact.space.slave for contact in found]

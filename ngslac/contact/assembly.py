@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact without names: which faces of many bodies face each other."""
 
+from __future__ import annotations
+
 import pickle
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,6 +20,7 @@ from ngsolve import (
     VOL,
     BilinearForm,
     FacetFESpace,
+    FESpace,
     GridFunction,
     IntegrationRule,
     LinearForm,
@@ -35,6 +40,10 @@ from ngslac.arrays import AsBits, AsNumPy, ToCSR
 from ngslac.contact.contact import LACContact
 from ngslac.output.facepoints import OnePoint
 
+if TYPE_CHECKING:
+    from ngsolve.comp import ProxyFunction
+    from scipy.sparse import csr_matrix
+
 __all__ = ["Assembly", "FindContacts", "Pair"]
 
 PARTS = 5  # of the sides of a face, between which it is looked at
@@ -45,7 +54,7 @@ SHOWN = 5  # lines of what is left out
 ALIKE = 0.2  # relative difference of sizes, or moduli, that decides nothing
 
 
-def Lattice(parts):
+def Lattice(parts: int) -> dict[ET, IntegrationRule]:
     """Points of faces of all kinds, in the middles of so many parts of each side."""
     ticks = [(k + 0.5) / parts for k in range(parts)]
     square = [(s, t) for s in ticks for t in ticks]
@@ -89,7 +98,8 @@ class Pair:
     bodies: tuple = field(default=(), repr=False)  # numbers
     materials: list = field(default_factory=list, repr=False)  # of both
 
-    def __str__(self):
+    def __str__(self) -> str:
+        """In a line: both sides, their sizes, and the gap."""
         low, high = self.gap
         kind = "tied to" if self.tied else "on"
         return (
@@ -110,17 +120,17 @@ class Assembly:
         What is near to each other, but not paired, and why.
     """
 
-    def __init__(self, mesh, pairs, left_out, faces):
+    def __init__(self, mesh: Mesh, pairs: Sequence[Pair], left_out: list[str], faces: Faces):
         self.mesh, self.pairs, self.left_out = mesh, pairs, left_out
         self._groups, self._body, self._names = Groups(pairs), faces.body, faces.names
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [str(pair) for pair in self.pairs] or ["no bodies face each other"]
         lines += [f"left out: {line}" for line in self.left_out[:SHOWN]]
         more = len(self.left_out) - SHOWN
         return "\n".join(lines + [f"and {more} more"] * (more > 0))
 
-    def Spaces(self, V, **flags) -> list:
+    def Spaces(self, V: FESpace, **flags) -> list:
         """Spaces of multipliers, for the product with the displacement: few, whatever is paired.
 
         Parameters
@@ -136,7 +146,7 @@ class Assembly:
         """
         return [LACSpace(V, slave=_Together(g, "slave_faces"), **flags) for g in self._groups]
 
-    def Contacts(self, u, lams, **law) -> list:
+    def Contacts(self, u: ProxyFunction, lams: Sequence[ProxyFunction], **law) -> list:
         """The contacts, for `ContactSolver`.
 
         Parameters
@@ -165,7 +175,7 @@ class Assembly:
             contacts.append(LACContact(u, lam, master=_Together(group, "master_faces"), **own))
         return contacts
 
-    def Forces(self, contacts) -> dict:
+    def Forces(self, contacts: Sequence[LACContact]) -> dict:
         """The force on the slave of each pair, of those, too, that have met since.
 
         Parameters
@@ -192,12 +202,12 @@ class Assembly:
         return forces
 
 
-def _Together(group, name):
+def _Together(group: list[Pair], name: str) -> Region:
     """The faces of all pairs of a group, as one region."""
     return sum((getattr(pair, name) for pair in group[1:]), getattr(group[0], name))
 
 
-def Groups(pairs):
+def Groups(pairs: Sequence[Pair]) -> list[list[Pair]]:
     """Pairs that one contact holds: there a body is slave or master, not both."""
     groups = []
     for pair in pairs:
@@ -215,7 +225,14 @@ def Groups(pairs):
 
 
 def FindContacts(
-    mesh, *, within, sliding=0.0, angle=45.0, masters=(), tied=(), young=None
+    mesh: Mesh,
+    *,
+    within: float,
+    sliding: float = 0.0,
+    angle: float = 45.0,
+    masters: Sequence[str] = (),
+    tied: Sequence[tuple[str, str]] = (),
+    young: dict[str, float] | None = None,
 ) -> Assembly:
     """Find which faces of many bodies face each other; their boundaries need no names.
 
@@ -310,7 +327,12 @@ def FindContacts(
     return Assembly(divided, pairs, left_out, faces)
 
 
-def CheckMaterials(mesh, masters, tied, young):
+def CheckMaterials(
+    mesh: Mesh,
+    masters: Sequence[str],
+    tied: Sequence[tuple[str, str]],
+    young: dict[str, float] | None,
+) -> None:
     """Names of materials, alone, in pairs, and with numbers."""
     names, wanted = set(mesh.GetMaterials()), "a list of names of materials"
     if isinstance(masters, str):
@@ -327,7 +349,7 @@ def CheckMaterials(mesh, masters, tied, young):
                 raise Wrong(ValueError, argument, name, f"one of {', '.join(sorted(names))}")
 
 
-def Bodies(graph, points):
+def Bodies(graph: csr_matrix, points: np.ndarray) -> tuple[int, np.ndarray]:
     """How many connected parts there are, and that of each vertex, numbered by their places."""
     count, part = scipy.sparse.csgraph.connected_components(graph)
     low, high = np.full((2, count, points.shape[1]), [[[np.inf]], [[-np.inf]]])
@@ -343,7 +365,7 @@ def Bodies(graph, points):
 class Faces:
     """The exterior faces of all bodies: points on them, normals, sizes and bodies."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh: Mesh):
         self.mesh, d = mesh, mesh.dim
         V = H1(mesh, order=1)
         u, v = V.TnT()
@@ -366,7 +388,7 @@ class Faces:
         self.normal = way[:, None] * normal(corners)  # at the points
         self.count = count
 
-    def _Outwards(self, middle):
+    def _Outwards(self, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Outward normals in the middles, times areas, and which faces have one side only."""
         V = FacetFESpace(self.mesh, order=0)
         w, sums = V.TestFunction(), []
@@ -378,7 +400,7 @@ class Faces:
         area, both, *outwards = (one(middle)[:, 0] for one in sums)
         return np.stack(outwards, axis=1), both < 1.5 * area
 
-    def _Name(self, V, vertex, count):
+    def _Name(self, V: FESpace, vertex: np.ndarray, count: int) -> None:
         """After the materials; where several bodies have the same, with a number."""
         self.materials = [[] for _ in range(count)]
         names = np.array(self.mesh.GetMaterials())
@@ -411,12 +433,12 @@ class Reach:
     cosine: float
 
     @property
-    def farthest(self):
+    def farthest(self) -> float:
         """Of both lengths the larger one."""
         return max(self.within, self.sliding)
 
 
-def AllFacing(faces, reach):
+def AllFacing(faces: Faces, reach: Reach) -> tuple[dict[tuple[int, int], Facing], list[str]]:
     """A `Facing` for each pair of bodies, and texts about others that are near."""
     points = np.flatnonzero(faces.exterior[faces.owner])
     body = faces.body[faces.owner[points]]
@@ -448,7 +470,9 @@ def AllFacing(faces, reach):
     return found, left_out
 
 
-def Near(faces, points, box, farthest):
+def Near(
+    faces: Faces, points: np.ndarray, box: tuple[np.ndarray, np.ndarray], farthest: float
+) -> np.ndarray:
     """The points whose surroundings reach into a box."""
     reach = farthest + faces.spacing[faces.owner[points]][:, None]
     inside = (faces.points[points] >= box[0] - reach) & (faces.points[points] <= box[1] + reach)
@@ -465,7 +489,7 @@ class Look:
     distance: float
 
 
-def Looks(faces, points, others, reach):
+def Looks(faces: Faces, points: np.ndarray, others: np.ndarray, reach: Reach) -> Look:
     """The faces with these points that see others, and the others, as a `Look`."""
     spacing = faces.spacing[faces.owner[others]]
     nearest = Opposite(faces, others, points, reach.farthest, 1)
@@ -484,13 +508,15 @@ def Looks(faces, points, others, reach):
     return Look(np.unique(face[sees]), np.unique(seen), gaps, distance.min())
 
 
-def AlongAside(apart, normal):
+def AlongAside(apart: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Parts of vectors along unit normals, with sign, and the lengths of the rest."""
     along = np.sum(apart * normal, axis=-1)
     return along, np.linalg.norm(apart - along[..., None] * normal, axis=-1)
 
 
-def Opposite(faces, points, start, length, count):
+def Opposite(
+    faces: Faces, points: np.ndarray, start: np.ndarray, length: float, count: int
+) -> np.ndarray:
     """Of some points the nearest ones to others with opposite normals: as positions in `points`.
 
     Where normals do not fit, that counts as if points were by a `length`, or a face, farther apart.
@@ -501,7 +527,9 @@ def Opposite(faces, points, start, length, count):
     return tree.query(wanted, k=count, workers=1)[1]
 
 
-def Crosses(faces, points, chosen, depth, reach):
+def Crosses(
+    faces: Faces, points: np.ndarray, chosen: np.ndarray, depth: np.ndarray, reach: Reach
+) -> np.ndarray:
     """Do ways inwards from chosen ones of some points leave the own body, as a thin sheet?"""
     if not len(chosen):
         return np.zeros(0, dtype=bool)
@@ -516,13 +544,19 @@ def Crosses(faces, points, chosen, depth, reach):
     return np.any(opposite & before & beside, axis=1)
 
 
-def ModulusOf(materials, young):
+def ModulusOf(materials: list[str], young: dict[str, float]) -> float:
     """The mean of those that are known; NaN if none is."""
     known = [young[name] for name in materials if name in young]
     return np.mean(known) if known else np.nan
 
 
-def SlaveOf(faces, bodies, found, masters, young):
+def SlaveOf(
+    faces: Faces,
+    bodies: tuple[int, int],
+    found: Facing,
+    masters: Sequence[str],
+    young: dict[str, float] | None,
+) -> int:
     """Which of two bodies, 0 or 1, is the slave."""
     holds = [any(name in masters for name in faces.materials[body]) for body in bodies]
     if holds[0] != holds[1]:
@@ -536,7 +570,7 @@ def SlaveOf(faces, bodies, found, masters, young):
     return 0
 
 
-def Divided(mesh, faces):
+def Divided(mesh: Mesh, faces: Faces) -> tuple[Mesh, np.ndarray]:
     """The mesh, or a copy where no boundary belongs to two bodies, and the boundary of each face.
 
     Names stay. Boundaries of a geometry belong to one body each, and stay whole.
@@ -564,7 +598,7 @@ def Divided(mesh, faces):
     return copy, BoundaryOf(copy)
 
 
-def BoundaryOf(mesh):
+def BoundaryOf(mesh: Mesh) -> np.ndarray:
     """Number of the boundary of each face."""
     ngmesh = mesh.ngmesh
     if mesh.dim == 2:
@@ -573,7 +607,7 @@ def BoundaryOf(mesh):
     return own[ngmesh.Elements2D().NumPy()["index"] - 1]
 
 
-def RegionOf(mesh, boundaries):
+def RegionOf(mesh: Mesh, boundaries: np.ndarray) -> Region:
     """Boundaries by their numbers."""
     mask = np.zeros(len(mesh.GetBoundaries()), dtype=bool)
     mask[boundaries] = True

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Violation at points of contact conditions, which hold in the mean over macro-elements."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.arguments import ShownPoint
 from ngslac.contact.neighbours import Neighbours
 from ngslac.recovery.surface import SlaveSurface
+
+if TYPE_CHECKING:
+    from ngsolve import GridFunction
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Certificate", "CertificateOf", "Excess", "PointsInside"]
 
@@ -55,7 +63,7 @@ class Certificate:
     tension: Excess | None
     friction: Excess | None
 
-    def __str__(self):
+    def __str__(self) -> str:
         parts = [
             _Words("penetration", self.penetration, "macro-element"),
             _Words("tension", self.tension, "largest traction"),
@@ -65,7 +73,8 @@ class Certificate:
         return "\n".join(lines) + " (means are exact)"
 
 
-def _Words(what, excess, whole):
+def _Words(what: str, excess: Excess | None, whole: str) -> str:
+    """What is left of one condition, as part of a line."""
     if excess is None:
         return f"{what} none"
     return (
@@ -74,7 +83,7 @@ def _Words(what, excess, whole):
     )
 
 
-def CertificateOf(contact) -> Certificate:
+def CertificateOf(contact: LACContact) -> Certificate:
     """Of the last evaluated state of a contact."""
     table = contact.Table()
     largest = np.linalg.norm(table["traction"], axis=1).max(initial=0)
@@ -85,7 +94,8 @@ def CertificateOf(contact) -> Certificate:
     )
 
 
-def _Penetration(contact, table):
+def _Penetration(contact: LACContact, table: dict[str, np.ndarray]) -> Excess | None:
+    """The deepest overlap at a point; None if there is none."""
     gaps = PointGaps(contact, contact._solution)
     deepest = np.argmin(gaps.least)
     depth = -float(gaps.least[deepest])
@@ -94,7 +104,7 @@ def _Penetration(contact, table):
     return Excess(depth, depth / contact._Sizes()[deepest], gaps.places[deepest])
 
 
-def _Tension(table, largest):
+def _Tension(table: dict[str, np.ndarray], largest: float) -> Excess | None:
     least = np.argmin(table["pressure"])
     value = -float(table["pressure"][least])
     if not value > ROUNDING * largest:
@@ -102,7 +112,7 @@ def _Tension(table, largest):
     return Excess(value, value / largest, table["x"][least])
 
 
-def _AboveBound(contact, table, largest):
+def _AboveBound(contact: LACContact, table: dict[str, np.ndarray], largest: float) -> Excess | None:
     """Of the tangential traction, constant on a macro-element, over friction's bound at points."""
     limits = {name: contact._state.setup[name] for name in ("friction", "tresca")}
     limits = {name: limit for name, limit in limits.items() if limit is not None}
@@ -123,7 +133,9 @@ def _AboveBound(contact, table, largest):
     return Excess(value, value / largest, surface.position[np.argmax(excess)])
 
 
-def PointsInside(contact, gf=None):
+def PointsInside(
+    contact: LACContact, gf: GridFunction | None = None
+) -> tuple[float, np.ndarray, float] | None:
     """The deepest point inside of the other body where contact is open, or None.
 
     Means over macro-elements do not see a corner, or an edge, that is small beside them, of the
@@ -163,7 +175,7 @@ def PointsInside(contact, gf=None):
 class PointGaps:
     """The gaps at the points of each macro-element."""
 
-    def __init__(self, contact, entries):
+    def __init__(self, contact: LACContact, entries: np.ndarray):
         d = contact.surface.mesh.dim
         table = contact.form.GapRanges(entries).reshape(-1, 2 + 2 * d)
         paired = np.isfinite(table[:, 0])

@@ -1,10 +1,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Contact of a slave with a master surface, as a nonlinear form."""
 
-import numpy as np
-from ngsolve import BaseMatrix, BilinearForm, GridFunction, Parameter
+from __future__ import annotations
 
-from ngslac._ngslac import ContactForm, Side
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ngsolve import (
+    BaseMatrix,
+    BaseVector,
+    BilinearForm,
+    CoefficientFunction,
+    GridFunction,
+    Mesh,
+    Parameter,
+    Region,
+)
+
+from ngslac._ngslac import ContactForm, LACSpace, Side
 from ngslac.arguments import (
     CheckDistinct,
     CheckInstance,
@@ -14,7 +28,7 @@ from ngslac.arguments import (
     CheckVector,
 )
 from ngslac.contact import results
-from ngslac.contact.flux import CheckFluxes
+from ngslac.contact.flux import CheckFluxes, Flux
 from ngslac.contact.setup import CheckedSetup
 from ngslac.contact.state import CheckSaved, FormState
 from ngslac.dirichlet import WarnOfUnheld
@@ -25,6 +39,14 @@ from ngslac.parallel.form import Compiled, JumpRows, RegionOn
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.together import OnAll
 
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from ngsolve.comp import ProxyFunction
+
+    from ngslac.contact.fields import Law
+    from ngslac.tool import Tool
+
 __all__ = ["LACContact"]
 
 # Beyond this, and below its inverse, a factor of the scale loses digits of the linear systems.
@@ -33,12 +55,12 @@ COMES_OFF = "what touches itself comes off again: drop tied and bilateral"
 SELF = "self-contact needs finite=True"
 
 
-def MeshOf(contact, *_, **__):
+def MeshOf(contact: LACContact, *_, **__) -> Mesh:
     """The mesh of a contact."""
     return contact.mesh
 
 
-def MeshOfTrial(_, u=None, *__, **___):
+def MeshOfTrial(_: object, u: object = None, *__, **___) -> Mesh | None:
     """The mesh of a trial function; None where `u` is none."""
     return getattr(getattr(u, "space", None), "mesh", None)
 
@@ -184,24 +206,24 @@ class LACContact:
     @OnAll(MeshOfTrial)
     def __init__(
         self,
-        u,
-        lam,
+        u: ProxyFunction,
+        lam: ProxyFunction,
         *,
-        master=None,
-        obstacle=None,
-        friction=None,
-        tresca=None,
-        offset=None,
-        adjust=None,
-        tied=False,
-        bilateral=False,
-        finite=False,
-        edges=False,
-        maxdist=None,
-        penetration=None,
-        law=None,
-        flux=None,
-        stiffness=1.0,
+        master: Region | str | None = None,
+        obstacle: CoefficientFunction | Tool | float | None = None,
+        friction: CoefficientFunction | float | Callable | None = None,
+        tresca: CoefficientFunction | float | Callable | None = None,
+        offset: CoefficientFunction | float | Callable | None = None,
+        adjust: float | None = None,
+        tied: bool = False,
+        bilateral: bool = False,
+        finite: bool = False,
+        edges: bool = False,
+        maxdist: float | None = None,
+        penetration: float | None = None,
+        law: Law | Callable | None = None,
+        flux: Flux | Sequence[Flux] | None = None,
+        stiffness: float = 1.0,
     ):
         wanted = f"a positive factor from {1 / STIFFEST:g} to {STIFFEST:g}"
         CheckNumber("stiffness", stiffness, wanted, lambda f: 1 / STIFFEST <= f <= STIFFEST)
@@ -246,12 +268,12 @@ class LACContact:
         return self.form.mat
 
     @property
-    def surface(self):
+    def surface(self) -> LACSpace:
         """The LACSpace on a mesh that each process has as a whole; in one process `space`."""
         return Compiled(self.form).space
 
     @property
-    def facing(self):
+    def facing(self) -> Region:
         """The master, a Region or None, on the mesh of `surface`."""
         return RegionOn(self.form, self.master)
 
@@ -261,7 +283,7 @@ class LACContact:
         return self.form.fes.ndof * self.form.fes.dim
 
     @OnAll(MeshOf)
-    def Update(self, gf=None) -> None:
+    def Update(self, gf: GridFunction | None = None) -> None:
         """Pair the surfaces in the configuration of `gf` (on the product space); None: reference.
 
         Weights, normals and partners stay fixed until the next call; slip and ties count from here.
@@ -272,11 +294,12 @@ class LACContact:
         """
         self._Pair(gf)
 
-    def _Pair(self, gf, active=None):
+    def _Pair(self, gf: GridFunction | None, active: bool | None = None) -> None:
+        """Pair the surfaces at a solution, or in the reference configuration."""
         if gf is not None:
             CheckOnSpace("gf", gf, self.form.fes)
 
-        def change():
+        def change() -> None:
             self._state.Pair(gf, active=active)
             self._solution = self._accepted = None
 
@@ -287,7 +310,7 @@ class LACContact:
         """Is it switched on?"""
         return self.form.active
 
-    def _PairOnce(self):
+    def _PairOnce(self) -> None:
         if self.form.paired:
             self.form.CheckPaired()
         else:
@@ -299,7 +322,7 @@ class LACContact:
         return self.form.paired and self._state.scaled
 
     @OnAll(MeshOf)
-    def Prepare(self, bulk, *, form=None) -> None:
+    def Prepare(self, bulk: BaseMatrix, *, form: BilinearForm | BaseMatrix | None = None) -> None:
         """Pair if that was not done, and look at the stiffness of both bodies in the bulk's matrix.
 
         It sets the scale of the form and the contact direction, once after each `Update`; fields
@@ -327,7 +350,7 @@ class LACContact:
         self._state.Scale(bulk, form)
 
     @OnAll(MeshOf)
-    def Follow(self, gf) -> None:
+    def Follow(self, gf: GridFunction) -> None:
         """With ``finite=True``: pair anew in the configuration of `gf`; else nothing happens.
 
         The solver calls it for each iterate; slip keeps counting from the last `Commit`. Until the
@@ -343,7 +366,7 @@ class LACContact:
             self.form.Follow(gf.vec)
 
     @OnAll(MeshOf)
-    def AddApply(self, x, y) -> None:
+    def AddApply(self, x: BaseVector, y: BaseVector) -> None:
         """y += residual at x.
 
         Parameters
@@ -356,13 +379,13 @@ class LACContact:
         self.form.AddApply(x, y)
 
     @OnAll(MeshOf)
-    def Apply(self, x, y) -> None:
+    def Apply(self, x: BaseVector, y: BaseVector) -> None:
         """y = residual at x, see `LACContact.AddApply`."""
         CheckVector("y", y, self.nscalars)[:] = 0
         self.AddApply(x, y)
 
     @OnAll(MeshOf)
-    def AssembleLinearization(self, x) -> None:
+    def AssembleLinearization(self, x: BaseVector) -> None:
         """Assemble the generalised derivative of the residual into `mat`.
 
         Parameters
@@ -373,7 +396,7 @@ class LACContact:
         self.form.AssembleLinearization(CheckVector("x", x, self.nscalars))
 
     @OnAll(MeshOf)
-    def Commit(self, gf) -> None:
+    def Commit(self, gf: GridFunction) -> None:
         """Accept `gf` as the end of a step: the next slip increment counts from there.
 
         A macro-element that is open now counts its slip from the first touch, which is where its
@@ -386,14 +409,14 @@ class LACContact:
         """
         CheckOnSpace("gf", gf, self.form.fes)
 
-        def change():
+        def change() -> None:
             self._state.Commit(gf)
             self._solution = self._accepted = self._Entries(gf)
 
         self._Change(self._state.WholeOrNot(gf), change)
 
     @OnAll(MeshOf)
-    def Evaluate(self, gf) -> None:
+    def Evaluate(self, gf: GridFunction) -> None:
         """Fill the fields pressure, traction, gap, slip, status and normal from `gf`.
 
         After a `Commit` of the same `gf` the slip is 0: it counts from there.
@@ -407,14 +430,14 @@ class LACContact:
         self._solution = self._Entries(gf)
         self._Fill()
 
-    def _Entries(self, gf):
+    def _Entries(self, gf: GridFunction) -> np.ndarray:
         return self.layout.Values(gf.vec).copy()
 
-    def _Sizes(self):
+    def _Sizes(self) -> np.ndarray:
         """How large macro-elements are (m,): lengths."""
         return self.form.Table()["size"]
 
-    def _Slid(self):
+    def _Slid(self) -> np.ndarray:
         """How far macro-elements (m, d) moved along the master since they were paired.
 
         Zero with large sliding, which pairs anew, and for obstacles, whose gap is known anywhere.
@@ -430,7 +453,7 @@ class LACContact:
         along = np.sum(mean * table["normal"], axis=1)[:, None]
         return mean - along * table["normal"]
 
-    def _ClearOpen(self, gf):
+    def _ClearOpen(self, gf: GridFunction) -> None:
         """Set tractions of open macro-elements in the solution evaluated last to exactly zero."""
         is_open = self.Table()["status"] == 0
         dofs = self.form.MultiplierDofs().reshape(len(is_open), -1)[is_open]
@@ -455,7 +478,7 @@ class LACContact:
         return self._state.State()
 
     @OnAll(MeshOf)
-    def SetState(self, state, gf=None) -> None:
+    def SetState(self, state: dict, gf: GridFunction | None = None) -> None:
         """Pair in the saved configuration and take over the saved history.
 
         Parameters
@@ -476,7 +499,7 @@ class LACContact:
             CheckOnSpace("gf", gf, self.form.fes)
         kept = self._state.FormKept() if self._state.follows else self._state.WholeOrNot(gf)
 
-        def change():
+        def change() -> None:
             self._state.SetState(state, gf)
             self._solution = self._accepted = None if gf is None else self._Entries(gf)
 
@@ -499,7 +522,7 @@ class LACContact:
         self._Fill()
 
     @OnAll(MeshOf)
-    def Activate(self, gf=None) -> None:
+    def Activate(self, gf: GridFunction | None = None) -> None:
         """Switch the contact on: it pairs anew, and slip and ties count from there, as of `Update`.
 
         Parameters
@@ -511,14 +534,14 @@ class LACContact:
 
     # --- fields, which follow the form ---------------------------------------------------------
 
-    def _MakeFields(self):
+    def _MakeFields(self) -> None:
         """New ones, of one number or one vector per macro-element."""
         for count, names in ((1, self._names.scalars), (self.mesh.dim, self._names.vectors)):
             space = self.space.WithComponents(count)
             for name in names:
                 setattr(self, name, GridFunction(space, name=name))
 
-    def _Fill(self):
+    def _Fill(self) -> None:
         """Take the numbers of the form; 0 where it is not paired."""
         self._recovered = None
         table = self.Table() if self.form.paired else {}
@@ -526,7 +549,7 @@ class LACContact:
             values = table[name].ravel() if table else 0.0
             getattr(self, name).vec.FV().NumPy()[:] = values
 
-    def _Change(self, kept, change):
+    def _Change(self, kept: AbstractContextManager, change: Callable[[], object]) -> None:
         """Call `change` in the context `kept`: a failure or an interrupt changes nothing."""
         fits = len(self.status.vec) == self.space.nmacros
         if self._state.refined or not fits:  # no way back
@@ -549,7 +572,7 @@ class LACContact:
 
     # --- results -------------------------------------------------------------------------------
 
-    def _GetWebguiData(self):
+    def _GetWebguiData(self) -> dict:
         return self.Segments()._GetWebguiData()
 
     __repr__ = results.Describe

@@ -1,24 +1,32 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Coefficients of a contact that depend on its own fields."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from netgen.meshing import NgException
 from ngsolve import (
     CF,
     CoefficientFunction,
+    FESpace,
     GridFunction,
     InnerProduct,
     Parameter,
 )
 from ngsolve.comp import ProxyFunction
 
-from ngslac._ngslac import HoldsProxy, ProxyPath
+from ngslac._ngslac import HoldsProxy, LACSpace, ProxyPath
 from ngslac.arguments import CheckFunction, CheckNumber, Coefficient, Wrong
 from ngslac.output.facepoints import OnePoint
 from ngslac.parallel.layout import LayoutOf
+
+if TYPE_CHECKING:
+    from ngslac.contact.flux import Flux
 
 __all__ = [
     "COEFFICIENTS",
@@ -78,7 +86,16 @@ class Fields:
     >>> contact = LACContact(u, lam, master="master", friction=Falling)
     """
 
-    def __init__(self, space, dt, names, *, hidden=(), sides=(), components=None):
+    def __init__(
+        self,
+        space: LACSpace,
+        dt: Parameter,
+        names: Sequence[str],
+        *,
+        hidden: Sequence[str] = (),
+        sides: Sequence[str] = (),
+        components: int | None = None,
+    ):
         self._numbers, d = space.WithComponents(1), components or space.mesh.dim
         self.kept, self.memory, self.symbols, self.constants, self.dt = {}, {}, {}, {}, dt
         self.scalars, self._sides = {}, sides  # trial functions by the paths of their components
@@ -98,11 +115,11 @@ class Fields:
             self.constants["c"] = self.c = GridFunction(self._numbers)
             self._names.append("c")
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> NoReturn:
         names = ", ".join(self._names)
         raise AttributeError(f"there is no field {name!r} here: there are {names} and dt")
 
-    def Slave(self, field):
+    def Slave(self, field: ProxyFunction) -> GridFunction:
         """Mean of a scalar field, such as a temperature, over the slave side of a macro-element.
 
         Parameters
@@ -121,7 +138,7 @@ class Fields:
         """
         return self._Side(field, "slave")
 
-    def Master(self, field):
+    def Master(self, field: ProxyFunction) -> GridFunction:
         """The same where the macro-element meets the master. Tools and obstacles have none.
 
         Parameters
@@ -139,7 +156,8 @@ class Fields:
         """
         return self._Side(field, "master")
 
-    def _Side(self, field, side):
+    def _Side(self, field: ProxyFunction, side: str) -> GridFunction:
+        """The symbol of a scalar field on one side."""
         if side not in self._sides:
             what = "a Law sees no scalar fields" if not self._sides else f"there is no {side}"
             jump = ", or what is tied by z.jump, the slave's less the master's"
@@ -149,20 +167,26 @@ class Fields:
             )
         return self.SidesOf(field)[side == "master"]
 
-    def SidesOf(self, field):
+    def SidesOf(self, field: ProxyFunction) -> list[GridFunction]:
         """The symbols of a scalar field on both sides."""
         name = f"scalar {self.NumberOf(CheckScalar('field', field, ValueError))}"
         if name not in self.symbols:
             self.symbols[name] = [GridFunction(self._numbers) for _ in range(2)]
         return self.symbols[name]
 
-    def NumberOf(self, field):
+    def NumberOf(self, field: ProxyFunction) -> int:
         """Number of a scalar field among all of them."""
         path = tuple(ProxyPath(field, "field"))
         self.scalars.setdefault(path, field)
         return list(self.scalars).index(path)
 
-    def History(self, name, update, *, start=0.0):
+    def History(
+        self,
+        name: str,
+        update: Callable[[GridFunction], CoefficientFunction],
+        *,
+        start: float = 0.0,
+    ) -> CoefficientFunction:
         """Remember a number, such as a way, a wear or a damage; returns its present value.
 
         Parameters
@@ -197,12 +221,14 @@ class Fields:
         return now
 
     @property
-    def values(self):
+    def values(self) -> list[GridFunction]:
         """All symbols in a row."""
         return [symbol for symbols in self.symbols.values() for symbol in symbols]
 
 
-def CheckScalar(name, field, kind=TypeError):
+def CheckScalar(
+    name: str, field: ProxyFunction, kind: type[Exception] = TypeError
+) -> ProxyFunction:
     """A trial function with one component; else an error of this kind."""
     if not isinstance(field, ProxyFunction) or field.dims or field.is_complex:
         wanted = "a scalar trial function of the product space, such as a temperature"
@@ -210,7 +236,16 @@ def CheckScalar(name, field, kind=TypeError):
     return field
 
 
-def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
+def Dependent(
+    u: ProxyFunction,
+    space: LACSpace,
+    dt: Parameter,
+    functions: dict[str, Callable[[Fields], CoefficientFunction]],
+    fluxes: Sequence[Flux],
+    *,
+    tied: bool,
+    sides: Sequence[str],
+) -> dict[str, Any]:
     """Arguments of a ContactForm for coefficients and fluxes that depend on the fields."""
     names = ("slip", "gap", "pressure", "traction")  # in the order that the form knows
     seen = () if tied else names
@@ -242,7 +277,7 @@ def Dependent(u, space, dt, functions, fluxes, *, tied, sides):
     }
 
 
-def Trial(space, path, field):
+def Trial(space: FESpace, path: Sequence[int], field: ProxyFunction) -> ProxyFunction:
     """The trial function of a component, which `field` is."""
     if field.space != space:
         raise ValueError("field lives on another space than u and lam: take their product space")
@@ -258,7 +293,7 @@ def Trial(space, path, field):
     return found
 
 
-def FluxName(number):
+def FluxName(number: int) -> str:
     """Beginning of the names of two columns of `LACContact.Table`."""
     return f"flux{number + 1 if number else ''}_"
 
@@ -294,12 +329,14 @@ class Law:
     >>> contact = LACContact(u, lam, master="master", law=layer)
     """
 
-    def __init__(self, traction):
+    def __init__(self, traction: Callable[[Fields], CoefficientFunction]):
         if traction is None:
             raise Wrong(TypeError, "traction", traction, "a function of fields")
         self._traction = CheckFunction("traction", traction, "a function of fields")
 
-    def _On(self, space, dt, components, *, tied, finite):
+    def _On(
+        self, space: LACSpace, dt: Parameter, components: int, *, tied: bool, finite: bool
+    ) -> _LawOnFaces:
         """The law of a contact, from places to arrays."""
         names = ("slip", "gap", "normal", "jump", "trial")
         if tied:
@@ -311,7 +348,13 @@ class Law:
 class _LawOnFaces:
     """Evaluates an expression and its derivatives for all macro-elements at once."""
 
-    def __init__(self, traction, space, fields, d):
+    def __init__(
+        self,
+        traction: Callable[[Fields], CoefficientFunction],
+        space: LACSpace,
+        fields: Fields,
+        d: int,
+    ):
         self._space, self._fields = space, fields
         with Explained("the traction of a Law"):
             found = traction(fields)
@@ -334,7 +377,8 @@ class _LawOnFaces:
             flat.append(now)
         self._expression, self._known = CF(tuple(flat)).Compile(), None
 
-    def __call__(self, places):
+    def __call__(self, places: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Traction and slopes in the middles of the slave's faces, which the form asks for."""
         points, owner = self._Points()
         for name, symbols in self._fields.symbols.items():
             values = places[name].reshape(len(places["area"]), -1).copy()
@@ -355,7 +399,7 @@ class _LawOnFaces:
         columns = np.split(means, ends, axis=1)
         return {name: c for (name, _), c in zip(self._parts, columns, strict=True)}
 
-    def _Points(self):
+    def _Points(self) -> tuple[np.ndarray, np.ndarray]:
         """The middles of the slave's faces, and the macro-element of each."""
         space, mesh = self._space, self._space.mesh
         known = mesh.nv, mesh.ne, space.nmacros
@@ -372,7 +416,7 @@ class _LawOnFaces:
 
 
 @contextmanager
-def Explained(name):
+def Explained(name: str) -> Iterator[None]:
     """Add to an error of NGSolve which expression caused it, and the usual reason."""
     try:
         yield
@@ -384,13 +428,21 @@ def Explained(name):
         ) from error
 
 
-def _Slopes(name, expression, symbols):
+def _Slopes(
+    name: str, expression: CoefficientFunction, symbols: Sequence[GridFunction]
+) -> list[CoefficientFunction]:
     """Derivatives of an expression by symbols."""
     with Explained(name):
         return [expression.Diff(symbol) for symbol in symbols]
 
 
-def Expression(name, value, least=-math.inf, *, instead="its means, z.Slave(T) and z.Master(T)"):
+def Expression(
+    name: str,
+    value: Any,
+    least: float = -math.inf,
+    *,
+    instead: str = "its means, z.Slave(T) and z.Master(T)",
+) -> CoefficientFunction:
     """The answer of a function of the fields, checked; `instead` of a trial function in words."""
     if value is None:
         raise Wrong(TypeError, name, value, "an expression of the fields: return it")
@@ -400,7 +452,9 @@ def Expression(name, value, least=-math.inf, *, instead="its means, z.Slave(T) a
     return found
 
 
-def CheckedStarts(whose, starts):
+def CheckedStarts(
+    whose: str, starts: dict[str, float | Sequence[float] | np.ndarray]
+) -> dict[str, np.ndarray]:
     """The memory of a macro-element before the first step: arrays by name."""
     for name, start in starts.items():
         if not isinstance(name, str) or name in TAKEN or name.startswith("by_"):

@@ -1,10 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Flow through a contact: heat, current, a leak."""
 
-from ngsolve import CF
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from ngsolve import CF, CoefficientFunction
 
 from ngslac.arguments import CheckFunction, CheckNumber, Wrong
-from ngslac.contact.fields import CheckScalar, Explained, Expression
+from ngslac.contact.fields import CheckScalar, Explained, Expression, Fields
+
+if TYPE_CHECKING:
+    from ngsolve.comp import ProxyFunction
 
 __all__ = ["CheckFluxes", "Flux"]
 
@@ -47,7 +55,14 @@ class Flux:
     >>> contact = LACContact(u, lam, master="master", friction=0.3, flux=film)
     """
 
-    def __init__(self, field, flow, *, heat=None, share=0.5):
+    def __init__(
+        self,
+        field: ProxyFunction,
+        flow: Callable[[Fields], CoefficientFunction],
+        *,
+        heat: Callable[[Fields], CoefficientFunction] | None = None,
+        share: float = 0.5,
+    ):
         self.field = CheckScalar("field", field)
         if flow is None:
             raise Wrong(TypeError, "flow", flow, "a function of fields")
@@ -55,7 +70,7 @@ class Flux:
         self._heat = CheckFunction("heat", heat, "a function of fields")
         self.share = CheckNumber("share", share, "a number from 0 to 1", lambda f: 0 <= f <= 1)
 
-    def _On(self, fields):
+    def _On(self, fields: Fields) -> tuple[CoefficientFunction, CoefficientFunction]:
         """Out of the slave, and into the master."""
         with Explained("the flow of a Flux"):
             flow = self._flow(fields)
@@ -65,7 +80,7 @@ class Flux:
         return flow - self.share * heat, flow + (1 - self.share) * heat
 
 
-def CheckFluxes(flux):
+def CheckFluxes(flux: Flux | Sequence[Flux] | None) -> tuple[Flux, ...]:
     """None, a Flux or several of them, as a tuple."""
     if flux is None:
         return ()

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which macro-elements meet, and which contact is too narrow for its macro-elements."""
 
+from __future__ import annotations
+
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
-from ngslac._ngslac import BoundaryVertices
+from ngslac._ngslac import BoundaryVertices, LACSpace
+
+if TYPE_CHECKING:
+    from ngsolve import Mesh
 
 __all__ = ["Neighbours"]
 
@@ -14,7 +20,7 @@ __all__ = ["Neighbours"]
 class Neighbours:
     """The macro-elements of a LACSpace, with the vertices of the mesh where they meet."""
 
-    def __init__(self, space, mesh):
+    def __init__(self, space: LACSpace, mesh: Mesh):
         owner, corners = np.array(space.macros), BoundaryVertices(mesh)
         slave = np.flatnonzero(owner >= 0)
         known = corners[slave] >= 0
@@ -28,15 +34,15 @@ class Neighbours:
         self.dim, self._touches = mesh.dim, touches
 
     @cached_property
-    def _count(self):
+    def _count(self) -> np.ndarray:
         """Macro-elements at each vertex."""
         return np.asarray(self._touches.sum(axis=0)).ravel()
 
-    def Near(self, chosen):
+    def Near(self, chosen: np.ndarray) -> np.ndarray:
         """Which macro-elements are among the chosen ones, or share a vertex with one (m,)."""
         return self._touches @ (self._touches.T @ chosen.astype(float)) > 0
 
-    def Narrow(self, closed):
+    def Narrow(self, closed: np.ndarray) -> np.ndarray:
         """Which closed macro-elements (m,) belong to a patch that is one of them wide.
 
         A patch is wider where a vertex inside of it, or a macro-element, has closed ones all around

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A report on a contact, for those that do not behave as expected."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import H1
 
@@ -8,6 +12,10 @@ from ngslac.arguments import ShownPoint
 from ngslac.arrays import AsNumPy
 from ngslac.contact.certificate import CertificateOf
 from ngslac.contact.neighbours import Neighbours
+
+if TYPE_CHECKING:
+    from ngslac._ngslac import LACSpace
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["ContactReport"]
 
@@ -51,7 +59,7 @@ class ContactReport:
         What is left at points of conditions that hold in the mean; None before a solution.
     """
 
-    def __init__(self, contact):
+    def __init__(self, contact: LACContact):
         table, self.active = contact.Table(), contact.active
         area, full = table["area"], table["fullarea"]
         paired = area > 0
@@ -89,14 +97,14 @@ class ContactReport:
         self.certificate = CertificateOf(contact) if solved else None
         self._corners = [contact.surface.mesh.vertices[v].point for v in self.shared[:3]]
 
-    def _Some(self, macros):
+    def _Some(self, macros: np.ndarray) -> str:
         some = ", ".join(f"{m} at {ShownPoint(self.where[m])}" for m in macros[:3])
         return some + (f" and {len(macros) - 3} more" if len(macros) > 3 else "")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return str(self)
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [
             f"macro-elements   {self.nmacros}, size {self.macro_size[0]:.4g} to "
             f"{self.macro_size[1]:.4g}; {self.nsegments} segments",
@@ -142,13 +150,14 @@ class ContactReport:
         return "\n".join(lines)
 
 
-def _FacesOf(space):
+def _FacesOf(space: LACSpace) -> np.ndarray:
     """Number of faces of each macro-element."""
     macros = np.array(space.macros)
     return np.bincount(macros[macros >= 0], minlength=space.nmacros)
 
 
-def _SharedVertices(contact):
+def _SharedVertices(contact: LACContact) -> np.ndarray:
+    """Numbers of the vertices that slave and master share."""
     if contact.master is None:
         return np.array([], int)
     slave, corners = contact.surface.slave, H1(contact.surface.mesh, order=1)

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` for its results: resultants, operators, segments, a report."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import BaseMatrix, Integrate
+from ngsolve import BaseMatrix, Integrate, Region
 
 from ngslac._ngslac import RegionWithFaces, Side
 from ngslac.arguments import BoundaryNames, CheckPoint
@@ -15,6 +18,7 @@ from ngslac.output.segments import Segments
 from ngslac.parallel.form import RegionOn
 
 if TYPE_CHECKING:
+    from ngslac.contact.flux import Flux
     from ngslac.recovery.recovered import Recovered
 
 __all__ = [
@@ -81,7 +85,7 @@ def Table(self) -> dict[str, np.ndarray]:
     return table | self.form.Kept()
 
 
-def Force(self, *, on=None) -> np.ndarray:
+def Force(self, *, on: Region | str | None = None) -> np.ndarray:
     """Resultant of the contact tractions on the slave; the master gets the opposite.
 
     Parameters
@@ -112,7 +116,7 @@ def Force(self, *, on=None) -> np.ndarray:
     return forces.sum(axis=0) if on is None else ShareOn(self, on) @ forces
 
 
-def Flow(self, *, flux=None) -> tuple[float, float]:
+def Flow(self, *, flux: Flux | None = None) -> tuple[float, float]:
     """What flows through the contact in all, out of the slave and into the master.
 
     Parameters
@@ -153,7 +157,7 @@ def Flow(self, *, flux=None) -> tuple[float, float]:
     return tuple(float(table["area"] @ table[name + end]) for end in ("out", "in"))
 
 
-def ShareOn(self, on):
+def ShareOn(self, on: Region | str) -> np.ndarray:
     """Part (n,) of the force of each macro-element that acts on some faces, < 0 on the master's."""
     region = RegionWithFaces(self.surface.mesh, "on", RegionOn(self.form, on))
     segments, chosen = self.Segments(), Integrate(1.0, region, element_wise=True).NumPy() > 0
@@ -170,7 +174,7 @@ def ShareOn(self, on):
     return (on_slave - on_master) / np.where(area > 0, area, 1)
 
 
-def Moment(self, point=None) -> float | np.ndarray:
+def Moment(self, point: Sequence[float] | None = None) -> float | np.ndarray:
     """Moment of the contact tractions on the slave.
 
     Parameters
@@ -218,7 +222,7 @@ def Mortar(self) -> tuple[BaseMatrix, BaseMatrix]:
     return self.form.JumpMatrix(Side.slave), self.form.JumpMatrix(Side.master)
 
 
-def RecoveredOf(self) -> "Recovered":
+def RecoveredOf(self) -> Recovered:
     """Continuous pressure and traction of the last evaluation, made when first asked for.
 
     The multipliers are constant on macro-elements; these functions are continuous, never pull,
@@ -252,13 +256,13 @@ def RecoveredOf(self) -> "Recovered":
     return self._recovered
 
 
-def RefuseScalar(self):
+def RefuseScalar(self) -> None:
     """Raise for a scalar field, which has no pressures."""
     if self.components == 1:
         raise ValueError("u is a scalar field, which has no pressures and no moment: take Flow()")
 
 
-def WarnIfUnsolved(self):
+def WarnIfUnsolved(self) -> None:
     """Warn that pressures are 0 where there was no solution yet."""
     table = self.form.Table()
     if self._solution is None and not any(np.any(table[k]) for k in ("traction", "status")):

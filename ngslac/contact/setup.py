@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The arguments of a contact, checked."""
 
-import math
+from __future__ import annotations
 
-from ngsolve import CoefficientFunction, GridFunction
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from ngsolve import CoefficientFunction, GridFunction, Parameter, Region
 from ngsolve.comp import ProxyFunction
 
 from ngslac._ngslac import HoldsGridFunction, RegionWithFaces
@@ -17,14 +21,27 @@ from ngslac.arguments import (
     IsFunction,
     Wrong,
 )
-from ngslac.contact.fields import COEFFICIENTS, CheckedStarts, Dependent
+from ngslac.contact.fields import COEFFICIENTS, CheckedStarts, Dependent, Law
 from ngslac.parallel.form import Compiled, MakeForm
 from ngslac.tools import SignedDistance, Tool
+
+if TYPE_CHECKING:
+    from ngslac.contact.flux import Flux
 
 __all__ = ["CheckedSetup"]
 
 
-def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
+def CheckedSetup(
+    u: ProxyFunction,
+    lam: ProxyFunction,
+    master: Region | str | None,
+    functions: dict[str, Any],
+    flags: dict[str, bool],
+    lengths: dict[str, float | None],
+    law: Law | Callable | None,
+    fluxes: Sequence[Flux],
+    dt: Parameter,
+) -> tuple[Tool | None, dict[str, Any]]:
     """The tool, and the arguments of a ContactForm, as a dict; those here are as in LACContact."""
     names = "obstacle", "friction", "tresca", "offset"
     obstacle, friction, tresca, offset = map(functions.get, names)
@@ -119,14 +136,16 @@ def CheckedSetup(u, lam, master, functions, flags, lengths, law, fluxes, dt):
 class Places(dict):
     """Arrays by name, for a law in NumPy."""
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> NoReturn:
         raise AttributeError(
             f"places has no attribute {name!r}: a law in NumPy takes places[{name!r}]; a function "
             "that returns an expression of fields is given as law=Law(function)"
         )
 
 
-def _ToolOf(obstacle, dim, flags):
+def _ToolOf(
+    obstacle: CoefficientFunction | Tool | float | None, dim: int, flags: dict[str, bool]
+) -> Tool | None:
     """The tool; None for a gap function of small sliding, or no obstacle."""
     if obstacle is None or not (flags["finite"] or isinstance(obstacle, Tool)):
         return None
