@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The methods for linear systems that suit a problem, in order."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ngslac.arguments import CheckChoice, CheckFunction
 from ngslac.errors import Warn
@@ -15,6 +20,11 @@ from ngslac.linear.solver import LinearSolver
 from ngslac.linear.system import Link, Options
 from ngslac.linear.vertices import VertexNodes
 
+if TYPE_CHECKING:
+    from ngsolve import BilinearForm, BitArray
+
+    from ngslac.contact.contact import LACContact
+
 __all__ = ["METHODS", "CheckSolver", "IsLarge", "MakeLinearSolver"]
 
 # From this many free displacements on an iterative solution is the faster one: 2D and 3D.
@@ -26,12 +36,12 @@ LARGE = {
 FACTORED = {2: 10_000_000, 3: 25_000}
 
 
-def IsLarge(free, dim, backend="ngsolve"):
+def IsLarge(free: int, dim: int, backend: str = "ngsolve") -> bool:
     """Are iterations faster than factors with so many free dofs?"""
     return free >= LARGE[backend][dim]
 
 
-def CheckSolver(name):
+def CheckSolver(name: str | None) -> str | None:
     """Check the name of a solver, or None; the name of a former solver stands for "direct"."""
     if name == "saddle":
         Warn(
@@ -63,7 +73,13 @@ METHODS = {
 }
 
 
-def MakeLinearSolver(a, contacts, freedofs, options, motions):
+def MakeLinearSolver(
+    a: BilinearForm,
+    contacts: Sequence[LACContact],
+    freedofs: BitArray,
+    options: Options,
+    motions: Callable[[], np.ndarray],
+) -> LinearSolver:
     """The LinearSolver for these forms and free scalar dofs: the requested one, or the fastest."""
     wanted, inverse, preconditioner = options.solver, options.inverse, options.preconditioner
     if preconditioner is not None:
@@ -93,7 +109,7 @@ def MakeLinearSolver(a, contacts, freedofs, options, motions):
     return LinearSolver(freedofs, links, inner)
 
 
-def _Names(wanted, inverse, iterates, factors):
+def _Names(wanted: str | None, inverse: str | None, iterates: bool, factors: bool) -> list[str]:
     """Of the methods of a chain, which ends with the safe one."""
     if wanted not in (None, "interface"):
         return list(dict.fromkeys((wanted, "direct")))

@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sparse factorisations."""
 
+from __future__ import annotations
+
 import ctypes
 import importlib.metadata
 import importlib.util
+from collections.abc import Callable
 from contextlib import ContextDecorator
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.arrays import Multiply
 from ngslac.errors import LinearSolveError
 from ngslac.linear.quiet import Quiet
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BitArray
 
 __all__ = ["LU", "Cholesky", "Factor", "HasEqualWorks", "IsSymmetric"]
 
@@ -28,7 +35,7 @@ SYMMETRIC = 1e-13
 LOUD = ("umfpack",)  # print a message about a singular matrix with each solution
 
 
-def HasMKL():
+def HasMKL() -> bool:
     """Is Intel's MKL installed, and Pardiso with it?"""
     try:
         importlib.metadata.version("mkl")
@@ -37,14 +44,14 @@ def HasMKL():
     return True
 
 
-def LU(inverse=None):
+def LU(inverse: str | None = None) -> str:
     """The solver for unsymmetric matrices: the one asked for, or the fastest installed."""
     if inverse and inverse not in CHOLESKY:
         return inverse
     return "pardiso" if HasMKL() else "umfpack"
 
 
-def Cholesky(inverse=None):
+def Cholesky(inverse: str | None = None) -> str:
     """The solver for symmetric positive definite matrices, or the one asked for."""
     return inverse or ("pardisospd" if HasMKL() else "sparsecholesky")
 
@@ -58,7 +65,7 @@ BLAS = (
 
 
 @cache
-def BLASThreads():
+def BLASThreads() -> list[list[Callable | None]]:
     """For each OpenBLAS that is found: functions that get and set its number of threads."""
     found = []
     for package, pattern, name in BLAS:
@@ -80,17 +87,17 @@ class OneBLASThread(ContextDecorator):
     def __init__(self):
         self.before = []  # for each block that is open
 
-    def __enter__(self):
+    def __enter__(self) -> None:
         self.before.append([tell() for tell, _ in BLASThreads()])
         for _, set_threads in BLASThreads():
             set_threads(1)
 
-    def __exit__(self, *_):
+    def __exit__(self, *_) -> None:
         for (_, set_threads), threads in zip(BLASThreads(), self.before.pop(), strict=True):
             set_threads(threads)
 
 
-def Factor(mat, freedofs, inverse, **flags):
+def Factor(mat: BaseMatrix, freedofs: BitArray, inverse: str, **flags) -> BaseMatrix:
     """Sparse factorisation of a matrix, as operator."""
     quiet = Quiet()
     try:
@@ -108,20 +115,25 @@ def Factor(mat, freedofs, inverse, **flags):
     return factors
 
 
-def _Solves(factors):
+def _Solves(factors: BaseMatrix) -> bool:
     """Is a solution finite? If not, each further one would be a line on the screen."""
     x = factors.CreateRowVector()
     x.FV().NumPy()[:] = 1.0
     return bool(np.isfinite((factors * x).Evaluate().Norm()))
 
 
-def IsSymmetric(mat):
+def IsSymmetric(mat: BaseMatrix) -> bool:
     """Is a matrix symmetric, to rounding, as far as two random vectors show it?"""
     x, y = np.random.default_rng(1).standard_normal((2, mat.height))
     return HasEqualWorks(lambda vec: Multiply([mat], vec), x, y)
 
 
-def HasEqualWorks(product, x, y, total=lambda part: part):
+def HasEqualWorks(
+    product: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    y: np.ndarray,
+    total: Callable[[float], float] = lambda part: part,
+) -> bool:
     """Is x.Ay = y.Ax, to rounding?"""
     image = product(y)
     work, *squares = (float(total(a @ b)) for a, b in ((x, image), (x, x), (image, image)))

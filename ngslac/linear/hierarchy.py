@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Algebraic multigrid by smoothed aggregation of nodes, with a setup that is reused."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from ngsolve import BaseMatrix, CreateVVector
+from ngsolve import BaseMatrix, BaseVector, CreateVVector
 from pyamg.aggregation.aggregate import standard_aggregation
 from pyamg.aggregation.tentative import fit_candidates
 from pyamg.relaxation.relaxation import block_gauss_seidel
 from pyamg.strength import symmetric_strength_of_connection
 from pyamg.util.utils import get_block_diag
-from scipy.sparse import bsr_matrix, diags_array
+from scipy.sparse import bsr_matrix, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from ngslac.errors import LinearSolveError
@@ -35,7 +37,7 @@ class Hierarchy:
     matrix; the matrices of all levels follow from any other one with the same rows.
     """
 
-    def __init__(self, mat, modes, fewest=0):
+    def __init__(self, mat: bsr_matrix, modes: np.ndarray, fewest: int = 0):
         self._products = []
         while len(self._products) < MOST_LEVELS and (
             mat.shape[0] > COARSEST or len(self._products) < fewest
@@ -47,11 +49,11 @@ class Hierarchy:
             mat = self._products[-1].Coarse(mat)
 
     @property
-    def prolongations(self):
+    def prolongations(self) -> list[bsr_matrix]:
         """To each level but the last from the one below."""
         return [product.prolongation for product in self._products]
 
-    def Matrices(self, mat, rows=None):
+    def Matrices(self, mat: bsr_matrix, rows: np.ndarray | None = None) -> list[bsr_matrix]:
         """Of all levels, the finest one first, which has to hold only the `rows` that changed."""
         matrices = [mat]
         for product in self._products:
@@ -66,12 +68,12 @@ class Galerkin:
     Images of a random vector show which rows these are.
     """
 
-    def __init__(self, mat, prolongation):
+    def __init__(self, mat: bsr_matrix, prolongation: bsr_matrix):
         self.prolongation, self._probe = prolongation, Probe(mat.shape[1])
         self._image, self._product = self._Image(mat), mat @ prolongation
         self._coarse = Restricted(prolongation, self._product)
 
-    def Coarse(self, mat, rows=None):
+    def Coarse(self, mat: bsr_matrix, rows: np.ndarray | None = None) -> bsr_matrix:
         """P^T A P, with a unit where an aggregate is too small for all of the modes."""
         coarse, rows = self._coarse, self._Changed(mat) if rows is None else rows
         if len(rows):
@@ -79,16 +81,16 @@ class Galerkin:
             coarse = coarse + Restricted(Rows(self.prolongation, rows), change)
         return Filled(coarse)
 
-    def _Changed(self, mat):
+    def _Changed(self, mat: bsr_matrix) -> np.ndarray:
         """The rows that are not those of the first matrix."""
         change = np.abs(self._Image(mat) - self._image).max(axis=1)
         return np.flatnonzero(change > ROUNDING * np.abs(self._image).max(initial=0.0))
 
-    def _Image(self, mat):
+    def _Image(self, mat: bsr_matrix) -> np.ndarray:
         return (mat @ self._probe).reshape(-1, mat.blocksize[0])
 
 
-def Prolongation(mat, modes):
+def Prolongation(mat: bsr_matrix, modes: np.ndarray) -> tuple[bsr_matrix, np.ndarray]:
     """From aggregates to nodes, smoothed, and the modes of the aggregates."""
     strength = symmetric_strength_of_connection(mat, STRONG)
     aggregates, _ = standard_aggregation(strength)
@@ -98,14 +100,14 @@ def Prolongation(mat, modes):
     return bsr_matrix(tentative - omega * (inverse @ (mat @ tentative))), coarse
 
 
-def BlockDiagonal(mat):
+def BlockDiagonal(mat: bsr_matrix) -> bsr_matrix:
     """The inverse of the blocks on the diagonal, as matrix."""
     blocks = get_block_diag(mat, mat.blocksize[0], inv_flag=True)
     count = len(blocks)
     return bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=mat.shape)
 
 
-def SpectralRadius(mat, inverse):
+def SpectralRadius(mat: bsr_matrix, inverse: bsr_matrix) -> float:
     """Of the inverse times the matrix, by power iteration: up to some per cent too small."""
     x, radius = Probe(mat.shape[0]), 1.0
     for _ in range(10):
@@ -114,12 +116,12 @@ def SpectralRadius(mat, inverse):
     return 1.1 * radius
 
 
-def Restricted(prolongation, product):
+def Restricted(prolongation: bsr_matrix, product: bsr_matrix) -> bsr_matrix:
     """P^T times a matrix."""
     return prolongation.T.tobsr(blocksize=prolongation.blocksize[::-1]) @ product
 
 
-def Filled(mat):
+def Filled(mat: bsr_matrix) -> bsr_matrix:
     """The matrix with a unit where its diagonal is empty."""
     diagonal = mat.diagonal()
     empty = diagonal <= EMPTY * np.max(diagonal, initial=0.0)
@@ -128,7 +130,7 @@ def Filled(mat):
     return mat + diags_array(empty.astype(float)).tobsr(blocksize=mat.blocksize)
 
 
-def Rows(mat, rows):
+def Rows(mat: bsr_matrix, rows: np.ndarray) -> bsr_matrix:
     """Some rows of blocks of a bsr_matrix."""
     first, count = mat.indptr[rows], np.diff(mat.indptr)[rows]
     starts = np.concatenate([[0], np.cumsum(count)])
@@ -137,7 +139,7 @@ def Rows(mat, rows):
     return bsr_matrix((mat.data[places], mat.indices[places], starts), shape=shape)
 
 
-def Probe(size):
+def Probe(size: int) -> np.ndarray:
     """A random vector."""
     return np.random.default_rng(0).standard_normal(size)
 
@@ -148,13 +150,18 @@ class VCycle(BaseMatrix):
     `onto` is a sparse matrix from the finest level to what residuals and corrections are given on.
     """
 
-    def __init__(self, prolongations, matrices, onto):
+    def __init__(
+        self,
+        prolongations: Sequence[bsr_matrix],
+        matrices: Sequence[bsr_matrix],
+        onto: bsr_matrix | csr_array,
+    ):
         super().__init__()
         self.size, self._onto, self._from = onto.shape[0], onto, onto.T.asformat(onto.format)
         self._transfers = [(prolongation, prolongation.T.tocsr()) for prolongation in prolongations]
         self.Take(matrices)
 
-    def Take(self, matrices):
+    def Take(self, matrices: Sequence[bsr_matrix]) -> None:
         """Cycles for these matrices from now on."""
         self._levels = [
             (mat, *Triangles(mat), *transfer, Inverses(mat))
@@ -167,28 +174,29 @@ class VCycle(BaseMatrix):
         except RuntimeError as error:
             raise LinearSolveError(f"multigrid: {error}") from error
 
-    def IsComplex(self):
+    def IsComplex(self) -> bool:
         return False
 
-    def Height(self):
+    def Height(self) -> int:
         return self.size
 
-    def Width(self):
+    def Width(self) -> int:
         return self.size
 
-    def CreateColVector(self):
+    def CreateColVector(self) -> BaseVector:
         return CreateVVector(self.size)
 
     CreateRowVector = CreateColVector
 
-    def Mult(self, x, y):
+    def Mult(self, x: BaseVector, y: BaseVector) -> None:
         rhs = self._from @ x.FV().NumPy()
         solution = self._Cycle(0, rhs)
         for _ in range(CYCLES - 1 if self._levels else 0):
             solution += self._Cycle(0, rhs - self._levels[0][0] @ solution)
         y.FV().NumPy()[:] = self._onto @ solution
 
-    def _Cycle(self, level, rhs):
+    def _Cycle(self, level: int, rhs: np.ndarray) -> np.ndarray:
+        """The correction on a level for what is left there, from those below."""
         if level == len(self._levels):
             return self._coarsest.solve(rhs)
         mat, lower, upper, prolongation, restriction, inverses = self._levels[level]
@@ -201,19 +209,19 @@ class VCycle(BaseMatrix):
         return x
 
 
-def Triangles(mat):
+def Triangles(mat: bsr_matrix) -> list[bsr_matrix]:
     """The blocks up to the diagonal, and those above it: two of bsr_matrix."""
     rows = np.repeat(np.arange(len(mat.indptr) - 1), np.diff(mat.indptr))
     return [Selected(mat, rows, which) for which in (mat.indices <= rows, mat.indices > rows)]
 
 
-def Selected(mat, rows, which):
+def Selected(mat: bsr_matrix, rows: np.ndarray, which: np.ndarray) -> bsr_matrix:
     """Some of the blocks, whose rows are given."""
     counts = np.bincount(rows[which], minlength=len(mat.indptr) - 1)
     starts = np.concatenate([[0], np.cumsum(counts)]).astype(mat.indptr.dtype)
     return bsr_matrix((mat.data[which], mat.indices[which], starts), shape=mat.shape)
 
 
-def Inverses(mat):
+def Inverses(mat: bsr_matrix) -> np.ndarray:
     """(n, k, k) array: of the blocks on the diagonal."""
     return get_block_diag(mat, mat.blocksize[0], inv_flag=True)

@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs inside of elements, which are eliminated before linear systems are solved."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from netgen.meshing import NgException
 
 from ngslac._ngslac import InnerElimination
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.errors import LinearSolveError
+
+if TYPE_CHECKING:
+    from ngsolve import BitArray, FESpace
+    from ngsolve.la import SparseMatrixd
 
 __all__ = ["InnerDofs"]
 
@@ -17,12 +25,14 @@ class InnerDofs:
     with stars of these alone the iterations do not see what is inside.
     """
 
-    def __init__(self, dofs):
+    def __init__(self, dofs: BitArray):
         self.dofs = dofs
         self.Forget()
 
     @classmethod
-    def Of(cls, space, freedofs, first=0, own=None):
+    def Of(
+        cls, space: FESpace, freedofs: BitArray, first: int = 0, own: FESpace | None = None
+    ) -> InnerDofs | None:
         """Those of the component `own` of a space, whose dofs begin at `first`; None without any.
 
         Pressures of mixed forms stay: without them nearly incompressible bulks are badly
@@ -35,11 +45,11 @@ class InnerDofs:
         inner[:first] = inner[first + own.ndof :] = False
         return cls(AsBits(inner)) if inner.any() else None
 
-    def Forget(self):
+    def Forget(self) -> None:
         """The matrix has got other values."""
         self._kept = None, None
 
-    def Eliminate(self, bulk):
+    def Eliminate(self, bulk: SparseMatrixd) -> InnerElimination:
         """The InnerElimination of a matrix."""
         if self._kept[0] is not bulk:
             try:

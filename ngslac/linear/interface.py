@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems on the interface: the bulk is factored once for all of them."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
 from ngslac.errors import LinearSolveError
 from ngslac.linear.grounded import SPRING, GroundedBulk, UnitColumns
 from ngslac.linear.refine import Refine
-from ngslac.linear.system import Method
+from ngslac.linear.system import LinearSystem, Method
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
+    from scipy.sparse import csc_matrix, csr_matrix
 
 __all__ = ["Interface"]
 
@@ -30,29 +39,29 @@ class Interface(Method):
 
     most = 3000  # multipliers: the dense matrix of more costs as much as factors of the bulk
 
-    def __init__(self, dim, motions):
+    def __init__(self, dim: int, motions: Callable[[], np.ndarray]):
         self.dim, self.motions = dim, motions
         self.factorisations = self._systems = 0
         self.once = False  # did the last matrix of the bulk serve for one system only?
         self.NewBulk()
 
-    def __str__(self):
+    def __str__(self) -> str:
         return "on the interface, the bulk with sparsecholesky, once"
 
-    def NewBulk(self):
+    def NewBulk(self) -> None:
         """The bulk matrix has got other values."""
         self.once = self._systems == 1 or (self.once and not self._systems)
         self._systems, self._fails, self._kept = 0, False, {}
 
-    def State(self):
+    def State(self) -> dict:
         """What has been learnt about the bulk."""
         return {"once": self.once}
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go on with a `State`."""
         self.once = state["once"]
 
-    def Solve(self, system, b):
+    def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """See Method.
 
         Not for the first system of a matrix if that before served once only: a nonlinear bulk has
@@ -66,7 +75,7 @@ class Interface(Method):
         interface = InterfaceSystem(kept, blocks, self.dim)
         return Refine(interface.Solve, lambda x: b - blocks.Times(x) - kept.Times(x), b)
 
-    def _Kept(self, system, blocks):
+    def _Kept(self, system: LinearSystem, blocks: Blocks) -> GroundedBulk:
         """The GroundedBulk; where bodies slip, systems with and without a shift take turns."""
         displacements = system.free
         displacements[blocks.multipliers] = False
@@ -89,7 +98,7 @@ class InterfaceSystem:
     The rows of E are combinations of the columns of C, or are appended to these.
     """
 
-    def __init__(self, kept, blocks, d):
+    def __init__(self, kept: GroundedBulk, blocks: Blocks, d: int):
         self.blocks, own = blocks, blocks.Own(d)
         m = len(blocks.multipliers)
         numbers = np.arange(m).reshape(-1, d)
@@ -110,7 +119,8 @@ class InterfaceSystem:
         self.used = np.concatenate([self.closed.ravel(), self.touched, self.springs])
         self._Factor(own[closed])
 
-    def _Factor(self, own):
+    def _Factor(self, own: np.ndarray) -> None:
+        """Scale and factor the dense matrix of closed macro-elements, springs and other rows."""
         matrix = -self._Constrained(self.complement[:, self.used])
         rows = np.arange(self.closed.size).reshape(self.closed.shape)
         matrix[rows[:, :, None], rows[:, None]] += own
@@ -124,7 +134,7 @@ class InterfaceSystem:
             if not scipy.linalg.lapack.dgecon(self.factors[0], norm)[0] > SINGULAR:
                 raise LinearSolveError("the interface is singular")
 
-    def _Constrained(self, values):
+    def _Constrained(self, values: np.ndarray) -> np.ndarray:
         """Rows of the closed macro-elements, of S and of the springs from C^T u (k, ...)."""
         if self.weights is None:
             rows = values[self.touched.size + len(self.blocks.multipliers) :][: self.closed.size]
@@ -134,7 +144,7 @@ class InterfaceSystem:
         added = -self.stiffness @ values[self.touched]
         return np.concatenate([rows, added, SPRING * values[self.springs]])
 
-    def Solve(self, rhs):
+    def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """The solution (n,) of the whole system."""
         own, x = rhs[self.blocks.multipliers], np.zeros(len(self.complement))
         x[self.open] = np.linalg.solve(self.free, own[self.open][:, :, None])[:, :, 0]
@@ -156,7 +166,7 @@ class InterfaceSystem:
 class Blocks:
     """(K + S) u + G lam = f, E u + F lam = g, scaled."""
 
-    def __init__(self, system, free):
+    def __init__(self, system: LinearSystem, free: np.ndarray):
         n = len(free)
         self.multipliers = np.asarray(system.multipliers)  # (m,): their dofs
         m = len(self.multipliers)
@@ -184,7 +194,9 @@ class Blocks:
         )
 
     @staticmethod
-    def _Entries(contacts, scale, free):
+    def _Entries(
+        contacts: Sequence[BaseMatrix], scale: np.ndarray, free: np.ndarray
+    ) -> Iterator[np.ndarray]:
         """Rows, columns and values of the sum of all contacts, without zeros."""
         found = []
         for contact in contacts:
@@ -195,14 +207,14 @@ class Blocks:
             found.append((rows[used], columns[used], values[used]))
         return (np.concatenate(part) for part in zip(*found, strict=True))
 
-    def Times(self, x):
+    def Times(self, x: np.ndarray) -> np.ndarray:
         """The product (n,) of the matrix without K with x (n,)."""
         multipliers = x[self.multipliers]
         product = self.forces @ multipliers + self.stiffness @ x
         product[self.multipliers] = self.rows @ x + self.own @ multipliers
         return product
 
-    def Own(self, d):
+    def Own(self, d: int) -> np.ndarray:
         """The blocks (k, d, d) of macro-elements on the diagonal of F, which has no others."""
         blocks = DiagonalBlocks(self.own, d)
         if np.count_nonzero(blocks) < self.own.count_nonzero():
@@ -210,7 +222,7 @@ class Blocks:
         return blocks
 
 
-def Weights(rows, forces, d):
+def Weights(rows: csr_matrix, forces: csc_matrix, d: int) -> np.ndarray | None:
     """T with rows = T forces^T for the d rows of each macro-element: (k, d, d) or None."""
     products = DiagonalBlocks(rows @ forces, d)
     squares = DiagonalBlocks(forces.T @ forces, d)
@@ -219,14 +231,14 @@ def Weights(rows, forces, d):
     return weights if left <= ROUNDING * np.abs(rows.data).max(initial=0) else None
 
 
-def BlockDiagonal(blocks):
+def BlockDiagonal(blocks: np.ndarray) -> csr_matrix:
     """A sparse matrix of blocks (k, d, d)."""
     k, d, _ = blocks.shape
     shape = k * d, k * d
     return scipy.sparse.bsr_matrix((blocks, np.arange(k), np.arange(k + 1)), shape).tocsr()
 
 
-def DiagonalBlocks(mat, d):
+def DiagonalBlocks(mat: csr_matrix, d: int) -> np.ndarray:
     """(k, d, d): those of a sparse matrix of k x k blocks."""
     mat = mat.tocoo()
     inside = mat.row // d == mat.col // d

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Newton systems without multipliers by a preconditioned iteration, which needs little memory."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac._ngslac import (
@@ -13,7 +18,12 @@ from ngslac._ngslac import (
 from ngslac.arrays import Multiply
 from ngslac.errors import LinearSolveError
 from ngslac.linear.refine import EXACT, Refine
-from ngslac.linear.system import Method
+from ngslac.linear.system import LinearSystem, Method
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BaseVector, BitArray
+
+    from ngslac.linear.multigrid import Multigrid
 
 __all__ = ["Iterative"]
 
@@ -35,21 +45,26 @@ class Iterative(Method):
 
     is_iteration = True
 
-    def __init__(self, dim, multigrid, preconditioner=None):
+    def __init__(
+        self,
+        dim: int,
+        multigrid: Multigrid,
+        preconditioner: Callable[[BaseMatrix, BitArray], BaseMatrix] | None = None,
+    ):
         self.dim, self.multigrid, self.preconditioner = dim, multigrid, preconditioner
         self.krylov, self._single = 0, True  # do products in single precision serve?
         self.NewBulk()
 
-    def __str__(self):
+    def __str__(self) -> str:
         return "iterative, " + ("as given" if self.preconditioner else "multigrid")
 
-    def NewBulk(self):
+    def NewBulk(self) -> None:
         """The bulk matrix has got other values."""
         self._number = self._condensed = self._inverse = None
         if self.multigrid:
             self.multigrid.Forget()
 
-    def Solve(self, system, b):
+    def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """See Method."""
         mat, free = system.matrix, system.free
         if self._number != system.number:
@@ -59,18 +74,18 @@ class Iterative(Method):
             self._number = system.number
         exact, size = max(system.accuracy, EXACT), np.linalg.norm(b)
 
-        def Residual(x):
+        def Residual(x: np.ndarray) -> np.ndarray:
             left = (b - Multiply([mat], x)) * free
             if np.linalg.norm(left) > ROUGH * exact * size:
                 self._single = False
             return left
 
-        def Step(left):
+        def Step(left: np.ndarray) -> np.ndarray:
             return self._Step(left, 0.9 * exact * size, system.scale)
 
         return Refine(Step, Residual, b, exact=exact)
 
-    def _Step(self, rhs, residual, scale):
+    def _Step(self, rhs: np.ndarray, residual: float, scale: np.ndarray) -> np.ndarray:
         """Solution of the whole system, up to a residual, from that of the condensed one."""
         system = self._condensed
         u = system.Displacements(rhs, 0 * rhs)
@@ -85,7 +100,8 @@ class Iterative(Method):
                 return system.Complete(rhs, u)
         raise LinearSolveError("the condensed system could not be solved")
 
-    def _Preconditioners(self, scale):
+    def _Preconditioners(self, scale: np.ndarray) -> Iterator[BaseMatrix]:
+        """The one at hand, then others, where the iteration fails with those before."""
         if self._inverse is None:
             self._Make(scale)
         yield self._inverse
@@ -98,7 +114,7 @@ class Iterative(Method):
             self._single = False  # a stiff body is moved far by what is next to nothing
             yield self._inverse
 
-    def _Make(self, scale):
+    def _Make(self, scale: np.ndarray) -> None:
         """Make the preconditioner, and keep what has to live as long."""
         system = self._condensed
         if self.preconditioner is None:
@@ -113,7 +129,7 @@ class Iterative(Method):
             )
         self._inverse = inverse
 
-    def _Iterate(self, inverse, rhs, tol):
+    def _Iterate(self, inverse: BaseMatrix, rhs: BaseVector, tol: float) -> tuple[BaseVector, bool]:
         """A solution of the condensed system, preconditioned from the right, and is it one?"""
         system, own = self._condensed, isinstance(inverse, TwoLevel)
         fused = own and tol >= SINGLE and self._single

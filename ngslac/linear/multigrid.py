@@ -1,12 +1,23 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sweeps over all dofs and algebraic multigrid on the vertices, for condensed systems."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 
-from ngslac._ngslac import StarSweeps, TwoLevel
+from ngslac._ngslac import Condensation, StarSweeps, TwoLevel
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.linear.mixed import Mixed, PressureRows
+
+if TYPE_CHECKING:
+    from ngsolve import FESpace
+    from pyngcore.pyngcore import Table_I
+    from scipy.sparse import bsr_matrix
+
+    from ngslac.linear.vertices import VertexNodes
 
 __all__ = ["Multigrid"]
 
@@ -25,21 +36,21 @@ class Multigrid:
 
     growth = 1.5  # of the iterations, from which on a new setup is made
 
-    def __init__(self, nodes, most, space):
+    def __init__(self, nodes: VertexNodes, most: bool, space: FESpace):
         self.nodes, self.most, self.space = nodes, most, space
         self.Forget()
 
-    def Forget(self):
+    def Forget(self) -> None:
         """Drop all that was learnt about the bulk."""
         self._sweeps = self._pressures = None
         self.Relearn()
 
-    def Relearn(self):
+    def Relearn(self) -> None:
         """Make another setup for the next matrix."""
         self._hierarchy = self._cycle = self._inverse = None
         self._best, self.learnt = np.inf, False
 
-    def Preconditioner(self, system, scale):
+    def Preconditioner(self, system: Condensation, scale: np.ndarray) -> TwoLevel:
         """For a Condensation of the matrix that has got the factors `scale` (n,).
 
         It serves until the next call.
@@ -66,11 +77,11 @@ class Multigrid:
         return Mixed(system, self._inverse, self._pressures) if mixed else self._inverse
 
     @property
-    def _skipped(self):
+    def _skipped(self) -> int:
         """Levels of the hierarchy on which the sweeps take the place of the cycle's."""
         return int(self.most and bool(self._hierarchy.prolongations))
 
-    def _Learn(self, system, mat, modes):
+    def _Learn(self, system: Condensation, mat: bsr_matrix, modes: np.ndarray) -> None:
         """Make the hierarchy, and the preconditioner of displacements."""
         from ngslac.linear.hierarchy import Hierarchy, VCycle
 
@@ -82,7 +93,7 @@ class Multigrid:
         dofs = np.where(self.nodes.free, self.nodes.dofs, -1).ravel()
         self._inverse = TwoLevel(system, self._sweeps, self._cycle, dofs)
 
-    def Watch(self, iterations):
+    def Watch(self, iterations: float) -> None:
         """Report the `iterations` for each digit: where they grow the setup is made anew."""
         if iterations > self.growth * self._best:
             self.Relearn()
@@ -90,7 +101,7 @@ class Multigrid:
             self._best = min(self._best, iterations)
 
 
-def Stars(space):
+def Stars(space: FESpace) -> Table_I:
     """A table of dofs: all around each vertex; or where these are many its edges, and edges' faces.
 
     With all around a vertex iterations take no notice of order and shape, but inverses of large
@@ -103,7 +114,7 @@ def Stars(space):
     return space.CreateSmoothingBlocks(blocktype=["vertexedge", "edgepatch"])
 
 
-def Blocks(system, nodes, rows=None):
+def Blocks(system: Condensation, nodes: np.ndarray, rows: np.ndarray | None = None) -> bsr_matrix:
     """The part of nodes (n, d) of dofs of a Condensation, or some `rows` (n,) bool, as bsr_matrix.
 
     What is not free, or no dof, is a row of the identity.

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Inverse of a matrix that falls into parts which nothing couples, many of them equal."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 from netgen.meshing import NgException
@@ -9,6 +13,9 @@ from ngslac._ngslac import SchurComplement
 from ngslac.arrays import AsBits, Exported
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import Factor
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 __all__ = ["PartsInverse"]
 
@@ -25,7 +32,7 @@ class PartsInverse:
     each other. Each of these parts is factored alone, equal ones once.
     """
 
-    def __init__(self, mat, free):
+    def __init__(self, mat: csr_matrix, free: np.ndarray):
         dofs = np.flatnonzero(free & (mat.diagonal() != 0))
         inner = mat[dofs][:, dofs]
         count, part = scipy.sparse.csgraph.connected_components(inner, directed=False)
@@ -38,7 +45,8 @@ class PartsInverse:
             self._Add(inner[first:last, first:last], dofs[order[first:last]])
         self._Check(mat, dofs)
 
-    def _Add(self, mat, dofs):
+    def _Add(self, mat: csr_matrix, dofs: np.ndarray) -> None:
+        """Take a part of the matrix, with factors of its own unless an equal part has some."""
         for other, _, parts in self._groups:
             if AreNear(mat, other):
                 parts.append(dofs)
@@ -46,14 +54,14 @@ class PartsInverse:
         free = AsBits(np.ones(len(dofs), dtype=bool))
         self._groups.append((mat, Factor(Exported(mat), free, "sparsecholesky"), [dofs]))
 
-    def _Check(self, mat, dofs):
+    def _Check(self, mat: csr_matrix, dofs: np.ndarray) -> None:
         """The factorisation reports no errors: look at a residual."""
         wanted = np.random.default_rng(3).standard_normal(mat.shape[0])
         left = (mat @ self.Solve(wanted) - wanted)[dofs]
         if not np.linalg.norm(left) <= SMALL * np.linalg.norm(wanted[dofs]):
             raise LinearSolveError("the matrix is singular")
 
-    def Solve(self, values):
+    def Solve(self, values: np.ndarray) -> np.ndarray:
         """The solution (n,) for a right hand side (n,); 0 on other dofs than the free ones."""
         solution = np.zeros(len(values))
         for _, inverse, parts in self._groups:
@@ -64,7 +72,7 @@ class PartsInverse:
                 solution[dofs] = found.FV().NumPy()
         return solution
 
-    def Complement(self, rows):
+    def Complement(self, rows: csr_matrix) -> np.ndarray | None:
         """B A^-1 B^T of sparse rows B (k, n) as array (k, k); None where it is too large."""
         if rows.shape[0] > MOST_ROWS:
             return None
@@ -82,7 +90,7 @@ class PartsInverse:
         return total
 
 
-def AreNear(mat, other):
+def AreNear(mat: csr_matrix, other: csr_matrix) -> bool:
     """Are two sparse matrices equal to rounding, and their graphs?"""
     if mat.shape != other.shape or not np.array_equal(mat.indptr, other.indptr):
         return False

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Keep the output of compiled libraries from the screen."""
 
+from __future__ import annotations
+
 import ctypes
 import os
 import sys
@@ -15,7 +17,8 @@ class Quiet:
     def __init__(self):
         self.text, self._kept, self._file = "", [], None
 
-    def __enter__(self):
+    def __enter__(self) -> Quiet:
+        """Send what is written to both streams into a file."""
         _Flush()
         try:
             self._file = tempfile.TemporaryFile()
@@ -29,11 +32,12 @@ class Quiet:
             raise
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_) -> None:
         _Flush()
         self._Back()
 
-    def _Back(self):
+    def _Back(self) -> None:
+        """Give both streams back, and read what was written meanwhile."""
         while self._kept:
             copy, stream = self._kept.pop()
             os.dup2(copy, stream)
@@ -44,7 +48,7 @@ class Quiet:
             self._file.close()
 
 
-def _Flush():
+def _Flush() -> None:
     """Flush the buffers of Python and C."""
     for stream in (sys.stdout, sys.stderr):
         try:

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Acceptance of solutions, and iterative refinement."""
 
+from collections.abc import Callable, Iterable
+from typing import Any
+
 import numpy as np
 from netgen.meshing import NgException
 
@@ -13,7 +16,9 @@ ACCEPTABLE = 1e-5  # nearly singular: the next Newton step makes up for it
 EXACT, ROUNDS = 1e-13, 4
 
 
-def FirstGood(attempts):
+def FirstGood(
+    attempts: Iterable[tuple[str, Callable[[], tuple[Any, float]], float]],
+) -> tuple[Any, float, str | None]:
     """The first good solution of several attempts, or the best one if that is acceptable.
 
     An attempt is a name, a function, and the residual that is good.
@@ -35,7 +40,15 @@ def FirstGood(attempts):
     raise LinearSolveError(", ".join(errors))
 
 
-def Refine(solve, residual, b, *, exact=EXACT, rounds=ROUNDS, norm=np.linalg.norm):
+def Refine(
+    solve: Callable,
+    residual: Callable,
+    b: Any,
+    *,
+    exact: float = EXACT,
+    rounds: int = ROUNDS,
+    norm: Callable = np.linalg.norm,
+) -> tuple[Any, float]:
     """The best solution of iterative refinement from zero on, and its relative residual."""
     x, left, size, error = 0 * b, b, norm(b), 1.0
     best = x, (1.0 if size else 0.0)

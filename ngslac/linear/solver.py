@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Checked solution of linear systems by a chain of methods."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
-from ngsolve import BitArray
+import numpy as np
+from ngsolve import BaseMatrix, BitArray
 
 from ngslac.arrays import AsNumPy
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import OneBLASThread
 from ngslac.linear.refine import FirstGood
-from ngslac.linear.system import Merged
+from ngslac.linear.system import LinearSystem, Link, Merged
+
+if TYPE_CHECKING:
+    from ngslac._ngslac import InnerElimination
+    from ngslac.linear.inner import InnerDofs
 
 __all__ = ["LinearSolver"]
 
@@ -27,47 +36,47 @@ class LinearSolver:
     most_failures = 2  # of an iteration in a row where another method serves: it is given up
     shown = "method", "factorisations", "krylov"  # on all processes
 
-    def __init__(self, freedofs, links, inner=None):
+    def __init__(self, freedofs: BitArray, links: Sequence[Link], inner: InnerDofs | None = None):
         self.freedofs, self.free, self.inner = BitArray(freedofs), AsNumPy(freedofs), inner
         self.bits = self.freedofs & ~inner.dofs if inner else self.freedofs
         self.shifts, self.failures = 0, {}  # in a row: singular systems, iterations that failed
         self.nearly_singular, self._all, self._merged = False, links, Merged()
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"linear systems: {self._links[0].method} ({self._links[0].why})"
 
     @property
-    def _links(self):
+    def _links(self) -> list[Link]:
         """The methods that are not given up."""
         failures = self.failures
         return [link for link in self._all if failures.get(link.name, 0) < self.most_failures]
 
     @property
-    def method(self):
+    def method(self) -> str:
         """The name of the present method, such as "interface"."""
         return self._links[0].name
 
     @property
-    def inverse(self):
+    def inverse(self) -> str | None:
         """The NGSolve solver that factors whole systems; None: PETSc's."""
         return next(filter(None, (link.method.inverse for link in self._all)), None)
 
     @property
-    def factorisations(self):
+    def factorisations(self) -> int:
         """Of matrices of full size, so far."""
         return sum(link.method.factorisations for link in self._all)
 
     @property
-    def krylov(self):
+    def krylov(self) -> int:
         """Krylov iterations so far."""
         return sum(link.method.krylov for link in self._all)
 
-    def State(self):
+    def State(self) -> dict:
         """A dict of what has been learnt about the methods."""
         methods = {link.name: link.method.State() for link in self._all}
         return {"failures": dict(self.failures), "methods": methods}
 
-    def SetState(self, state):
+    def SetState(self, state: dict) -> None:
         """Go on with the methods of a `State`; one that it does not know goes on as it is."""
         methods, failures = state["methods"], state["failures"]
         if isinstance(methods, list):  # of an older file
@@ -77,7 +86,7 @@ class LinearSolver:
             if link.name in methods:
                 link.method.SetState(methods[link.name])
 
-    def NewBulk(self):
+    def NewBulk(self) -> None:
         """The bulk matrix that was used last has got other values."""
         if self.inner:
             self.inner.Forget()
@@ -86,7 +95,7 @@ class LinearSolver:
             link.method.NewBulk()
 
     @OneBLASThread()
-    def Solve(self, system):
+    def Solve(self, system: LinearSystem) -> np.ndarray:
         """The solution (n,) of a LinearSystem, 0 where nothing is free."""
         elimination = self._Elimination(system.mat)
         if elimination is None:
@@ -94,7 +103,7 @@ class LinearSolver:
         reduced = replace(system, mat=elimination.mat, rhs=elimination.Reduce(system.rhs))
         return elimination.Expand(system.rhs, self._Solve(reduced))
 
-    def _Elimination(self, bulk):
+    def _Elimination(self, bulk: BaseMatrix) -> InnerElimination | None:
         """That of inner dofs; None, and no more of it, where the matrix of some is singular."""
         try:
             return self.inner and self.inner.Eliminate(bulk)
@@ -102,7 +111,8 @@ class LinearSolver:
             self.inner, self.bits = None, self.freedofs
             self.NewBulk()
 
-    def _Solve(self, system):
+    def _Solve(self, system: LinearSystem) -> np.ndarray:
+        """The solution by the first method that has a good one."""
         self.nearly_singular = True
         system = replace(system, bits=self.bits, merged=self._merged)
         b = system.scale * system.rhs * system.free
@@ -120,10 +130,10 @@ class LinearSolver:
             self._LearnFrom(name, system)
         return system.scale * x
 
-    def _Tolerance(self, link, system):
+    def _Tolerance(self, link: Link, system: LinearSystem) -> float:
         return max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)
 
-    def _LearnFrom(self, name, system):
+    def _LearnFrom(self, name: str, system: LinearSystem) -> None:
         """A method has served: an iteration that comes before it has not."""
         names = [link.name for link in self._links]
         for link in self._links if not system.alone else ():
@@ -131,7 +141,7 @@ class LinearSolver:
                 after = names.index(name) > names.index(link.name)
                 self.failures[link.name] = after * (self.failures.get(link.name, 0) + 1)
 
-    def SolveShifted(self, system, rows):
+    def SolveShifted(self, system: LinearSystem, rows: np.ndarray) -> np.ndarray:
         """The same; a singular matrix gets a small diagonal on `rows` (n,) bool.
 
         Where all that holds a body slips, nothing determines how far it moves. It moves as if it

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A linear system, the options for its solution, and the methods that solve it."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import BaseMatrix, BitArray
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import AddToDiagonal, AsNumPy, SameEntries
+
+if TYPE_CHECKING:
+    from ngsolve.la import SparseMatrixd
 
 __all__ = ["LinearSystem", "Link", "Merged", "Method", "Options"]
 
@@ -27,31 +33,31 @@ class LinearSystem:
     accuracy: float = 0.0  # relative residual that is enough of an iteration
     alone: bool = False  # are the displacements solved for alone? Then the multipliers stay zero
     bits: BitArray | None = None  # for methods: free dofs that are not eliminated
-    merged: "Merged | None" = None  # for methods: keeps the matrix until the next system
+    merged: Merged | None = None  # for methods: keeps the matrix until the next system
 
     @cached_property
-    def _made(self):
+    def _made(self) -> tuple[BaseMatrix, int]:
         return self.merged.Of(self), self.merged.number
 
     @property
-    def matrix(self):
+    def matrix(self) -> SparseMatrixd:
         """The scaled matrix of bulk and contacts, sparse; it changes with the next system."""
         return self._made[0]
 
     @property
-    def number(self):
+    def number(self) -> int:
         """The number of the values of `matrix`: others have another one."""
         return self._made[1]
 
     @property
-    def free(self):
+    def free(self) -> np.ndarray:
         """The dofs (n,) bool that are solved for."""
         free = AsNumPy(self.bits)
         if self.alone:
             free[self.multipliers] = False
         return free
 
-    def Entries(self):
+    def Entries(self) -> list[list[np.ndarray]]:
         """A list of lists of arrays, which with `mat` make the scaled matrix."""
         shift = np.zeros(0) if self.shift is None else np.array(self.shift)
         contacts = [[np.array(part) for part in contact.CSR()] for contact in self.contacts]
@@ -65,12 +71,12 @@ class Merged:
         self.number = 0  # of the matrix: another one where it has got other values
         self.Forget()
 
-    def Forget(self):
+    def Forget(self) -> None:
         """Make another matrix the next time, as where the bulk has got other values."""
         self._mat = self._bulk = self._scale = self._entries = None
         self._plain = False  # may it be changed in place?
 
-    def Of(self, system):
+    def Of(self, system: LinearSystem) -> SparseMatrixd:
         """The matrix of a LinearSystem."""
         entries = system.Entries()
         same = system.mat is self._bulk and np.array_equal(system.scale, self._scale)
@@ -119,7 +125,7 @@ class Method(ABC):
     inverse = None
     is_iteration = serves_alone = False
 
-    def __str__(self):
+    def __str__(self) -> str:
         return type(self).__name__
 
     @abstractmethod

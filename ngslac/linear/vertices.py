@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Dofs of first order: those of the vertices, and the rigid motions on them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac._ngslac import VertexDofs
 from ngslac.arrays import AsNumPy
 from ngslac.rigid import MotionsAt
+
+if TYPE_CHECKING:
+    from ngsolve import BitArray, FESpace
 
 __all__ = ["VertexNodes"]
 
@@ -26,7 +32,7 @@ class VertexNodes:
     motions: np.ndarray  # (n, d, m): rotations about the middle, divided by the size of the mesh
 
     @classmethod
-    def Of(cls, space, freedofs, first=0):
+    def Of(cls, space: FESpace, freedofs: BitArray, first: int = 0) -> VertexNodes | None:
         """Those of a displacement space whose scalar dofs begin at `first`; None for others."""
         d = space.TestFunction().dim
         dofs = VertexDofs(space)
@@ -43,17 +49,17 @@ class VertexNodes:
         return cls(dofs[used], free[used], motions)
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Of the free dofs."""
         return int(self.free.sum())
 
-    def Modes(self, scale):
+    def Modes(self, scale: np.ndarray) -> np.ndarray:
         """The rigid motions (n d, m) in scaled variables, zero where nothing is free."""
         factor = np.where(self.free, 1 / scale[self.dofs], 0.0)
         return (factor[:, :, None] * self.motions).reshape(self.dofs.size, -1)
 
 
-def FirstOnly(dofs):
+def FirstOnly(dofs: np.ndarray) -> np.ndarray:
     """The table with -1 in place of all but the first occurrence of a number."""
     _, first = np.unique(dofs, return_index=True)
     kept = np.full(dofs.size, -1)
