@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Scripts that mpiexec starts many times without a distributed mesh."""
 
+from __future__ import annotations
+
 import os
 import warnings
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ngsolve import Mesh
 
 __all__ = ["WarnOfCopies"]
 
@@ -10,7 +16,7 @@ __all__ = ["WarnOfCopies"]
 STARTED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"))
 
 
-def WarnOfCopies(mesh):
+def WarnOfCopies(mesh: Mesh) -> None:
     """Warn where mpiexec has started many processes, but each has the whole mesh."""
     for size, rank in STARTED:
         count = int(os.environ.get(size, 1))

@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The size of a mesh, whichever process has which part of it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ngslac.parallel.together import ALONE, Recall, Together
+from ngslac.parallel.together import ALONE, Alone, Recall, Together
+
+if TYPE_CHECKING:
+    from ngsolve import Mesh
 
 __all__ = ["Extent", "ExtentOf"]
 
@@ -32,7 +38,7 @@ class Extent:
     elements: int
 
 
-def ExtentOf(mesh):
+def ExtentOf(mesh: Mesh) -> Extent:
     """The Extent of a mesh; all processes ask for it."""
     if mesh.comm.size == 1:
         return Measured(mesh, ALONE)
@@ -41,7 +47,7 @@ def ExtentOf(mesh):
     return Recall(together.extents, fits, make)[1]
 
 
-def Measured(mesh, together):
+def Measured(mesh: Mesh, together: Together | Alone) -> Extent:
     """Measure a mesh of which these processes have parts."""
     points = np.asarray(mesh.ngmesh.Coordinates()).reshape(-1, mesh.dim)
     low = together.Reduce(points.min(axis=0, initial=np.inf), "MIN")

@@ -4,6 +4,7 @@
 import atexit
 import sys
 import time
+from collections.abc import Callable, Iterator
 
 __all__ = ["Farewell"]
 
@@ -28,24 +29,25 @@ class Farewell:
         sys.excepthook = self._Note
 
     @classmethod
-    def Of(cls, leave):
+    def Of(cls, leave: Callable[[], Iterator[None]]) -> None:
         """Let a generator, which waits for others, run at the end, before PETSc's own."""
         cls.known = cls.known or cls()
         cls.known.waits.append(leave)
         cls.Again()
 
     @classmethod
-    def Again(cls):
+    def Again(cls) -> None:
         """Run before all that is registered so far."""
         if cls.known is not None:
             atexit.unregister(cls.known)
             atexit.register(cls.known)
 
-    def _Note(self, *error):
+    def _Note(self, *error) -> None:
         self.failed = True
         self._print(*error)
 
-    def __call__(self):
+    def __call__(self) -> None:
+        """Wait for the other processes, after an error not for ever."""
         from mpi4py import MPI
 
         if MPI.Is_finalized():

@@ -3,6 +3,7 @@
 
 import signal
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 __all__ = ["Interrupts"]
@@ -21,7 +22,7 @@ class Interrupts:
         self.came, self._handler = False, None
 
     @contextmanager
-    def Held(self):
+    def Held(self) -> Iterator[None]:
         """Within, interrupts are noted; the outermost one raises KeyboardInterrupt at its end."""
         if self._handler is not None or not OfMainThread():
             yield
@@ -36,7 +37,7 @@ class Interrupts:
             raise KeyboardInterrupt
 
     @contextmanager
-    def Let(self):
+    def Let(self) -> Iterator[None]:
         """Within, in functions of users, interrupts come at once."""
         handler = self._handler
         if handler is None or not OfMainThread():
@@ -50,11 +51,11 @@ class Interrupts:
             signal.signal(signal.SIGINT, self._Note)
             self._handler = handler
 
-    def _Note(self, *_):
+    def _Note(self, *_) -> None:
         self.came = True
 
 
-def OfMainThread():
+def OfMainThread() -> bool:
     """Does the interpreter allow handlers here, and has Python set the present one?"""
     here = threading.current_thread() is threading.main_thread()
     return here and signal.getsignal(signal.SIGINT) is not None

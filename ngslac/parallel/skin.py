@@ -1,15 +1,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The skin of a distributed mesh: all elements at contact surfaces, as a serial mesh."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import netgen.meshing
 import numpy as np
 import scipy
-from ngsolve import BND, BitArray, FESpace, Mesh, ProductSpace, Region
+from ngsolve import BND, BaseMatrix, BitArray, FESpace, Mesh, ProductSpace, Region
 
 from ngslac._ngslac import ElementDofs, LACSpace, PieceOf, WholeMesh
 from ngslac.arrays import AsBits, AsNumPy
 from ngslac.parallel.layout import LayoutOf
 from ngslac.parallel.together import Recall, Together
+
+if TYPE_CHECKING:
+    from netgen.meshing import Mesh as NetgenMesh
+    from scipy.sparse import csr_matrix, spmatrix
+
+    from ngslac.parallel.matrices import SkinMatrix
 
 __all__ = ["Skin", "Trace"]
 
@@ -28,7 +39,7 @@ class Skin:
         The number there of each boundary element of this process; -1 for those that it lacks.
     """
 
-    def __init__(self, mesh, mask):
+    def __init__(self, mesh: Mesh, mask: list[bool]):
         self.original, self.mask, self.together = mesh, mask, Together.Of(mesh)
         self._traces = []
         numbers, points, *tables = map(np.array, PieceOf(mesh))
@@ -57,17 +68,17 @@ class Skin:
         self.Follow()
 
     @classmethod
-    def Of(cls, mesh, *regions):
+    def Of(cls, mesh: Mesh, *regions: Region | None) -> Skin:
         """Find or make the skin of some boundaries of a distributed mesh; regions may be None."""
         masks = [region.Mask() for region in regions if region is not None]
         mask = [*map(any, zip(*masks, strict=True))]
 
-        def Fits(skin):
+        def Fits(skin: Skin) -> bool:
             return skin.original == mesh and skin.mask == mask
 
         return Recall(Together.Of(mesh).skins, Fits, lambda: cls(mesh, mask))
 
-    def Follow(self):
+    def Follow(self) -> None:
         """Curve elements as they are in the distributed mesh now."""
         mesh = self.original
         if mesh.deformation is not None:
@@ -85,13 +96,13 @@ class Skin:
         if self.mesh.GetCurveOrder() != order:
             self.mesh.Curve(int(order))
 
-    def Region(self, original):
+    def Region(self, original: Region | None) -> Region | None:
         """Find a region of the distributed mesh on the skin."""
         if not isinstance(original, Region):
             return original
         return Region(self.mesh, original.VB(), original.Mask())
 
-    def Macros(self, space):
+    def Macros(self, space: LACSpace) -> LACSpace:
         """Make a LACSpace with the same macro-elements on the skin."""
         V, slave = self.Trace(space.displacement).copy, self.Region(space.slave)
         found = LACSpace(V, slave=slave, axisymmetric=space.axisymmetric)
@@ -99,7 +110,7 @@ class Skin:
             return found
         return found.WithComponents(space.ndof * space.dim // max(space.nmacros, 1))
 
-    def Trace(self, space):
+    def Trace(self, space: FESpace) -> Trace:
         """Find or make the Trace of a space of the distributed mesh."""
         return Recall(self._traces, lambda trace: trace.space == space, lambda: Trace(self, space))
 
@@ -116,7 +127,7 @@ class Trace:
         Rows of this process, and on the skin.
     """
 
-    def __init__(self, skin, space):
+    def __init__(self, skin: Skin, space: FESpace):
         self.skin, self.space = skin, space
         if type(space) is ProductSpace:
             self._Join([skin.Trace(part) for part in space.components])
@@ -138,7 +149,7 @@ class Trace:
         bits.Clear()
         bits |= AsBits(free.reshape(self.copy.ndof, -1).any(axis=1))
 
-    def _Join(self, parts):
+    def _Join(self, parts: Sequence[Trace]) -> None:
         """Join the rows of the parts of a product."""
         self.copy = FESpace([part.copy for part in parts])
         d = self.space.dim
@@ -146,7 +157,7 @@ class Trace:
         self.local = np.concatenate([parts[k].local + d * self.space.Range(k).start for k in every])
         self.there = np.concatenate([parts[k].there + d * self.copy.Range(k).start for k in every])
 
-    def _Find(self):
+    def _Find(self) -> None:
         """Find the rows by the dofs of elements; others know those without an element here."""
         skin, space = self.skin, self.space
         here, there = ByElements(space, skin.own), ByElements(self.copy, skin.places)
@@ -166,7 +177,7 @@ class Trace:
             (d * part[:, None] + np.arange(d)).ravel() for part in (dofs, numbers)
         )
 
-    def Gather(self, values):
+    def Gather(self, values: np.ndarray) -> np.ndarray:
         """Gather values of all processes (size, ...) on the skin; they are the same on all."""
         values = np.asarray(values)
         if isinstance(self.space, LACSpace):  # all processes have them
@@ -175,7 +186,7 @@ class Trace:
         found[self._order] = self.skin.together.Rows(values[self._mine], self._counts)
         return found
 
-    def GatherSparse(self, columns):
+    def GatherSparse(self, columns: spmatrix) -> csr_matrix:
         """Gather a sparse matrix, whose rows are those of this process, on the skin."""
         pieces = self.skin.together.Gather(columns.tocsr()[self._mine])
         found = scipy.sparse.vstack(pieces).tocoo()
@@ -183,20 +194,20 @@ class Trace:
         where = self._order[found.row], found.col
         return scipy.sparse.coo_matrix((found.data, where), shape=shape).tocsr()
 
-    def Matrix(self, mat):
+    def Matrix(self, mat: SkinMatrix) -> BaseMatrix:
         """Return the part of a SkinMatrix that is on the skin."""
         return mat.there
 
-    def Add(self, values, total):
+    def Add(self, values: np.ndarray, total: np.ndarray) -> None:
         """Add values (size,) on the skin to those of this process."""
         np.asarray(total)[self.local] += values[self.there]
 
-    def Put(self, values, total):
+    def Put(self, values: np.ndarray, total: np.ndarray) -> None:
         """Write values (size,) on the skin into those of this process."""
         np.asarray(total)[self.local] = values[self.there]
 
 
-def EmptyLike(mesh):
+def EmptyLike(mesh: Mesh) -> NetgenMesh:
     """A serial mesh with the regions, names and geometry of another one."""
     original, empty = mesh.ngmesh, netgen.meshing.Mesh(dim=mesh.dim)
     for region in (*original.FaceDescriptors(), *original.EdgeDescriptors()):
@@ -209,30 +220,30 @@ def EmptyLike(mesh):
     return empty
 
 
-def PointColumns(table):
+def PointColumns(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The columns with points, and which of their entries (m, k) bool are points."""
     wide = table[:, HEAD : HEAD + table[:, HEAD - 1].max(initial=0)]
     return wide, np.arange(wide.shape[1]) < table[:, HEAD - 1 : HEAD]
 
 
-def PointsOf(table):
+def PointsOf(table: np.ndarray) -> np.ndarray:
     """The points of the elements of a table."""
     wide, inside = PointColumns(table)
     return np.unique(wide[inside])
 
 
-def Touches(table, marked):
+def Touches(table: np.ndarray, marked: np.ndarray) -> np.ndarray:
     """Which elements (m,) bool have one of the points."""
     wide, inside = PointColumns(table)
     return np.any(inside & np.isin(wide, marked), axis=1)
 
 
-def Places(known, rows):
+def Places(known: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Places of rows among all those known, in the order of their numbers."""
     return np.searchsorted(np.unique(known[:, 0]), rows[:, 0])
 
 
-def ByElements(space, elements):
+def ByElements(space: FESpace, elements: np.ndarray) -> np.ndarray:
     """Dofs of these elements, one after the other."""
     counts, dofs = ElementDofs(space)
     starts = np.cumsum(counts) - counts
@@ -241,7 +252,7 @@ def ByElements(space, elements):
     return dofs[first + np.arange(len(first))].astype(int)
 
 
-def CopyOf(space, mesh):
+def CopyOf(space: FESpace, mesh: Mesh) -> FESpace:
     """The same kind of space on another mesh."""
     state = space.__getstate__()
     if len(state) != 3:  # one that another space is in

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Sums, decisions and calls that the processes of a distributed mesh make together."""
 
+from __future__ import annotations
+
 import inspect
 import math
 import pickle
 import sys
 import time
-from collections.abc import Callable
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import wraps
 from numbers import Real
-from typing import ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 from netgen.meshing import NgException
@@ -18,6 +20,9 @@ from netgen.meshing import NgException
 from ngslac.parallel.farewell import Farewell
 from ngslac.parallel.interrupts import Interrupts
 from ngslac.progress import Silence
+
+if TYPE_CHECKING:
+    from ngsolve import Mesh
 
 __all__ = ["ALONE", "OnAll", "OutOfStepError", "Portable", "Recall", "Together"]
 
@@ -43,7 +48,7 @@ class Together:
 
     known: ClassVar = []
 
-    def __init__(self, comm):
+    def __init__(self, comm: Any):
         self._original, self.comm, self._roll = comm, comm.Dup(), comm.Dup()
         self.rank, self.size = comm.rank, comm.size
         self.layouts, self.skins, self.extents, self._depth = [], [], [], 0
@@ -53,7 +58,7 @@ class Together:
             Silence()
 
     @classmethod
-    def Of(cls, mesh):
+    def Of(cls, mesh: Mesh) -> Together:
         """Find the processes of a distributed mesh."""
         from mpi4py import MPI
 
@@ -67,7 +72,7 @@ class Together:
     # --- calls ---------------------------------------------------------------------------------
 
     @contextmanager
-    def Call(self, name, arguments):
+    def Call(self, name: str, arguments: dict[str, Any]) -> Iterator[None]:
         """Enter a call that all processes make, with the same numbers and words as `arguments`.
 
         Interrupts wait until all of them know.
@@ -83,7 +88,7 @@ class Together:
         finally:
             self._depth -= 1
 
-    def ByUser(self, function, *args):
+    def ByUser(self, function: Callable, *args) -> Any:
         """Call a function of the user; where it fails on one process, it fails on all."""
         depth, self._depth = self._depth, 0
         try:
@@ -92,13 +97,14 @@ class Together:
         finally:
             self._depth = depth
 
-    def CheckInterrupts(self):
+    def CheckInterrupts(self) -> None:
         """Raise an interrupt of any of the processes on all."""
         if self.Reduce(self.interrupts.came, "LOR"):
             self.interrupts.came = False
             raise KeyboardInterrupt
 
-    def _CallTheRoll(self, name, arguments):
+    def _CallTheRoll(self, name: str, arguments: dict[str, Any]) -> None:
+        """Raise if another process calls something else, or with other arguments."""
         lengths = self._Lengths(0, name)
         if LEFT in lengths:
             other = int(np.flatnonzero(lengths == LEFT)[0])
@@ -119,7 +125,7 @@ class Together:
                     f"{other}: give the same on all"
                 )
 
-    def _Lengths(self, own, name):
+    def _Lengths(self, own: int, name: str) -> np.ndarray:
         """Gather a number of each process, and tell the user when some process comes late."""
         found = np.zeros(self.size, dtype=np.int64)
         request = self._roll.Iallgather(np.array([own], dtype=np.int64), found)
@@ -136,7 +142,7 @@ class Together:
             time.sleep(1e-5)
         return found
 
-    def _Leave(self):
+    def _Leave(self) -> Iterator[None]:
         """Wait, at the end of a script, until all processes have ended theirs."""
         while True:
             found = np.zeros(self.size, dtype=np.int64)
@@ -148,7 +154,7 @@ class Together:
 
     # --- numbers -------------------------------------------------------------------------------
 
-    def Reduce(self, values, operation):
+    def Reduce(self, values: Any, operation: str) -> Any:
         """Combine numbers or arrays of all processes; MPI gives the same bits to all."""
         from mpi4py import MPI
 
@@ -161,19 +167,19 @@ class Together:
         found = found.astype(kind)
         return found if np.ndim(values) else found[()] if found.ndim == 0 else found.ravel()[0]
 
-    def Sum(self, values):
+    def Sum(self, values: Any) -> Any:
         """Sum up values of all processes."""
         return self.Reduce(values, "SUM")
 
-    def Gather(self, thing):
+    def Gather(self, thing: Any) -> list:
         """Return a list of the things of all processes."""
         return self.comm.allgather(thing)
 
-    def Tell(self, thing):
+    def Tell(self, thing: Any) -> Any:
         """Return the thing of the first process."""
         return self.comm.bcast(thing)
 
-    def Rows(self, array, counts=None):
+    def Rows(self, array: np.ndarray, counts: np.ndarray | None = None) -> np.ndarray:
         """Join the rows of all processes; `counts` has their numbers where these are known."""
         array = np.ascontiguousarray(array)
         counts = np.array(self.comm.allgather(len(array))) if counts is None else counts
@@ -181,11 +187,11 @@ class Together:
         self.comm.Allgatherv(array, (found, counts * int(np.prod(array.shape[1:]))))
         return found
 
-    def First(self, work):
+    def First(self, work: Callable[[], Any]) -> Any:
         """Let the first process alone do the work; all return its result or raise its error."""
         return self.Tell(self.Agree(work if self.rank == 0 else lambda: None, Exception))
 
-    def Agree(self, work, *errors):
+    def Agree(self, work: Callable[[], Any], *errors: type[BaseException]) -> Any:
         """Do the work; one of these errors that a process raises is raised by all."""
         found = error = None
         try:
@@ -204,42 +210,42 @@ class Alone:
 
     rank, size = 0, 1
 
-    def Call(self, *_):
+    def Call(self, *_) -> AbstractContextManager:
         """See Together; no other process has to make the call."""
         return nullcontext()
 
-    def ByUser(self, function, *args):
+    def ByUser(self, function: Callable, *args) -> Any:
         """See Together."""
         return function(*args)
 
-    def CheckInterrupts(self):
+    def CheckInterrupts(self) -> None:
         """See Together; interrupts of a single process come at once."""
 
-    def First(self, work):
+    def First(self, work: Callable[[], Any]) -> Any:
         """See Together."""
         return work()
 
-    def Reduce(self, values, _):
+    def Reduce(self, values: Any, _: str) -> Any:
         """See Together."""
         return values
 
-    def Sum(self, values):
+    def Sum(self, values: Any) -> Any:
         """See Together."""
         return values
 
-    def Gather(self, thing):
+    def Gather(self, thing: Any) -> list:
         """See Together."""
         return [thing]
 
-    def Tell(self, thing):
+    def Tell(self, thing: Any) -> Any:
         """See Together."""
         return thing
 
-    def Rows(self, array):
+    def Rows(self, array: np.ndarray) -> np.ndarray:
         """See Together."""
         return array
 
-    def Agree(self, work, *_):
+    def Agree(self, work: Callable[[], Any], *_) -> Any:
         """See Together."""
         return work()
 
@@ -247,7 +253,7 @@ class Alone:
 ALONE = Alone()
 
 
-def Recall(known, fits, make):
+def Recall(known: list, fits: Callable[[Any], bool], make: Callable[[], Any]) -> Any:
     """Find a thing among those used last, or make it; all processes do so alike."""
     found = next((thing for thing in known if fits(thing)), None)
     if found is None:
@@ -265,9 +271,12 @@ def OnAll(find: Callable) -> Callable[[Called], Called]:
     `find` takes all arguments and returns the mesh.
     """
 
-    def Decorate(function):
+    def Decorate(function: Called) -> Called:
+        """The function as a call that all processes make."""
+
         @wraps(function)
-        def Everywhere(*args, **options):
+        def Everywhere(*args, **options) -> Any:
+            """The function, in a call that all processes make."""
             try:
                 mesh = find(*args, **options)
             except TypeError:  # a wrong call, which the function refuses
@@ -284,7 +293,7 @@ def OnAll(find: Callable) -> Callable[[Called], Called]:
     return Decorate
 
 
-def NameOf(function, args):
+def NameOf(function: Callable, args: Sequence) -> str:
     """The name by which users know a function."""
     if function.__name__ == "MacroElements":
         return "LACSpace"
@@ -294,7 +303,7 @@ def NameOf(function, args):
     return name if function.__name__ == "__init__" else f"{name}.{function.__name__}"
 
 
-def Words(function, args, options):
+def Words(function: Callable, args: Sequence, options: dict[str, Any]) -> dict[str, Any]:
     """Numbers and words among the arguments of a call, by their names."""
     try:
         known = inspect.signature(function).bind_partial(*args, **options).arguments
@@ -303,14 +312,14 @@ def Words(function, args, options):
     return {name: value for name, value in known.items() if name not in OWN and IsWord(value)}
 
 
-def IsWord(value):
+def IsWord(value: Any) -> bool:
     """Whether an argument is a number, a word, nothing, or a list of these."""
     if isinstance(value, (list, tuple)):
         return all(map(IsWord, value))
     return value is None or isinstance(value, (bool, Real, str))
 
 
-def Difference(ours, others):
+def Difference(ours: dict[str, Any], others: dict[str, Any]) -> str | None:
     """The name of an argument that differs between two processes; None if there is none."""
     missing = object()
     for name in [*ours, *others]:
@@ -319,7 +328,7 @@ def Difference(ours, others):
     return None
 
 
-def Alike(one, other):
+def Alike(one: Any, other: Any) -> bool:
     """Whether two arguments are equal, but for the rounding of numbers."""
     if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         return len(one) == len(other) and all(map(Alike, one, other))
@@ -329,7 +338,7 @@ def Alike(one, other):
     return one == other
 
 
-def Portable(error):
+def Portable(error: BaseException) -> BaseException:
     """An error that can be sent to other processes: itself, or one of a similar kind."""
     try:
         pickle.loads(pickle.dumps(error))

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The whole of a distributed mesh on its first process, for files of the whole problem."""
 
+from __future__ import annotations
+
 import numpy as np
 from ngsolve import BND, FESpace, Mesh, ProductSpace, Region
 
@@ -12,7 +14,7 @@ from ngslac.parallel.together import Together
 __all__ = ["AsWhole", "WholeCopy"]
 
 
-def AsWhole(space):
+def AsWhole(space: FESpace) -> WholeCopy | Itself:
     """A WholeCopy of a space; in one process the space as it is."""
     return WholeCopy(space) if space.mesh.comm.size > 1 else Itself(space)
 
@@ -20,14 +22,14 @@ def AsWhole(space):
 class Itself:
     """The methods of a WholeCopy where one process has everything."""
 
-    def __init__(self, space):
+    def __init__(self, space: FESpace):
         self.space, self.size = space, space.ndof * space.dim
 
-    def Gather(self, values):
+    def Gather(self, values: np.ndarray) -> np.ndarray:
         """See WholeCopy."""
         return np.asarray(values)
 
-    def Scatter(self, values):
+    def Scatter(self, values: np.ndarray) -> np.ndarray:
         """See WholeCopy."""
         return values
 
@@ -43,7 +45,7 @@ class WholeCopy:
         The number of all rows.
     """
 
-    def __init__(self, space):
+    def __init__(self, space: FESpace):
         self._layout, self.together = LayoutOf(space), Together.Of(space.mesh)
         self._mesh, self._places = None, []
         self._Gather(space.mesh)
@@ -51,7 +53,7 @@ class WholeCopy:
         self._rows = self.together.Gather(places)
         self.size = self.together.Tell(self.space and self.space.ndof * self.space.dim)
 
-    def _Gather(self, mesh):
+    def _Gather(self, mesh: Mesh) -> None:
         """Gather the mesh, and find the numbers of the elements of each process in it."""
         tables = list(map(np.array, PieceOf(mesh)))
         pieces = self.together.comm.gather(tables)
@@ -65,7 +67,7 @@ class WholeCopy:
         volume = 2 if mesh.dim == 3 else 3
         self._places = [Places(every[volume], piece[volume]) for piece in pieces]
 
-    def _Copy(self, space):
+    def _Copy(self, space: FESpace) -> tuple[FESpace | None, np.ndarray]:
         """Copy the space to the first process; also find the numbers there of the rows here."""
         if type(space) is ProductSpace:
             copies, places = zip(*map(self._Copy, space.components), strict=True)
@@ -83,7 +85,7 @@ class WholeCopy:
         numbers[here[here >= 0]] = there[here >= 0]
         return copy, (d * numbers[:, None] + np.arange(d)).ravel()
 
-    def _Macros(self, space):
+    def _Macros(self, space: LACSpace) -> LACSpace | None:
         """Make the same macro-elements on the whole mesh."""
         if self._mesh is None:
             return None
@@ -91,7 +93,7 @@ class WholeCopy:
         slave = Region(self._mesh, BND, space.slave.Mask())
         return LACSpace(V, slave=slave, axisymmetric=space.axisymmetric)
 
-    def Gather(self, values):
+    def Gather(self, values: np.ndarray) -> np.ndarray | None:
         """Gather values (size, ...) of all rows on the first process; others get None."""
         values = np.asarray(values)
         mine = np.flatnonzero(self._layout.owned)
@@ -103,7 +105,7 @@ class WholeCopy:
             whole[rows[own]] = part
         return whole
 
-    def Scatter(self, values):
+    def Scatter(self, values: np.ndarray | None) -> np.ndarray:
         """Give each process its rows of the values that the first process has."""
         parts = None if values is None else [values[rows] for rows in self._rows]
         return self._layout.Of(self.together.comm.scatter(parts))

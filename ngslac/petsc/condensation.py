@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What contacts add to a system, on rank 0; the system without their multipliers, distributed."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 from netgen.meshing import NgException
@@ -9,6 +14,12 @@ from ngslac._ngslac import Condensation
 from ngslac.arrays import AsBits, Exported, ToCSR
 from ngslac.errors import LinearSolveError
 from ngslac.petsc.library import LoadPETSc
+
+if TYPE_CHECKING:
+    from petsc4py import PETSc
+    from scipy.sparse import coo_matrix, csr_matrix, spmatrix
+
+    from ngslac.petsc.numbering import Numbering
 
 __all__ = ["CondensedSystem", "Contacts"]
 
@@ -22,7 +33,9 @@ class Contacts:
         Displacements with entries.
     """
 
-    def __init__(self, total, multipliers, scale, free):
+    def __init__(
+        self, total: coo_matrix, multipliers: np.ndarray, scale: np.ndarray, free: np.ndarray
+    ):
         n, self._multipliers = len(free), np.asarray(multipliers, dtype=int)
         kept = free[total.row] & free[total.col] & (total.data != 0)
         row, column = total.row[kept], total.col[kept]
@@ -34,15 +47,15 @@ class Contacts:
         self.touched[row] = self.touched[column] = True
         self.touched &= ~self.ismultiplier
 
-    def All(self):
+    def All(self) -> tuple[csr_matrix, np.ndarray]:
         """The matrix on some dofs, and these."""
         return OnItsDofs(self._mat)
 
-    def Condensed(self, dim):
+    def Condensed(self, dim: int) -> LocalContact:
         """The LocalContact."""
         return LocalContact(self._mat, self._multipliers, dim)
 
-    def Sparse(self, condensed):
+    def Sparse(self, condensed: LocalContact) -> tuple[csr_matrix, np.ndarray]:
         """What is added to the bulk in its place, on some dofs, and these."""
         mat = self._mat.tocoo()
         apart = ~(self.ismultiplier[mat.row] | self.ismultiplier[mat.col])
@@ -55,7 +68,7 @@ class Contacts:
         return OnItsDofs(stiffness + terms + diagonal)
 
 
-def OnItsDofs(mat):
+def OnItsDofs(mat: spmatrix) -> tuple[csr_matrix, np.ndarray]:
     """The part of a matrix that is not empty, and its dofs."""
     mat = mat.tocoo()
     dofs = np.union1d(mat.row[mat.data != 0], mat.col[mat.data != 0])
@@ -79,7 +92,7 @@ class LocalContact:
         Of the rows and columns of the multipliers alone.
     """
 
-    def __init__(self, mat, multipliers, dim):
+    def __init__(self, mat: csr_matrix, multipliers: np.ndarray, dim: int):
         ismultiplier = np.zeros(mat.shape[0], dtype=bool)
         ismultiplier[multipliers] = True
         mat = mat.tocoo()
@@ -110,7 +123,7 @@ class CondensedSystem:
     matrix serves for products with A and preconditions it.
     """
 
-    def __init__(self, numbering, mat, contact):
+    def __init__(self, numbering: Numbering, mat: PETSc.Mat, contact: LocalContact | None):
         PETSc = LoadPETSc()
         self.numbering, self.mat, self.contact = numbering, mat, contact
         rows = numbering.surfaces.rows[contact.dofs] if contact else np.empty(0, dtype=int)
@@ -119,7 +132,9 @@ class CondensedSystem:
         self._work = numbering.Vector()
         self._scatter = PETSc.Scatter().create(self._work, where, self._local, None)
 
-    def _Change(self, vec, function, *others):
+    def _Change(
+        self, vec: PETSc.Vec, function: Callable[..., np.ndarray], *others
+    ) -> np.ndarray | None:
         """Put into a vector what a function makes of its entries, and of other arrays, on rank 0.
 
         These entries are those of the dofs that contact touches. Returns what it has put, and None
@@ -134,28 +149,28 @@ class CondensedSystem:
         self._scatter.scatter(self._local, vec, mode="reverse")
         return values
 
-    def _Own(self, vec):
+    def _Own(self, vec: PETSc.Vec) -> np.ndarray | None:
         return self._Change(vec, lambda values: values)
 
-    def _Bulk(self, u, image):
+    def _Bulk(self, u: np.ndarray, image: np.ndarray) -> np.ndarray:
         """K u from the image of M u."""
         contact = self.contact
         return np.where(contact.islam, 0.0, image - contact.terms @ u)
 
-    def Mult(self, z, image):
+    def Mult(self, z: PETSc.Vec, image: PETSc.Vec) -> None:
         """image = A z"""
         z.copy(self._work)
         self._Change(self._work, self._Projected)
         self.mat.mult(self._work, image)
         self._Change(image, self._Tested)
 
-    def _Projected(self, z):
+    def _Projected(self, z: np.ndarray) -> np.ndarray:
         return np.where(self.contact.islam, 0.0, self.contact.system.Project(z))
 
-    def _Tested(self, image):
+    def _Tested(self, image: np.ndarray) -> np.ndarray:
         return self.contact.system.Test(np.where(self.contact.islam, 0.0, image))
 
-    def Reduce(self, b):
+    def Reduce(self, b: PETSc.Vec) -> PETSc.Vec:
         """The right hand side of A, a new vector."""
         own, u, reduced = self._Own(b), self._work, b.duplicate()
         u.set(0)
@@ -166,7 +181,7 @@ class CondensedSystem:
         self._Change(reduced, lambda _: self.contact.system.Reduce(own, lifted, bulk))
         return reduced
 
-    def Expand(self, b, w):
+    def Expand(self, b: PETSc.Vec, w: PETSc.Vec) -> PETSc.Vec:
         """The solution from that of A: a new vector."""
         own, x, image = self._Own(b), w.copy(), b.duplicate()
         u = self._Change(x, lambda part: self.contact.system.Displacements(own, part))
@@ -175,7 +190,7 @@ class CondensedSystem:
         self._Change(x, lambda _: self.contact.system.Complete(own, u, bulk))
         return x
 
-    def Residual(self, b, x):
+    def Residual(self, b: PETSc.Vec, x: PETSc.Vec) -> PETSc.Vec:
         """What a solution leaves of b: a new vector."""
         own, u, left = self._Own(x), x.copy(), b.duplicate()
         self._Change(u, lambda part: np.where(self.contact.islam, 0.0, part))
@@ -184,7 +199,7 @@ class CondensedSystem:
         left.aypx(-1.0, b)
         return left
 
-    def _Image(self, x, image):
+    def _Image(self, x: np.ndarray, image: np.ndarray) -> np.ndarray:
         """That of the whole system."""
         u = np.where(self.contact.islam, 0.0, x)
         return self._Bulk(u, image) + self.contact.mat @ x

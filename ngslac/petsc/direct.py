@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Factorisation of the whole system by MUMPS."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import HasEqualWorks
 from ngslac.linear.refine import Refine
 from ngslac.petsc.library import Checked, LoadPETSc
+
+if TYPE_CHECKING:
+    from petsc4py import PETSc
+
+    from ngslac.petsc.numbering import Numbering
 
 __all__ = ["PetscDirect"]
 
@@ -20,20 +30,20 @@ class PetscDirect:
 
     small = 1e-9  # residual that symmetric factors have to reach, or else LU takes over
 
-    def __init__(self, numbering):
+    def __init__(self, numbering: Numbering):
         self.factorisations, self._total = 0, lambda part: numbering.Total(np.array([part]))[0]
         self.Forget()
 
-    def Forget(self):
+    def Forget(self) -> None:
         """Keep no factors."""
         self.mat = self._factors = self._symmetric = None
 
-    def Take(self, mat):
+    def Take(self, mat: PETSc.Mat) -> None:
         """Another matrix."""
         self.Forget()
         self.mat = mat
 
-    def Solve(self, b):
+    def Solve(self, b: PETSc.Vec) -> tuple[PETSc.Vec, float]:
         """The solution, a new vector, and its relative residual."""
         if self._symmetric is None:
             self._symmetric = IsSymmetric(self.mat, self._total)
@@ -47,7 +57,7 @@ class PetscDirect:
             raise LinearSolveError("MUMPS: the matrix is singular")
         return x, error
 
-    def _Try(self, kind, b):
+    def _Try(self, kind: str, b: PETSc.Vec) -> tuple[PETSc.Vec, float]:
         """Solution by one kind of factors, and its relative residual; infinity without any."""
         try:
             if self._factors is None:
@@ -57,14 +67,14 @@ class PetscDirect:
                 raise
             return b, np.inf
 
-        def Step(left):
+        def Step(left: PETSc.Vec) -> PETSc.Vec:
             step = left.duplicate()
             self._factors.apply(left, step)
             return step
 
         return Refine(Step, lambda x: b - self.mat * x, b, norm=lambda vec: vec.norm())
 
-    def _Factor(self, kind):
+    def _Factor(self, kind: str) -> PETSc.PC:
         """Factors of MUMPS; collective errors, as its codes are those of all ranks."""
         for room in ROOM:
             self.factorisations += 1
@@ -76,7 +86,7 @@ class PetscDirect:
         raise LinearSolveError(f"MUMPS ended with error {info}")
 
 
-def MUMPS(mat, kind, room):
+def MUMPS(mat: PETSc.Mat, kind: str, room: int) -> tuple[PETSc.PC, int]:
     """Factors as PETSc.PC, and INFOG(1)."""
     PETSc = LoadPETSc()
     mat.setOption(PETSc.Mat.Option.SYMMETRIC, kind == "cholesky")
@@ -93,12 +103,12 @@ def MUMPS(mat, kind, room):
     return pc, min(factors.getMumpsInfog(1), 0)
 
 
-def IsSymmetric(mat, total):
+def IsSymmetric(mat: PETSc.Mat, total: Callable[[float], float]) -> bool:
     """Is a matrix symmetric? The same answer on all ranks, whose numbers `total` sums up."""
     vec, start = mat.createVecRight(), mat.getOwnershipRange()[0]
     rows = np.arange(start, start + vec.local_size) ** 1.3
 
-    def Product(values):
+    def Product(values: np.ndarray) -> np.ndarray:
         vec.array[:] = values
         return (mat * vec).array.copy()
 

@@ -2,9 +2,11 @@
 """PETSc, found where Debian hides it, and loaded when it is first needed."""
 
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from glob import glob
+from types import ModuleType
 
 from ngslac.errors import LinearSolveError
 from ngslac.parallel.farewell import Farewell
@@ -17,7 +19,7 @@ ARGUMENTS = ["ngslac", "-no_signal_handler"]
 
 
 @cache
-def LoadPETSc():
+def LoadPETSc() -> ModuleType:
     """The module petsc4py.PETSc."""
     try:
         petsc4py = Found()
@@ -34,7 +36,7 @@ def LoadPETSc():
     return PETSc
 
 
-def Found():
+def Found() -> ModuleType:
     """The package petsc4py, also where it is not on the path."""
     try:
         import petsc4py
@@ -51,7 +53,7 @@ def Found():
 
 
 @contextmanager
-def Checked():
+def Checked() -> Iterator[None]:
     """Errors of PETSc that have come up on all ranks are those of a linear solver."""
     try:
         yield
@@ -64,14 +66,14 @@ class Options:
 
     count = 0
 
-    def __init__(self, name, **values):
+    def __init__(self, name: str, **values):
         Options.count += 1
         self.prefix = f"ngslac{Options.count}_{name}_"
         self._names, options = list(values), LoadPETSc().Options(self.prefix)
         for key, value in values.items():
             options.setValue(key, value)
 
-    def Clear(self):
+    def Clear(self) -> None:
         """Take the options back, once they are used."""
         options = LoadPETSc().Options(self.prefix)
         for key in self._names:

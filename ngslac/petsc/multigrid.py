@@ -1,9 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Preconditioner: all dofs, contact at once, and GAMG on the dofs of the vertices."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ngslac.petsc.library import Checked, LoadPETSc, Options
+
+if TYPE_CHECKING:
+    from petsc4py import PETSc
+
+    from ngslac.petsc.numbering import Numbering
 
 __all__ = ["PetscMultigrid"]
 
@@ -42,7 +52,7 @@ class PetscMultigrid:
     coarse matrix is a part of the fine one.
     """
 
-    def __init__(self, numbering, vertices):
+    def __init__(self, numbering: Numbering, vertices: np.ndarray):
         PETSc = LoadPETSc()
         self.numbering = numbering
         self._rows = Set(numbering, vertices)
@@ -55,7 +65,9 @@ class PetscMultigrid:
         indices = [part.astype(PETSc.IntType) for part in csr[:2]]
         self._injection = PETSc.Mat().createAIJ(sizes, csr=(*indices, csr[2]), comm=numbering.comm)
 
-    def Preconditioner(self, mat, contact, motions, **changes):
+    def Preconditioner(
+        self, mat: PETSc.Mat, contact: np.ndarray, motions: Sequence[PETSc.Vec], **changes
+    ) -> PETSc.PC:
         """PETSc.PC for a matrix."""
         PETSc = LoadPETSc()
         options = Options("contact", **(FINE | COARSE | changes))
@@ -80,7 +92,7 @@ class PetscMultigrid:
             options.Clear()
         return pc
 
-    def _Coarse(self, mat, motions):
+    def _Coarse(self, mat: PETSc.Mat, motions: Sequence[PETSc.Vec]) -> PETSc.Mat:
         """The part of the vertices, with the motions that it takes to nearly nothing."""
         coarse = mat.createSubMatrix(self._rows, self._rows)
         coarse.setBlockSize(self.numbering.width)
@@ -93,7 +105,7 @@ class PetscMultigrid:
         return coarse
 
 
-def Set(numbering, which):
+def Set(numbering: Numbering, which: np.ndarray) -> PETSc.IS:
     """Rows of this rank as index set."""
     PETSc = LoadPETSc()
     rows = numbering.start + np.flatnonzero(which)

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Scalar dofs in blocks, as preconditioners and PETSc's block matrices want them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.bodies.rigidmotions import MotionsOf, SameComponents
 from ngslac.linear.vertices import VertexNodes
+
+if TYPE_CHECKING:
+    from ngsolve import BitArray, FESpace
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.parallel.layout import Layout, Whole
 
 __all__ = ["Nodes"]
 
@@ -30,7 +39,7 @@ class Nodes:
     motions: np.ndarray
 
     @classmethod
-    def Of(cls, contact, freedofs):
+    def Of(cls, contact: LACContact, freedofs: BitArray) -> Nodes:
         """Those of a contact's product space with these free dofs, a BitArray."""
         form, motions = contact.form, MotionsOf(contact)
         d, first = contact.mesh.dim, form.offset * form.fes.dim
@@ -42,12 +51,12 @@ class Nodes:
         of_vertices = np.any(vertices[blocks] & (blocks >= 0), axis=1)
         return cls(blocks, of_vertices, motions)
 
-    def With(self, dofs):
+    def With(self, dofs: np.ndarray) -> np.ndarray:
         """Which nodes (k,) have one of the dofs (n,) bool."""
         return np.any(dofs[self.blocks] & (self.blocks >= 0), axis=1)
 
 
-def DisplacementNodes(space, first, d):
+def DisplacementNodes(space: FESpace, first: int, d: int) -> np.ndarray:
     """The dofs of each node (k, d) of a displacement space whose dofs begin at `first`."""
     if space.dim == d:
         return first + np.arange(space.ndof * d).reshape(-1, d)
@@ -56,7 +65,7 @@ def DisplacementNodes(space, first, d):
     return first + np.arange(count)[:, None] + count * np.arange(d)
 
 
-def Completed(blocks, layout, d):
+def Completed(blocks: np.ndarray, layout: Layout | Whole, d: int) -> np.ndarray:
     """These blocks and those of all other dofs: of multipliers d in a row, of others one each."""
     apart = np.ones(len(layout.owned), dtype=bool)
     apart[blocks] = False

@@ -1,11 +1,26 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which process owns which row, and its number there."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import scipy
 
 from ngslac.arrays import ToCSR
 from ngslac.petsc.library import LoadPETSc
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
+    from petsc4py import PETSc
+    from scipy.sparse import coo_matrix
+
+    from ngslac.parallel.form import WholeTrace
+    from ngslac.parallel.layout import Layout, Whole
+    from ngslac.parallel.skin import Trace
+    from ngslac.petsc.nodes import Nodes
 
 __all__ = ["Numbering", "Surfaces"]
 
@@ -25,7 +40,13 @@ class Numbering:
         1 in this process's rows of no free dof, else 0.
     """
 
-    def __init__(self, layout, traces, nodes, free):
+    def __init__(
+        self,
+        layout: Layout | Whole,
+        traces: Sequence[Trace | WholeTrace],
+        nodes: Nodes,
+        free: np.ndarray,
+    ):
         PETSc = LoadPETSc()
         self.layout, self.together = layout, layout.together
         self.comm = getattr(self.together, "comm", PETSc.COMM_SELF)
@@ -49,32 +70,32 @@ class Numbering:
         self.held = self.Put(1.0 - self.free, fill=1.0).array.copy()
 
     @property
-    def sizes(self):
+    def sizes(self) -> tuple[tuple[int, int], tuple[int, int]]:
         """Of a square matrix: local and global ones."""
         return ((self.stop - self.start, self.size),) * 2
 
-    def Vector(self):
+    def Vector(self) -> PETSc.Vec:
         """A vector of zeros."""
         vec = LoadPETSc().Vec().create(self.comm)
         vec.setSizes(self.sizes[0], bsize=self.width)
         vec.setType("standard")
         return vec
 
-    def CleanUp(self):
+    def CleanUp(self) -> None:
         """Let PETSc free objects that Python has dropped; PETSc waits until all processes ask."""
         PETSc = LoadPETSc()
         for comm in (PETSc.COMM_SELF, self.comm):
             PETSc.garbage_cleanup(comm)
 
-    def Tell(self, found):
+    def Tell(self, found: Any) -> Any:
         """Send the result of the first process to all."""
         return self.together.Tell(found)
 
-    def Total(self, values):
+    def Total(self, values: np.ndarray) -> np.ndarray:
         """The sum of an array over all processes."""
         return self.together.Sum(values)
 
-    def Put(self, values, fill=0.0):
+    def Put(self, values: np.ndarray, fill: float = 0.0) -> PETSc.Vec:
         """A vector of values (n,), and `fill` in rows that have no dof."""
         vec = self.Vector()
         array = np.full(self.stop - self.start, fill)
@@ -82,11 +103,11 @@ class Numbering:
         vec.array[:] = array
         return vec
 
-    def Nodes(self, which):
+    def Nodes(self, which: np.ndarray) -> np.ndarray:
         """Which of this process's rows are those of nodes (k,) bool of its own."""
         return np.repeat(np.asarray(which)[self._blocks], self.width)
 
-    def Get(self, vec):
+    def Get(self, vec: PETSc.Vec) -> np.ndarray:
         """The values (n,) of a vector."""
         self._scatter.scatter(vec, self._local)
         return self.layout.Of(self._local.array.copy())
@@ -100,28 +121,28 @@ class Surfaces:
     rows : (k,) int
     """
 
-    def __init__(self, traces, rows):
+    def __init__(self, traces: Sequence[Trace | WholeTrace], rows: np.ndarray):
         self._traces = traces
         found = [np.round(trace.Gather(1.0 + rows)).astype(int) - 1 for trace in traces]
         every = np.unique(np.concatenate(found))
         self.rows = every[every >= 0]  # others have no dofs
         self._places = [np.where(part < 0, -1, np.searchsorted(self.rows, part)) for part in found]
 
-    def Gather(self, values):
+    def Gather(self, values: np.ndarray) -> np.ndarray:
         """Those of values (n,) of this process that are on the surfaces (k,), of all processes."""
         found = np.zeros(len(self.rows))
         for trace, places in zip(self._traces, self._places, strict=True):
             found[places[places >= 0]] = trace.Gather(values)[places >= 0]
         return found
 
-    def Rows(self, chosen, total):
+    def Rows(self, chosen: np.ndarray, total: np.ndarray) -> None:
         """Set the rows (n,) bool of this process that are among those chosen (k,) bool."""
         for trace, places in zip(self._traces, self._places, strict=True):
             own = trace.Zeros()
             trace.Put(1.0 * ((places >= 0) & chosen[places]), own)
             total |= np.asarray(own) > 0
 
-    def Sum(self, mats):
+    def Sum(self, mats: Sequence[BaseMatrix]) -> coo_matrix:
         """The sum (k, k) of a matrix for each contact, as scipy matrix."""
         shape, total = (len(self.rows),) * 2, 0
         for mat, trace, places in zip(mats, self._traces, self._places, strict=False):

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The solver of the linear systems of a ContactSolver: PETSc, or the chain of methods."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +14,16 @@ from ngslac.bodies.rigidmotions import MotionsOf
 from ngslac.errors import LinearSolveError
 from ngslac.linear.chain import IsLarge, MakeLinearSolver
 from ngslac.linear.solver import LinearSolver
-from ngslac.linear.system import Link, Method
+from ngslac.linear.system import LinearSystem, Link, Method, Options
 from ngslac.parallel.copies import WarnOfCopies
 from ngslac.parallel.form import TraceOf
 from ngslac.petsc.nodes import Nodes
 from ngslac.petsc.system import PetscSystem
+
+if TYPE_CHECKING:
+    from ngsolve import BilinearForm, BitArray
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["LinearSolverFor", "PetscLinearSolver"]
 
@@ -26,15 +35,15 @@ WAYS = {"iterative": "FGMRES with multigrid", "direct": "factors of MUMPS"}
 class Taken:
     """The matrices that a PetscSystem has, those of the last LinearSystem."""
 
-    def __init__(self, petsc):
+    def __init__(self, petsc: PetscSystem):
         self.petsc, self._together = petsc, petsc.numbering.together
         self.NewBulk()
 
-    def NewBulk(self):
+    def NewBulk(self) -> None:
         """The bulk matrix has got other values."""
         self._bulk = self._entries = None
 
-    def Take(self, system):
+    def Take(self, system: LinearSystem) -> None:
         """Set what is not the same as for the last system."""
         if self._bulk is not system.mat:
             self.NewBulk()
@@ -55,36 +64,38 @@ class Taken:
 class PetscMethod(Method):
     """One of the ways of a PetscSystem, see Method."""
 
-    def __init__(self, taken, name, most=np.inf):
+    def __init__(self, taken: Taken, name: str, most: float = np.inf):
         self._taken, self._name, self._most = taken, name, most
         self.is_iteration, self.serves_alone = name == "iterative", name == "direct"
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"PETSc, {WAYS[self._name]}"
 
     @property
-    def factorisations(self):
+    def factorisations(self) -> int:
         """Of matrices of full size, so far."""
         return self._taken.petsc.factorisations if self._name == "direct" else 0
 
     @property
-    def krylov(self):
+    def krylov(self) -> int:
         """Krylov iterations so far."""
         return self._taken.petsc.krylov if self._name == "iterative" else 0
 
-    def Solve(self, system, b):
+    def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """See Method."""
         if self._taken.petsc.numbering.size > self._most and not system.alone:
             raise LinearSolveError("the system is large")
         self._taken.Take(system)
         return self._taken.petsc.Solve(b, system.accuracy, self._name)
 
-    def NewBulk(self):
+    def NewBulk(self) -> None:
         """The bulk matrix has got other values."""
         self._taken.NewBulk()
 
 
-def PetscLinearSolver(contacts, freedofs, wanted=None):
+def PetscLinearSolver(
+    contacts: Sequence[LACContact], freedofs: BitArray, wanted: str | None = None
+) -> LinearSolver:
     """The LinearSolver of these contacts and free dofs with the methods of PETSc."""
     layout, nodes = contacts[0].layout, Nodes.Of(contacts[0], freedofs)
     traces = [TraceOf(contact.form) for contact in contacts]
@@ -103,7 +114,9 @@ def PetscLinearSolver(contacts, freedofs, wanted=None):
     return LinearSolver(freedofs, links)
 
 
-def LinearSolverFor(a, contacts, freedofs, options):
+def LinearSolverFor(
+    a: BilinearForm, contacts: Sequence[LACContact], freedofs: BitArray, options: Options
+) -> LinearSolver:
     """The LinearSolver of a bulk form on free scalar dofs."""
     mesh, wanted = a.space.mesh, options.solver
     WarnOfCopies(mesh)
