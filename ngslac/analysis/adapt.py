@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Meshes that are refined where an estimate of the error is large."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import H1, L2, GridFunction, Mesh, VectorH1
+from ngsolve import H1, L2, FESpace, GridFunction, Mesh, VectorH1
 
 from ngslac.analysis.balance import CheckSimplices, FaceElements
 from ngslac.analysis.estimate import ErrorEstimate
@@ -21,7 +25,12 @@ from ngslac.arguments import (
     Wrong,
 )
 from ngslac.errors import RefuseCopy, Warn
-from ngslac.solve.solver import Equilibrium
+from ngslac.solve.solver import ContactSolver, Equilibrium
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Adapt", "AdaptStep", "Doerfler"]
 
@@ -49,14 +58,14 @@ class AdaptStep:
     relative: float
     iterations: int
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"mesh {self.number}  {self.dofs} dofs, {self.elements} elements  "
             f"error {100 * self.relative:.3g} %  {self.iterations} iterations"
         )
 
 
-def Doerfler(squares, theta):
+def Doerfler(squares: np.ndarray, theta: float) -> np.ndarray:
     """The fewest elements (ne,) bool that have the part `theta` of a sum of squares (ne,)."""
     order = np.argsort(-squares, kind="stable")
     sums = np.cumsum(squares[order])
@@ -130,7 +139,17 @@ class Adapt:
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
-    def __init__(self, problem, mesh, estimate, *, tol, maxdofs=100_000, maxmeshes=30, marking=0.5):
+    def __init__(
+        self,
+        problem: Callable[[Mesh], ContactSolver],
+        mesh: Mesh,
+        estimate: Callable[[ContactSolver], ErrorEstimate | GoalError],
+        *,
+        tol: float,
+        maxdofs: int = 100_000,
+        maxmeshes: int = 30,
+        marking: float = 0.5,
+    ):
         for name, function in {"problem": problem, "estimate": estimate}.items():
             wanted = "a function"
             if function is None:
@@ -148,20 +167,27 @@ class Adapt:
         self.mesh = Mesh(mesh.ngmesh.Copy())
         if self._order > 1:
             self.mesh.Curve(self._order)
-        self.solver, self.estimate, self.steps = self._Made(), None, []
+        self.solver, self.steps = self._Made(), []
+        self.estimate: Any = None  # before the first mesh is solved
         self._carried = {}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Adapt: {self.mesh.ne} elements, {len(self.steps)} solved; {self.solver!r}>"
 
-    def _Made(self):
+    def _Made(self) -> ContactSolver:
         solver = self._problem(self.mesh)
         CheckInstance("problem(mesh)", solver, Equilibrium, "a solver, such as ContactSolver")
         if solver.gf.space.mesh != self.mesh:
             raise ValueError("problem(mesh) returned a solver on another mesh: use its argument")
         return solver
 
-    def Solve(self, *, printing=True, callback=None, **options) -> list[AdaptStep]:
+    def Solve(
+        self,
+        *,
+        printing: bool = True,
+        callback: Callable[[AdaptStep], object] | None = None,
+        **options,
+    ) -> list[AdaptStep]:
         """Solve and refine until the estimate is below `tol`; call it again after a change of load.
 
         Each further call makes the problem anew, with the values that it prescribes then.
@@ -215,7 +241,7 @@ class Adapt:
                 return done
             self.Refine(Doerfler(found.squares, self.marking))
 
-    def _CheckMade(self):
+    def _CheckMade(self) -> None:
         """Raise where the last refinement has left no solver."""
         if self.solver is None:
             raise ValueError(
@@ -223,7 +249,7 @@ class Adapt:
                 "make another Adapt"
             )
 
-    def _MakeAnew(self, marked=None):
+    def _MakeAnew(self, marked: np.ndarray | None = None) -> None:
         """Make the problem anew; before that refine the marked elements (ne,) bool."""
         carried = Carried(self.solver, self._carried)
         if marked is not None:
@@ -241,7 +267,7 @@ class Adapt:
         for contact in self.solver.contacts:
             contact.Commit(self.solver.gf)
 
-    def Refine(self, marked) -> None:
+    def Refine(self, marked: np.ndarray) -> None:
         """Refine elements, and those that have to follow, and make the problem anew.
 
         Parameters
@@ -269,7 +295,7 @@ class Carried:
     `functions` are kept from mesh to mesh: NGSolve prolongates those made before its refinement.
     """
 
-    def __init__(self, solver, functions):
+    def __init__(self, solver: ContactSolver, functions: dict[str, GridFunction]):
         static = Static(solver)
         self.mesh, self.functions, self.contacts = static.gf.space.mesh, functions, static.contacts
         self.now = self._Noted("now", static.gf.vec.FV().NumPy(), static.gf.space)
@@ -280,7 +306,9 @@ class Carried:
         self.macros = [self._Macros(f"macros {k}", c) for k, c in enumerate(self.contacts)]
         self.kept = [Kept(contact) for contact in self.contacts]
 
-    def _Noted(self, name, entries, space):
+    def _Noted(
+        self, name: str, entries: np.ndarray, space: FESpace
+    ) -> tuple[dict[int, GridFunction], list[np.ndarray]]:
         """Functions for all components but multipliers, and the multipliers (n, d) of contacts."""
         whole, functions = GridFunction(space), {}
         whole.vec.FV().NumPy()[:] = entries
@@ -291,7 +319,8 @@ class Carried:
         dofs = [c.form.MultiplierDofs().reshape(c.space.nmacros, -1) for c in self.contacts]
         return functions, [entries[numbers] for numbers in dofs]
 
-    def _Function(self, name, part):
+    def _Function(self, name: str, part: GridFunction) -> GridFunction:
+        """The function of a name that follows the mesh, made when first asked for."""
         if name not in self.functions:
             space, order = part.space, max(1, part.space.globalorder)
             kind, flags = H1, {"dim": space.TrialFunction().dim}
@@ -301,7 +330,7 @@ class Carried:
             self.functions[name] = GridFunction(space, autoupdate=True, nested=True)
         return self.functions[name]
 
-    def _Macros(self, name, contact):
+    def _Macros(self, name: str, contact: LACContact) -> GridFunction:
         """The macro-element of the slave face of each element, which its parts inherit."""
         if name not in self.functions:
             space = L2(self.mesh, order=0, autoupdate=True)
@@ -312,7 +341,7 @@ class Carried:
         values[element] = numbers
         return self.functions[name]
 
-    def Put(self, solver):
+    def Put(self, solver: ContactSolver) -> None:
         """Set all in the solver of the refined mesh."""
         static = Static(solver)
         gf, held, contacts = static.gf, static.constrained, static.contacts
@@ -337,7 +366,12 @@ class Carried:
         values[held] = prescribed
 
 
-def Fill(gf, noted, contacts, shares):
+def Fill(
+    gf: GridFunction,
+    noted: tuple[dict[int, GridFunction], list[np.ndarray]],
+    contacts: Sequence[LACContact],
+    shares: list[csr_matrix],
+) -> None:
     """Set the components of a solution, and its multipliers by areas."""
     functions, multipliers = noted
     for k, function in functions.items():
@@ -347,19 +381,19 @@ def Fill(gf, noted, contacts, shares):
         values[contact.form.MultiplierDofs()] = (share @ lam).ravel()
 
 
-def Kept(contact):
+def Kept(contact: LACContact) -> dict[str, np.ndarray]:
     """The memory of laws after the last committed step, (n, k) by name."""
     history = contact.form.History() if contact.form.paired else {}
     kept = {name: values for name, values in history.items() if name.startswith(REMEMBERED)}
     return {name: np.reshape(v, (contact.space.nmacros, -1)) for name, v in kept.items()}
 
 
-def Averaged(kept, share):
+def Averaged(kept: dict[str, np.ndarray], share: csr_matrix) -> dict[str, np.ndarray]:
     """The same for the new macro-elements, averaged by their areas in the former ones."""
     return {name: (share @ values).ravel() for name, values in kept.items()}
 
 
-def Shares(contact, macros, count):
+def Shares(contact: LACContact, macros: GridFunction, count: int) -> csr_matrix:
     """Part (n, count) of the area of each macro-element that each of the mesh before had."""
     numbers, element, area = SlaveElements(contact)
     old = np.rint(macros.vec.FV().NumPy()[element]).astype(int)
@@ -371,7 +405,7 @@ def Shares(contact, macros, count):
     return scipy.sparse.diags(part) @ scipy.sparse.csr_matrix(entries, shape=shape)
 
 
-def SlaveElements(contact):
+def SlaveElements(contact: LACContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Macro-element, volume element and area of each slave face."""
     faces, elements, area = FaceElements(contact.space.slave)
     return np.array(contact.space.macros)[faces], elements, area

@@ -1,22 +1,29 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forces at faces and in elements that a discrete solution does not balance."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import (
     BND,
     CF,
     L2,
+    BaseVector,
     BilinearForm,
     BoundaryFromVolumeCF,
     CoefficientFunction,
     FacetFESpace,
+    FESpace,
     Grad,
     GridFunction,
     InnerProduct,
     Integrate,
     LinearForm,
+    Mesh,
     Region,
     VectorFacetFESpace,
     VectorL2,
@@ -35,6 +42,12 @@ from ngslac.arguments import CheckFunction, CheckInstance, Wrong
 from ngslac.arrays import AsBits, AsNumPy, ComponentsOf, Multiply, ToCSR
 from ngslac.materials import AxisymmetricGrad
 from ngslac.recovery.surface import SlaveSurface
+
+if TYPE_CHECKING:
+    from ngsolve.comp import DifferentialSymbol, ProxyFunction
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.solver import ContactSolver, Equilibrium
 
 __all__ = [
     "Balance",
@@ -62,22 +75,24 @@ class Straight:
 
     weight = CF(1)
 
-    def __init__(self, dim):
+    def __init__(self, dim: int):
         self.dim = dim  # rows of a stress
 
-    def Gradient(self, u):
+    def Gradient(self, u: CoefficientFunction) -> CoefficientFunction:
         """Of a displacement."""
         return Grad(u)
 
-    def Traction(self, stress, normal):
+    def Traction(
+        self, stress: CoefficientFunction, normal: CoefficientFunction
+    ) -> CoefficientFunction:
         """Force per area."""
         return stress * normal
 
-    def Around(self, stress):
+    def Around(self, stress: CoefficientFunction) -> CoefficientFunction:
         """The part of the divergence of a stress that is no derivative of its rows."""
         return CF((0,) * self.dim)
 
-    def Positive(self, size):
+    def Positive(self, size: GridFunction) -> CoefficientFunction:
         """The weight, > 0 everywhere, of elements with a size."""
         return self.weight
 
@@ -88,15 +103,17 @@ class Round:
     weight, dim = 2 * pi * x, 3
     Gradient = staticmethod(AxisymmetricGrad)
 
-    def Traction(self, stress, normal):
+    def Traction(
+        self, stress: CoefficientFunction, normal: CoefficientFunction
+    ) -> CoefficientFunction:
         """Force per area, in the section."""
         return CF((stress[0, 0], stress[0, 1], stress[1, 0], stress[1, 1]), dims=(2, 2)) * normal
 
-    def Around(self, stress):
+    def Around(self, stress: CoefficientFunction) -> CoefficientFunction:
         """The part of the divergence of a stress that is no derivative of its rows."""
         return CF((stress[0, 0] - stress[2, 2], stress[1, 0])) / x
 
-    def Positive(self, size):
+    def Positive(self, size: GridFunction) -> CoefficientFunction:
         """The weight, > 0 also on the axis, of elements with a size."""
         return self.weight + SMALL * size
 
@@ -121,7 +138,13 @@ class Balance:
 
     homogeneous = False
 
-    def __init__(self, solver, stress, force, tractions):
+    def __init__(
+        self,
+        solver: ContactSolver,
+        stress: Callable[[CoefficientFunction], CoefficientFunction],
+        force: CoefficientFunction | None,
+        tractions: dict[str | Region, CoefficientFunction] | None,
+    ):
         self.static = static = Static(solver)
         Refuse(static)
         self.contacts = static.contacts
@@ -148,7 +171,7 @@ class Balance:
         self._CheckStart()
         self._CheckBalance()
 
-    def _Numbers(self):
+    def _Numbers(self) -> None:
         """Functions that are constant on elements."""
         constant = L2(self.mesh, order=0)
         self.modulus, self.size = GridFunction(constant), GridFunction(constant)
@@ -159,26 +182,28 @@ class Balance:
         # Force per area and displacement by which the elements at a surface take up one of it.
         self.stiffness = 4 * self.modulus.vec.FV().NumPy() / self.size.vec.FV().NumPy()
 
-    def Modulus(self):
+    def Modulus(self) -> CoefficientFunction:
         """Shear modulus near the state without stress."""
         d = self.kind.dim
         shear = CF(tuple(SMALL * (k == 1) for k in range(d * d)), dims=(d, d))
         return (self.law(shear) - self.law(0 * shear))[0, 1] / SMALL
 
-    def Elementwise(self, density, where=dx):
+    def Elementwise(
+        self, density: CoefficientFunction, where: DifferentialSymbol = dx
+    ) -> np.ndarray:
         """Integrals (ne,) over elements or over their boundaries."""
         density = self.kind.weight * density
         return np.array(Integrate(density * where, self.mesh, element_wise=True).NumPy())
 
     @property
-    def energy(self):
+    def energy(self) -> float:
         """Norm of the solution: the root of the integral of stress times gradient."""
         work = InnerProduct(self.stress, self.kind.Gradient(self.u))
         return float(np.sqrt(abs(np.sum(self.Elementwise(work)))))
 
     # --- tractions -------------------------------------------------------------------------------
 
-    def Contact(self, space):
+    def Contact(self, space: FESpace) -> np.ndarray:
         """Work (n,) of the contact tractions in the functions of a space like that of u."""
         work = 0
         for contact, tractions in zip(self.contacts, self.multipliers, strict=True):
@@ -187,7 +212,7 @@ class Balance:
             work = work + Multiply([jump], tractions.ravel())
         return work
 
-    def Outer(self, space):
+    def Outer(self, space: FESpace) -> np.ndarray:
         """LinearForm of the surface loads."""
         v, weight = space.TestFunction(), self.kind.weight
         loads = LinearForm(space)
@@ -195,7 +220,7 @@ class Balance:
             loads += weight * InnerProduct(traction, v) * ds(definedon=region, bonus_intorder=2)
         return loads.Assemble().vec.FV().NumPy().copy()
 
-    def _CheckStart(self):
+    def _CheckStart(self) -> None:
         """Raise for a stress without a displacement, with which the energy would differ."""
         start = self.law(0 * self.kind.Gradient(self.u))
         sizes = [np.sum(self.Elementwise(InnerProduct(t, t))) for t in (start, self.stress)]
@@ -205,7 +230,8 @@ class Balance:
                 "errors are not estimated for that"
             )
 
-    def _CheckBalance(self):
+    def _CheckBalance(self) -> None:
+        """Raise if loads, stress and contact are not in balance at the solution."""
         v, where = self.space.TestFunction(), dx(bonus_intorder=2)
         works = [InnerProduct(self.stress, self.kind.Gradient(v))]
         if self.force is not None:
@@ -223,7 +249,7 @@ class Balance:
                 f"converged (to {CONVERGED:g} or better)"
             )
 
-    def _Resultants(self, parts):
+    def _Resultants(self, parts: np.ndarray) -> float:
         """The largest work of forces together in motions without strain gradients, relative.
 
         Small imbalances of single nodes add up in them, such as those of a forgotten weight.
@@ -239,14 +265,14 @@ class Balance:
                 sizes.append(np.max(np.abs(parts) @ np.abs(motion)))
         return max(works) / (max(sizes) or 1.0)
 
-    def _Rounding(self):
+    def _Rounding(self) -> float:
         """Forces that are rounding beside those of a displacement as large as the present one."""
         modulus, size = (f.vec.FV().NumPy() for f in (self.modulus, self.size))
         largest = np.abs(self.u.vec.FV().NumPy()).max(initial=0)
         forces = np.mean(modulus) * np.max(size) ** (self.dim - 2) * largest
         return ROUNDING * forces * np.sqrt(len(self.free))
 
-    def Held(self, region):
+    def Held(self, region: Region) -> np.ndarray:
         """Which components (d,) of the displacement are prescribed on a boundary."""
         parts = self._Parts()
         if parts is None:
@@ -260,10 +286,10 @@ class Balance:
             held[k] = dofs.any() and not self.free[ends[k] : ends[k + 1]][dofs].any()
         return held
 
-    def _Parts(self):
+    def _Parts(self) -> list[FESpace] | None:
         return None if self.space.dim > 1 else list(ComponentsOf(self.space))
 
-    def Supports(self):
+    def Supports(self) -> list[tuple[Region, np.ndarray]]:
         """Pairs of boundary region and held components (d,), where any is."""
         names = np.array(self.mesh.GetBoundaries())
         regions = [Region(self.mesh, BND, AsBits(names == name)) for name in dict.fromkeys(names)]
@@ -271,7 +297,7 @@ class Balance:
         return [(region, held) for region, held in pairs if held.any()]
 
     @cached_property
-    def outer(self):
+    def outer(self) -> np.ndarray:
         """Which facets (nf,) belong to one element: boundaries may lie inside of bodies, too."""
         facets = FacetFESpace(self.mesh, order=0)
         q = facets.TestFunction()
@@ -279,7 +305,7 @@ class Balance:
         both, there = (load.Assemble().vec.FV().NumPy() for load in loads)
         return (there > 0) & (both < 1.5 * there)
 
-    def Sides(self):
+    def Sides(self) -> Region:
         """Region of slave and master of all contacts."""
         total = None
         for contact in self.contacts:
@@ -290,7 +316,7 @@ class Balance:
 
     # --- what is left ----------------------------------------------------------------------------
 
-    def Divergence(self):
+    def Divergence(self) -> CoefficientFunction:
         """Divergence of the stress plus the body force: the imbalance within elements."""
         rows = [GridFunction(VectorL2(self.mesh, order=self.order)) for _ in range(self.dim)]
         for k, row in enumerate(rows):
@@ -299,7 +325,7 @@ class Balance:
         total = total + self.kind.Around(self.stress)
         return total if self.force is None else total + self.force
 
-    def OnFacets(self, faces, work):
+    def OnFacets(self, faces: FESpace, work: BaseVector) -> GridFunction:
         """The function on facets that does this work (BaseVector) in those of their space."""
         p, q = faces.TnT()
         weight, edge = self.kind.Positive(self.size), dx(element_boundary=True)
@@ -308,7 +334,7 @@ class Balance:
         found.vec.data = mass.mat.Inverse(faces.FreeDofs(), "sparsecholesky") * work
         return found
 
-    def FacetResidual(self, besides=()):
+    def FacetResidual(self, besides: Sequence[Region] = ()) -> tuple[GridFunction, GridFunction]:
         """Jumps of tractions, and the imbalance at boundaries: two GridFunctions on facets.
 
         The first is that of all faces but those of contacts, the second of these. The regions of
@@ -340,21 +366,31 @@ class Balance:
         return bulk, contact
 
 
-def Numbered(space):
+def Numbered(space: FESpace) -> GridFunction:
     """The function with the value k at the dof k."""
     numbers = GridFunction(space)
     numbers.vec.FV().NumPy()[:] = np.arange(space.ndof)
     return numbers
 
 
-def Diagonal(space, factor, product, measure):
+def Diagonal(
+    space: FESpace,
+    factor: CoefficientFunction,
+    product: Callable[[ProxyFunction, ProxyFunction], CoefficientFunction],
+    measure: DifferentialSymbol,
+) -> np.ndarray:
     """Squares (n,) of the functions of a space."""
     s, t = space.TnT()
     form = BilinearForm(factor * product(s, t) * measure, check_unused=False)
     return ToCSR(form.Assemble().mat).diagonal()
 
 
-def Owner(space, numbers, product=InnerProduct, measure=dx):
+def Owner(
+    space: FESpace,
+    numbers: GridFunction,
+    product: Callable[[ProxyFunction, ProxyFunction], CoefficientFunction] = InnerProduct,
+    measure: DifferentialSymbol = dx,
+) -> tuple[np.ndarray, np.ndarray]:
     """The number (n,) of an element or facet where each function of a space lives, and its square.
 
     A refined mesh keeps facets that were cut: theirs are -1 and 0.
@@ -384,7 +420,7 @@ class ContactPoints:
         Of friction where it does not oppose the slip, and of pressure in overlaps, >= 0; per area.
     """
 
-    def __init__(self, contact, balance):
+    def __init__(self, contact: LACContact, balance: Balance):
         self.surface = surface = SlaveSurface(contact)
         face, at = surface.table[:, 0].astype(int), surface.table[:, 2:4]
         of = BoundaryFromVolumeCF(balance.number)
@@ -395,7 +431,10 @@ class ContactPoints:
         self.stiffness = self._Stiffness(balance, of)
         self._SetViolation(contact, balance, table)
 
-    def _SetViolation(self, contact, balance, table):
+    def _SetViolation(
+        self, contact: LACContact, balance: Balance, table: dict[str, np.ndarray]
+    ) -> None:
+        """What points of the surfaces have against the conditions of contact, and its work."""
         surface, normal = self.surface, self.normal
         jump = surface.Jump(Moved(contact, balance))
         mean = self._Mean(jump)
@@ -420,7 +459,9 @@ class ContactPoints:
         work = work + np.sum(drag * slip, axis=1)
         self.work = np.where(closed & (status == 2), work, 0) + penetration
 
-    def _Shifted(self, gap, contact, table):
+    def _Shifted(
+        self, gap: np.ndarray, contact: LACContact, table: dict[str, np.ndarray]
+    ) -> np.ndarray:
         """Gaps plus an offset and the adjustment of the start."""
         offset = contact._state.setup["offset"]
         if isinstance(offset, CoefficientFunction):
@@ -429,7 +470,7 @@ class ContactPoints:
         mean = self._Mean(gap[:, None])[:, 0]
         return gap + np.nan_to_num(table["gap"][self.macro] - mean)
 
-    def _Stiffness(self, balance, of):
+    def _Stiffness(self, balance: Balance, of: CoefficientFunction) -> np.ndarray:
         """Of both bodies in series (q,): either takes up a part of a displacement."""
         master = self.surface.table[:, 1].astype(int)
         soft, faced = 1 / balance.stiffness[self.element], master >= 0
@@ -438,7 +479,9 @@ class ContactPoints:
             soft[faced] += 1 / balance.stiffness[np.rint(number[:, 0]).astype(int)]
         return 1 / soft
 
-    def _Normal(self, gap, closed, contact, balance):
+    def _Normal(
+        self, gap: np.ndarray, closed: np.ndarray, contact: LACContact, balance: Balance
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Gaps that count, and pressure times penetration where that is less than all gaps."""
         overlap = np.maximum(-gap, 0)
         if contact.bilateral:
@@ -450,21 +493,21 @@ class ContactPoints:
         fewer |= ~closed
         return np.where(fewer, -overlap, gap), np.where(fewer, work, 0)
 
-    def _Sums(self, values):
+    def _Sums(self, values: np.ndarray) -> np.ndarray:
         return np.bincount(self.macro, self.weight * values, len(self.surface.area))
 
-    def _Mean(self, jump):
+    def _Mean(self, jump: np.ndarray) -> np.ndarray:
         surface = self.surface
         sums = [self._Sums(column) for column in jump.T]
         with np.errstate(divide="ignore", invalid="ignore"):
             return (np.stack(sums, axis=1) / surface.area[:, None])[self.macro]
 
-    def Sum(self, values, count):
+    def Sum(self, values: np.ndarray, count: int) -> np.ndarray:
         """Integrals (ne,) over the faces of elements, of values (q,) at the points."""
         return np.bincount(self.element, self.weight * values, count)
 
 
-def Moved(contact, balance):
+def Moved(contact: LACContact, balance: Balance) -> GridFunction:
     """The displacement counted from where the surfaces were paired."""
     paired = contact._state.paired
     moved = GridFunction(balance.space)
@@ -476,7 +519,7 @@ def Moved(contact, balance):
     return moved
 
 
-def Other(contact, space, balance):
+def Other(contact: LACContact, space: FESpace, balance: Balance) -> ContactForm:
     """The form of a contact on the same macro-elements for another displacement space."""
     macros = np.array(contact.space.macros)
     numbers = macros[macros >= 0].tolist()
@@ -499,7 +542,7 @@ def Other(contact, space, balance):
     return form
 
 
-def FaceElements(region):
+def FaceElements(region: Region) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Number, volume element and area of each face of a boundary region."""
     mesh = region.mesh
     number = Numbered(L2(mesh, order=0))
@@ -512,7 +555,7 @@ def FaceElements(region):
 # --- arguments -----------------------------------------------------------------------------------
 
 
-def Refuse(static):
+def Refuse(static: Equilibrium) -> None:
     """Raise ValueError for problems that the estimators do not cover."""
     static.system.CheckSpace()
     space = static.contacts[0].form.component
@@ -535,7 +578,11 @@ def Refuse(static):
             raise ValueError(f"contacts: errors are not estimated for {found[0]}")
 
 
-def Tensor(law, gradient, dim):
+def Tensor(
+    law: Callable[[CoefficientFunction], CoefficientFunction],
+    gradient: CoefficientFunction,
+    dim: int,
+) -> CoefficientFunction:
     """The stress that a function returns for a displacement gradient."""
     CheckFunction("stress", law, "a function of the displacement gradient")
     if law is None:
@@ -547,7 +594,7 @@ def Tensor(law, gradient, dim):
     return value
 
 
-def Vector(name, value, dim):
+def Vector(name: str, value: CoefficientFunction, dim: int) -> CoefficientFunction:
     """A vector-valued function, or a sequence of numbers."""
     value = CF(tuple(value)) if isinstance(value, (tuple, list)) else value
     CheckInstance(name, value, CoefficientFunction, f"a vector with {dim} components")
@@ -556,7 +603,9 @@ def Vector(name, value, dim):
     return value
 
 
-def Tractions(tractions, mesh, dim):
+def Tractions(
+    tractions: dict[str | Region, CoefficientFunction] | None, mesh: Mesh, dim: int
+) -> list[tuple[Region, CoefficientFunction]]:
     """Pairs of region and function."""
     if tractions is None:
         return []
@@ -567,7 +616,7 @@ def Tractions(tractions, mesh, dim):
     ]
 
 
-def CheckSimplices(mesh):
+def CheckSimplices(mesh: Mesh) -> None:
     """Raise ValueError for elements that are not bisected."""
     elements = mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()
     if set(np.unique(elements.NumPy()["type"])) - SIMPLICES:

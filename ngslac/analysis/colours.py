@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Columns of a matrix that have no row in common, for what is done with many at once."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 __all__ = ["Colours"]
 
 
-def Colours(rows):
+def Colours(rows: csr_matrix) -> np.ndarray:
     """A number (n,) for each column of a sparse matrix, such that no row has two of one."""
     graph = (rows.T @ rows).tocsr()
     graph.setdiag(0)

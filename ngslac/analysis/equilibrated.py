@@ -5,6 +5,11 @@ Stresses are found on the patches of vertices. All patches of a colour, which ha
 common, are solved at once.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import (
     CF,
@@ -12,7 +17,9 @@ from ngsolve import (
     H1,
     L2,
     VOL,
+    BaseVector,
     BilinearForm,
+    CoefficientFunction,
     FacetFESpace,
     FESpace,
     Grad,
@@ -23,6 +30,8 @@ from ngsolve import (
     IntegrationRule,
     Inv,
     LinearForm,
+    Mesh,
+    Region,
     Sym,
     VectorFacetFESpace,
     VectorL2,
@@ -48,6 +57,11 @@ from ngslac.analysis.estimate import Consistency, ErrorEstimate
 from ngslac.analysis.shapes import Constants, Rule
 from ngslac.arrays import AsBits, AsNumPy, ToCSR
 
+if TYPE_CHECKING:
+    from ngsolve.comp import DifferentialSymbol, ProxyFunction
+
+    from ngslac.solve.solver import ContactSolver
+
 __all__ = ["EquilibratedEstimate"]
 
 # Of the stiffness: keeps multipliers that have no effect where they are.
@@ -61,13 +75,13 @@ SYMMETRY = 16.0  # how much more than stresses their skew part weighs, beside Ko
 class Patches:
     """The vertices in colours such that no element has two of one."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh: Mesh):
         self.hats = H1(mesh, order=1)
         self.corner = ToCSR(Pairing(self.hats, L2(mesh, order=0), dx).mat)
         self.corner.data[:] = 1
         self.colour = Colours(self.corner)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[GridFunction]:
         """Sums of the hat functions of each colour."""
         for colour in range(self.colour.max() + 1):
             hat = GridFunction(self.hats)
@@ -75,7 +89,7 @@ class Patches:
             yield hat
 
 
-def Pairing(trial, test, measure):
+def Pairing(trial: FESpace, test: FESpace, measure: DifferentialSymbol) -> BilinearForm:
     """Mass matrix between two scalar spaces."""
     form = BilinearForm(trialspace=trial, testspace=test)
     form += trial.TrialFunction() * test.TestFunction() * measure
@@ -85,7 +99,7 @@ def Pairing(trial, test, measure):
 class Compliance:
     """Strain energy of stresses for a linear law; `law` maps displacement gradients to stresses."""
 
-    def __init__(self, law, dim):
+    def __init__(self, law: Callable[[CoefficientFunction], CoefficientFunction], dim: int):
         pairs = [(i, i) for i in range(dim)]
         pairs += [(i, j) for i in range(dim) for j in range(i + 1, dim)]
         self.dim, self.pairs = dim, pairs
@@ -96,20 +110,20 @@ class Compliance:
         entries = tuple(entry for row in inverse for entry in row)
         self._inverse = CF(entries, dims=(count, count)).Compile()
 
-    def _Unit(self, i, j):
+    def _Unit(self, i: int, j: int) -> CoefficientFunction:
         size = 1.0 if i == j else np.sqrt(0.5)
         entries = np.zeros((self.dim, self.dim))
         entries[i, j] = entries[j, i] = size
         return CF(tuple(entries.ravel().tolist()), dims=(self.dim, self.dim))
 
-    def _Numbers(self, tensor):
+    def _Numbers(self, tensor: CoefficientFunction) -> list[CoefficientFunction]:
         """Components in an orthonormal basis of symmetric tensors."""
         return [
             tensor[i, i] if i == j else np.sqrt(0.5) * (tensor[i, j] + tensor[j, i])
             for i, j in self.pairs
         ]
 
-    def Strain(self, stress):
+    def Strain(self, stress: CoefficientFunction) -> CoefficientFunction:
         """The strain of a stress."""
         numbers = self._inverse * CF(tuple(self._Numbers(stress)))
         entries = [[None] * self.dim for _ in range(self.dim)]
@@ -117,21 +131,21 @@ class Compliance:
             entries[i][j] = entries[j][i] = numbers[k] * (1.0 if i == j else np.sqrt(0.5))
         return CF(tuple(e for row in entries for e in row), dims=(self.dim, self.dim))
 
-    def __call__(self, one, two):
+    def __call__(self, one: CoefficientFunction, two: CoefficientFunction) -> CoefficientFunction:
         """Product of the symmetric parts of two stresses."""
         first, second = (CF(tuple(self._Numbers(stress))) for stress in (one, two))
         return InnerProduct(self._inverse * first, second)
 
 
-def Inverse(rows):
+def Inverse(rows: Sequence[Sequence[CoefficientFunction]]) -> list[list[CoefficientFunction]]:
     """Of a symmetric matrix of functions with 3 or 6 rows, by blocks of 3."""
 
-    def Block(i, j):
+    def Block(i: int, j: int) -> CoefficientFunction:
         return CF(
             tuple(rows[3 * i + k][3 * j + m] for k in range(3) for m in range(3)), dims=(3, 3)
         )
 
-    def Entries(matrix):
+    def Entries(matrix: CoefficientFunction) -> list[list[CoefficientFunction]]:
         return [[matrix[k, m] for m in range(3)] for k in range(3)]
 
     first = Inv(Block(0, 0))
@@ -148,7 +162,7 @@ def Inverse(rows):
 class Equilibration:
     """A stress in equilibrium, whose rows are functions of H(div)."""
 
-    def __init__(self, balance, order):
+    def __init__(self, balance: Balance, order: int):
         self.balance, self.mesh, self.dim = balance, balance.mesh, balance.dim
         d, constant = self.dim, L2(self.mesh, order=0)
         self.unit = float(np.mean(balance.modulus.vec.FV().NumPy()))
@@ -167,7 +181,7 @@ class Equilibration:
         self._Solve()
         self.stress = Rows(self.solution.components[:d])
 
-    def _Owners(self, constant):
+    def _Owners(self, constant: FESpace) -> None:
         """Facet (-1: none) and element of each dof of a row, and element of each multiplier."""
         mesh, facets = self.mesh, FacetFESpace(self.mesh, order=0)
         edge = dx(element_boundary=True)
@@ -176,7 +190,7 @@ class Equilibration:
         self.touching = touching
         inside, mass = Owner(self.row, Numbered(constant))
 
-        def normal(s, t):
+        def normal(s: ProxyFunction, t: ProxyFunction) -> CoefficientFunction:
             return (s * self.normal) * (t * self.normal)
 
         facet, through = Owner(self.row, Numbered(facets), normal, edge)
@@ -187,10 +201,10 @@ class Equilibration:
             [Owner(part, Numbered(constant))[0] for part in self._Others()]
         )
 
-    def _Others(self):
+    def _Others(self) -> Sequence[FESpace]:
         return self.space.components[self.dim :]
 
-    def _Data(self):
+    def _Data(self) -> None:
         """Tractions on boundaries, as functions on facets, and where they hold."""
         balance, d = self.balance, self.dim
         faces = VectorFacetFESpace(self.mesh, order=balance.order + 1)
@@ -209,7 +223,7 @@ class Equilibration:
         free = AsBits(outer)
         self._project = boundary.mat.Inverse(free, "sparsecholesky") if outer.any() else None
 
-    def Projected(self, hat, k):
+    def Projected(self, hat: GridFunction, k: int) -> np.ndarray:
         """Dofs of a row with the normal traction of a component, times a hat function."""
         t = self.row.TestFunction()
         load = LinearForm(self.row)
@@ -219,7 +233,7 @@ class Equilibration:
         found.data = self._project * load.vec
         return np.where(self.prescribed[k], found.FV().NumPy(), 0)
 
-    def _Form(self):
+    def _Form(self) -> BilinearForm:
         """Stresses by their energy, with equilibrium and symmetry as constraints."""
         d, unit, size = self.dim, self.unit, self.balance.size
         modulus = self.balance.modulus
@@ -234,11 +248,13 @@ class Equilibration:
         form -= SHIFT * (u * v + sum(a * b for a, b in zip(r, q, strict=True)))
         return BilinearForm(form * dx, check_unused=False).Assemble()
 
-    def _Split(self, functions):
+    def _Split(
+        self, functions: Sequence[ProxyFunction]
+    ) -> list[ProxyFunction | Sequence[ProxyFunction]]:
         d = self.dim
         return [*functions[:d], functions[d], functions[d + 1 :]]
 
-    def _Load(self, hat):
+    def _Load(self, hat: GridFunction) -> BaseVector:
         """The loads of a patch, and the stress to which its own is to be near."""
         balance = self.balance
         *t, v, _ = self._Split(self.space.TestFunction())
@@ -250,7 +266,8 @@ class Equilibration:
         load += (near + balance.size * body * v) * dx(bonus_intorder=1)
         return load.Assemble().vec
 
-    def _Solve(self):
+    def _Solve(self) -> None:
+        """Add up the solutions of all patches."""
         form, patches = self._Form(), Patches(self.mesh)
         total = self.solution.vec
         total[:] = 0
@@ -270,31 +287,31 @@ class Equilibration:
             total.data += start
 
 
-def Rows(functions):
+def Rows(functions: Sequence[CoefficientFunction]) -> CoefficientFunction:
     """A matrix of its rows."""
     d = len(functions)
     return CF(tuple(f[j] for f in functions for j in range(d)), dims=(d, d))
 
 
-def Skew(matrix):
+def Skew(matrix: CoefficientFunction) -> CoefficientFunction:
     """Its skew part."""
     return 0.5 * (matrix - matrix.trans)
 
 
-def Turns(matrix, dim):
+def Turns(matrix: CoefficientFunction, dim: int) -> list[CoefficientFunction]:
     """The numbers that vanish where it is symmetric."""
     pairs = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
     return [matrix[i, j] - matrix[j, i] for i, j in pairs]
 
 
-def CornersOf(mesh):
+def CornersOf(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (ne, d + 1) of the elements, and all points (nv, d)."""
     ng, d = mesh.ngmesh, mesh.dim
     elements = (ng.Elements2D() if d == 2 else ng.Elements3D()).NumPy()["nodes"]
     return elements[:, : d + 1] - 1, np.array(ng.Coordinates())[:, :d]
 
 
-def ElementOfFace(mesh):
+def ElementOfFace(mesh: Mesh) -> np.ndarray:
     """Volume element (nf,) of each boundary face."""
     faces, elements, _ = FaceElements(mesh.Boundaries(".*"))
     found = np.full(faces.max() + 1, -1)
@@ -308,12 +325,12 @@ class Oscillation:
     It has no linear part on a face, or in an element.
     """
 
-    def __init__(self, found, balance):
+    def __init__(self, found: Equilibration, balance: Balance):
         self.found, self.balance, self.mesh = found, balance, balance.mesh
         self.vertices, self.points = CornersOf(self.mesh)
         self.soft = np.sqrt(2 * balance.modulus.vec.FV().NumPy())
 
-    def Surface(self):
+    def Surface(self) -> np.ndarray:
         """The part (ne,) of tractions in the energy of the difference of stresses.
 
         Those of contacts are polynomials on parts of the master's faces only. What the stress in
@@ -335,7 +352,7 @@ class Oscillation:
         added[elements] = own + 2 * cross
         return added
 
-    def _Loads(self):
+    def _Loads(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Faces, places and forces of the remaining tractions at the points of contacts."""
         loads = []
         for contact in self.balance.contacts:
@@ -352,7 +369,7 @@ class Oscillation:
                     loads.append((face[there], place[there], rest * points.weight[there, None]))
         return loads
 
-    def _Prescribed(self):
+    def _Prescribed(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """The same of surface loads."""
         loads, d = [], self.mesh.dim
         kind = ET.SEGM if d == 2 else ET.TRIG
@@ -367,7 +384,7 @@ class Oscillation:
             loads.append((np.repeat(faces, len(places)), place, rest * share[:, None]))
         return loads
 
-    def _Strains(self, constants):
+    def _Strains(self, constants: Constants) -> np.ndarray:
         """Of the difference of stresses, (ne, q, d, d) at points of all elements."""
         d = self.mesh.dim
         rule = IntegrationRule(constants.points.tolist(), [0.0] * len(constants.points))
@@ -375,7 +392,7 @@ class Oscillation:
         difference = Sym(self.found.stress) - self.balance.stress
         return self.found.compliance.Strain(difference)(at).reshape(self.mesh.ne, -1, d, d)
 
-    def Body(self):
+    def Body(self) -> np.ndarray:
         """Roots of energies (ne,) of body forces less their polynomial part."""
         rows = self.found.solution.components[: self.mesh.dim]
         left = CF(tuple(div(row) for row in rows))
@@ -385,7 +402,13 @@ class Oscillation:
         return Constants(self.points[self.vertices]).Inside(less) * size / self.soft
 
 
-def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> ErrorEstimate:
+def EquilibratedEstimate(
+    solver: ContactSolver,
+    stress: Callable[[CoefficientFunction], CoefficientFunction],
+    *,
+    force: CoefficientFunction | None = None,
+    tractions: dict[str | Region, CoefficientFunction] | None = None,
+) -> ErrorEstimate:
     """Bound the error of a linear bulk by a stress in equilibrium (Prager and Synge).
 
     On the patch of each vertex a stress of H(div) is found that balances body force, surface loads
@@ -454,7 +477,7 @@ def EquilibratedEstimate(solver, stress, *, force=None, tractions=None) -> Error
     return ErrorEstimate("equilibrated", *squares, Consistency(balance), balance.energy)
 
 
-def Check(balance):
+def Check(balance: Balance) -> None:
     """Raise ValueError for problems that cannot be equilibrated."""
     CheckSimplices(balance.mesh)
     if balance.contacts[0].space.axisymmetric:

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Residual estimator of the discretization error of bodies in contact."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import L2, GridFunction, InnerProduct, dx
+from ngsolve import L2, CoefficientFunction, GridFunction, InnerProduct, Mesh, Region, dx
 
 from ngslac.analysis.balance import Balance, ContactPoints
+
+if TYPE_CHECKING:
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["ErrorEstimate", "ResidualEstimate"]
 
@@ -55,7 +62,7 @@ class ErrorEstimate:
         """The estimate over the norm of the solution, 0 where both vanish."""
         return self.total / self.energy if self.energy > 0 else float(self.total > 0)
 
-    def Field(self, mesh) -> GridFunction:
+    def Field(self, mesh: Mesh) -> GridFunction:
         """The indicators as a function that is constant on elements, for pictures.
 
         Parameters
@@ -79,7 +86,7 @@ class ErrorEstimate:
         field.vec.FV().NumPy()[:] = self.indicators
         return field
 
-    def __str__(self):
+    def __str__(self) -> str:
         parts = {"bulk": self.bulk, "contact": self.contact, "consistency": self.consistency}
         words = ", ".join(f"{name} {np.sqrt(part.sum()):.3g}" for name, part in parts.items())
         return (
@@ -88,7 +95,13 @@ class ErrorEstimate:
         )
 
 
-def ResidualEstimate(solver, stress, *, force=None, tractions=None) -> ErrorEstimate:
+def ResidualEstimate(
+    solver: ContactSolver,
+    stress: Callable[[CoefficientFunction], CoefficientFunction],
+    *,
+    force: CoefficientFunction | None = None,
+    tractions: dict[str | Region, CoefficientFunction] | None = None,
+) -> ErrorEstimate:
     """Estimate the error by what the solution leaves unbalanced.
 
     Elements do not balance ``div stress + force``, faces the jump of the traction, and contact
@@ -142,7 +155,7 @@ def ResidualEstimate(solver, stress, *, force=None, tractions=None) -> ErrorEsti
     return Residuals(balance)
 
 
-def Residuals(balance, besides=()):
+def Residuals(balance: Balance, besides: Sequence[Region] = ()) -> ErrorEstimate:
     """The estimate; boundary regions of `besides` do not count."""
     h, modulus = balance.size, 2 * balance.modulus
     jumps, differences = balance.FacetResidual(besides)
@@ -155,7 +168,7 @@ def Residuals(balance, besides=()):
     return ErrorEstimate("residual", bulk, contact, Consistency(balance), balance.energy)
 
 
-def Consistency(balance):
+def Consistency(balance: Balance) -> np.ndarray:
     """Squares (ne,) of what contact conditions are violated by at points."""
     total, count = np.zeros(balance.mesh.ne), balance.mesh.ne
     for contact in balance.contacts:

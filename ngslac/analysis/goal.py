@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Errors of a number that is asked for: residuals weighted by the adjoint solution."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import CF, GridFunction, LinearForm
+from ngsolve import CF, CoefficientFunction, GridFunction, LinearForm, Region
 
 from ngslac._ngslac import Side
 from ngslac.analysis.balance import Balance
@@ -14,6 +18,10 @@ from ngslac.analysis.estimate import ErrorEstimate, Residuals
 from ngslac.analysis.tangent import Tangent
 from ngslac.arguments import CheckChoice, CheckInstance
 from ngslac.arrays import ToCSR
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["GoalError", "GoalEstimate"]
 
@@ -55,14 +63,22 @@ class GoalError:
         """The estimate over the size of the number."""
         return self.total / abs(self.value) if self.value else float(self.total > 0)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"{self.goal} {self.value:.6g}, estimated error {self.total:.3g} "
             f"({100 * self.relative:.3g} %)"
         )
 
 
-def GoalEstimate(solver, stress, goal, *, contact=None, force=None, tractions=None) -> GoalError:
+def GoalEstimate(
+    solver: ContactSolver,
+    stress: Callable[[CoefficientFunction], CoefficientFunction],
+    goal: LinearForm | str,
+    *,
+    contact: LACContact | None = None,
+    force: CoefficientFunction | None = None,
+    tractions: dict[str | Region, CoefficientFunction] | None = None,
+) -> GoalError:
     """Estimate the error of a force, of the peak pressure, or of the size of the contact.
 
     The adjoint solution says how much the number depends on what elements do not balance: it solves
@@ -126,7 +142,9 @@ def GoalEstimate(solver, stress, goal, *, contact=None, force=None, tractions=No
     return GoalError(name, value, Residuals(balance), Residuals(adjoint, adjoint.besides))
 
 
-def Derivative(goal, contact, balance):
+def Derivative(
+    goal: LinearForm | str, contact: LACContact, balance: Balance
+) -> tuple[float, np.ndarray]:
     """The number, and its derivatives (n,) by the entries of the solution."""
     derivative = np.zeros(len(balance.entries))
     if isinstance(goal, LinearForm):
@@ -154,7 +172,7 @@ def Derivative(goal, contact, balance):
     return float(value), derivative
 
 
-def Adjoint(balance, tangent, entries):
+def Adjoint(balance: Balance, tangent: Tangent, entries: np.ndarray) -> Balance:
     """Stress and contact tractions of the adjoint solution, which has no loads."""
     adjoint = copy(balance)
     adjoint.entries, adjoint.force, adjoint.tractions = entries, None, []

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Vibrations about a converged contact state."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
-from ngsolve import BilinearForm, GridFunction
+from ngsolve import BilinearForm, CoefficientFunction, GridFunction
 
 from ngslac.analysis.pencil import GROWS, WRONG, Pencil
 from ngslac.analysis.steadysliding import SteadyTangent
@@ -12,6 +17,15 @@ from ngslac.arrays import ToCSR
 from ngslac.errors import Warn
 from ngslac.steps.inertia import Mass
 from ngslac.table import Columns
+
+if TYPE_CHECKING:
+    from ngsolve.webgui import WebGLScene
+    from scipy.sparse import csr_matrix
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.solver import ContactSolver, Equilibrium
+    from ngslac.steps.load import LoadStepper
+    from ngslac.steps.time import TimeStepper
 
 __all__ = ["Modes"]
 
@@ -88,7 +102,16 @@ class Modes:
     (True, [])
     """
 
-    def __init__(self, solver, density, *, count=6, speed=None, slope=0.0, damping=None):
+    def __init__(
+        self,
+        solver: ContactSolver | LoadStepper | TimeStepper,
+        density: CoefficientFunction | float,
+        *,
+        count: int = 6,
+        speed: CoefficientFunction | float | None = None,
+        slope: float = 0.0,
+        damping: tuple[float, float] | BilinearForm | None = None,
+    ):
         static, count = Static(solver), CheckCount("count", count)
         CheckContacts(static.contacts)
         self.contact = static.contacts[0]
@@ -137,18 +160,18 @@ class Modes:
             residual=self.residuals,
         )
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         closed = [f"{word} {np.sum(self._status == k)}" for k, word in enumerate(STATUS)]
         return f"<Modes: {len(self.growth)}, {len(self.unstable)} growing; {', '.join(closed)}>"
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [repr(self), str(self.Table())]
         for k in self.unstable:
             kind = "vibrates (flutter)" if self.frequencies[k] else "leaves the state (divergence)"
             lines.append(f"mode {k} grows by exp({self.growth[k]:.6g} t): it {kind}")
         return "\n".join(lines)
 
-    def Shape(self, k) -> tuple[GridFunction, GridFunction]:
+    def Shape(self, k: int) -> tuple[GridFunction, GridFunction]:
         """Real and imaginary part of the displacement of a mode.
 
         Parameters
@@ -176,7 +199,7 @@ class Modes:
             part.vec.FV().NumPy()[:] = entries[first : first + size]
         return parts
 
-    def Draw(self, k=0, *, scale=None, **options):
+    def Draw(self, k: int = 0, *, scale: float | None = None, **options) -> WebGLScene:
         """Show a mode in the webgui, as a film of one period without growth.
 
         Parameters
@@ -210,7 +233,7 @@ class Modes:
         return webgui.Draw(film, mesh, **options)
 
 
-def CheckContacts(contacts):
+def CheckContacts(contacts: Sequence[LACContact]) -> None:
     """Raise where the contacts are not those of displacements alone."""
     if contacts[0].components == 1 or any(contact.fluxes for contact in contacts):
         raise ValueError(
@@ -219,7 +242,12 @@ def CheckContacts(contacts):
         )
 
 
-def Damping(damping, static, mass, bulk):
+def Damping(
+    damping: tuple[float, float] | BilinearForm | None,
+    static: Equilibrium,
+    mass: csr_matrix,
+    bulk: csr_matrix,
+) -> csr_matrix | None:
     """The matrix (n, n) of the bulk's damping, or None."""
     if damping is None:
         return None

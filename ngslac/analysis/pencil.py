@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The eigenvalue problem of small vibrations, and how it is solved."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -10,6 +14,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh
 
 from ngslac.analysis.tangent import Factors, Tangent
 from ngslac.errors import LinearSolveError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 __all__ = ["GROWS", "WRONG", "Pencil"]
 
@@ -49,7 +56,7 @@ class Pencil:
     highest: float
 
     @classmethod
-    def Of(cls, tangent, mass, dampings):
+    def Of(cls, tangent: Tangent, mass: csr_matrix, dampings: list[csr_matrix]) -> Pencil:
         """That of a Tangent, a mass matrix and a list of damping matrices."""
         keep, units = (scipy.sparse.diags(x.astype(float)) for x in (tangent.free, tangent.scale))
         D = (keep @ sum(dampings) @ keep).tocsr() if dampings else None
@@ -60,7 +67,7 @@ class Pencil:
         highest = np.max(np.abs(tangent.bulk.diagonal()[heavy]) / M.diagonal()[heavy])
         return cls(K, D, M, heavy, tangent, bool(symmetric), float(highest))
 
-    def Modes(self, count):
+    def Modes(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Eigenvalues (k,) of the lowest frequencies, and vectors; one more may be there."""
         squares, vectors, lowest = self._First(count + 1)
         if self.D is None:
@@ -71,7 +78,7 @@ class Pencil:
         values, vectors = self._Lowest(values, vectors, count)
         return values, self._Normal(vectors)
 
-    def _First(self, count):
+    def _First(self, count: int) -> tuple[np.ndarray, np.ndarray, float]:
         """As `_Squares`, with the lowest one that is not zero, by a shift of its size if not 0."""
         for share in SHIFTS:
             try:
@@ -83,14 +90,17 @@ class Pencil:
                 failure = error
         raise failure
 
-    def _Squares(self, shift, count):
+    def _Squares(self, shift: float, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Squares of angular frequencies without damping, nearest to zero, and vectors."""
         factors = Factors(self.K + shift * self.M, self.tangent.free, self.tangent.scale)
         if self._IsSmall(count):
             found, vectors = self._Dense(factors, count)
         else:
 
-            def Some(project, number, seed):
+            def Some(
+                project: Callable[[np.ndarray], np.ndarray], number: int, seed: int
+            ) -> tuple[np.ndarray, np.ndarray]:
+                """As many as `number`, without those that are projected out."""
                 start = self.tangent.scale * Random(len(self.heavy), seed)
                 inverse = LinearOperator(self.K.shape, lambda f: project(factors.Solve(f)))
                 options = {"sigma": -shift, "OPinv": inverse, "v0": inverse @ (self.M @ start)}
@@ -98,7 +108,7 @@ class Pencil:
                 squares, vectors = Tried(method, self.K, number, self.M, **options)
                 return 1 / (squares + shift), vectors
 
-            def Apply(vectors):
+            def Apply(vectors: np.ndarray) -> np.ndarray:
                 return factors.Solve(self.M @ vectors)
 
             known = Apply, lambda vectors: self.M @ vectors
@@ -106,11 +116,11 @@ class Pencil:
         squares = 1 / found - shift
         return np.where(np.abs(squares) <= self._Zero(vectors), 0.0, squares), vectors
 
-    def _IsSmall(self, count):
+    def _IsSmall(self, count: int) -> bool:
         """Is dense algebra as fast?"""
         return np.count_nonzero(self.heavy) <= max(SMALL, DENSE * count)
 
-    def _Dense(self, factors, count):
+    def _Dense(self, factors: Factors, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Inverse squares with the shift added, by dense algebra on what has mass."""
         heavy = self.heavy
         moved, mass = factors.Solve(self.M[:, heavy].toarray()), self.M[heavy][:, heavy].toarray()
@@ -122,21 +132,23 @@ class Pencil:
         first = first[found[first] != 0]
         return found[first], moved @ parts[:, first] / found[first]
 
-    def _Damped(self, shift, count):
+    def _Damped(self, shift: float, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Eigenvalues with damping near a real one, and vectors: of (x, lambda x / shift)."""
         n, scale, move = len(self.heavy), self.tangent.scale, self.D + shift * self.M
         factors = Factors(self.K + shift * move, self.tangent.free, scale)
 
-        def Inverse(z):
+        def Inverse(z: np.ndarray) -> np.ndarray:
             x, y = np.split(z, 2)
             x, y = (x.T * scale).T, shift * (y.T * scale).T
             moved = -factors.Solve(self.M @ y + move @ x)
             return np.concatenate([moved, (x + shift * moved) / shift]) / units(z)
 
-        def units(z):
+        def units(z: np.ndarray) -> np.ndarray:
             return np.tile(scale, 2).reshape(-1, *[1] * (z.ndim - 1))
 
-        def Some(project, number, seed):
+        def Some(
+            project: Callable[[np.ndarray], np.ndarray], number: int, seed: int
+        ) -> tuple[np.ndarray, np.ndarray]:
             inverse = LinearOperator((2 * n, 2 * n), lambda z: project(Inverse(z.ravel())))
             return Tried(eigs, inverse, number, v0=inverse @ Random(2 * n, seed))
 
@@ -153,17 +165,19 @@ class Pencil:
         zero = np.abs(values) ** 2 <= self._Zero(vectors)
         return np.where(zero, 0.0, values), vectors
 
-    def _Zero(self, vectors):
+    def _Zero(self, vectors: np.ndarray) -> np.ndarray:
         """Squares of frequencies that rounding makes of zero, for each vector."""
         size = np.abs(vectors)
         with np.errstate(divide="ignore"):
             return ROUNDING * np.sum(size * (abs(self.K) @ size), axis=0) / self._Masses(vectors)
 
-    def _Masses(self, vectors):
+    def _Masses(self, vectors: np.ndarray) -> np.ndarray:
         """The modal mass of each vector."""
         return np.sum(vectors.conj() * (self.M @ vectors), axis=0).real
 
-    def _Lowest(self, values, vectors, count):
+    def _Lowest(
+        self, values: np.ndarray, vectors: np.ndarray, count: int
+    ) -> tuple[np.ndarray, np.ndarray]:
         """One of two conjugate ones each, the first ones by size; a pair that flutters is whole."""
         size = np.abs(values)
         keep = np.flatnonzero((values.imag >= 0) & (size**2 <= BEYOND * self.highest))
@@ -176,14 +190,14 @@ class Pencil:
             count += bool(abs(last + other.conj()) <= small < abs(last.real))
         return values[:count], vectors[:, :count]
 
-    def _Normal(self, vectors):
+    def _Normal(self, vectors: np.ndarray) -> np.ndarray:
         """Modal mass 1, and the largest entry of what has mass is real and positive."""
         vectors = vectors / np.sqrt(self._Masses(vectors))
         largest = np.argmax(np.abs(vectors) * self.heavy[:, None], axis=0)
         there = vectors[largest, np.arange(vectors.shape[1])]
         return vectors * (there.conj() / np.abs(there))
 
-    def Residuals(self, values, vectors):
+    def Residuals(self, values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Of the eigenpairs (k,), relative to the forces of inertia, or to rounding."""
         inertia = (self.M @ vectors) * values**2
         left = self.K @ vectors + inertia
@@ -197,12 +211,19 @@ class Pencil:
         return left / np.maximum(inertia, stress * ROUNDING / WRONG)
 
 
-def Random(size, seed):
+def Random(size: int, seed: int) -> np.ndarray:
     """The same numbers (size,) each time."""
     return np.random.default_rng(seed).standard_normal(size)
 
 
-def WithCopies(some, apply, weigh, count, *, symmetric):
+def WithCopies(
+    some: Callable[..., tuple[np.ndarray, np.ndarray]],
+    apply: Callable[[np.ndarray], np.ndarray],
+    weigh: Callable[[np.ndarray], np.ndarray],
+    count: int,
+    *,
+    symmetric: bool,
+) -> tuple[np.ndarray, np.ndarray]:
     """The `count` eigenvalues of an operator with the largest size or more, and vectors.
 
     A Krylov space knows one vector of each eigenvalue, and others by rounding errors only. So it is
@@ -237,14 +258,14 @@ def WithCopies(some, apply, weigh, count, *, symmetric):
     return values, vectors
 
 
-def Across(basis, weighed, x):
+def Across(basis: np.ndarray, weighed: np.ndarray, x: np.ndarray) -> np.ndarray:
     """The part of x across an orthonormal basis, whose columns are weighed, too."""
     for _ in range(2):  # the second time for rounding errors
         x = x - basis @ (weighed.T @ x)
     return x
 
 
-def Basis(vectors, weigh):
+def Basis(vectors: np.ndarray, weigh: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """An orthonormal basis of the space of vectors, which may be complex, in an inner product."""
     parts = np.hstack([vectors.real, vectors.imag]) if np.iscomplexobj(vectors) else vectors
     gram = parts.T @ weigh(parts)
@@ -256,7 +277,13 @@ def Basis(vectors, weigh):
     return parts @ (turns[:, large] / np.sqrt(values[large]))
 
 
-def Tried(method, mat, count, *args, **options):
+def Tried(
+    method: Callable[..., tuple[np.ndarray, np.ndarray]],
+    mat: csr_matrix | LinearOperator,
+    count: int,
+    *args,
+    **options,
+) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors that ARPACK finds; fewer than asked for where others are far away."""
     size = min(max(3 * count, LEAST_SPACE), mat.shape[0] - 1)
     known = {"ncv": size, "tol": ACCURATE, "maxiter": MOST_ROUNDS, "which": "LM"}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The converged steps of a load stepper, recorded for derivatives."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +9,7 @@ from ngsolve import GridFunction
 
 from ngslac.arguments import CheckFunction, CheckInstance
 from ngslac.errors import RefuseCopy
-from ngslac.steps.load import LoadStepper
+from ngslac.steps.load import LoadStepper, Step
 
 __all__ = ["Record", "Stage"]
 
@@ -60,7 +61,13 @@ class Record:
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
-    def __init__(self, stepper, *, commit=None, memory=()):
+    def __init__(
+        self,
+        stepper: LoadStepper,
+        *,
+        commit: Callable[[Step], object] | None = None,
+        memory: Sequence[GridFunction] = (),
+    ):
         CheckInstance("stepper", stepper, LoadStepper, "a LoadStepper")
         if stepper.solver.gf.space.mesh.comm.size > 1:
             raise ValueError("stepper is that of a distributed mesh: differentiate in one process")
@@ -76,10 +83,10 @@ class Record:
         self.kept = [each.vec.FV().NumPy().copy() for each in self.memory]
         self.begin = stepper.load.Get()
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Record: {len(self.stages)} steps of {self.stepper!r}>"
 
-    def __call__(self, step) -> None:
+    def __call__(self, step: Step) -> None:
         """Note a step; called by `Integrate`.
 
         Parameters

@@ -1,17 +1,25 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Repeat steps, to evaluate residuals and functionals near the converged states."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import LinearForm
+from ngsolve import CoefficientFunction, GridFunction, LinearForm, Region
 
 from ngslac.analysis.learnt import Learnt
 from ngslac.analysis.record import Record, Stage
 from ngslac.contact.state import FormState
 from ngslac.solve.solver import ContactSolver
 from ngslac.steps.prescribed import Prescribed
+
+if TYPE_CHECKING:
+    from ngslac.analysis.sensitivity import Integrals, Number
+    from ngslac.analysis.variables import Entries, Motion, Scalar
 
 __all__ = ["Course", "Node", "Replay"]
 
@@ -50,13 +58,16 @@ class Course:
     learnt: list = field(default_factory=list)
 
     @property
-    def remembers(self):
+    def remembers(self) -> bool:
         """Does a step depend on those before it?"""
         rubs = self.solver.system.rubs or self.solver.system.own_law
         return len(self.stages) > 1 and (rubs or bool(self.memory))
 
 
-def CourseOf(solver, prescribe):
+def CourseOf(
+    solver: ContactSolver | Record,
+    prescribe: dict[str | Region, CoefficientFunction] | Callable[[GridFunction], object] | None,
+) -> Course:
     """That of a solver, or of a Record."""
     contacts = solver.solver.contacts if isinstance(solver, Record) else solver.contacts
     scales = [contact.form.History()["c"] for contact in contacts]
@@ -98,12 +109,13 @@ class Node:
 class Replay:
     """A context in which steps are evaluated again; at its end everything is as before."""
 
-    def __init__(self, course):
+    def __init__(self, course: Course):
         self.course, self.solver = course, course.solver
         self.gf, self.system = self.solver.gf, self.solver.system
         self.direction = None
 
-    def __enter__(self):
+    def __enter__(self) -> Replay:
+        """Note all that the steps change."""
         course, system, contacts = self.course, self.system, self.solver.contacts
         things = [system, system.residual, system.bulk, *contacts]
         self._kept = [(thing, vars(thing).copy()) for thing in things]
@@ -120,14 +132,15 @@ class Replay:
             self._added = self._loads - self._rhs.vec.FV().NumPy()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_) -> None:
         try:
             self._PutBack()
         except KeyboardInterrupt:
             self._PutBack()
             raise
 
-    def _PutBack(self):
+    def _PutBack(self) -> None:
+        """Bring back all that was noted."""
         if self.direction is not None:
             self.direction.Set(0)
         for parameter, value in self._parameters:
@@ -143,13 +156,13 @@ class Replay:
         if self.course.load is not None:
             self.system.bulk.Forget()
 
-    def _Attributes(self):
+    def _Attributes(self) -> None:
         for thing, attributes in self._kept:
             vars(thing).update(attributes)
 
     # --- going through the steps -----------------------------------------------------------------
 
-    def Start(self, direction=None, way=0.0):
+    def Start(self, direction: Motion | Scalar | Entries | None = None, way: float = 0.0) -> Node:
         """The Node of a variation where the steps began."""
         if direction and direction.moves and not self.course.fresh:
             raise ValueError(
@@ -176,19 +189,19 @@ class Replay:
                 learnt.Learn(shadow, course.scales[k], moves)
         return Node(direction, way, shadows, [values.copy() for values in course.kept])
 
-    def _SetLoad(self, load):
+    def _SetLoad(self, load: float | None) -> None:
         if load is not None and self.course.load is not None:
             self.course.load.Set(load)
 
-    def _Remember(self, kept):
+    def _Remember(self, kept: Sequence[np.ndarray]) -> None:
         for each, values in zip(self.course.memory, kept, strict=True):
             each.vec.FV().NumPy()[:] = values
 
-    def _IsApart(self, k):
+    def _IsApart(self, k: int) -> bool:
         """Was a contact not paired yet?"""
         return self.course.states[k]["paired"] is None
 
-    def _Shadow(self, k, moves):
+    def _Shadow(self, k: int, moves: bool) -> FormState:
         """The FormState of a contact where the steps began, `moves`: paired anew."""
         state, old, apart = self.course.states[k], self.solver.contacts[k]._state, self._IsApart(k)
         shadow = FormState(old.setup, old.stiffness)
@@ -202,7 +215,7 @@ class Replay:
             shadow.SetState(state, self._At(self.course.stages[0].values))
         return shadow
 
-    def _Learnt(self, k, shadow):
+    def _Learnt(self, k: int, shadow: FormState) -> Learnt:
         """How a contact follows the stiffness: not where friction has a history of other steps."""
         contact = self.solver.contacts[k]
         learnt = Learnt(contact, self.system.bulk.elastic)
@@ -210,11 +223,11 @@ class Replay:
             learnt.Compare(shadow, self._IsApart(k))
         return learnt
 
-    def _At(self, values):
+    def _At(self, values: np.ndarray) -> GridFunction:
         self.gf.vec.FV().NumPy()[:] = values
         return self.gf
 
-    def Go(self, node, stage, values):
+    def Go(self, node: Node, stage: Stage, values: np.ndarray) -> None:
         """Make the problem that of a node in a step, with a solution (n,)."""
         if node.direction:
             node.direction.Set(node.way)
@@ -235,7 +248,7 @@ class Replay:
         if course.prescribed:
             course.prescribed.Set()
 
-    def Residual(self, node, stage, way=0.0):
+    def Residual(self, node: Node, stage: Stage, way: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """That (n,) of a node at a step, and the solution, which goes a way (n,) with the node."""
         self.Go(node, stage, stage.values + node.way * way)
         vec, forces = self.gf.vec, self.gf.vec.CreateVector()
@@ -246,7 +259,9 @@ class Replay:
         found = forces.FV().NumPy() - self.system.bulk.load
         return found, vec.FV().NumPy().copy()
 
-    def Look(self, node, stage, values, functional):
+    def Look(
+        self, node: Node, stage: Stage, values: np.ndarray, functional: Integrals | Number
+    ) -> np.ndarray:
         """The value of a functional at a node, for a solution (n,) of a step."""
         self.Go(node, stage, values)
         for contact in self.solver.contacts:
@@ -254,7 +269,7 @@ class Replay:
             contact.Evaluate(self.gf)
         return functional.Value(self.gf)
 
-    def Commit(self, node, stage, values):
+    def Commit(self, node: Node, stage: Stage, values: np.ndarray) -> None:
         """Go on to the next step."""
         self.Go(node, stage, values)
         for shadow in node.shadows:
@@ -263,7 +278,7 @@ class Replay:
             self.course.commit(stage.step)
         node.kept = [each.vec.FV().NumPy().copy() for each in self.course.memory]
 
-    def MayBe(self, direction, way):
+    def MayBe(self, direction: Motion | Scalar | Entries | None, way: float) -> Node | None:
         """The Node of a variation where the steps began, or None where there is no problem."""
         try:
             node = self.Start(direction, way)

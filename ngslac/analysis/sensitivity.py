@@ -1,23 +1,39 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Derivatives of a converged contact problem by loads, materials, friction, obstacles, shape."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from netgen.meshing import NgException
-from ngsolve import BilinearForm, GridFunction, Variation
+from ngsolve import (
+    BilinearForm,
+    CoefficientFunction,
+    FESpace,
+    GridFunction,
+    Parameter,
+    Region,
+    Variation,
+)
 from ngsolve.comp import SumOfIntegrals
 
 from ngslac.analysis.fields import AtSurfaces, Groups, Reach
-from ngslac.analysis.record import Record
-from ngslac.analysis.replay import CourseOf, Replay
+from ngslac.analysis.record import Record, Stage
+from ngslac.analysis.replay import CourseOf, Node, Replay
 from ngslac.analysis.tangent import CONVERGED, Factors, Static, Tangent
-from ngslac.analysis.variables import DirectionsOf, Entries
+from ngslac.analysis.variables import DirectionsOf, Entries, Motion, Scalar
 from ngslac.arguments import CheckInstance, IsFunction, Wrong
 from ngslac.bodies.messages import FloatingMessage
 from ngslac.errors import LinearSolveError, RefuseCopy, Warn
 from ngslac.solve.residual import Norm
 from ngslac.solve.solver import ContactSolver
+
+if TYPE_CHECKING:
+    from ngslac.analysis.shape import Shape
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Sensitivity"]
 
@@ -52,7 +68,7 @@ class Linearized:
 class Integrals:
     """A functional that is a sum of integrals of trial functions; NGSolve knows its derivative."""
 
-    def __init__(self, integrals, space):
+    def __init__(self, integrals: SumOfIntegrals, space: FESpace):
         self.form = BilinearForm(space)
         try:
             self.form += Variation(integrals)
@@ -62,11 +78,11 @@ class Integrals:
                 f"product space ({error}): give a function that returns a number instead"
             ) from error
 
-    def Value(self, gf):
+    def Value(self, gf: GridFunction) -> np.ndarray:
         """Of a solution."""
         return np.asarray(self.form.Energy(gf.vec))
 
-    def Slope(self, gf):
+    def Slope(self, gf: GridFunction) -> np.ndarray:
         """The derivative (n,) by the solution."""
         slope = gf.vec.CreateVector()
         self.form.Apply(gf.vec, slope)
@@ -76,10 +92,10 @@ class Integrals:
 class Number:
     """A functional that is a function of the user's own: of contacts, solver and solution."""
 
-    def __init__(self, function):
+    def __init__(self, function: Callable[[], float | np.ndarray]):
         self.function = function
 
-    def Value(self, gf):
+    def Value(self, gf: GridFunction) -> np.ndarray:
         """Of the present state."""
         answer = self.function()
         try:
@@ -162,7 +178,15 @@ class Sensitivity:
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
-    def __init__(self, solver, functional, *, prescribe=None):
+    def __init__(
+        self,
+        solver: ContactSolver | Record,
+        functional: SumOfIntegrals | Callable[[], float | np.ndarray],
+        *,
+        prescribe: dict[str | Region, CoefficientFunction]
+        | Callable[[GridFunction], object]
+        | None = None,
+    ):
         wanted = "a ContactSolver, or a Record of the steps of a LoadStepper"
         CheckInstance("solver", solver, (ContactSolver, Record), wanted)
         static = Static(solver)
@@ -185,11 +209,11 @@ class Sensitivity:
         with Replay(self._course) as replay:
             self._Linearize(replay)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         way = "adjoint" if self._adjoint else "direct"
         return f"<Sensitivity: {way}, {len(self._course.stages)} steps, value {self.value}>"
 
-    def By(self, variable) -> float | np.ndarray:
+    def By(self, variable: Parameter | GridFunction | Shape) -> float | np.ndarray:
         """The derivative of the functional by a variable.
 
         Parameters
@@ -218,7 +242,7 @@ class Sensitivity:
         found = found if self._path else found[0]
         return float(found) if found.ndim == 0 else found
 
-    def Gradient(self, variables) -> np.ndarray:
+    def Gradient(self, variables: Sequence[Parameter | GridFunction | Shape]) -> np.ndarray:
         """The derivatives by several variables, one behind the other in the last axis.
 
         Parameters
@@ -241,7 +265,7 @@ class Sensitivity:
         parts = [part[..., None] if part.ndim == count else part for part in parts]
         return np.concatenate(parts, axis=-1) if parts else np.zeros((*np.shape(self.value), 0))
 
-    def Solution(self, variable) -> GridFunction:
+    def Solution(self, variable: Parameter | Shape) -> GridFunction:
         """The derivative of the solution by a Parameter or a Shape, with that of what is driven.
 
         Parameters
@@ -270,7 +294,7 @@ class Sensitivity:
 
     # --- the converged states --------------------------------------------------------------------
 
-    def _Linearize(self, replay):
+    def _Linearize(self, replay: Replay) -> None:
         """Tangents, values and, for the adjoint method, the dual solutions at all steps."""
         node, values, near = replay.Start(), [], 0
         self._tangents, self._duals = [], []
@@ -293,7 +317,7 @@ class Sensitivity:
                 "are those of one side, for the present status"
             )
 
-    def _CheckSlope(self, replay, node, stage, slope):
+    def _CheckSlope(self, replay: Replay, node: Node, stage: Stage, slope: np.ndarray) -> None:
         """Raise where integrals hold the solution itself beside trial functions."""
         sides = [
             replay.Look(node, stage, (1 + step) * stage.values, self._functional)
@@ -310,7 +334,8 @@ class Sensitivity:
                 "give a function that returns Integrate(...)"
             )
 
-    def _TangentAt(self, replay, node, stage):
+    def _TangentAt(self, replay: Replay, node: Node, stage: Stage) -> Linearized:
+        """The tangent at a step, which has to be in equilibrium."""
         system = self.solver.system
         residual, _ = replay.Residual(node, stage)
         if stage.load is not None:  # on which the matrix may depend
@@ -329,7 +354,7 @@ class Sensitivity:
         forces = max(system.residual.forces, system.residual.converged)
         return Linearized(tangent.Factors(), tangent.scale, residual, forces)
 
-    def _Solve(self, known, forces, transposed=False):
+    def _Solve(self, known: Linearized, forces: np.ndarray, transposed: bool = False) -> np.ndarray:
         """With the tangent of a step; an error that names what floats, if that is why it fails."""
         try:
             return known.factors.Solve(forces, transposed=transposed)
@@ -341,7 +366,9 @@ class Sensitivity:
 
     # --- differences -----------------------------------------------------------------------------
 
-    def _Step(self, replay, direction):
+    def _Step(
+        self, replay: Replay, direction: Motion | Scalar | Entries
+    ) -> tuple[float, dict[int, float]]:
         """The step of differences in a direction, and their weights."""
         known = self._tangents
         base = self._Residuals(replay, replay.Start(direction, 0.0))
@@ -349,7 +376,8 @@ class Sensitivity:
         if away > CONVERGED * known[0].forces:
             raise ValueError("the problem has changed since: make a new Sensitivity")
 
-        def Change(step):
+        def Change(step: float) -> float:
+            """The largest relative change of residuals by a step; infinite where there are none."""
             sides = (side * step for side in (1, -1))
             node = next((n for way in sides if (n := replay.MayBe(direction, way))), None)
             if node is None:
@@ -366,7 +394,7 @@ class Sensitivity:
             raise ValueError("there is no problem beside the present one on either side")
         return step, CENTRAL if all(sides) else FORWARD if sides[1] else BACKWARD
 
-    def _Residuals(self, replay, node):
+    def _Residuals(self, replay: Replay, node: Node) -> list[np.ndarray]:
         """Those of a node at the solutions of all steps."""
         found = []
         for stage in self._course.stages:
@@ -375,7 +403,7 @@ class Sensitivity:
                 replay.Commit(node, stage, stage.values)
         return found
 
-    def _Suitable(self, change, step, most):
+    def _Suitable(self, change: Callable[[float], float], step: float, most: float) -> float | None:
         """A step up to `most` by which residuals change just enough, or None."""
         for _ in range(TRIALS):
             size = change(step)
@@ -390,7 +418,9 @@ class Sensitivity:
                 step = longer
         return None
 
-    def _WarnIfVoid(self, replay, direction, step):
+    def _WarnIfVoid(
+        self, replay: Replay, direction: Motion | Scalar | Entries, step: float
+    ) -> None:
         """Warn that a variable changes neither the problem nor the functional."""
         stage, values = self._course.stages[-1], []
         for way in (0.0, step):
@@ -399,7 +429,14 @@ class Sensitivity:
         if np.all(values[0] == values[1]):
             Warn("the variable hardly changes the problem: does a form or a contact depend on it?")
 
-    def _Forces(self, replay, nodes, stage, step, way=0.0):
+    def _Forces(
+        self,
+        replay: Replay,
+        nodes: Sequence[tuple[Node, float]],
+        stage: Stage,
+        step: float,
+        way: np.ndarray | float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The derivatives (n,) of the residual, and of what is driven of the solution."""
         found = [replay.Residual(node, stage, way) for node, _ in nodes]
         weights = [weight / step for _, weight in nodes]
@@ -410,10 +447,22 @@ class Sensitivity:
         driven = np.where(self.solver.system.residual.free, 0.0, sums[1])
         return sums[0], driven
 
-    def _Nodes(self, replay, direction, step, weights):
+    def _Nodes(
+        self,
+        replay: Replay,
+        direction: Motion | Scalar | Entries,
+        step: float,
+        weights: dict[int, float],
+    ) -> list[tuple[Node, float]]:
         return [(replay.Start(direction, k * step), weight) for k, weight in weights.items()]
 
-    def _Adjoint(self, replay, direction, step, weights):
+    def _Adjoint(
+        self,
+        replay: Replay,
+        direction: Motion | Scalar | Entries,
+        step: float,
+        weights: dict[int, float],
+    ) -> tuple[np.ndarray, list[np.ndarray]]:
         """The derivatives of the values at all steps, by the dual solutions."""
         nodes, found = self._Nodes(replay, direction, step, weights), []
         for stage, dual in zip(self._course.stages, self._duals, strict=True):
@@ -422,7 +471,14 @@ class Sensitivity:
             found.append(sum(looks) / step - dual @ forces)
         return np.stack(found), []
 
-    def _Together(self, replay, field, probe, step, weights):
+    def _Together(
+        self,
+        replay: Replay,
+        field: GridFunction,
+        probe: Entries,
+        step: float,
+        weights: dict[int, float],
+    ) -> np.ndarray | None:
         """The derivatives by all entries of a field, or None where they need one by one."""
         course, space = self._course, self.solver.gf.space
         reach = Reach(field, space) if self._adjoint and not course.prescribed else None
@@ -441,7 +497,7 @@ class Sensitivity:
                 forces, _ = self._Forces(replay, nodes, stage, step)
                 row[group.chosen] = -(reach.T @ (dual * forces))[group.chosen]
 
-        def Fits():  # else an entry changes other rows than those of its elements
+        def Fits() -> bool:  # else an entry changes other rows than those of its elements
             errors = np.abs(found @ probe.factors - expected)
             return np.all(errors <= CONVERGED * np.abs(found).sum(axis=1))
 
@@ -451,7 +507,13 @@ class Sensitivity:
                 found[:, number] = self._Adjoint(replay, entry, step, weights)[0]
         return found if Fits() else None
 
-    def _Direct(self, replay, direction, step, weights):
+    def _Direct(
+        self,
+        replay: Replay,
+        direction: Motion | Scalar | Entries,
+        step: float,
+        weights: dict[int, float],
+    ) -> tuple[np.ndarray, list[np.ndarray]]:
         """The derivatives of the values at all steps, and of their solutions."""
         nodes, found, ways = self._Nodes(replay, direction, step, weights), [], []
         for stage, known in zip(self._course.stages, self._tangents, strict=True):
@@ -471,12 +533,12 @@ class Sensitivity:
         return np.stack(found), ways
 
 
-def Relative(change, forces):
+def Relative(change: float, forces: float) -> float:
     """A change in relation to the forces at work; where there are none, any is as good."""
     return change / forces if forces else CHANGE * bool(change)
 
 
-def AtVerge(contact):
+def AtVerge(contact: LACContact) -> int:
     """How many macro-elements are within rounding errors of another status."""
     if contact.tied or contact.own_law or contact.components == 1:
         return 0

@@ -63,7 +63,7 @@ class Shape:
 
     __deepcopy__ = __reduce_ex__ = RefuseCopy
 
-    def __init__(self, mesh, velocity):
+    def __init__(self, mesh: Mesh, velocity: CoefficientFunction | tuple[CoefficientFunction, ...]):
         CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
         if mesh.comm.size > 1:
             raise ValueError(
@@ -81,7 +81,7 @@ class Shape:
         if not np.any(self.velocity):
             raise ValueError("velocity is zero at all points of the mesh, nothing would move")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Shape: {np.count_nonzero(np.any(self.velocity, axis=1))} points move>"
 
     def Points(self) -> np.ndarray:
@@ -97,7 +97,7 @@ class Shape:
             raise ValueError("the mesh was refined: make a new Shape")
         return points
 
-    def Move(self, way) -> None:
+    def Move(self, way: float) -> None:
         """Move the points by a factor of the velocity.
 
         Call ``contact.Update()`` of each contact afterwards, and make a new ContactSolver.
@@ -110,7 +110,7 @@ class Shape:
         self.Points()[:] += CheckNumber("way", way) * self.velocity
 
 
-def AtPoints(mesh, field):
+def AtPoints(mesh: Mesh, field: CoefficientFunction) -> np.ndarray:
     """Values (points, d) of a field at the points of a mesh, by its elements."""
     ngmesh, d = mesh.ngmesh, mesh.dim
     elements = ngmesh.Elements2D() if d == 2 else ngmesh.Elements3D()
@@ -127,12 +127,12 @@ def AtPoints(mesh, field):
     return values
 
 
-def Dim(kind):
+def Dim(kind: ET) -> int:
     """Of an element type."""
     return len(CORNERS[kind][0])
 
 
-def Rule(kind):
+def Rule(kind: ET) -> IntegrationRule:
     """Corners and middles between them, as many for each type."""
     corners = np.array(CORNERS[kind], dtype=float)
     middles = [(a + b) / 2 for a, b in combinations(corners, 2)]

@@ -1,14 +1,24 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The linearized system of a state of steady sliding, at some speed."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
-from ngsolve import CoefficientFunction, LinearForm, ds
+from ngsolve import CoefficientFunction, GridFunction, LinearForm, ds
 
 from ngslac.analysis.tangent import AsBefore, ContactMatrix, Tangent
 from ngslac.arguments import CheckNumber, CheckPositive, CheckValues, Coefficient
 from ngslac.bodies.constraints import AllJumps
 from ngslac.errors import Warn
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from ngslac.contact.contact import LACContact
+    from ngslac.solve.solver import Equilibrium
 
 __all__ = ["SteadyTangent"]
 
@@ -18,7 +28,9 @@ LENGTHS = (1.0, 2.0)
 ROUNDING = 1e-10
 
 
-def SteadyTangent(static, speed=None, slope=0.0):
+def SteadyTangent(
+    static: Equilibrium, speed: CoefficientFunction | float | None = None, slope: float = 0.0
+) -> tuple[Tangent, csr_matrix | None]:
     """The Tangent of small motions about steady sliding, and D (n, n) or None.
 
     K u + D du/dt + inertia = 0. The tangent of a step resists a turn of the slip by mu p / |slip|,
@@ -58,7 +70,7 @@ def SteadyTangent(static, speed=None, slope=0.0):
 class Slides:
     """The macro-elements of a contact at the limit of friction, and where they slip."""
 
-    def __init__(self, contact):
+    def __init__(self, contact: LACContact):
         self.contact, self.slips = contact, np.zeros(0, dtype=bool)
         if not contact.form.paired or contact.components == 1 or contact.own_law or contact.tied:
             return
@@ -72,7 +84,7 @@ class Slides:
         self.direction = np.zeros_like(along)
         self.direction[self.slips] = -along[self.slips] / bound[self.slips, None]
 
-    def Begin(self, gf):
+    def Begin(self, gf: GridFunction) -> None:
         """Count the slip from here; the state is not that of the contact any more."""
         if {"friction", "tresca"} & set(self.contact._state.setup.get("slopes", ())):
             raise ValueError(
@@ -86,12 +98,14 @@ class Slides:
         self.history, scale = form.History(), form.Table()["c"]
         self.unit = (self.bound / scale)[:, None] * self.direction
 
-    def SetLength(self, length):
+    def SetLength(self, length: float) -> None:
         """Let the surfaces have slipped by this, in the present step."""
         reference = self.history["reference"] - length * self.unit.ravel()
         self.contact.form.SetHistory(self.history | {"reference": reference})
 
-    def Damping(self, matrix, speed, slope):
+    def Damping(
+        self, matrix: csr_matrix, speed: CoefficientFunction | None, slope: float
+    ) -> csr_matrix:
         """The derivative of the rows of multipliers by the velocities, (n, n)."""
         size, d = matrix.shape[0], self.contact.mesh.dim
         n, t, table = self.table["normal"], self.direction, self.table
@@ -112,7 +126,7 @@ class Slides:
         damping.eliminate_zeros()
         return damping
 
-    def _Means(self, speed):
+    def _Means(self, speed: CoefficientFunction) -> np.ndarray:
         """Of the speed over the macro-elements (m,); all > 0 where they slip."""
         space = self.contact.space.WithComponents(1)
         means = LinearForm(speed * space.TestFunction() * ds(definedon=self.contact.space.slave))

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bulk and contacts, linearized at a converged state."""
 
+from __future__ import annotations
+
 from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +14,14 @@ from ngslac.errors import LinearSolveError
 from ngslac.linear.factor import LU, Factor, OneBLASThread
 from ngslac.linear.refine import Refine
 from ngslac.solve.snapshot import Snapshot
-from ngslac.solve.solver import Equilibrium
+from ngslac.solve.solver import ContactSolver, Equilibrium
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from ngslac.solve.system import System
+    from ngslac.steps.load import LoadStepper
+    from ngslac.steps.time import TimeStepper
 
 __all__ = ["AsBefore", "ContactMatrix", "Factors", "Static", "Tangent"]
 
@@ -37,7 +47,7 @@ class Tangent:
         Factors by which rows and columns of the matrix become free of units.
     """
 
-    def __init__(self, solver, *, keeping=True):
+    def __init__(self, solver: Equilibrium | LoadStepper | TimeStepper, *, keeping: bool = True):
         static = Static(solver)
         system = static.system
         if system.bulk.a.condense:
@@ -51,7 +61,8 @@ class Tangent:
         with AsBefore(static) if keeping else nullcontext():
             self._Linearize(system)
 
-    def _Linearize(self, system):
+    def _Linearize(self, system: System) -> None:
+        """Take the matrices of bulk and contact at the solution, which has to be one."""
         state = system.Measure()
         if not max(state.equilibrium, state.constraint) <= CONVERGED:
             raise ValueError(
@@ -64,16 +75,16 @@ class Tangent:
         self.scale = system.scale
 
     @property
-    def matrix(self):
+    def matrix(self) -> csr_matrix:
         """The sum of both parts."""
         return self.bulk + self.contact
 
-    def Factors(self, matrix=None):
+    def Factors(self, matrix: csr_matrix | None = None) -> Factors:
         """Those of the tangent, or of a matrix of the same size, on the free dofs."""
         return Factors(self.matrix if matrix is None else matrix, self.free, self.scale)
 
 
-def ContactMatrix(system):
+def ContactMatrix(system: System) -> csr_matrix:
     """The part of the contacts in the tangent, (n, n), as they were measured last."""
     vec = system.gf.vec
     residual = vec.CreateVector()
@@ -85,15 +96,16 @@ def ContactMatrix(system):
 class AsBefore:
     """A context at the end of which solver and contacts are as they were."""
 
-    def __init__(self, static):
+    def __init__(self, static: Equilibrium):
         self._static, self._state = static, Snapshot(static)
         self._memories = [contact.form.Kept() for contact in static.contacts]
         self._accepted = [contact._accepted for contact in static.contacts]
 
-    def __enter__(self):
+    def __enter__(self) -> AsBefore:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_) -> None:
+        """Put the state back, and what is no part of it."""
         self._state.Restore()
         for contact, memory in zip(self._static.contacts, self._memories, strict=True):
             if any(np.any(memory[name] != now) for name, now in contact.form.Kept().items()):
@@ -102,7 +114,7 @@ class AsBefore:
             contact._accepted = accepted  # which the state of a solver does not contain
 
 
-def Static(solver):
+def Static(solver: Any) -> ContactSolver:
     """A solver of static problems, or that of a stepper; a ValueError on a distributed mesh."""
     solver = getattr(solver, "static", getattr(solver, "solver", solver))
     CheckInstance("solver", solver, Equilibrium, "a solver, such as ContactSolver")
@@ -114,14 +126,14 @@ def Static(solver):
 class Factors:
     """Solves with a scaled sparse matrix (n, n) on the free dofs, or with its transpose."""
 
-    def __init__(self, matrix, free, scale):
+    def __init__(self, matrix: csr_matrix, free: np.ndarray, scale: np.ndarray):
         self.free, self.scale = free, scale
         scaled = matrix.multiply(scale[:, None]).multiply(scale).tocsr()
         self._mat = Exported(scaled)
         with OneBLASThread():
             self._factors = Factor(self._mat, AsBits(free), LU())
 
-    def Solve(self, forces, *, transposed=False):
+    def Solve(self, forces: np.ndarray, *, transposed: bool = False) -> np.ndarray:
         """The solution (n,) or (n, k) for forces of this shape, 0 where nothing is free."""
         if np.ndim(forces) == 2:
             columns = [self.Solve(column, transposed=transposed) for column in forces.T]

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Design variables, as directions in which a problem is varied."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import GridFunction
+from ngsolve import GridFunction, Parameter
 
 from ngslac.analysis.shape import Shape
 from ngslac.arguments import CheckNumber, Wrong
+
+if TYPE_CHECKING:
+    from ngslac.solve.solver import ContactSolver
 
 __all__ = ["DirectionsOf", "Entries"]
 
@@ -29,11 +34,11 @@ class Scalar:
     moves, most = False, np.inf
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Of usual changes."""
         return abs(self.start)
 
-    def Set(self, way):
+    def Set(self, way: float) -> None:
         """Vary by so much; 0 brings back what was there."""
         self.parameter.Set(self.start + way)
 
@@ -49,16 +54,16 @@ class Entries:
     moves = False
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Of usual changes."""
         return float(np.max(np.abs(self.start), initial=0))
 
     @property
-    def most(self):
+    def most(self) -> float:
         """The largest step, a multiple of its size; none is known of a field that is zero."""
         return MOST * self.size or np.inf
 
-    def Set(self, way):
+    def Set(self, way: float) -> None:
         """Vary by so much; 0 brings back what was there."""
         self.values[:] = self.start
         self.values[self.chosen] += way * self.factors
@@ -73,16 +78,18 @@ class Motion:
     moves, most = True, np.inf
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Of usual changes: what moves points as far as the mesh is large."""
         return np.ptp(self.start, axis=0).max() / np.max(np.abs(self.shape.velocity))
 
-    def Set(self, way):
+    def Set(self, way: float) -> None:
         """Vary by so much; 0 brings back what was there."""
         self.shape.Points()[:] = self.start + way * self.shape.velocity if way else self.start
 
 
-def DirectionsOf(variable, solver, load=None):
+def DirectionsOf(
+    variable: Any, solver: ContactSolver, load: Parameter | None = None
+) -> tuple[list[Motion] | list[Scalar] | list[Entries], Motion | Scalar | Entries]:
     """The directions of a variable, and one by which their steps are chosen."""
     if variable is load and load is not None:
         raise ValueError(
@@ -102,7 +109,7 @@ def DirectionsOf(variable, solver, load=None):
     raise Wrong(TypeError, "variable", variable, WANTED)
 
 
-def FieldDirections(field, solver):
+def FieldDirections(field: GridFunction, solver: ContactSolver) -> tuple[list[Entries], Entries]:
     """One for each coefficient of a GridFunction, and all of them at once."""
     names = [(c, n) for c in solver.contacts for n in c._names.scalars + c._names.vectors]
     results = [solver.gf, *(getattr(contact, name) for contact, name in names)]
@@ -118,7 +125,7 @@ def FieldDirections(field, solver):
     return each, Entries(values, start, slice(None), signs)
 
 
-def Overlap(one, other):
+def Overlap(one: GridFunction, other: GridFunction) -> bool:
     """Have two GridFunctions entries in common, as one that is a component of the other?"""
     if one.space.is_complex or other.space.is_complex:
         return one is other
