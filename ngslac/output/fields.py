@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Fields of a contact by their names, as pictures and files take them."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-from ngsolve import GridFunction
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ngsolve import CoefficientFunction, GridFunction
 
 from ngslac.parallel.form import FunctionOver
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
 
 __all__ = [
     "ARROWS",
@@ -30,7 +37,7 @@ class FieldNames:
     recovered: tuple = ()
 
     @property
-    def solved(self):
+    def solved(self) -> set[str]:
         """Names of fields that only a solution has."""
         return {*self.scalars, *self.vectors, *self.recovered} - {"gap", "normal"}
 
@@ -39,14 +46,14 @@ OF_DISPLACEMENTS = FieldNames(("pressure", "gap", "status"), ARROWS[:3], RECOVER
 OF_SCALARS = FieldNames(("flux", "status"), ("normal",))
 
 
-def FieldOf(contact, field):
+def FieldOf(contact: LACContact, field: str) -> CoefficientFunction:
     """A function on the slave surface."""
     if field in RECOVERED:
         return getattr(contact.Recovered(), field.removeprefix("recovered "))
     return FunctionOver(contact.form, getattr(contact, field))
 
 
-def NumbersOf(contact, values):
+def NumbersOf(contact: LACContact, values: np.ndarray) -> GridFunction:
     """A field with one number for each macro-element."""
     field = GridFunction(contact.surface.WithComponents(1))
     field.vec.FV().NumPy()[:] = values

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The parts of a webgui scene of a contact: a function, objects, patches and a legend."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import scipy
-from ngsolve import InnerProduct
+from ngsolve import CoefficientFunction, GridFunction, InnerProduct
 
 from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.glyphs import Arrows, Bands, BarAreas, Bars, Lines, Ticks
 from ngslac.output.shapes import Creases, Patch, Triangles
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
+    from ngslac.output.facepoints import FacePoints
 
 __all__ = ["FlatMarks", "SolidMarks"]
 
@@ -30,7 +38,7 @@ AROUND = 1.6  # radius of what is seen, by that of the slave face
 class Marks:
     """Arguments of a scene: `shown`, `objects`, `patches`, `legend`, `settings`, `options`."""
 
-    def __init__(self, contact, field, faces, size):
+    def __init__(self, contact: LACContact, field: str, faces: FacePoints, size: float | None):
         self.contact, self.field, self.faces, self.size = contact, field, faces, size
         self.objects, self.patches, self.settings, self.options = [], [], {}, {}
         self.legend = list(STATUS.items()) if field == "status" else []
@@ -44,7 +52,7 @@ class Marks:
             colour = COLOUR if contact.surface.mesh.dim == 2 else "black"
             self.objects = [Arrows(faces, field, colour, vectors, size)]
 
-    def FaceValues(self):
+    def FaceValues(self) -> np.ndarray:
         """Values of the field, one for each slave face."""
         if self.field in RECOVERED:
             return np.squeeze(self.faces.Evaluate(FieldOf(self.contact, self.field)))
@@ -54,7 +62,14 @@ class Marks:
 class FlatMarks(Marks):
     """In 2D: bars, bands and strokes on the bodies, which `background` colours."""
 
-    def __init__(self, contact, field, faces, background, size):
+    def __init__(
+        self,
+        contact: LACContact,
+        field: str,
+        faces: FacePoints,
+        background: CoefficientFunction | None,
+        size: float | None,
+    ):
         super().__init__(contact, field, faces, size)
         self.shown = [background, contact.surface.mesh]
         if background is None:
@@ -68,10 +83,11 @@ class FlatMarks(Marks):
         elif not self.objects:
             self._AddBars()
 
-    def _Band(self, name, colour, chosen):
+    def _Band(self, name: str, colour: str, chosen: np.ndarray) -> dict[str, Any]:
         return Patch(name, colour, Bands(self.faces, chosen), flat=True)
 
-    def _AddBars(self):
+    def _AddBars(self) -> None:
+        """Bars of the values, in outline and filled, and what has no partner."""
         values = np.nan_to_num(self.FaceValues())
         self.objects = [Bars(self.faces, self.field, COLOUR, values, self.size)]
         areas = BarAreas(self.faces, values, self.size)
@@ -83,7 +99,14 @@ class FlatMarks(Marks):
 class SolidMarks(Marks):
     """In 3D: colours on the slave faces, seen through the bodies."""
 
-    def __init__(self, contact, field, faces, deformation, size):
+    def __init__(
+        self,
+        contact: LACContact,
+        field: str,
+        faces: FacePoints,
+        deformation: GridFunction | CoefficientFunction | None,
+        size: float | None,
+    ):
         super().__init__(contact, field, faces, size)
         self.settings = {"Light": LIGHT}
         self.shown = [self._Colours(), contact.surface.slave]
@@ -100,7 +123,7 @@ class SolidMarks(Marks):
         points = Triangles(contact.surface.mesh, macros >= 0, deformation).reshape(-1, 3)
         self.options |= View(points, faces.normals)
 
-    def _Colours(self):
+    def _Colours(self) -> CoefficientFunction:
         """The function whose values are colours; sets what belongs to it."""
         contact, field = self.contact, self.field
         if field == "status":
@@ -119,7 +142,7 @@ class SolidMarks(Marks):
         values = FieldOf(contact, field)
         return InnerProduct(values, values) ** 0.5 if field in ARROWS else values
 
-    def _Gaps(self):
+    def _Gaps(self) -> GridFunction:
         """The webgui leaves out faces with nan, but not from the ends of the colours."""
         gaps = self.contact.Table()["gap"]
         known = gaps[~self.alone]
@@ -129,17 +152,17 @@ class SolidMarks(Marks):
         return NumbersOf(self.contact, gaps)
 
 
-def _RGB(colour):
+def _RGB(colour: str) -> list[float]:
     """Parts from 0 to 1 of a colour such as "#808080"."""
     return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
 
 
-def _Pale(count):
+def _Pale(count: int) -> list[list[float]]:
     """Colours of `count` materials."""
     return [PALE[k % len(PALE)] for k in range(count)]
 
 
-def View(points, normals):
+def View(points: np.ndarray, normals: np.ndarray) -> dict[str, Any]:
     """Options euler_angles, center, radius of a scene that looks at a face with these `points`."""
     low, high = points.min(axis=0), points.max(axis=0)
     turn = scipy.spatial.transform.Rotation.from_matrix(_Axes(_Towards(normals)))
@@ -150,7 +173,7 @@ def View(points, normals):
     }
 
 
-def _Towards(normals):
+def _Towards(normals: np.ndarray) -> np.ndarray:
     """The direction from the faces to the camera."""
     mean = normals.mean(axis=0)
     if np.linalg.norm(mean) < ROUND:
@@ -161,7 +184,7 @@ def _Towards(normals):
     return towards / np.linalg.norm(towards)
 
 
-def _Axes(towards):
+def _Axes(towards: np.ndarray) -> np.ndarray:
     """Rows: what the picture has to its right, above, and towards the camera; z goes up."""
     up = np.eye(3)[2 if abs(towards[2]) < 0.95 else 1]
     right = np.cross(up, towards)

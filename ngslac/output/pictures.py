@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Methods of `LACContact` that show it: profiles by matplotlib, ParaView files."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import BND, CF
+from ngsolve import BND, CF, CoefficientFunction, GridFunction
 
 from ngslac.arguments import CheckChoice, CheckDisplacement, CheckFunction, Wrong
 from ngslac.arrays import AsBits
@@ -13,12 +17,25 @@ from ngslac.output.fields import ARROWS, RECOVERED, FieldOf, NumbersOf
 from ngslac.output.vtkfile import WriteVTK
 from ngslac.parallel.form import FunctionOver
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ngslac.contact.contact import LACContact
+
 __all__ = ["Plot", "WriteVTU"]
 
 CURVE = 9  # points of each face in a plot
 
 
-def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **style):
+def Plot(
+    self,
+    field: str = "pressure",
+    *,
+    along: str | Callable[[np.ndarray], np.ndarray] = "x",
+    deformation: GridFunction | CoefficientFunction | None = None,
+    axes: Axes | None = None,
+    **style,
+) -> Axes:
     """Plot a field of the last evaluation over a coordinate, by matplotlib.
 
     In 2D one step for each macro-element, in 3D one point; what is recovered is a curve in 2D and
@@ -76,20 +93,22 @@ def Plot(self, field="pressure", *, along="x", deformation=None, axes=None, **st
     return axes
 
 
-def _Values(contact, field):
+def _Values(contact: LACContact, field: str) -> np.ndarray:
     """Of each macro-element."""
     table = contact.Table()
     return _Tangential(table[field], table["normal"]) if field in ARROWS else table[field]
 
 
-def _Tangential(vectors, normals):
+def _Tangential(vectors: np.ndarray, normals: np.ndarray) -> np.ndarray:
     if vectors.shape[1] == 2:
         return normals[:, 0] * vectors[:, 1] - normals[:, 1] * vectors[:, 0]
     along = np.sum(vectors * normals, axis=1, keepdims=True)
     return np.linalg.norm(vectors - along * normals, axis=1)
 
 
-def WriteVTU(self, filename, *, displacement=None) -> Path:
+def WriteVTU(
+    self, filename: str | Path, *, displacement: GridFunction | CoefficientFunction | None = None
+) -> Path:
     """Write the fields on the slave faces for ParaView.
 
     Parameters
@@ -127,13 +146,16 @@ def WriteVTU(self, filename, *, displacement=None) -> Path:
         fields |= {n: CF((f[0], f[1], 0)) for n, f in fields.items() if f.dim == 2}
     chosen, mesh = AsBits(np.array(self.surface.macros) >= 0), self.surface.mesh
 
-    def Write():
+    def Write() -> Path:
         return WriteVTK(filename, mesh, fields, vb=BND, drawelems=chosen, order=2)
 
     return self.layout.together.First(Write)
 
 
-def _Coordinate(along, dim):
+def _Coordinate(
+    along: str | Callable[[np.ndarray], np.ndarray], dim: int
+) -> Callable[[np.ndarray], np.ndarray]:
+    """The function of points (n, d) that gives abscissas."""
     names = "xyz"[:dim]
     if not callable(along):
         CheckChoice("along", along, tuple(names))
@@ -142,7 +164,8 @@ def _Coordinate(along, dim):
     return lambda points: _Checked(np.asarray(along(points)), len(points))
 
 
-def _Checked(values, size):
+def _Checked(values: np.ndarray, size: float | None) -> np.ndarray:
+    """Abscissas that a function of the user has returned."""
     if values.shape != (size,):
         raise ValueError(
             f"along returns an array of the shape {values.shape}: one number for each of the "
@@ -151,12 +174,17 @@ def _Checked(values, size):
     return values
 
 
-def _Smooth(contact, field, faces, coordinate):
+def _Smooth(
+    contact: LACContact,
+    field: str,
+    faces: FacePoints,
+    coordinate: Callable[[np.ndarray], np.ndarray],
+) -> Sequence[np.ndarray]:
     """Abscissas and ordinates on each face, in 2D with a break behind it."""
     flat = contact.mesh.dim == 2
     places = np.linspace(0, 1, CURVE) if flat else [None]
 
-    def At(function):
+    def At(function: CoefficientFunction) -> np.ndarray:
         values = np.stack([faces.Evaluate(function, place) for place in places], axis=1)
         return values.reshape(-1, values.shape[-1])
 
@@ -173,12 +201,22 @@ def _Smooth(contact, field, faces, coordinate):
     ]
 
 
-def _Means(contact, field, faces, coordinate):
+def _Means(
+    contact: LACContact,
+    field: str,
+    faces: FacePoints,
+    coordinate: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
     """Abscissas and ordinates of a point for each macro-element."""
     return coordinate(faces.MacroMeans(faces.centers)), _Values(contact, field)
 
 
-def _Steps(contact, field, faces, coordinate):
+def _Steps(
+    contact: LACContact,
+    field: str,
+    faces: FacePoints,
+    coordinate: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
     """Abscissas and ordinates of a step for each macro-element, with breaks where others lie."""
     values = _Values(contact, field)
     ends = np.sort([coordinate(points) for points in faces.ends], axis=0)

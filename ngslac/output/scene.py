@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The method of `LACContact` that shows it in a webgui scene."""
 
-from ngsolve import CoefficientFunction
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ngsolve import CoefficientFunction, GridFunction
 
 from ngslac.arguments import (
     CheckChoice,
@@ -15,12 +19,22 @@ from ngslac.output.facepoints import FacePoints
 from ngslac.output.marks import FlatMarks, SolidMarks
 from ngslac.output.shapes import Script
 
+if TYPE_CHECKING:
+    from ngsolve.webgui import WebGLScene
+
 __all__ = ["Draw"]
 
 
 def Draw(
-    self, field="pressure", *, background=None, deformation=None, scale=1, size=None, **options
-):
+    self,
+    field: str = "pressure",
+    *,
+    background: CoefficientFunction | None = None,
+    deformation: GridFunction | CoefficientFunction | None = None,
+    scale: float = 1,
+    size: float | None = None,
+    **options,
+) -> WebGLScene:
     """Show a field of the last evaluation on the slave side, in the webgui.
 
     In 3D the camera looks at the slave faces, through the bodies, which are translucent. Numbers

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The segments of a pairing as numpy arrays, for pictures and for ParaView."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ngslac.files import Replacing
 from ngslac.output.vtkfile import VTUPath
+
+if TYPE_CHECKING:
+    from ngslac._ngslac import ContactForm
 
 __all__ = ["Segments"]
 
@@ -28,7 +34,7 @@ class Segments:
         In 3D the corners of segment i are the rows ``first[i]`` to ``first[i + 1]``.
     """
 
-    def __init__(self, form, dim):
+    def __init__(self, form: ContactForm, dim: int):
         values, corners, first = form.Segments()
         self.first = first.astype(int)
         values = values.reshape(form.nsegments, 4)
@@ -40,13 +46,13 @@ class Segments:
             self.slave_points = self.slave_points.reshape(-1, 2, 2)
             self.master_points = self.master_points.reshape(-1, 2, 2)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Segments: {len(self)} with the area {self.area.sum():g}>"
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.slave)
 
-    def WriteVTU(self, filename) -> Path:
+    def WriteVTU(self, filename: str | Path) -> Path:
         """Write the segments for ParaView.
 
         2D: quadrilaterals from slave to master. 3D: the polygons on the slave and then those on the
@@ -78,7 +84,8 @@ class Segments:
         arrays["side"] = np.repeat([1, 2], len(self))
         return Write(path, VTUText(points, ends, VTK_POLYGON, arrays))
 
-    def _GetWebguiData(self):
+    def _GetWebguiData(self) -> dict[str, Any]:
+        """What the webgui draws: lines."""
         if self.slave_points.ndim == 3:
             lines = np.stack([self.slave_points, self.master_points], axis=2)
             lines = np.pad(lines.reshape(-1, 2, 2), ((0, 0), (0, 0), (0, 1)))
@@ -91,7 +98,7 @@ class Segments:
             "position": lines.ravel().tolist(),
         }
 
-    def _Outlines(self):
+    def _Outlines(self) -> np.ndarray:
         """Sides of the polygons on the slave, and a line from slave to master in the middle."""
         following = np.arange(1, len(self.slave_points) + 1)
         following[self.first[1:] - 1] = self.first[:-1]
@@ -104,19 +111,21 @@ class Segments:
         return np.concatenate([sides, np.stack(middle, axis=1)])
 
 
-def Write(path, text):
+def Write(path: Path, text: str) -> Path:
     with Replacing(path) as part:
         part.write_text(text)
     return path
 
 
-def VTUText(points, ends, celltype, cell_data):
+def VTUText(
+    points: np.ndarray, ends: np.ndarray, celltype: int, cell_data: dict[str, np.ndarray]
+) -> str:
     """An unstructured VTK grid of cells with points of their own, as XML text.
 
     Cell i has the points from ``ends[i - 1]`` to ``ends[i]``.
     """
 
-    def Array(values, name, kind, components=1):
+    def Array(values: np.ndarray, name: str, kind: str, components: int = 1) -> str:
         text = " ".join(map(repr, np.asarray(values).ravel().tolist()))
         return (
             f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" '

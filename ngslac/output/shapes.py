@@ -6,7 +6,7 @@ from base64 import b64encode
 from pathlib import Path
 
 import numpy as np
-from ngsolve import CF, ET, IntegrationRule, x, y, z
+from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule, Mesh, x, y, z
 
 __all__ = ["Creases", "Patch", "Script", "Triangles"]
 
@@ -24,7 +24,9 @@ OF_NETGEN = {ET.TRIG: (10, 12), ET.QUAD: (11, 13, 14)}  # numbers of types, with
 ALONG = 4  # parts of each edge
 
 
-def Triangles(mesh, chosen, deformation=None):
+def Triangles(
+    mesh: Mesh, chosen: np.ndarray, deformation: GridFunction | CoefficientFunction | None = None
+) -> np.ndarray:
     """Corners (n, 3, 3) of triangles on the `chosen` boundary elements, (nboundary,) of bool."""
     types = mesh.ngmesh.Elements2D().NumPy()["type"]
     triangles = []
@@ -36,7 +38,9 @@ def Triangles(mesh, chosen, deformation=None):
     return np.concatenate(triangles)
 
 
-def Creases(mesh, deformation=None):
+def Creases(
+    mesh: Mesh, deformation: GridFunction | CoefficientFunction | None = None
+) -> np.ndarray:
     """Ends (n, 2, 3) of lines along the edges of the geometry, where the mesh has them."""
     points = [(i / ALONG, 0) for i in range(ALONG + 1)]
     rule = {ET.SEGM: IntegrationRule(points, [0] * len(points))}
@@ -45,19 +49,27 @@ def Creases(mesh, deformation=None):
     return np.stack([values[:, :-1], values[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
-def _Place(deformation):
+def _Place(deformation: GridFunction | CoefficientFunction | None) -> CoefficientFunction:
     place = CF((x, y, z))
     return place if deformation is None else place + deformation
 
 
-def Patch(name, colour, triangles, *, opacity=1.0, flat=False, behind=False):
+def Patch(
+    name: str,
+    colour: str,
+    triangles: np.ndarray,
+    *,
+    opacity: float = 1.0,
+    flat: bool = False,
+    behind: bool = False,
+) -> dict[str, float | str]:
     """A surface of `triangles` (n, 3, 3): `flat` without shade and depth, `behind` the colours."""
     position = b64encode(np.asarray(triangles, dtype="<f4").tobytes()).decode("ascii")
     look = {"opacity": opacity, "flat": flat, "behind": behind}
     return {"name": name, "color": colour, "position": position, **look}
 
 
-def Script(patches, legend):
+def Script(patches: list[dict[str, float | str]], legend: list[tuple[str, str]]) -> str:
     """The code that adds patches and a legend of (word, colour) to a scene, for ``js_code``."""
     added = json.dumps({"patches": patches, "legend": legend})
     return f"const added = {added};\n{SCRIPT.read_text()}"

@@ -1,24 +1,39 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Functions on a mesh as files for ParaView, written as a whole or not at all."""
 
-import os
+from __future__ import annotations
 
-from ngsolve import VOL, VTKOutput
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ngsolve import VOL, BitArray, CoefficientFunction, Mesh, VTKOutput
 
 from ngslac.files import PathOf, Replacing
+
+if TYPE_CHECKING:
+    from ngsolve.comp import VorB
 
 __all__ = ["VTUPath", "WriteVTK"]
 
 END = b"</VTKFile>"
 
 
-def VTUPath(filename):
+def VTUPath(filename: str | Path) -> Path:
     """The path of a file, with the ending .vtu where it is missing."""
     path = PathOf("filename", filename)
     return path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
 
 
-def WriteVTK(filename, mesh, functions, *, vb=VOL, drawelems=None, **options):
+def WriteVTK(
+    filename: str | Path,
+    mesh: Mesh,
+    functions: dict[str, CoefficientFunction],
+    *,
+    vb: VorB = VOL,
+    drawelems: BitArray | None = None,
+    **options,
+) -> Path:
     """Write a VTU file by NGSolve's VTKOutput, which is whole or raises; return its path."""
     path = VTUPath(filename)
     with Replacing(path) as part:
@@ -30,7 +45,7 @@ def WriteVTK(filename, mesh, functions, *, vb=VOL, drawelems=None, **options):
     return path
 
 
-def IsComplete(path):
+def IsComplete(path: Path) -> bool:
     """Does the file have its end?"""
     if not path.exists():
         return False

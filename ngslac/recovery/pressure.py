@@ -8,11 +8,18 @@ outside, and the pressure is that of every point: ``lam - c g`` with its gap g. 
 such an end they are the pressures themselves, and only the means count, as for the multipliers.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.sparse import csr_matrix, diags, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags, vstack
 from scipy.sparse.linalg import splu
 
 from ngslac.recovery.stencils import ThirdDifferences
+
+if TYPE_CHECKING:
+    from ngslac.recovery.surface import Patches, SlaveSurface
 
 __all__ = ["PressureFit"]
 
@@ -37,7 +44,14 @@ class PressureFit:
         Largest pressure of the patch of each vertex.
     """
 
-    def __init__(self, surface, rough, patches, means, samples):
+    def __init__(
+        self,
+        surface: SlaveSurface,
+        rough: csr_matrix,
+        patches: Patches,
+        means: np.ndarray,
+        samples: np.ndarray,
+    ):
         self.surface = surface
         closed = means > 0
         ended = self._Ended(patches, closed)
@@ -54,21 +68,21 @@ class PressureFit:
         self.square = np.where(patches.touched, self.square, np.minimum(self.square, 0))
         self._Restore(patches, means, start)
 
-    def _Ended(self, patches, closed):
+    def _Ended(self, patches: Patches, closed: np.ndarray) -> np.ndarray:
         """Macro-elements of patches with open neighbours, and these."""
         paired = self.surface.area > 0
         ends = np.zeros(patches.count + 1, bool)
         ends[patches.macro[paired & ~closed]] = True
         return paired & ends[patches.macro] & (patches.macro >= 0)
 
-    def _SetPeaks(self, patches, means):
+    def _SetPeaks(self, patches: Patches, means: np.ndarray) -> None:
         peaks = np.zeros(patches.count + 1)
         np.maximum.at(peaks, patches.macro, means)
         peaks[-1] = peaks.max()
         self.peak = peaks[patches.Around(patches.Around(patches.vertex))]
         self._peak = peaks[patches.macro[self.surface.macro]]
 
-    def _Weights(self, by_means, by_points):
+    def _Weights(self, by_means: np.ndarray, by_points: np.ndarray) -> csr_matrix:
         """The sums over points that are compared: of a macro-element, or of each point."""
         surface = self.surface
         points = np.arange(len(surface.weight))
@@ -78,7 +92,8 @@ class PressureFit:
         single = np.sqrt(surface.weight * by_points[surface.macro]) / self._peak
         return vstack([sums, diags(single)]).tocsr()
 
-    def _SetRoughness(self, rough):
+    def _SetRoughness(self, rough: csr_matrix) -> None:
+        """Set the rows that keep root and square smooth."""
         surface = self.surface
         share = np.where(surface.share > 0, surface.share, 1)
         wide = surface.OnVertices(surface.area) / share
@@ -88,12 +103,12 @@ class PressureFit:
         self._by_root = diags(weight * plain) @ rough
         self._by_square = diags(0.5 * weight * ~plain / self.peak) @ third
 
-    def _Start(self, means, patches):
+    def _Start(self, means: np.ndarray, patches: Patches) -> np.ndarray:
         start = self.surface.OnVertices(means) / self.peak
         squares = np.where(patches.touched, start**2, OUTSIDE)
         return np.where(self._squared, squares, start)
 
-    def _Restore(self, patches, means, start):
+    def _Restore(self, patches: Patches, means: np.ndarray, start: np.ndarray) -> None:
         """Where a patch is so small that its pressure got lost its means have to do."""
         surface = self.surface
         label = patches.macro[surface.macro]
@@ -106,12 +121,12 @@ class PressureFit:
 
     # --- the pressure ----------------------------------------------------------------------------
 
-    def _Set(self, values):
+    def _Set(self, values: np.ndarray) -> None:
         squares = np.where(self._squared, values, np.maximum(values, 0) ** 2)
         self.square = self.peak**2 * squares
         self.root = np.sqrt(np.maximum(self.square, 0))
 
-    def At(self):
+    def At(self) -> np.ndarray:
         """Pressure (q,) at the points.
 
         Its square is ``(1 - blend) root**2 + blend square`` of linear functions, or 0 if negative.
@@ -120,7 +135,7 @@ class PressureFit:
         square = (1 - blend) * (shapes @ self.root) ** 2 + blend * (shapes @ self.square)
         return np.sqrt(np.maximum(square, 0))
 
-    def Pulls(self, extra):
+    def Pulls(self, extra: np.ndarray) -> bool:
         """Whether the pressure times ``1 + extra``, with `extra` at the vertices, pulls anywhere.
 
         Where it has no end the pressure is linear, and ``peak * extra`` is added to it.
@@ -129,11 +144,12 @@ class PressureFit:
         values = self.root / self.peak + extra
         return min(factors.min(initial=0), values[~self._squared].min(initial=0)) < -ROUNDING
 
-    def _Residual(self):
+    def _Residual(self) -> np.ndarray:
         rough = self._by_root @ self.root + self._by_square @ self.square
         return np.concatenate([self._rows @ self.At() - self._data, rough])
 
-    def _Jacobian(self, values):
+    def _Jacobian(self, values: np.ndarray) -> csc_matrix:
+        """The derivative of the residual by the values."""
         shapes, pressure, blend = self.surface.shapes, self.At(), self._blend
         slope = np.where(pressure > 0, 1 / np.maximum(pressure, STEEPEST * self._peak), 0)
         # Where nothing is blended the pressure is the root itself, at 0 as well.
@@ -148,7 +164,8 @@ class PressureFit:
 
     # --- Gauss-Newton --------------------------------------------------------------------------
 
-    def _Solve(self, values, free):
+    def _Solve(self, values: np.ndarray, free: np.ndarray) -> None:
+        """Fit the values that are free, by steps of Levenberg and Marquardt."""
         self._Set(values)
         residual, damping = self._Residual(), DAMPING[1]
         for _ in range(ITERATIONS):
@@ -159,7 +176,14 @@ class PressureFit:
             if before - residual @ residual <= 1e-9 * before:
                 return
 
-    def _Step(self, values, free, jacobian, residual, damping):
+    def _Step(
+        self,
+        values: np.ndarray,
+        free: np.ndarray,
+        jacobian: csc_matrix,
+        residual: np.ndarray,
+        damping: float,
+    ) -> tuple[np.ndarray, float]:
         """The next values, those as they were if none are better, and the next damping."""
         cost, slope = residual @ residual, jacobian.T @ residual
         matrix = (jacobian.T @ jacobian).tocsc()

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Continuous pressure and traction, as functions on the slave side."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, exp, sqrt
 
@@ -8,6 +13,9 @@ from ngslac.recovery.pressure import PressureFit
 from ngslac.recovery.resultants import Balance
 from ngslac.recovery.stencils import FitMeans, SecondDifferences
 from ngslac.recovery.surface import Patches, SlaveSurface
+
+if TYPE_CHECKING:
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Recovered"]
 
@@ -33,7 +41,7 @@ class Recovered:
         Unit vector (d,) out of the slave, continuous; the pressure acts along it.
     """
 
-    def __init__(self, contact, displacement):
+    def __init__(self, contact: LACContact, displacement: GridFunction | None):
         self._contact, self._mesh = contact, contact.surface.mesh
         surface = self._surface = SlaveSurface(contact)
         self._table, self._unit = contact.Table(), 1.0
@@ -54,7 +62,7 @@ class Recovered:
         else:
             self._SetUnilateral(closed, displacement)
 
-    def _SetUnit(self):
+    def _SetUnit(self) -> None:
         """Stresses become parts of the largest one, whose squares are numbers."""
         largest = np.abs(self._table["traction"]).max(initial=0)
         if not np.isfinite(largest):
@@ -66,7 +74,8 @@ class Recovered:
         for name in ("traction", "pressure"):
             self._table[name] = self._table[name] / self._unit
 
-    def _SetNormals(self):
+    def _SetNormals(self) -> None:
+        """Fit normals at the vertices to those of the macro-elements."""
         surface, normals = self._surface, self._table["normal"]
         near = _Units(surface.OnVertices(normals))
         self._rough = SecondDifferences(surface.points, near, surface.neighbours)
@@ -80,7 +89,8 @@ class Recovered:
 
     # --- what does not pull ----------------------------------------------------------------------
 
-    def _SetUnilateral(self, closed, displacement):
+    def _SetUnilateral(self, closed: np.ndarray, displacement: GridFunction | None) -> None:
+        """Pressure and traction of a contact that only presses."""
         surface, contact = self._surface, self._contact
         means = np.where(closed, self._table["pressure"], 0)
         if not contact.finite:
@@ -95,10 +105,10 @@ class Recovered:
         pressure = sqrt(IfPos(square, square, 0))
         stretch = np.where(surface.shapes @ fit.blend > 0, density, surface.shapes @ fit.peak)
 
-        def Stretched(extra):
+        def Stretched(extra: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return density + stretch * extra, stretch
 
-        def Tilted(extra):
+        def Tilted(extra: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             pressure = density * np.exp(extra)
             return pressure, pressure
 
@@ -114,7 +124,7 @@ class Recovered:
         across = 1 + InnerProduct(slip, self.normal)
         self.traction = self.pressure * (slip - across * self.normal)
 
-    def _PressureOfGaps(self, displacement):
+    def _PressureOfGaps(self, displacement: GridFunction | None) -> np.ndarray:
         """How much the gaps of points reduce the pressure; unknown without a displacement."""
         contact, surface = self._contact, self._surface
         if displacement is None:
@@ -127,7 +137,7 @@ class Recovered:
         scale = GAP_SHARE * contact.form.Table()["c"] / contact.stiffness / np.sqrt(wide)
         return scale[surface.macro] / self._unit * self._Gaps(displacement)
 
-    def _Gaps(self, displacement):
+    def _Gaps(self, displacement: GridFunction) -> np.ndarray:
         """Gaps (q,) of the points, whose means are those of the macro-elements."""
         contact, surface = self._contact, self._surface
         if contact.finite:
@@ -136,7 +146,7 @@ class Recovered:
         gap = surface.gap * np.einsum("qk,qk->q", surface.normal, normal)
         return gap - np.einsum("qk,qk->q", surface.Jump(displacement), normal)
 
-    def _Friction(self, closed, density):
+    def _Friction(self, closed: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Tangential traction over pressure at the vertices, and how far it is from the bound."""
         surface, table = self._surface, self._table
         ones = np.ones(len(surface.vertices))
@@ -152,7 +162,7 @@ class Recovered:
         used = np.divide(np.minimum(size, bound), bound, out=ones.copy(), where=bound > 0)
         return slip, np.where(np.isfinite(bound), 1 - used**2, 1)
 
-    def _Bound(self, closed):
+    def _Bound(self, closed: np.ndarray) -> np.ndarray:
         """Least coefficient of friction of the closed macro-elements at each vertex."""
         surface, friction = self._surface, self._table["friction"]
         bound = np.full(len(surface.vertices), np.inf)
@@ -164,7 +174,8 @@ class Recovered:
 
     # --- what may pull ---------------------------------------------------------------------------
 
-    def _SetPulling(self, closed):
+    def _SetPulling(self, closed: np.ndarray) -> None:
+        """Pressure and traction of a contact that pulls, too."""
         surface = self._surface
         ones = np.ones(len(surface.weight))
         vectors = FitMeans(surface, self._rough, ones, self._table["traction"], closed)
@@ -176,7 +187,13 @@ class Recovered:
 
     # --- both ------------------------------------------------------------------------------------
 
-    def _Balanced(self, density, scaled, slip, slack):
+    def _Balanced(
+        self,
+        density: np.ndarray,
+        scaled: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+        slip: np.ndarray,
+        slack: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Corrections for which forces and moments are those of the multipliers, see `Balance`."""
         resultants, normals = self._contact.form.Resultants(), self._normals
         wanted = [resultants[name] / self._unit for name in ("force", "moment")]
@@ -190,7 +207,7 @@ class Recovered:
             extra, found, error = balance.Solve(slip, normals, np.ones_like(slack))
         return extra, found
 
-    def _Field(self, values):
+    def _Field(self, values: np.ndarray) -> GridFunction:
         """The function that is linear on the faces with values (n, ...) at the vertices."""
         field = GridFunction(H1(self._mesh, order=1, dim=values[0].size))
         vertices = self._surface.vertices
@@ -200,5 +217,5 @@ class Recovered:
         return field
 
 
-def _Units(vectors):
+def _Units(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -1,7 +1,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Corrections that give a continuous traction the force and moment of the multipliers."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ngslac.recovery.surface import Patches, SlaveSurface
 
 __all__ = ["Balance"]
 
@@ -19,7 +27,16 @@ class Balance:
     these the smallest is taken.
     """
 
-    def __init__(self, surface, patches, density, scaled, base, forces, moments):
+    def __init__(
+        self,
+        surface: SlaveSurface,
+        patches: Patches,
+        density: np.ndarray,
+        scaled: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+        base: np.ndarray,
+        forces: np.ndarray,
+        moments: np.ndarray,
+    ):
         self.surface, self.patches = surface, patches
         self.scaled, self.base = scaled, base
         self._label = patches.macro[surface.macro]
@@ -34,10 +51,12 @@ class Balance:
         moment = moment[:, -1:] if forces.shape[1] == 2 else moment
         self._wanted = np.hstack([force, (moment - _Cross(self._middle, force)) / self._size])
 
-    def _Arms(self, points, label):
+    def _Arms(self, points: np.ndarray, label: np.ndarray) -> np.ndarray:
         return np.where(label[:, None] >= 0, points - self._middle[label], 0)
 
-    def Solve(self, slip, normals, slack):
+    def Solve(
+        self, slip: np.ndarray, normals: np.ndarray, slack: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, float]:
         """By Newton's method, of `slip`, `normals` (n, d) and `slack` (n,) at the vertices."""
         affine, rigid = self._Ways(normals, slack)
         start, values = slip, np.zeros((self.patches.count, affine.shape[1] + rigid.shape[1]))
@@ -58,7 +77,7 @@ class Balance:
             values = values + step * LARGEST / wide
         return best[1], best[2], best[0]
 
-    def _Ways(self, normals, slack):
+    def _Ways(self, normals: np.ndarray, slack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Linear functions (n, d + 1) and tangential rigid motions (n, 3 or 6, d) of patches."""
         label = self.patches.vertex
         arms = self._Arms(self.surface.points, label) / self._size[label]
@@ -67,11 +86,11 @@ class Balance:
         rigid -= np.einsum("nak,nk->na", rigid, normals)[..., None] * normals[:, None]
         return np.column_stack([np.ones(len(arms)), arms]) * mine[:, None], rigid
 
-    def _Along(self, vectors):
+    def _Along(self, vectors: np.ndarray) -> np.ndarray:
         """Their part (q, d) across the base, a unit vector or zero."""
         return vectors - np.einsum("qk,qk->q", vectors, self.base)[:, None] * self.base
 
-    def _Rest(self, extra, slip):
+    def _Rest(self, extra: np.ndarray, slip: np.ndarray) -> tuple[np.ndarray, float]:
         """The missing forces and moments, and their size relative to the forces."""
         shapes = self.surface.shapes
         scale, _ = self.scaled(shapes @ extra)
@@ -81,7 +100,10 @@ class Balance:
         size = self.patches.Sums(self._label, size).clip(np.finfo(float).tiny)
         return rest, np.max(np.abs(rest) / size)
 
-    def _Jacobian(self, extra, slip, affine, rigid):
+    def _Jacobian(
+        self, extra: np.ndarray, slip: np.ndarray, affine: np.ndarray, rigid: np.ndarray
+    ) -> np.ndarray:
+        """The derivative of the resultants by both kinds of corrections."""
         shapes = self.surface.shapes
         direction = self.base + self._Along(shapes @ slip)
         scale, slope = self.scaled(shapes @ extra)
@@ -92,7 +114,7 @@ class Balance:
         moved = scale[:, None, None] * moved
         return self._Resultants(np.concatenate([stretched, moved], axis=1))
 
-    def _Resultants(self, tractions):
+    def _Resultants(self, tractions: np.ndarray) -> np.ndarray:
         """Forces, and moments over the size, (count, ..., 3 or 6) of tractions (q, ..., d)."""
         arms = self._arms.reshape(len(self._arms), *[1] * (tractions.ndim - 2), -1)
         both = np.concatenate([tractions, _Cross(arms, tractions)], axis=-1)
@@ -100,14 +122,14 @@ class Balance:
         return self.patches.Sums(self._label, weight * both)
 
 
-def _Cross(arms, forces):
+def _Cross(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """Moments (..., 1) in 2D, (..., 3) in 3D."""
     if forces.shape[-1] == 3:
         return np.cross(arms, forces)
     return arms[..., :1] * forces[..., 1:] - arms[..., 1:] * forces[..., :1]
 
 
-def _RigidMotions(arms):
+def _RigidMotions(arms: np.ndarray) -> np.ndarray:
     """Translations and rotations (n, 3 or 6, d)."""
     n, d = arms.shape
     moves = np.broadcast_to(np.eye(d), (n, d, d))

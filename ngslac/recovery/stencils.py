@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Smoothness of values at the vertices of a surface: differences, and a fit of means."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import csr_matrix, diags, identity
 from scipy.sparse.linalg import splu
+
+if TYPE_CHECKING:
+    from ngslac.recovery.surface import SlaveSurface
 
 __all__ = ["FitMeans", "SecondDifferences", "ThirdDifferences"]
 
@@ -13,7 +20,9 @@ LOOSE, REFINEMENTS = 1e-6, 12  # what keeps the matrix regular, and the steps th
 ONE_SIDED = 1.3  # sum of the weights where the neighbours lie on one side: 1 in the middle of them
 
 
-def SecondDifferences(points, normals, neighbours):
+def SecondDifferences(
+    points: np.ndarray, normals: np.ndarray, neighbours: csr_matrix
+) -> csr_matrix:
     """How far values at vertices are from the linear function that fits those around them best.
 
     Zero for functions that are linear in the tangent plane. Where the neighbours do not surround a
@@ -33,7 +42,7 @@ def SecondDifferences(points, normals, neighbours):
     return csr_matrix(rows.multiply(good[:, None]))
 
 
-def ThirdDifferences(second, neighbours):
+def ThirdDifferences(second: csr_matrix, neighbours: csr_matrix) -> csr_matrix:
     """How far second differences are from their means over the neighbours that have some.
 
     Zero for quadratic functions where vertices lie regularly; sparse matrices as there.
@@ -46,21 +55,27 @@ def ThirdDifferences(second, neighbours):
     return csr_matrix(diags(1.0 * (has & (counts > 1))) @ (second - means))
 
 
-def _Sums(i, terms, n):
+def _Sums(i: np.ndarray, terms: np.ndarray, n: int) -> np.ndarray:
     """Of the products (n, d + 1, d + 1) of the terms that belong to each vertex."""
     size = terms.shape[1]
     products = np.einsum("ea,eb->eab", terms, terms).reshape(len(i), -1)
     return np.stack([np.bincount(i, c, n) for c in products.T], axis=1).reshape(n, size, size)
 
 
-def _Inverses(moments, normals):
+def _Inverses(moments: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     moments[:, 1:, 1:] += normals[:, :, None] * normals[:, None, :]  # nothing varies along these
     good = np.linalg.eigvalsh(moments)[:, 0] > SINGULAR
     moments[~good] = np.eye(moments.shape[1])
     return np.linalg.inv(moments), good
 
 
-def FitMeans(surface, rough, density, means, chosen):
+def FitMeans(
+    surface: SlaveSurface,
+    rough: csr_matrix,
+    density: np.ndarray,
+    means: np.ndarray,
+    chosen: np.ndarray,
+) -> np.ndarray:
     """Values at the vertices of a function that is linear on the faces, by least squares.
 
     Exact for means of linear functions.

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The slave side as arrays: its vertices, and the points where contact acts."""
 
+from __future__ import annotations
+
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import CF, ET, IntegrationRule, x, y, z
+from ngsolve import CF, ET, CoefficientFunction, GridFunction, IntegrationRule, x, y, z
 
 from ngslac._ngslac import BoundaryVertices
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix, spmatrix
+
+    from ngslac.contact.contact import LACContact
 
 __all__ = ["Patches", "SlaveSurface"]
 
@@ -18,7 +26,7 @@ CORNERS = {
 }
 
 
-def _Shapes(corners, xi):
+def _Shapes(corners: np.ndarray, xi: np.ndarray) -> np.ndarray:
     """Values (n, 4) of the (bi)linear functions of faces with so many corners, at points (n, 2)."""
     s, t = xi.T
     values = np.zeros((len(xi), 4))
@@ -53,7 +61,7 @@ class SlaveSurface:
         Paired area of the macro-elements.
     """
 
-    def __init__(self, contact):
+    def __init__(self, contact: LACContact):
         mesh, d = contact.surface.mesh, contact.surface.mesh.dim
         self.table = contact.form.Points().reshape(-1, 8 + 2 * d)
         owner, corners = np.array(contact.surface.macros), BoundaryVertices(mesh)
@@ -78,12 +86,12 @@ class SlaveSurface:
         self.nmacros = contact.surface.nmacros
         self.area = np.bincount(self.macro, self.weight, self.nmacros)
 
-    def _Sparse(self, values, columns, known):
+    def _Sparse(self, values: np.ndarray, columns: np.ndarray, known: np.ndarray) -> csr_matrix:
         rows = np.broadcast_to(np.arange(len(values))[:, None], values.shape)
         shape = len(values), len(self.vertices)
         return scipy.sparse.csr_matrix((values[known], (rows[known], columns[known])), shape=shape)
 
-    def Jump(self, displacement):
+    def Jump(self, displacement: GridFunction) -> np.ndarray:
         """Slave minus master displacement (q, d) at the points, of a function on the mesh."""
         slave, master = (self.table[:, k].astype(int) for k in (0, 1))
         jump = self.Evaluate(displacement, slave, self.table[:, 2:4])
@@ -91,13 +99,15 @@ class SlaveSurface:
         jump[faced] -= self.Evaluate(displacement, master[faced], self.table[faced, 4:6])
         return jump
 
-    def Evaluate(self, function, element, xi):
+    def Evaluate(
+        self, function: CoefficientFunction, element: np.ndarray, xi: np.ndarray
+    ) -> np.ndarray:
         points = np.repeat(self._mesh_point, len(element))
         points["nr"], points["x"], points["y"] = element, *xi.T
         return function(points).reshape(len(element), function.dim)
 
     @cached_property
-    def touches(self):
+    def touches(self) -> csr_matrix:
         """Which macro-elements (rows) have which vertices (columns), as a sparse matrix."""
         known = self.faces >= 0
         rows = np.broadcast_to(self.owner[:, None], known.shape)[known]
@@ -105,7 +115,7 @@ class SlaveSurface:
         return scipy.sparse.csr_matrix((np.ones(len(rows)), (rows, self.faces[known])), shape=shape)
 
     @cached_property
-    def neighbours(self):
+    def neighbours(self) -> csr_matrix:
         """Which vertices belong to a common face, as a sparse matrix."""
         known = self.faces >= 0
         rows = np.broadcast_to(np.arange(len(known))[:, None], known.shape)[known]
@@ -116,11 +126,11 @@ class SlaveSurface:
         return (corners.T @ corners).tocsr()
 
     @cached_property
-    def share(self):
+    def share(self) -> np.ndarray:
         """Paired area (n,) that belongs to each vertex."""
         return self.shapes.T @ self.weight
 
-    def Means(self, density):
+    def Means(self, density: np.ndarray) -> csr_matrix:
         """Sparse matrix (m, n): means over the macro-elements, weighted by (q,) at the points."""
         weight = self.weight * density
         sums = np.bincount(self.macro, weight, self.nmacros)[self.macro]
@@ -130,7 +140,7 @@ class SlaveSurface:
         )
         return rows @ self.shapes
 
-    def OnVertices(self, values):
+    def OnVertices(self, values: np.ndarray) -> np.ndarray:
         """Means (n, ...) over what touches each vertex of values (m, ...) of macro-elements."""
         counts = np.asarray(self.touches.sum(axis=0)).reshape(-1, *[1] * (values.ndim - 1))
         return (self.touches.T @ values) / counts
@@ -139,7 +149,7 @@ class SlaveSurface:
 class Patches:
     """Macro-elements that transmit forces, by the parts that share no vertex."""
 
-    def __init__(self, surface, closed):
+    def __init__(self, surface: SlaveSurface, closed: np.ndarray):
         self._neighbours, touches = surface.neighbours, surface.touches
         self.touched = touches.T @ closed > 0  # vertices of those that transmit forces
         mine = touches[closed]
@@ -152,18 +162,18 @@ class Patches:
         around = self._Largest(touches, self.vertex)
         self.macro = np.where(closed, self.macro, around)
 
-    def Around(self, labels):
+    def Around(self, labels: np.ndarray) -> np.ndarray:
         """Labels of vertices with those of their neighbours where they have none."""
         return np.where(labels < 0, self._Largest(self._neighbours, labels), labels)
 
     @staticmethod
-    def _Largest(graph, labels):
+    def _Largest(graph: spmatrix, labels: np.ndarray) -> np.ndarray:
         """The largest label on the other side of a graph, -1 where there is none."""
         graph = graph.tocsr().copy()
         graph.data = labels[graph.indices] + 1.0
         return graph.max(axis=1).toarray().ravel().astype(int) - 1
 
-    def Sums(self, of, values):
+    def Sums(self, of: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Sums (count, ...) of `values` (n, ...) of things that belong to the patches `of` (n,)."""
         mine = of >= 0
         flat = values[mine].reshape(mine.sum(), -1)
