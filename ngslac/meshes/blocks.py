@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
-from netgen.occ import ArcOfCircle, Glue, Pnt
+from netgen.occ import ArcOfCircle, Glue, Pnt, TopoDS_Shape
 from ngsolve import Mesh
 
 from ngslac.meshes.boxes import Cells
@@ -48,35 +49,35 @@ class _Block:
     middle: float  # x where the interface crosses y = 0
 
     @property
-    def top(self):
+    def top(self) -> str:
         return "top" if self.end > 0 else "bottom"
 
-    def Height(self, x):
+    def Height(self, x: float | np.ndarray) -> float | np.ndarray:
         """y of the interface at x."""
         return self.slope * (x - self.middle)
 
-    def Nodes(self):
+    def Nodes(self) -> np.ndarray:
         """Positions x of the nodes of the contact edge."""
         parts = [np.linspace(a, b, n + 1) for _, a, b, n in self.pieces]
         return np.concatenate([parts[0], *(p[1:] for p in parts[1:])])
 
 
 def TwoBlocks(
-    h_slave=0.25,
-    h_master=None,
+    h_slave: float = 0.25,
+    h_master: float | None = None,
     *,
-    shape="flat",
-    slope=20.0,
-    overhang=0.0,
-    aligned=True,
-    quads=False,
-    structured=False,
-    curved=False,
-    width=1.0,
-    height=1.0,
-    order=None,
-    scale=1.0,
-    angle=0.0,
+    shape: str = "flat",
+    slope: float = 20.0,
+    overhang: float = 0.0,
+    aligned: bool = True,
+    quads: bool = False,
+    structured: bool = False,
+    curved: bool = False,
+    width: float = 1.0,
+    height: float = 1.0,
+    order: int | None = None,
+    scale: float = 1.0,
+    angle: float = 0.0,
 ) -> Mesh:
     """Mesh of a block "upper" on a block "lower" with non-matching straight contact edges.
 
@@ -148,7 +149,16 @@ def TwoBlocks(
     return mesh
 
 
-def _Sides(h_slave, h_master, overhang, aligned, curved, width, height, slope):
+def _Sides(
+    h_slave: float,
+    h_master: float,
+    overhang: float,
+    aligned: bool,
+    curved: bool,
+    width: float,
+    height: float,
+    slope: float,
+) -> tuple[_Block, _Block]:
     """Divide the contact edges: first the slave's, then the master's between its nodes."""
     cuts = (0.3729 * width, 0.5817 * width) if curved else (None, None)
     pieces = _Pieces("slave", -overhang, width, aligned, cuts[0])
@@ -161,7 +171,9 @@ def _Sides(h_slave, h_master, overhang, aligned, curved, width, height, slope):
     return upper, _Block("lower", h_master, pieces, -height, slope, width / 2)
 
 
-def _Pieces(name, wider, width, aligned, cut):
+def _Pieces(
+    name: str, wider: float, width: float, aligned: bool, cut: float | None
+) -> list[tuple[str, float, float]]:
     """Split a contact edge at the ends of the other block and at the curved cut."""
     wider = max(wider, 0.0)
     if wider and aligned:
@@ -182,7 +194,7 @@ def _Pieces(name, wider, width, aligned, cut):
 # ---------------------------------------------------------------- unstructured
 
 
-def _Shape(side, curved):
+def _Shape(side: _Block, curved: bool) -> TopoDS_Shape:
     """The body as an OCC face, or as two faces glued along an arc."""
     if not curved:
         return Body(_Outline(side, side.pieces, None, None), side.name)
@@ -199,16 +211,27 @@ def _Shape(side, curved):
     return shape
 
 
-def _Outline(side, pieces, left, right):
+def _Outline(
+    side: _Block,
+    pieces: Sequence[tuple[str, float, float, int]],
+    left: Side | None,
+    right: Side | None,
+) -> list[Side]:
     """The edges around some pieces of the contact edge; `left`, `right` replace a side."""
 
     # All edges run counter-clockwise, so that NGSolve's normals point outwards.
     clockwise = side.end < 0
 
-    def Turned(p, q, name, count, turn=clockwise):
+    def Turned(
+        p: tuple[float, float],
+        q: tuple[float, float],
+        name: str,
+        count: int,
+        turn: bool = clockwise,
+    ) -> Side:
         return Line(*((q, p) if turn else (p, q)), name, count)
 
-    def Upright(x, where):
+    def Upright(x: float, where: str) -> Side:
         y, turn = side.Height(x), clockwise != (where == "left")
         count = Divisions(abs(side.end - y), side.h)
         return Turned((x, y), (x, side.end), f"{where}_{side.name}", count, turn)
@@ -224,7 +247,7 @@ def _Outline(side, pieces, left, right):
 # ---------------------------------------------------------------- structured
 
 
-def _StructuredMesh(sides, quads, scale, angle):
+def _StructuredMesh(sides: tuple[_Block, _Block], quads: bool, scale: float, angle: float) -> Mesh:
     """A grid in each block."""
     ngmesh = NetgenMesh(dim=2)
     for side in sides:
@@ -234,7 +257,7 @@ def _StructuredMesh(sides, quads, scale, angle):
     return Mesh(ngmesh)
 
 
-def _Grid(side, quads):
+def _Grid(side: _Block, quads: bool) -> Cells:
     """One block, numbered by rows from the interface on."""
     xs, rows = side.Nodes(), Divisions(abs(side.end), side.h)
     node, y = np.arange((rows + 1) * len(xs)).reshape(rows + 1, -1), side.Height(xs)

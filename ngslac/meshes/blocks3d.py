@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
 
@@ -28,7 +29,7 @@ class _Frame:
     height: float
     matrix: np.ndarray  # rotation and scale
 
-    def Map(self, points):
+    def Map(self, points: np.ndarray) -> np.ndarray:
         """Incline the interface, keep the far sides, scale and rotate."""
         shear = (points[:, :2] - self.middle) @ self.gradient
         z = points[:, 2] + shear * (1 - np.abs(points[:, 2]) / self.height)
@@ -36,24 +37,24 @@ class _Frame:
 
 
 def TwoBlocks3D(
-    kind_upper="hex",
-    kind_lower=None,
-    n_slave=2,
-    n_master=3,
+    kind_upper: str = "hex",
+    kind_lower: str | None = None,
+    n_slave: int | tuple[int, int] = 2,
+    n_master: int | tuple[int, int] = 3,
     *,
-    layers=(1, 1),
-    shape="flat",
-    slope=20.0,
-    azimuth=30.0,
-    overhang=0.0,
-    aligned=True,
-    perturb=0.0,
-    unstructured=False,
-    width=1.0,
-    height=1.0,
-    scale=1.0,
-    rotation=None,
-    seed=1,
+    layers: tuple[int, int] = (1, 1),
+    shape: str = "flat",
+    slope: float = 20.0,
+    azimuth: float = 30.0,
+    overhang: float = 0.0,
+    aligned: bool = True,
+    perturb: float = 0.0,
+    unstructured: bool = False,
+    width: float = 1.0,
+    height: float = 1.0,
+    scale: float = 1.0,
+    rotation: tuple[str | Sequence[float], float] | None = None,
+    seed: int = 1,
 ) -> Mesh:
     """Mesh of a block "upper" on a block "lower" whose contact faces do not match.
 
@@ -137,7 +138,7 @@ def TwoBlocks3D(
 # ---------------------------------------------------------------- pieces
 
 
-def _Pair(name, n):
+def _Pair(name: str, n: int | tuple[int, int]) -> tuple[int, int]:
     pair = tuple(n) if isinstance(n, (tuple, list, np.ndarray)) else (n, n)
     whole = all(isinstance(k, Integral) and not isinstance(k, bool) and k > 0 for k in pair)
     if len(pair) != 2 or not whole:
@@ -145,7 +146,16 @@ def _Pair(name, n):
     return pair
 
 
-def _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation):
+def _MakeFrame(
+    shape: str,
+    slope: float,
+    azimuth: float,
+    overhang: float,
+    width: float,
+    height: float,
+    scale: float,
+    rotation: tuple[str | Sequence[float], float] | None,
+) -> _Frame:
     direction = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth))])
     reach = np.abs(direction).sum() * (width / 2 + abs(overhang))
     rise = Incline(shape, slope, reach, height)
@@ -153,7 +163,13 @@ def _MakeFrame(shape, slope, azimuth, overhang, width, height, scale, rotation):
     return _Frame(np.full(2, width / 2), rise * direction, height, matrix)
 
 
-def _Grids(n_slave, n_master, overhang, aligned, width):
+def _Grids(
+    n_slave: tuple[int, int],
+    n_master: tuple[int, int],
+    overhang: float,
+    aligned: bool,
+    width: float,
+) -> list[list[np.ndarray]]:
     """Grid positions (x, y) of the upper and of the lower block."""
     grids = []
     for counts, wider in ((n_slave, -overhang), (n_master, overhang)):
@@ -170,13 +186,13 @@ def _Grids(n_slave, n_master, overhang, aligned, width):
     return grids
 
 
-def _Names(body, width):
+def _Names(body: str, width: float) -> Callable[[str, np.ndarray], str]:
     """Names of the outer faces of a block; faces of the interface outside `width` are its rim."""
     contact, facing, far = (
         ("slave", "bottom", "top") if body == "upper" else ("master", "top", "bottom")
     )
 
-    def Name(side, centre):
+    def Name(side: str, centre: np.ndarray) -> str:
         if side == facing:
             inside = math.isinf(width) or np.all((centre[:2] > 0) & (centre[:2] < width))
             return contact if inside else f"{contact}_rim"
@@ -185,7 +201,9 @@ def _Names(body, width):
     return Name
 
 
-def _TetBox(grid, z, names):
+def _TetBox(
+    grid: list[np.ndarray], z: np.ndarray, names: Callable[[str, np.ndarray], str]
+) -> Cells:
     """A box meshed by Netgen on its own, with the edges at the interface divided evenly."""
     (x, y), low, high = grid, [c[0] for c in (*grid, z)], [c[-1] for c in (*grid, z)]
     shape = Box(Pnt(*low), Pnt(*high))

@@ -7,10 +7,12 @@ inside, as on paper. Netgen wants the opposite orientation, which `Cells.AddTo` 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from netgen.meshing import Element1D, Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
+from netgen.meshing import Mesh as NetgenMesh
 
 from ngslac.arguments import CheckCount
 from ngslac.meshes.sizes import CheckElements
@@ -56,7 +58,7 @@ class Cells:
     cells: list
     faces: list
 
-    def AddTo(self, ngmesh, name) -> None:
+    def AddTo(self, ngmesh: NetgenMesh, name: str) -> None:
         """Become the body `name` of a netgen mesh, whose ``Compress()`` is to be called at the end.
 
         Faces of equal names become one boundary of this body.
@@ -81,7 +83,17 @@ class Cells:
                 ngmesh.Add(Element2D(index[label], corners))
 
 
-def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), seed=0) -> Cells:
+def StructuredBox(
+    x: Sequence[float],
+    y: Sequence[float],
+    z: Sequence[float],
+    kind: str = "hex",
+    *,
+    names: Callable[[str, np.ndarray], str] | None = None,
+    perturb: float = 0.0,
+    fixed: Sequence[float] = (),
+    seed: int = 0,
+) -> Cells:
     """Cut a grid of cubes into cells of one shape.
 
     Parameters
@@ -146,7 +158,8 @@ def StructuredBox(x, y, z, kind="hex", *, names=None, perturb=0.0, fixed=(), see
     return Cells(points, cells, faces)
 
 
-def _AddBoundary(ngmesh, label, domain):
+def _AddBoundary(ngmesh: NetgenMesh, label: str, domain: int) -> int:
+    """The number of a new boundary with a name, in front of a body."""
     if ngmesh.dim == 2:
         return ngmesh.AddRegion(label, dim=1)
     number = len(ngmesh.FaceDescriptors()) + 1
@@ -155,18 +168,18 @@ def _AddBoundary(ngmesh, label, domain):
     return index
 
 
-def _Least(grid):
+def _Least(grid: list[np.ndarray]) -> dict[str, float]:
     """The least spacing of each coordinate."""
     return {f"spacing of {name}": np.diff(c).min() for name, c in zip("xyz", grid, strict=True)}
 
 
-def SideOf(corners, low, high):
+def SideOf(corners: np.ndarray, low: np.ndarray, high: np.ndarray) -> str:
     """Return which side of the box between two points a face with these corners (n, 3) lies in."""
     at = [np.all(corners[:, a] == end[a]) for a in range(3) for end in (low, high)]
     return _SIDES[at.index(True)]
 
 
-def _Cubes(nx, ny, nz):
+def _Cubes(nx: int, ny: int, nz: int) -> np.ndarray:
     """Point numbers of the eight corners of every cube of a grid with nx, ny, nz points."""
     number = np.arange(nx * ny * nz).reshape(nx, ny, nz)
     corner = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -180,7 +193,9 @@ def _Cubes(nx, ny, nz):
     )
 
 
-def _Shifts(grid, perturb, fixed, seed):
+def _Shifts(
+    grid: list[np.ndarray], perturb: float, fixed: Sequence[float], seed: int
+) -> np.ndarray:
     """Random shifts of the grid points; none across the sides of the box."""
     random = np.random.default_rng(seed)
     shifts = perturb * random.uniform(-1, 1, (*(len(c) for c in grid), 3))
@@ -193,7 +208,9 @@ def _Shifts(grid, perturb, fixed, seed):
     return shifts.reshape(-1, 3)
 
 
-def _NamedFaces(flat, cells, names):
+def _NamedFaces(
+    flat: np.ndarray, cells: Sequence[tuple[int, ...]], names: Callable[[str, np.ndarray], str]
+) -> list[tuple[str, tuple[int, ...]]]:
     """The faces of one cell only, named by the side of the box they lie in."""
     outer = {}
     for cell in cells:

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
-from netgen.occ import OCCGeometry
+from netgen.occ import Face, OCCGeometry
 from ngsolve import BND, Mesh
 
 from ngslac.meshes.boxes import Cells
@@ -29,7 +30,15 @@ LAYERS = {"cylinder": 2, "block": 3}
 
 
 def CylinderOnBlock(
-    h, *, radius=50.0, zone=None, width=None, ratio=1.2, model="quarter", grading=0.3, scale=1.0
+    h: float,
+    *,
+    radius: float = 50.0,
+    zone: float | None = None,
+    width: float | None = None,
+    ratio: float = 1.2,
+    model: str = "quarter",
+    grading: float = 0.3,
+    scale: float = 1.0,
 ) -> Mesh:
     """Mesh of a slice of the lower half of a cylinder on a block, of prisms.
 
@@ -87,7 +96,7 @@ def CylinderOnBlock(
     return mesh
 
 
-def _HalfDisc(radius, zone, full):
+def _HalfDisc(radius: float, zone: float, full: bool) -> Face:
     """The lower half of a disc that touches the origin from above."""
     point, end, right = Touching(radius), math.asin(zone / radius), math.pi / 2
     start = -end if full else 0
@@ -100,7 +109,7 @@ def _HalfDisc(radius, zone, full):
     return Body(sides, "cylinder")
 
 
-def _Rectangle(width, zone, full):
+def _Rectangle(width: float, zone: float, full: bool) -> Face:
     """The block below the origin."""
     start = -1 if full else 0
     x = [start * width, width, width, zone, start * zone]
@@ -111,7 +120,7 @@ def _Rectangle(width, zone, full):
     return Polygon(list(zip(x, y, strict=True)), names, "block")
 
 
-def _Extruded(plane, scale):
+def _Extruded(plane: Sequence[Mesh], scale: float) -> Mesh:
     """Draw the plane meshes of the bodies into the depth; their y becomes z."""
     out = NetgenMesh(dim=3)
     for mesh, (name, layers) in zip(plane, LAYERS.items(), strict=True):
@@ -120,7 +129,7 @@ def _Extruded(plane, scale):
     return Mesh(out)
 
 
-def _Prisms(mesh, depth, scale):
+def _Prisms(mesh: Mesh, depth: np.ndarray, scale: float) -> Cells:
     """The prisms on the triangles of a plane mesh and their outer faces."""
     flat = np.array([v.point for v in mesh.vertices])
     number = np.arange(len(depth) * len(flat)).reshape(len(depth), len(flat))

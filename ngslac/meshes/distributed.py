@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from netgen.meshing import Mesh as NetgenMesh
 from netgen.meshing import NetgenGeometry
 from ngsolve import Integrate, Mesh
@@ -15,7 +18,7 @@ __all__ = ["Distributed"]
 SAME = 1e-9  # relative difference of the volume before and after
 
 
-def Distributed(make, comm=None) -> Mesh:
+def Distributed(make: Callable[[], Mesh], comm: Any = None) -> Mesh:
     """The mesh that a function makes, distributed to the processes of a communicator.
 
     Any mesh that is made in a single process will do: of the builders here, refined before, from a
@@ -73,7 +76,7 @@ def Distributed(make, comm=None) -> Mesh:
     return mesh
 
 
-def _Made(make, comm):
+def _Made(make: Callable[[], Mesh], comm: Any) -> tuple[NetgenMesh, tuple]:
     """The netgen mesh. All processes get geometry, order and volume, or the error."""
     try:
         mesh = make()
@@ -89,7 +92,7 @@ def _Made(make, comm):
     return ngmesh, known
 
 
-def _Copied(mesh):
+def _Copied(mesh: Mesh) -> tuple[NetgenMesh, int]:
     """A copy of the netgen mesh: the NGSolve mesh and its spaces stay as they are."""
     if not isinstance(mesh, Mesh):
         raise TypeError(f"make() must return an ngsolve.Mesh, not {type(mesh).__name__}")

@@ -2,6 +2,7 @@
 """A table of the faces of a shape, such as of a STEP file, with data to distinguish them."""
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 from netgen.occ import TopoDS_Shape
@@ -14,7 +15,7 @@ __all__ = ["FaceTable"]
 ROUNDING = 1e-12  # coordinates below this part of the largest are 0
 
 
-def FaceTable(shape) -> Columns:
+def FaceTable(shape: TopoDS_Shape) -> Columns:
     """Names, sizes, places and bodies of the faces of a shape, in its own order.
 
     Parameters
@@ -80,7 +81,9 @@ def FaceTable(shape) -> Columns:
     )
 
 
-def _Bodies(faces, of_bodies):
+def _Bodies(
+    faces: Sequence[TopoDS_Shape], of_bodies: Sequence[Sequence[TopoDS_Shape]]
+) -> np.ndarray:
     """The body of each of the `faces`; one that occurs twice belongs to a body each time."""
     owners = defaultdict(list)
     for number, own in enumerate(of_bodies):

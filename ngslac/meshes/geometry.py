@@ -9,17 +9,34 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from netgen.occ import ArcOfCircle, Axis, Compound, Edge, Face, OCCGeometry, Pnt, Segment, Vec, Wire
+from netgen.occ import (
+    ArcOfCircle,
+    Axis,
+    Compound,
+    Edge,
+    Face,
+    OCCGeometry,
+    Pnt,
+    Segment,
+    TopoDS_Shape,
+    Vec,
+    Wire,
+)
 from ngsolve import CF, Integrate, Mesh
 from scipy.spatial.transform import Rotation
 
 from ngslac.meshes.sizes import CheckFinite
 
+if TYPE_CHECKING:
+    from netgen.meshing import Mesh as NetgenMesh
 
-def Incline(shape, slope, reach, height):
+
+def Incline(shape: str, slope: float, reach: float, height: float) -> float:
     """Return the slope, as a ratio, of an interface that rises by up to `reach` times that."""
     if shape not in ("flat", "oblique"):
         raise ValueError(f'shape must be "flat" or "oblique", but is {shape!r}')
@@ -30,12 +47,14 @@ def Incline(shape, slope, reach, height):
     return rise
 
 
-def Divisions(length, h):
+def Divisions(length: float, h: float) -> int:
     """Return the number of edges of size about ``h`` on ``length`` (at least one)."""
     return max(1, round(length / h))
 
 
-def NonMatchingDivisions(slave, start, end, h, *, tol=1e-3):
+def NonMatchingDivisions(
+    slave: Sequence[float], start: float, end: float, h: float, *, tol: float = 1e-3
+) -> int:
     """Return a number of master edges of size about ``h`` whose nodes avoid the slave nodes.
 
     `slave` holds the positions of the slave nodes along the interface. The ends of the master edge,
@@ -60,23 +79,31 @@ class Side:
     count: int | None = None
 
 
-def Line(p, q, name, count=None):
+def Line(
+    p: tuple[float, float], q: tuple[float, float], name: str, count: int | None = None
+) -> Side:
     """Return the straight side from p to q, both (x, y)."""
     return Side(Segment(Pnt(*p, 0), Pnt(*q, 0)), name, count)
 
 
-def Arc(point, first, last, name, count=None):
+def Arc(
+    point: Callable[[float], tuple[float, float]],
+    first: float,
+    last: float,
+    name: str,
+    count: int | None = None,
+) -> Side:
     """Return the side on a circle, ``point(angle)`` -> (x, y), between two angles."""
     points = (Pnt(*point(t), 0) for t in (first, (first + last) / 2, last))
     return Side(ArcOfCircle(*points), name, count)
 
 
-def Touching(radius):
+def Touching(radius: float) -> Callable[[float], tuple[float, float]]:
     """Return the circle that touches the origin from above, by the angle from the lowest point."""
     return lambda t: (radius * math.sin(t), radius * (1 - math.cos(t)))
 
 
-def Body(sides, name):
+def Body(sides: Sequence[Side], name: str) -> TopoDS_Shape:
     """Return the face enclosed by ``sides`` (counter-clockwise) as the body ``name``."""
     face = Face(Wire([side.edge for side in sides]))
     face.name = name
@@ -84,7 +111,9 @@ def Body(sides, name):
     return face
 
 
-def Polygon(points, names, name, **counts):
+def Polygon(
+    points: Sequence[tuple[float, float]], names: Sequence[str], name: str, **counts: int
+) -> Face:
     """Return a polygon, points (x, y) counter-clockwise, as the body ``name``.
 
     The first of the names of its sides is that of the side between the first two corners; `counts`
@@ -94,7 +123,7 @@ def Polygon(points, names, name, **counts):
     return Body([Line(p, q, side, counts.get(side)) for p, q, side in sides], name)
 
 
-def Label(shape, sides):
+def Label(shape: TopoDS_Shape, sides: Sequence[Side]) -> None:
     """Name and divide the edges of a shape, which OCC has copied from those of ``sides``."""
     for edge in shape.edges:
         side = min(sides, key=lambda side: _Distance(side.edge.center, edge.center))
@@ -104,11 +133,11 @@ def Label(shape, sides):
             edge.maxh = edge.mass / side.count
 
 
-def _Distance(p, q):
+def _Distance(p: Any, q: Any) -> float:
     return math.hypot(p.x - q.x, p.y - q.y)
 
 
-def RotationMatrix(rotation) -> np.ndarray:
+def RotationMatrix(rotation: np.ndarray | tuple[str | Sequence[float], float] | None) -> np.ndarray:
     """Return the matrix (3, 3) of a rotation: None, the matrix itself, or an axis and an angle.
 
     The axis is "x", "y", "z" or three numbers, not all zero; the angle by which to turn about it
@@ -135,7 +164,14 @@ def RotationMatrix(rotation) -> np.ndarray:
     return matrix
 
 
-def GenerateMesh(faces, *, order=1, scale=1.0, angle=0.0, **options):
+def GenerateMesh(
+    faces: Sequence[TopoDS_Shape],
+    *,
+    order: int = 1,
+    scale: float = 1.0,
+    angle: float = 0.0,
+    **options,
+) -> Mesh:
     """Mesh plane bodies, then scale and rotate (degrees, about the origin) the result.
 
     The mesh is always generated in the original frame by ``OCCGeometry.GenerateMesh``, which gets
@@ -146,7 +182,14 @@ def GenerateMesh(faces, *, order=1, scale=1.0, angle=0.0, **options):
     return _Placed(ngmesh, shape, shape.faces, order, scale, ("z", angle))
 
 
-def GenerateMesh3D(solids, *, order=1, scale=1.0, rotation=None, **options):
+def GenerateMesh3D(
+    solids: Callable[[float], Sequence[TopoDS_Shape]],
+    *,
+    order: int = 1,
+    scale: float = 1.0,
+    rotation: tuple[str | Sequence[float], float] | None = None,
+    **options,
+) -> Mesh:
     """Mesh two bodies far apart, then bring them together and go on as `GenerateMesh` does.
 
     Apart they are meshed independently of each other: Netgen's element sizes are a function of
@@ -163,7 +206,14 @@ def GenerateMesh3D(solids, *, order=1, scale=1.0, rotation=None, **options):
     return _Placed(ngmesh, shape, shape.solids, order, scale, rotation)
 
 
-def _Placed(ngmesh, shape, bodies, order, scale, rotation):
+def _Placed(
+    ngmesh: NetgenMesh,
+    shape: Compound,
+    bodies: Iterable[TopoDS_Shape],
+    order: int,
+    scale: float,
+    rotation: tuple[str | Sequence[float], float] | None,
+) -> Mesh:
     """The mesh scaled, rotated and curved on its shape; a body that netgen left out is an error."""
     dim, matrix = ngmesh.dim, RotationMatrix(rotation)
     MovePoints(ngmesh, scale * matrix)
@@ -183,14 +233,16 @@ def _Placed(ngmesh, shape, bodies, order, scale, rotation):
     return mesh
 
 
-def MovePoints(ngmesh, matrix):
+def MovePoints(ngmesh: NetgenMesh, matrix: np.ndarray) -> None:
     """Multiply the points of a netgen mesh by a matrix (3, 3), in place."""
     points = np.array([point.p for point in ngmesh.Points()]) @ matrix.T
     for point, new in zip(ngmesh.Points(), points, strict=True):
         point[0], point[1], point[2] = new
 
 
-def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4) -> float:
+def CheckNonMatching(
+    mesh: Mesh, *, slave: str = "slave", master: str = "master", tol: float = 1e-4
+) -> float:
     """Raise if a vertex of one side faces one of the other; return the smallest distance.
 
     Distances are measured along the line (in 3D: the plane) that fits the master vertices best, in
@@ -217,7 +269,7 @@ def CheckNonMatching(mesh, *, slave="slave", master="master", tol=1e-4) -> float
     return float(smallest)
 
 
-def _BoundaryNodes(mesh, pattern):
+def _BoundaryNodes(mesh: Mesh, pattern: str) -> tuple[np.ndarray, np.ndarray, list[list[int]]]:
     """Vertices of a boundary, which of them lie on its rim, and its faces in their numbers."""
     faces = [[v.nr for v in el.vertices] for el in mesh.Boundaries(pattern).Elements()]
     if not faces:
@@ -232,6 +284,6 @@ def _BoundaryNodes(mesh, pattern):
     return np.array([mesh.vertices[nr].point for nr in numbers]), rim, faces
 
 
-def _Edges(faces):
+def _Edges(faces: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
     """Pairs of vertices around every face; of an edge of a plane mesh itself, twice."""
     return [(face[i - 1], face[i]) for face in faces for i in range(len(face))]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import Mesh
@@ -18,6 +19,7 @@ from ngslac.meshes.geometry import (
     Line,
     NonMatchingDivisions,
     Polygon,
+    Side,
     Touching,
 )
 from ngslac.meshes.sizes import (
@@ -31,6 +33,9 @@ from ngslac.meshes.sizes import (
     Graded,
 )
 
+if TYPE_CHECKING:
+    from netgen.occ import Face
+
 __all__ = ["HertzMesh"]
 
 
@@ -38,18 +43,18 @@ _RADIUS = 50.0  # all is meshed with this radius: netgen has absolute lengths in
 
 
 def HertzMesh(
-    h,
+    h: float,
     *,
-    radius=50.0,
-    width=100.0,
-    height=200.0,
-    ratio=0.73,
-    order=2,
-    half=True,
-    zone=None,
-    grading=None,
-    scale=1.0,
-    angle=0.0,
+    radius: float = 50.0,
+    width: float = 100.0,
+    height: float = 200.0,
+    ratio: float = 0.73,
+    order: int = 2,
+    half: bool = True,
+    zone: float | None = None,
+    grading: float | None = None,
+    scale: float = 1.0,
+    angle: float = 0.0,
 ) -> Mesh:
     """Mesh of a cylinder on a block, fine and non-matching in the contact zone.
 
@@ -108,7 +113,7 @@ def HertzMesh(
     return mesh
 
 
-def _HertzDivisions(h, ratio, zone, half):
+def _HertzDivisions(h: float, ratio: float, zone: float, half: bool) -> tuple[int, int]:
     """Return the numbers of slave edges (per side) and of master edges (in all)."""
     ns = Divisions(zone, h)
     slave = _RADIUS * np.sin(np.linspace(-zone, zone, 2 * ns + 1) / _RADIUS)
@@ -118,7 +123,7 @@ def _HertzDivisions(h, ratio, zone, half):
     return ns, NonMatchingDivisions(slave, -end, end, ratio * zone / ns)
 
 
-def _Cylinder(zone, ns, half):
+def _Cylinder(zone: float, ns: int, half: bool) -> Face:
     """The (half) disc; the slave arc begins at the origin."""
     sides = _Arcs(zone, ns, 1)
     sides += [Line((0, 2 * _RADIUS), (0, 0), "sym")] if half else _Arcs(zone, ns, -1)[::-1]
@@ -129,7 +134,7 @@ def _Cylinder(zone, ns, half):
     return face
 
 
-def _Arcs(zone, ns, side):
+def _Arcs(zone: float, ns: int, side: int) -> list[Side]:
     """Arcs from the lowest to the highest point on one side (1 right, -1 left), both upwards."""
     angles = [0, zone / _RADIUS, (zone / _RADIUS + math.pi) / 2, math.pi]
     names = [("slave", ns), ("arc", None), ("arc", None)]
@@ -139,7 +144,7 @@ def _Arcs(zone, ns, side):
     ]
 
 
-def _Block(width, height, end, nm, half):
+def _Block(width: float, height: float, end: float, nm: int, half: bool) -> Face:
     """The block below y = 0, its master edge from the symmetry line (or -end) to end."""
     left = 0 if half else -width
     points = [(left, -height), (width, -height), (width, 0), (end, 0)]

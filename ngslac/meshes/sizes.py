@@ -26,7 +26,7 @@ FLATTEST, STEEPEST = 1e-3, 10  # growth of element sizes
 RATIO = 1e-6  # of lengths of one body, for geometry kernels
 
 
-def CheckPositive(**values):
+def CheckPositive(**values: float) -> None:
     """Raise a ``ValueError`` that names the first value which is not positive and finite."""
     for name, value in values.items():
         number = CheckNumber(name, value, "a number > 0", lambda _: True)
@@ -38,14 +38,14 @@ def CheckPositive(**values):
             )
 
 
-def CheckGrading(grading):
+def CheckGrading(grading: float) -> None:
     """Check netgen's grading, next to zero of which netgen crashes."""
     CheckPositive(grading=grading)
     if not FLATTEST <= grading <= STEEPEST:
         raise ValueError(f"grading = {grading:g} must be from {FLATTEST:g} to {STEEPEST:g}")
 
 
-def CheckAlike(**lengths):
+def CheckAlike(**lengths: float) -> None:
     """Raise a ``ValueError`` where one of the lengths is next to nothing beside another one."""
     least, most = min(lengths, key=lengths.get), max(lengths, key=lengths.get)
     if lengths[least] < RATIO * lengths[most]:
@@ -55,25 +55,25 @@ def CheckAlike(**lengths):
         )
 
 
-def CheckFinite(**values):
+def CheckFinite(**values: float) -> None:
     """Raise a ``ValueError`` that names the first value which is NaN or infinite."""
     for name, value in values.items():
         CheckNumber(name, value)
 
 
-def CheckMoved(scale, angle):
+def CheckMoved(scale: float, angle: float) -> None:
     """Check the scale and the angle of a mesh in 2D."""
     CheckPositive(scale=scale)
     CheckFinite(angle=angle)
 
 
-def CheckOrder(order):
+def CheckOrder(order: int) -> None:
     """Check the order of a curved geometry."""
     if CheckCount("order", order) > HIGHEST:
         raise ValueError(f"order must be a whole number from 1 to {HIGHEST}, but is {order}")
 
 
-def CheckElements(number, **sizes):
+def CheckElements(number: float, **sizes: float) -> None:
     """Raise a ``ValueError`` where sizes of elements make more of them than anyone can use."""
     if not number <= MOST:
         shown = ", ".join(f"{name} = {value:g}" for name, value in sizes.items())
@@ -82,7 +82,7 @@ def CheckElements(number, **sizes):
         )
 
 
-def Graded(h, grading, contact, size, dim):
+def Graded(h: float, grading: float, contact: float, size: float, dim: int) -> float:
     """About how many elements a body has whose size is `h` on a contact face and grows from there.
 
     `contact` and `size` are the lengths of that face and of the body, in 3D half of the diameter of

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
-from netgen.occ import ArcOfCircle, Axis, Box, Glue, Pnt, Sphere, Y, Z
+from netgen.occ import ArcOfCircle, Axis, Box, Face, Glue, Pnt, Sphere, TopoDS_Shape, Y, Z
 from ngsolve import Mesh
 
 from ngslac.meshes.geometry import CheckNonMatching, GenerateMesh3D
@@ -25,19 +27,19 @@ _RADIUS = 50.0  # all is meshed with this radius of the upper sphere: Netgen has
 
 
 def SphereOnBlock(
-    h,
+    h: float,
     *,
-    radius=50.0,
-    zone=None,
-    width=None,
-    height=None,
-    ratio=1.2,
-    model="quarter",
-    order=2,
-    grading=0.45,
-    maxh=None,
-    scale=1.0,
-    rotation=None,
+    radius: float = 50.0,
+    zone: float | None = None,
+    width: float | None = None,
+    height: float | None = None,
+    ratio: float = 1.2,
+    model: str = "quarter",
+    order: int = 2,
+    grading: float = 0.45,
+    maxh: float | None = None,
+    scale: float = 1.0,
+    rotation: tuple[str | Sequence[float], float] | None = None,
 ) -> Mesh:
     """Mesh of the lower half of a sphere on a block, fine and non-matching where they touch.
 
@@ -94,7 +96,7 @@ def SphereOnBlock(
     if zone * 16 / 15 >= width / size:
         raise ValueError("zone is too wide for the block")
 
-    def Below(distance):
+    def Below(distance: float) -> TopoDS_Shape:
         return _Block(model, width / size, height / size, zone * 16 / 15, ratio * h, -distance)
 
     above = _Cap(model, _RADIUS, zone, h, ("sphere", "slave", "cap", "top"))
@@ -102,18 +104,18 @@ def SphereOnBlock(
 
 
 def TwoSpheres(
-    h,
+    h: float,
     *,
-    radius=50.0,
-    radius_lower=None,
-    zone=None,
-    ratio=1.2,
-    model="quarter",
-    order=2,
-    grading=0.45,
-    maxh=None,
-    scale=1.0,
-    rotation=None,
+    radius: float = 50.0,
+    radius_lower: float | None = None,
+    zone: float | None = None,
+    ratio: float = 1.2,
+    model: str = "quarter",
+    order: int = 2,
+    grading: float = 0.45,
+    maxh: float | None = None,
+    scale: float = 1.0,
+    rotation: tuple[str | Sequence[float], float] | None = None,
 ) -> Mesh:
     """Mesh of the lower half of a sphere on the upper half of another one.
 
@@ -153,13 +155,22 @@ def TwoSpheres(
     names = ("lower", "master", "cap_lower", "bottom")
     below = _Cap(model, lower, zone * 16 / 15, ratio * h, names, -1)
 
-    def Below(distance):
+    def Below(distance: float) -> TopoDS_Shape:
         return below.Move((0, 0, -distance))
 
     return _Mesh(above, Below, size, order, scale, rotation, maxh, grading)
 
 
-def _Mesh(above, Below, size, order, scale, rotation, maxh, grading):
+def _Mesh(
+    above: TopoDS_Shape,
+    Below: Callable[[float], TopoDS_Shape],
+    size: float,
+    order: int,
+    scale: float,
+    rotation: tuple[str | Sequence[float], float] | None,
+    maxh: float | None,
+    grading: float,
+) -> Mesh:
     """Mesh the upper body and the lower one, moved down by a distance at first."""
     maxh = _RADIUS / 2 if maxh is None else maxh / size
     mesh = GenerateMesh3D(
@@ -174,7 +185,9 @@ def _Mesh(above, Below, size, order, scale, rotation, maxh, grading):
     return mesh
 
 
-def _CheckSizes(h, ratio, grading, maxh, size, zone, order):
+def _CheckSizes(
+    h: float, ratio: float, grading: float, maxh: float | None, size: float, zone: float, order: int
+) -> None:
     """Refuse invalid sizes, and those that make too many elements, before meshing."""
     CheckOrder(order)
     CheckGrading(grading)
@@ -187,7 +200,8 @@ def _CheckSizes(h, ratio, grading, maxh, size, zone, order):
 # ---------------------------------------------------------------- shapes
 
 
-def _Zone(zone, radius, model):
+def _Zone(zone: float | None, radius: float, model: str) -> float:
+    """The radius of the contact zone, checked; by default a part of that of the sphere."""
     zone = 0.13 * radius if zone is None else zone
     CheckPositive(zone=zone)
     if zone >= 0.9 * radius:
@@ -197,17 +211,17 @@ def _Zone(zone, radius, model):
     return zone
 
 
-def _Space(model, size, low, high):
+def _Space(model: str, size: float, low: float, high: float) -> TopoDS_Shape:
     """The part of space that a model consists of, between two heights."""
     x, y = (0.0 if model == "quarter" else -size), (-size if model == "full" else 0.0)
     return Box(Pnt(x, y, low), Pnt(size, size, high))
 
 
-def _Imprint(solid, model, zone, height):
+def _Imprint(solid: TopoDS_Shape, model: str, zone: float, height: float) -> TopoDS_Shape:
     """Divide the face about the origin by a circle of radius `zone` at a height."""
     angles = {"quarter": [0, 90], "half": [0, 180], "full": [0, 180, 360]}[model]
 
-    def Point(degrees):
+    def Point(degrees: float) -> Any:
         t = math.radians(degrees)
         return Pnt(zone * math.cos(t), zone * math.sin(t), height)
 
@@ -215,7 +229,9 @@ def _Imprint(solid, model, zone, height):
     return Glue([solid, *arcs]).solids[0]
 
 
-def _Cap(model, radius, zone, h, names, up=1):
+def _Cap(
+    model: str, radius: float, zone: float, h: float, names: Sequence[str], up: int = 1
+) -> TopoDS_Shape:
     """The half of a sphere that touches the origin from above (or from below) with named faces."""
     body, contact, rest, far = names
     ball = Sphere(Pnt(0, 0, 0), radius)
@@ -236,7 +252,9 @@ def _Cap(model, radius, zone, h, names, up=1):
     return solid
 
 
-def _Block(model, width, height, zone, h, top):
+def _Block(
+    model: str, width: float, height: float, zone: float, h: float, top: float
+) -> TopoDS_Shape:
     """The block below z = `top` with named faces."""
     solid = _Imprint(_Space(model, width, top - height, top), model, zone, top)
     solid.name = "block"
@@ -250,14 +268,14 @@ def _Block(model, width, height, zone, h, top):
     return solid
 
 
-def _NameSymmetry(solid, model):
+def _NameSymmetry(solid: TopoDS_Shape, model: str) -> None:
     if model == "quarter":
         min(solid.faces, key=lambda f: f.center.x).name = "sym_x"
     if model != "full":
         min(solid.faces, key=lambda f: f.center.y).name = "sym_y"
 
 
-def _Fine(face, name, h):
+def _Fine(face: Face, name: str, h: float) -> None:
     face.name, face.maxh = name, h
     for edge in face.edges:
         edge.maxh = h

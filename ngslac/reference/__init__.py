@@ -5,6 +5,8 @@ Pressure is positive in compression; tractions act on the slave, which is body 1
 system of units: with N and mm, pressures are in MPa. Needs NumPy and SciPy only.
 """
 
+from typing import NoReturn
+
 from .dundurs import ContactModulus, DundursBeta
 from .hertz import HertzLine, HertzPoint
 from .mindlin import (
@@ -39,7 +41,8 @@ MOVED = {
 }
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> NoReturn:
+    """Say where a name is that has left the package."""
     if name in MOVED:  # `from ngslac.reference import` would hide the words of an AttributeError
         raise ImportError(
             f"ngslac.reference.{name} left the package after version 0.1.0: copy the file "

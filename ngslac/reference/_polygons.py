@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Averages over polygons in the plane of contact, for comparison with multipliers on faces."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +12,7 @@ from ._checks import points
 __all__ = ["PolygonEdges", "semi_ellipsoid_mean"]
 
 
-def _shoelace(vertices):
+def _shoelace(vertices: np.ndarray) -> float | np.ndarray:
     """Signed area, positive if anticlockwise; free of cancellation far from the origin."""
     x, y = np.moveaxis(vertices - vertices[..., :1, :], -1, 0)
     return 0.5 * (x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1)).sum(axis=-1)
@@ -31,7 +33,7 @@ class PolygonEdges:
     area: np.ndarray
 
     @classmethod
-    def FromVertices(cls, vertices):
+    def FromVertices(cls, vertices: np.ndarray) -> PolygonEdges:
         """Edges of polygons given by an array of shape (..., corners, 2)."""
         vertices = points("vertices", vertices)
         if vertices.ndim < 2 or vertices.shape[-1] != 2 or vertices.shape[-2] < 3:
@@ -49,12 +51,12 @@ class PolygonEdges:
         distance = vertices[..., 0] * tangent[..., 1] - vertices[..., 1] * tangent[..., 0]
         return cls(tangent, start, start + length, distance, area)
 
-    def Angle(self):
+    def Angle(self) -> np.ndarray:
         """Signed angle under which each edge is seen from the origin."""
         away = np.abs(self.distance)
         return np.sign(self.distance) * (np.arctan2(self.end, away) - np.arctan2(self.start, away))
 
-    def Chord(self, radius):
+    def Chord(self, radius: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Half chord h of each edge's line in the disc of `radius`, and both ends cut to it.
 
         `radius` is a number, or an array of the shape of the edges with further axes at the end.
@@ -68,7 +70,7 @@ class PolygonEdges:
         return half, np.clip(start, -half, half), np.clip(end, -half, half)
 
 
-def semi_ellipsoid_mean(vertices, radius):
+def semi_ellipsoid_mean(vertices: np.ndarray, radius: float) -> float | np.ndarray:
     """Average sqrt(1 - (x^2 + y^2)/radius^2), zero outside the disc, exactly over polygons.
 
     By the divergence theorem an edge at distance d contributes the integral along it of
@@ -82,7 +84,7 @@ def semi_ellipsoid_mean(vertices, radius):
     half, *ends = edges.Chord(radius)
     away = np.abs(edges.distance)
 
-    def primitive(s):
+    def primitive(s: np.ndarray) -> np.ndarray:
         root = np.sqrt(np.maximum(half**2 - s**2, 0.0))
         arc = (radius**2 + 0.5 * half**2) * np.arctan2(s, root) + 0.5 * s * root
         return np.arctan2(radius * s, away * root) - away / radius**3 * arc

@@ -8,7 +8,8 @@ from ._checks import poisson, positive
 __all__ = ["ContactModulus", "DundursBeta", "shear_sum"]
 
 
-def _check_pair(young1, nu1, young2, nu2):
+def _check_pair(young1: float, nu1: float, young2: float, nu2: float) -> None:
+    """Check the constants of two bodies."""
     positive("young1", young1, infinite=True)
     positive("young2", young2, infinite=True)
     poisson("nu1", nu1)
@@ -19,12 +20,14 @@ def _check_pair(young1, nu1, young2, nu2):
         )
 
 
-def shear_sum(factor1, factor2, *, young1, nu1, young2, nu2):
+def shear_sum(
+    factor1: float, factor2: float, *, young1: float, nu1: float, young2: float, nu2: float
+) -> float:
     """Sum factor1/G1 + factor2/G2 over both bodies; a rigid one adds nothing."""
     return factor1 * 2.0 * (1.0 + nu1) / young1 + factor2 * 2.0 * (1.0 + nu2) / young2
 
 
-def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0) -> float:
+def ContactModulus(*, young1: float, nu1: float, young2: float = inf, nu2: float = 0.0) -> float:
     """Modulus E* of two bodies in contact, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
     Source: Johnson, Contact Mechanics (Cambridge, 1985), section 4.2.
@@ -50,7 +53,7 @@ def ContactModulus(*, young1, nu1, young2=inf, nu2=0.0) -> float:
     return 1.0 / ((1.0 - nu1**2) / young1 + (1.0 - nu2**2) / young2)
 
 
-def DundursBeta(*, young1, nu1, young2=inf, nu2=0.0) -> float:
+def DundursBeta(*, young1: float, nu1: float, young2: float = inf, nu2: float = 0.0) -> float:
     """Second Dundurs constant in plane strain: how far pressure alone makes the surfaces slip.
 
     With the shear moduli G1 and G2, and arguments as in `ContactModulus`::

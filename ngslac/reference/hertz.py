@@ -26,7 +26,8 @@ class HertzPair:
     young2: float
     nu2: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        """Check all numbers."""
         positive("force", self.force)
         positive("radius1", self.radius1, infinite=True)
         positive("radius2", self.radius2, infinite=True)
@@ -38,7 +39,7 @@ class HertzPair:
         _ = self.modulus  # checks the elastic constants
 
     @property
-    def _elastic(self):
+    def _elastic(self) -> dict[str, float]:
         return dict(young1=self.young1, nu1=self.nu1, young2=self.young2, nu2=self.nu2)
 
     @property
@@ -56,7 +57,7 @@ class HertzPair:
         """Relative radius R, 1/R = 1/R1 + 1/R2."""
         return 1.0 / (1.0 / self.radius1 + 1.0 / self.radius2)
 
-    def _ShearSum(self, factor1=1.0, factor2=1.0):
+    def _ShearSum(self, factor1: float = 1.0, factor2: float = 1.0) -> float:
         return shear_sum(factor1, factor2, **self._elastic)
 
 
@@ -104,7 +105,7 @@ class HertzLine(HertzPair):
         """Largest pressure p0 = 2 P / (pi a) (stress)."""
         return 2.0 * self.force / (pi * self.halfwidth)
 
-    def Pressure(self, x) -> float | np.ndarray:
+    def Pressure(self, x: float | np.ndarray) -> float | np.ndarray:
         """Pressure along the contact.
 
         Parameters
@@ -119,7 +120,7 @@ class HertzLine(HertzPair):
         """
         return self.peak * semi_ellipse(x, self.halfwidth)
 
-    def MeanPressure(self, x0, x1) -> float | np.ndarray:
+    def MeanPressure(self, x0: float | np.ndarray, x1: float | np.ndarray) -> float | np.ndarray:
         """Exact average of the pressure over each interval from `x0` to `x1`.
 
         This is what a piecewise constant multiplier on a face with these ends is compared with;
@@ -169,7 +170,15 @@ class HertzPoint(HertzPair):
 
     @classmethod
     def FromApproach(
-        cls, *, approach, radius1, radius2=inf, young1, nu1, young2, nu2
+        cls,
+        *,
+        approach: float,
+        radius1: float,
+        radius2: float = inf,
+        young1: float,
+        nu1: float,
+        young2: float,
+        nu2: float,
     ) -> "HertzPoint":
         """Contact of two bodies whose distant points have come closer.
 
@@ -208,7 +217,7 @@ class HertzPoint(HertzPair):
         """Approach a^2 / R (length) of points of the two bodies far from the contact."""
         return self.contact_radius**2 / self.radius
 
-    def Pressure(self, r) -> float | np.ndarray:
+    def Pressure(self, r: float | np.ndarray) -> float | np.ndarray:
         """Pressure over the distance from the middle, as in `HertzLine.Pressure`.
 
         Parameters
@@ -218,7 +227,7 @@ class HertzPoint(HertzPair):
         """
         return self.peak * semi_ellipse(points("r", r), self.contact_radius)
 
-    def MeanPressure(self, vertices) -> float | np.ndarray:
+    def MeanPressure(self, vertices: np.ndarray) -> float | np.ndarray:
         """Exact average over polygons in the plane of contact, as in `HertzLine.MeanPressure`.
 
         Faces may reach over the edge of the contact, or hold its middle.
@@ -235,7 +244,7 @@ class HertzPoint(HertzPair):
         """
         return self.peak * semi_ellipsoid_mean(vertices, self.contact_radius)
 
-    def Gap(self, r) -> float | np.ndarray:
+    def Gap(self, r: float | np.ndarray) -> float | np.ndarray:
         """Distance of the loaded surfaces at `r` (lengths): zero in contact, positive around it.
 
         The parabola r^2/(2R), less the approach, plus the displacements of both surfaces outside
@@ -243,7 +252,7 @@ class HertzPoint(HertzPair):
         """
         return semi_ellipsoid_gap(r, self.contact_radius) / (pi * self.radius)
 
-    def AxisStress(self, depth, *, body=1) -> tuple:
+    def AxisStress(self, depth: float | np.ndarray, *, body: int = 1) -> tuple:
         """Stresses on the axis below the surface.
 
         Tension positive; the hoop stress equals the radial one, and all shear stresses vanish.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Partial slip under a tangential load at constant normal load (Cattaneo, Mindlin)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, wraps
 from math import pi
@@ -16,7 +17,7 @@ from .hertz import HertzLine, HertzPoint
 __all__ = ["CattaneoMindlin", "CattaneoMindlinPoint", "MindlinPointReversal", "MindlinReversal"]
 
 
-def _FieldType(state, name):
+def _FieldType(state: "PartialSlip | Reversal", name: str) -> type:
     """The class that the annotation of a field asks for."""
     return {field.name: field.type for field in fields(state)}[name]
 
@@ -29,7 +30,8 @@ class PartialSlip:
 
     _LOAD, _MOVE, _LIMIT = "shear", "slide", "friction * hertz.force"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        """Check friction and load."""
         instance("hertz", self.hertz, _FieldType(self, "hertz"))
         name, load = self._LOAD, self._load
         finite(name, load)
@@ -41,11 +43,11 @@ class PartialSlip:
             )
 
     @property
-    def _load(self):
+    def _load(self) -> float:
         return getattr(self, self._LOAD)
 
     @property
-    def _scale(self):
+    def _scale(self) -> float:
         return np.sign(self._load) * self.friction * self.hertz.peak
 
     @property
@@ -66,7 +68,8 @@ class Reversal:
     start: Any
     _LOAD: ClassVar[str] = "shear"  # the field that holds the load, of `start` too
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        """Check the start and the load."""
         instance("start", self.start, _FieldType(self, "start"))
         name, now, before = self._LOAD, *self._Loads()
         finite(name, now)
@@ -76,11 +79,11 @@ class Reversal:
                 f"{abs(before)!r}, beyond it use a {type(self.start).__name__} with this {name}"
             )
 
-    def _Loads(self):
+    def _Loads(self) -> tuple[float, float]:
         return getattr(self, self._LOAD), getattr(self.start, self._LOAD)
 
     @cached_property
-    def _change(self):
+    def _change(self) -> PartialSlip:
         now, before = self._Loads()
         return replace(self.start, **{self._LOAD: 0.5 * (before - now)})
 
@@ -95,11 +98,11 @@ class Reversal:
         return self._change.stick
 
 
-def superposed(method):
+def superposed(method: Callable) -> Callable:
     """A method of `Reversal` from that of its states, for anything linear in the tractions."""
 
     @wraps(method)
-    def of(self, *where, **named):
+    def of(self, *where: float | np.ndarray, **named) -> float | np.ndarray:
         before, change = (method(state, *where, **named) for state in (self.start, self._change))
         if isinstance(before, tuple):
             return tuple(b - 2.0 * c for b, c in zip(before, change, strict=True))
@@ -111,7 +114,8 @@ def superposed(method):
 class _Sheared(PartialSlip):
     """A tangential force Q, uncoupled from the pressure."""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        """Check the load, and that pressure and friction are not coupled."""
         super().__post_init__()
         if abs(self.hertz.beta) > 1e-12:
             raise ValueError(
@@ -126,7 +130,7 @@ class _Sheared(PartialSlip):
             return 1.0
         return max(0.0, 1.0 - abs(self.shear) / self.limit) ** self._POWER
 
-    def _Rest(self, shape, *where):
+    def _Rest(self, shape: Callable, *where: float | np.ndarray) -> float | np.ndarray:
         """Sliding friction of that shape over the contact, less that of the stick zone."""
         outer, inner = (shape(*where, size) for size in (self.hertz._size, self.stick))
         return self._scale * (outer - self.ratio * inner)
@@ -173,15 +177,15 @@ class CattaneoMindlin(_Sheared):
     friction: float
     _POWER = 1.0 / 2.0
 
-    def Traction(self, x) -> float | np.ndarray:
+    def Traction(self, x: float | np.ndarray) -> float | np.ndarray:
         """Tangential traction (stress, of the sign of Q) on the slave, see `HertzLine.Pressure`."""
         return self._Rest(semi_ellipse, x)
 
-    def MeanTraction(self, x0, x1) -> float | np.ndarray:
+    def MeanTraction(self, x0: float | np.ndarray, x1: float | np.ndarray) -> float | np.ndarray:
         """Exact average of the traction over intervals, see `HertzLine.MeanPressure`."""
         return self._Rest(semi_ellipse_mean, x0, x1)
 
-    def Slip(self, x) -> float | np.ndarray:
+    def Slip(self, x: float | np.ndarray) -> float | np.ndarray:
         """Tangential slip of the slave against the master.
 
         The integral of the slip gradient sqrt(x^2 - c^2) 2 F p0 / (E* a) over the slip zone
@@ -205,7 +209,7 @@ class CattaneoMindlin(_Sheared):
         slip = -self._scale / (self.hertz.modulus * a) * area
         return np.where(np.abs(x) <= a, slip, np.nan)[()]
 
-    def Reverse(self, shear) -> "MindlinReversal":
+    def Reverse(self, shear: float) -> "MindlinReversal":
         """State after the load has gone back to `shear`, see `MindlinReversal`.
 
         Returns
@@ -253,7 +257,9 @@ class CattaneoMindlinPoint(_Sheared):
     _POWER = 1.0 / 3.0
 
     @classmethod
-    def FromShift(cls, *, hertz, shift, friction) -> "CattaneoMindlinPoint":
+    def FromShift(
+        cls, *, hertz: HertzPoint, shift: float, friction: float
+    ) -> "CattaneoMindlinPoint":
         """State after the far parts of the bodies have moved; else as in `CattaneoMindlinPoint`.
 
         Parameters
@@ -279,7 +285,7 @@ class CattaneoMindlinPoint(_Sheared):
         return cls(hertz=hertz, shear=float(shear), friction=friction)
 
     @property
-    def _compliances(self):
+    def _compliances(self) -> tuple[float, float]:
         """Sums over both bodies of (2 - nu)/G and of nu/G."""
         nu1, nu2 = self.hertz.nu1, self.hertz.nu2
         return self.hertz._ShearSum(2.0 - nu1, 2.0 - nu2), self.hertz._ShearSum(nu1, nu2)
@@ -294,15 +300,15 @@ class CattaneoMindlinPoint(_Sheared):
         a, c = self.hertz.contact_radius, self.stick
         return float(pi * self._scale * self._compliances[0] * (a * a - c * c) / (8.0 * a))
 
-    def Traction(self, r) -> float | np.ndarray:
+    def Traction(self, r: float | np.ndarray) -> float | np.ndarray:
         """Tangential traction (stress) on the slave, along Q, see `HertzPoint.Pressure`."""
         return self._Rest(semi_ellipse, points("r", r))
 
-    def MeanTraction(self, vertices) -> float | np.ndarray:
+    def MeanTraction(self, vertices: np.ndarray) -> float | np.ndarray:
         """Exact average of the traction over polygons, see `HertzPoint.MeanPressure`."""
         return self._Rest(semi_ellipsoid_mean, vertices)
 
-    def Slip(self, x, y) -> tuple:
+    def Slip(self, x: float | np.ndarray, y: float | np.ndarray) -> tuple:
         """Slip of the slave against the master: displacements by the tractions, less `shift`.
 
         Zero in stick, nearly against the traction in slip; for |Q| = F P the rigid sliding is left
@@ -328,7 +334,9 @@ class CattaneoMindlinPoint(_Sheared):
         )
         return along[()], across[()]
 
-    def _SurfaceMotion(self, x, y, radius):
+    def _SurfaceMotion(
+        self, x: float | np.ndarray, y: float | np.ndarray, radius: float
+    ) -> tuple[float | np.ndarray, float | np.ndarray]:
         """Relative displacements of the surfaces under scale/a sqrt(radius^2 - r^2) along x.
 
         Source: Johnson, section 3.6.
@@ -348,7 +356,7 @@ class CattaneoMindlinPoint(_Sheared):
         along = factor * (mean * radial + 0.5 * twin * double * (x * x - y * y))
         return along, factor * twin * double * x * y
 
-    def Reverse(self, shear) -> "MindlinPointReversal":
+    def Reverse(self, shear: float) -> "MindlinPointReversal":
         """State after the load has gone back to `shear`, see `MindlinPointReversal`.
 
         Returns
