@@ -3,6 +3,7 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
 
 from ngslac.installation.inventory import Inventory
 from ngslac.installation.selfcheck import CASES, Differs
@@ -10,7 +11,7 @@ from ngslac.installation.selfcheck import CASES, Differs
 CHECK = "python -m ngslac --check"
 
 
-def Check():
+def Check() -> int:
     """Solve small problems, print the results, and return the number of failures."""
     found = {name: Differs(*case) for name, case in CASES.items()}
     for name, differs in found.items():
@@ -20,7 +21,7 @@ def Check():
     return wrong
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """Print versions, and run the check if asked to; return the exit status, 1 for a failure."""
     parser = argparse.ArgumentParser(prog="python -m ngslac", description=__doc__)
     parser.add_argument(

@@ -11,7 +11,7 @@ except PackageNotFoundError:  # a source tree on the path without an installatio
     __version__ = "0.0.0"
 
 
-def RequiredNGSolve():
+def RequiredNGSolve() -> str | None:
     """The NGSolve version this package was built for, or None without an installation."""
     try:
         pins = requires("ngslac") or []
@@ -20,7 +20,7 @@ def RequiredNGSolve():
     return next((p.split("==")[1].strip() for p in pins if p.startswith("ngsolve==")), None)
 
 
-def CheckNGSolve():
+def CheckNGSolve() -> None:
     """Raise an ImportError that names both versions when the installed NGSolve does not fit."""
     needed = RequiredNGSolve()
     try:

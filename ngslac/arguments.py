@@ -3,14 +3,18 @@
 
 import math
 import re
+from collections.abc import Callable, Sequence
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from ngsolve import (
     VOL,
     BaseVector,
     CoefficientFunction,
+    FESpace,
     GridFunction,
+    Mesh,
     ProductSpace,
     Region,
 )
@@ -49,7 +53,7 @@ __all__ = [
 LARGEST_COUNT = 2**31 - 1  # what the compiled part takes
 
 
-def Shown(value, longest=60):
+def Shown(value: Any, longest: int = 60) -> str:
     """A value on one line of an error message, cut where it is long."""
     try:
         text = " ".join(repr(value).split())
@@ -59,12 +63,12 @@ def Shown(value, longest=60):
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
-def ShownPoint(point):
+def ShownPoint(point: Sequence[float]) -> str:
     """A position in an error message, in any unit of length."""
     return "(" + ", ".join(f"{x:.6g}" for x in point) + ")"
 
 
-def Wrong(kind, name, value, wanted):
+def Wrong(kind: type[Exception], name: str, value: Any, wanted: str) -> Exception:
     """An error of this kind, in the wording that all checks share."""
     return kind(f"{name} = {Shown(value)} must be {wanted}")
 
@@ -72,7 +76,12 @@ def Wrong(kind, name, value, wanted):
 # --- numbers and words ---------------------------------------------------------------------------
 
 
-def CheckNumber(name, value, wanted="a finite number", accepts=math.isfinite):
+def CheckNumber(
+    name: str,
+    value: Any,
+    wanted: str = "a finite number",
+    accepts: Callable[[float], bool] = math.isfinite,
+) -> float:
     """The real number as float; TypeError if it is none, ValueError if it is not accepted."""
     if not isinstance(value, Real) or isinstance(value, (bool, np.bool_)):
         raise Wrong(TypeError, name, value, wanted)
@@ -85,12 +94,12 @@ def CheckNumber(name, value, wanted="a finite number", accepts=math.isfinite):
     return number
 
 
-def CheckPositive(name, value, wanted="a finite number > 0"):
+def CheckPositive(name: str, value: Any, wanted: str = "a finite number > 0") -> float:
     """The positive number as float."""
     return CheckNumber(name, value, wanted, lambda x: math.isfinite(x) and x > 0)
 
 
-def CheckCount(name, value, least=1):
+def CheckCount(name: str, value: Any, least: int = 1) -> int:
     """The whole number as int."""
     wanted = f"a whole number, at least {least} and at most {LARGEST_COUNT}"
     if not isinstance(value, Integral) or isinstance(value, (bool, np.bool_)):
@@ -100,14 +109,14 @@ def CheckCount(name, value, least=1):
     return int(value)
 
 
-def CheckFlag(name, value):
+def CheckFlag(name: str, value: Any) -> bool:
     """True, False, 1 or 0 as bool: other objects are true by accident."""
     if not (isinstance(value, (Integral, np.bool_)) and value in (0, 1)):
         raise Wrong(TypeError, name, value, "True or False")
     return bool(value)
 
 
-def CheckPrinting(value):
+def CheckPrinting(value: Any) -> bool | str:
     """The option `printing` of a stepper: True (iterations), "steps", or False."""
     if isinstance(value, str) and value == "steps":
         return value
@@ -117,7 +126,7 @@ def CheckPrinting(value):
         raise Wrong(TypeError, "printing", value, 'True, False or "steps"') from None
 
 
-def CheckChoice(name, value, options):
+def CheckChoice(name: str, value: Any, options: Sequence[str]) -> str:
     """One of the words in `options`."""
     wanted = "one of " + ", ".join(map(repr, options))
     if not isinstance(value, str):
@@ -127,7 +136,7 @@ def CheckChoice(name, value, options):
     return value
 
 
-def CheckPoint(name, value, dim):
+def CheckPoint(name: str, value: Any, dim: int) -> np.ndarray:
     """A sequence of `dim` finite coordinates as array."""
     wanted = f"a point with {dim} coordinates, finite numbers"
     try:
@@ -144,19 +153,19 @@ def CheckPoint(name, value, dim):
 # --- objects -------------------------------------------------------------------------------------
 
 
-def CheckInstance(name, value, kind, wanted):
+def CheckInstance(name: str, value: Any, kind: type | tuple[type, ...], wanted: str) -> Any:
     """An object of a class, or of one of several; `wanted` says how users get it."""
     if not isinstance(value, kind):
         raise Wrong(TypeError, name, value, wanted)
     return value
 
 
-def IsFunction(value):
+def IsFunction(value: Any) -> bool:
     """Can it be called, without being one of NGSolve's objects that can, such as a mesh?"""
     return callable(value) and not type(value).__module__.startswith("ngsolve")
 
 
-def CheckFunction(name, value, wanted="a function, or None"):
+def CheckFunction(name: str, value: Any, wanted: str = "a function, or None") -> Callable | None:
     """A Python function or None."""
     if value is not None and not IsFunction(value):
         raise Wrong(TypeError, name, value, wanted)
@@ -165,7 +174,7 @@ def CheckFunction(name, value, wanted="a function, or None"):
     return value
 
 
-def CheckOnSpace(name, gf, space):
+def CheckOnSpace(name: str, gf: Any, space: FESpace) -> GridFunction:
     """A GridFunction on this product space."""
     CheckInstance(name, gf, GridFunction, "a GridFunction on the product space")
     if gf.space != space:
@@ -176,7 +185,7 @@ def CheckOnSpace(name, gf, space):
     return gf
 
 
-def CheckVector(name, vector, size):
+def CheckVector(name: str, vector: BaseVector, size: int) -> BaseVector:
     """A real vector with `size` scalar entries."""
     CheckInstance(name, vector, BaseVector, "a vector on the product space, such as gf.vec")
     if vector.is_complex:
@@ -188,13 +197,13 @@ def CheckVector(name, vector, size):
     return vector
 
 
-def Components(function):
+def Components(function: CoefficientFunction) -> int:
     """The number of components of a function; 0 for one of a product space, which has parts."""
     parts = isinstance(function, GridFunction) and type(function.space) is ProductSpace
     return 0 if parts else function.dim
 
 
-def CheckDisplacement(name, value, mesh):
+def CheckDisplacement(name: str, value: Any, mesh: Mesh) -> CoefficientFunction | None:
     """A real function with one component for each dimension of the mesh, or None."""
     wanted = f"a displacement with {mesh.dim} components, such as gf.components[0], or None"
     if value is None:
@@ -205,7 +214,7 @@ def CheckDisplacement(name, value, mesh):
     return CheckOnMesh(name, value, mesh)
 
 
-def CheckState(state, *keys):
+def CheckState(state: Any, *keys: str) -> dict:
     """Check that a state is a dict with these keys, as `State` returns it."""
     wanted = "the dict that State() of a thing made in the same way returned"
     CheckInstance("state", state, dict, wanted)
@@ -214,7 +223,7 @@ def CheckState(state, *keys):
     return state
 
 
-def CheckParts(state, **kinds):
+def CheckParts(state: dict, **kinds: type | tuple[type, ...]) -> dict:
     """The values of a state are of these kinds, or of one of several; returns the state."""
     for key, kind in kinds.items():
         if not isinstance(state[key], kind):
@@ -222,7 +231,7 @@ def CheckParts(state, **kinds):
     return state
 
 
-def FillVector(name, vec, values):
+def FillVector(name: str, vec: BaseVector, values: np.ndarray) -> None:
     """Put the values of a state into a vector, if they are as many."""
     entries = vec.FV().NumPy()
     if np.shape(values) != entries.shape:
@@ -233,14 +242,14 @@ def FillVector(name, vec, values):
     entries[:] = values
 
 
-def CheckOnMesh(name, function, mesh):
+def CheckOnMesh(name: str, function: Any, mesh: Mesh) -> Any:
     """A function with values that is no GridFunction of another mesh."""
     if isinstance(function, GridFunction) and function.space.mesh != mesh:
         raise ValueError(f"{name} lives on another mesh than the contact: take one on the same")
     return CheckValues(name, function)
 
 
-def CheckValues(name, function):
+def CheckValues(name: str, function: Any) -> Any:
     """Check for a number, or a function without trial and test functions."""
     if isinstance(function, CoefficientFunction) and HoldsProxy(function):
         raise ValueError(
@@ -253,13 +262,13 @@ def CheckValues(name, function):
 # --- regions and coefficients --------------------------------------------------------------------
 
 
-def BoundaryNames(region):
+def BoundaryNames(region: Region) -> str:
     """Names of the boundaries of a region, as a pattern."""
     names = zip(region.mesh.GetBoundaries(), region.Mask(), strict=True)
     return "|".join(dict.fromkeys(name for name, inside in names if inside))
 
 
-def Coefficient(name, value, least=-math.inf):
+def Coefficient(name: str, value: Any, least: float = -math.inf) -> CoefficientFunction | None:
     """A number, CoefficientFunction or Parameter as a real scalar function; None stays None."""
     if value is None:
         return None
@@ -277,7 +286,7 @@ def Coefficient(name, value, least=-math.inf):
     return value
 
 
-def CheckDistinct(slave, master, remedy):
+def CheckDistinct(slave: Region, master: Region, remedy: str) -> None:
     """Raise ValueError, which says what to do, where the two regions share boundaries."""
     both, names = (slave * master).Mask(), slave.mesh.GetBoundaries()
     shared = [name for name, common in zip(names, both, strict=True) if common]
@@ -285,7 +294,7 @@ def CheckDistinct(slave, master, remedy):
         raise ValueError(f"boundaries {', '.join(shared)} are both slave and master: {remedy}")
 
 
-def CheckMoves(master, space, component):
+def CheckMoves(master: Region, space: FESpace, component: FESpace) -> None:
     """Raise ValueError where the master moves with another displacement than the slave does.
 
     Parameters
@@ -312,7 +321,7 @@ def CheckMoves(master, space, component):
             )
 
 
-def _Parts(space):
+def _Parts(space: FESpace) -> list[FESpace]:
     """Components of components; a VectorH1 is one, though it is made of scalar spaces."""
     if isinstance(space.TrialFunction(), (list, tuple)):
         return [part for component in space.components for part in _Parts(component)]

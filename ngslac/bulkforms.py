@@ -4,20 +4,32 @@
 A class that needs other ones registers them in its own module.
 """
 
-from functools import singledispatch
+from __future__ import annotations
 
-from ngsolve import BilinearForm, InnerProduct, dx
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
+
+from ngsolve import BilinearForm, CoefficientFunction, InnerProduct, Parameter, dx
+
+if TYPE_CHECKING:
+    from ngsolve.comp import ProxyFunction
 
 __all__ = ["ScaleMatrix", "WithMass", "WithoutMass"]
 
 
 @singledispatch
-def WithoutMass(form):
+def WithoutMass(form: Any) -> Any:
     """The form without inertia."""
     return form
 
 
-def WithMass(form, factor, density, u, v):
+def WithMass(
+    form: BilinearForm,
+    factor: Parameter,
+    density: CoefficientFunction | float,
+    u: ProxyFunction,
+    v: ProxyFunction,
+) -> BilinearForm:
     """The form plus ``factor * density * u.v``."""
     heavy = BilinearForm(form.space, condense=form.condense)
     for integrator in form.integrators:
@@ -26,6 +38,6 @@ def WithMass(form, factor, density, u, v):
     return heavy
 
 
-def ScaleMatrix(form, factor):
+def ScaleMatrix(form: BilinearForm, factor: float) -> None:
     """Multiply the matrix that was made last, of which each process may have a part."""
     getattr(form.mat, "local_mat", form.mat).AsVector().data *= factor

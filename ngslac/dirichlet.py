@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Dirichlet conditions of displacement spaces that hold nothing: NGSolve accepts them silently."""
 
-from ngsolve import BBBND, BBND, BND, FESpace, ProductSpace, Region, VectorValued
+from collections.abc import Callable
+from typing import Any
+
+from ngsolve import BBBND, BBND, BND, FESpace, Mesh, ProductSpace, Region, VectorValued
 
 from ngslac._ngslac import NamesInstead, Unmatched
 from ngslac.errors import FloatingBodyError, Warn
@@ -17,11 +20,12 @@ def KeepPatterns() -> None:
     """Let spaces keep the pattern of dirichlet=, in place of which NGSolve keeps numbers."""
     treated = FESpace.__special_treated_flags__
 
-    def Treated():
+    def Treated() -> dict[str, Callable]:
+        """What NGSolve does with flags, and a note of the pattern of Dirichlet conditions."""
         known = dict(treated())
         replace = known[FLAG]
 
-        def Keep(condition, flags, info):
+        def Keep(condition: Any, flags: Any, info: list) -> None:
             replace(condition, flags, info)
             if isinstance(condition, str):
                 flags.Set(KEPT, condition)
@@ -31,12 +35,12 @@ def KeepPatterns() -> None:
     FESpace.__special_treated_flags__ = staticmethod(Treated)
 
 
-def Unheld(space) -> str:
+def Unheld(space: FESpace) -> str:
     """Describe Dirichlet conditions that hold nothing, or of which a part does not."""
     return "; ".join(filter(None, (_Words(space.mesh, *c) for c in _Conditions(space))))
 
 
-def WarnOfUnheld(space) -> str:
+def WarnOfUnheld(space: FESpace) -> str:
     """Warn with the text of `Unheld`, and return it."""
     words = Unheld(space)
     if words:
@@ -44,13 +48,14 @@ def WarnOfUnheld(space) -> str:
     return words
 
 
-def Blame(error, words):
+def Blame(error: Exception, words: str) -> None:
     """Add to the error about an unheld body which conditions hold nothing."""
     if isinstance(error, FloatingBodyError) and words and words not in str(error):
         error.args = (f"{error}. Note: {words}",)
 
 
-def _Words(mesh, name, condition):
+def _Words(mesh: Mesh, name: str, condition: Region | str) -> str:
+    """What a condition misses, in words; "" where it holds all that it names."""
     vb, what = next(kind for end, kind in KINDS.items() if name.endswith(end))
     if isinstance(condition, Region):
         dead, shown = [] if condition.Mask().NumSet() else [""], "<Region>"
@@ -66,7 +71,7 @@ def _Words(mesh, name, condition):
     )
 
 
-def _Conditions(space):
+def _Conditions(space: FESpace) -> list[tuple[str, Region | str]]:
     """Pairs of flag and pattern or region: of a space, or else of its components."""
     flags = {k: v for k, v in space.flags.ToDict().items() if k.startswith(FLAG)}
     if not flags:

@@ -3,8 +3,10 @@
 
 import sys
 import warnings
+from collections.abc import Sequence
 from enum import Flag, auto
 from pathlib import Path
+from typing import NoReturn
 
 from ngslac.progress import Speaks
 
@@ -65,11 +67,11 @@ class ContactConvergenceError(RuntimeError):
     no convergence 1
     """
 
-    def __init__(self, message, history=()):
+    def __init__(self, message: str, history: Sequence = ()):
         super().__init__(message)
         self.history, self.reason = list(history), Reason(0)
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> bool:
         if name not in RENAMED:
             raise AttributeError(name)
         reason = Reason[RENAMED[name]]
@@ -119,7 +121,7 @@ class ContactWarning(UserWarning):
     """
 
 
-def Warn(message: str, kind=None) -> None:
+def Warn(message: str, kind: type[Warning] | None = None) -> None:
     """A warning at the line of the user's script that called the package."""
     if not Speaks():
         return
@@ -129,7 +131,7 @@ def Warn(message: str, kind=None) -> None:
     warnings.warn(message, kind or ContactWarning, stacklevel=level)
 
 
-def RefuseCopy(self, *_):
+def RefuseCopy(self, *_) -> NoReturn:
     """Refuse `pickle` and `copy` for objects that hold meshes and matrices."""
     raise TypeError(
         f"a {type(self).__name__} can be neither pickled nor copied: make another one in the same "

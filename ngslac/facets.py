@@ -2,6 +2,7 @@
 """Tools with surfaces of plane facets: from corners, files, meshes and shapes."""
 
 import re
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -27,7 +28,7 @@ DIVISIONS, PARTS = 4, 40
 SMALLEST, LARGEST = 1e-50, 1e50
 
 
-def Polygon(points, *, closed=True) -> Tool:
+def Polygon(points: Sequence[Sequence[float]], *, closed: bool = True) -> Tool:
     """A tool in 2D with straight edges.
 
     Result and errors are as in `Plane`.
@@ -57,7 +58,7 @@ def Polygon(points, *, closed=True) -> Tool:
     return _Facets(points, edges, closed)
 
 
-def _CheckEncloses(points, closed):
+def _CheckEncloses(points: np.ndarray, closed: bool) -> None:
     """Refuse corners on one line, and those of two loops that cancel."""
     x, y = (points - points.mean(axis=0)).T
     area = 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
@@ -68,7 +69,7 @@ def _CheckEncloses(points, closed):
         )
 
 
-def FromSTL(file, *, closed=True) -> Tool:
+def FromSTL(file: str | Path, *, closed: bool = True) -> Tool:
     """A tool with a triangulated surface, from an STL file (binary or text).
 
     Parameters
@@ -103,7 +104,9 @@ def FromSTL(file, *, closed=True) -> Tool:
     return _Facets(*ReadSTL(file), closed)
 
 
-def FromMesh(mesh, boundary=".*", *, divisions=None, closed=True) -> Tool:
+def FromMesh(
+    mesh: Mesh, boundary: str = ".*", *, divisions: int | None = None, closed: bool = True
+) -> Tool:
     """A tool with the boundary of a mesh, divided into plane facets.
 
     Result and errors are as in `Plane`.
@@ -130,7 +133,7 @@ def FromMesh(mesh, boundary=".*", *, divisions=None, closed=True) -> Tool:
     return _Facets(*FacetsOfMesh(mesh, boundary, divisions), closed)
 
 
-def FromShape(shape, *, maxh=None, closed=True) -> Tool:
+def FromShape(shape: TopoDS_Shape, *, maxh: float | None = None, closed: bool = True) -> Tool:
     """A tool from CAD, such as a STEP file: its surface is divided into plane facets.
 
     Result and errors are as in `Plane`.
@@ -155,7 +158,7 @@ def FromShape(shape, *, maxh=None, closed=True) -> Tool:
     return _Facets(*FacetsOfShape(shape, maxh), closed)
 
 
-def _CheckSize(points):
+def _CheckSize(points: np.ndarray) -> None:
     """Refuse corners whose areas would be infinite, or zero, or that are no numbers."""
     size = np.ptp(points, axis=0).max(initial=0.0)
     if not np.isfinite(points).all() or not (size == 0 or SMALLEST < size < LARGEST):
@@ -165,13 +168,13 @@ def _CheckSize(points):
         )
 
 
-def _Facets(points, corners, closed):
+def _Facets(points: np.ndarray, corners: np.ndarray, closed: bool) -> Tool:
     _CheckSize(points)
     flat = np.asarray(points, float).ravel(), np.asarray(corners, np.int32).ravel()
     return Tool(ToolShape.Facets(*flat, points.shape[1], CheckFlag("closed", closed)))
 
 
-def ReadSTL(file):
+def ReadSTL(file: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """Points and triangles of an STL file; corners of triangles that meet are one point."""
     data = Path(CheckInstance("file", file, (str, PathLike), "the name of a file")).read_bytes()
     corners = _Binary(data)
@@ -184,7 +187,8 @@ def ReadSTL(file):
     return _Merged(corners.reshape(-1, 3))
 
 
-def _Binary(data):
+def _Binary(data: bytes) -> np.ndarray | None:
+    """Corners (n, 3, 3) in the bytes of a binary file; None if it is none."""
     if len(data) <= HEADER:
         return None
     count = int.from_bytes(data[HEADER - 4 : HEADER], "little")
@@ -193,7 +197,7 @@ def _Binary(data):
     return np.frombuffer(data, RECORD, count, HEADER)["corners"].astype(float)
 
 
-def _Text(data):
+def _Text(data: bytes) -> np.ndarray | None:
     number = rb"\s+([-+.\deEinfNa]+)"
     found = re.findall(rb"vertex" + 3 * number, data)
     if not found or len(found) % 3 or not data.lstrip().startswith(b"solid"):
@@ -201,7 +205,7 @@ def _Text(data):
     return np.array(found).astype(float)
 
 
-def _Merged(points):
+def _Merged(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, d) of which d in a row make a facet: those that are the same become one.
 
     Facets of which nothing is left then are dropped.
@@ -216,7 +220,7 @@ def _Merged(points):
     return points[first], facets[np.all(sides != 0, axis=1)]
 
 
-def FacetsOfMesh(mesh, boundary, divisions):
+def FacetsOfMesh(mesh: Mesh, boundary: str, divisions: int | None) -> tuple[np.ndarray, np.ndarray]:
     """Boundary faces whose names match, with normals out of the body behind them."""
     CheckInstance("mesh", mesh, Mesh, "an ngsolve.Mesh")
     region = RegionWithFaces(mesh, "boundary", boundary)
@@ -226,7 +230,7 @@ def FacetsOfMesh(mesh, boundary, divisions):
     return _Merged(np.reshape(corners, (-1, mesh.dim)))
 
 
-def FacetsOfShape(shape, maxh):
+def FacetsOfShape(shape: TopoDS_Shape, maxh: float | None) -> tuple[np.ndarray, np.ndarray]:
     """Triangles on the surface of a body."""
     CheckInstance("shape", shape, TopoDS_Shape, "a body of netgen.occ")
     low, high = (np.array([p.x, p.y, p.z]) for p in shape.bounding_box)

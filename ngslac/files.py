@@ -3,6 +3,7 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from ngslac.arguments import CheckInstance
 __all__ = ["PathOf", "Replacing"]
 
 
-def PathOf(name, file):
+def PathOf(name: str, file: str | Path) -> Path:
     """An argument as pathlib.Path."""
     path = Path(CheckInstance(name, file, (str, os.PathLike), "the name of a file"))
     if not path.name or "\0" in path.name:
@@ -20,7 +21,7 @@ def PathOf(name, file):
 
 
 @contextmanager
-def Replacing(path):
+def Replacing(path: Path) -> Iterator[Path]:
     """The path of a new file for a ``with`` block, which then takes the place of `path`.
 
     After an error there is neither a part of it, nor is an older file changed.
@@ -49,7 +50,7 @@ def Replacing(path):
         raise
 
 
-def Target(path):
+def Target(path: Path) -> Path:
     """Where a file is written to; links are followed."""
     target = path.resolve()
     if not target.parent.is_dir():

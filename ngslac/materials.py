@@ -6,6 +6,7 @@ Numbers are checked. The values of coefficient functions are not: a law has no m
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 from ngsolve import CoefficientFunction, Det, Grad, Id, IfPos, Trace, log, x
@@ -22,7 +23,13 @@ from ngslac.arguments import (
 __all__ = ["AxisymmetricGrad", "NeoHooke", "Stress"]
 
 
-def Stress(strain, young, nu, *, plane="strain") -> CoefficientFunction:
+def Stress(
+    strain: CoefficientFunction,
+    young: CoefficientFunction | float,
+    nu: CoefficientFunction | float,
+    *,
+    plane: str = "strain",
+) -> CoefficientFunction:
     """Stress of linear elasticity, in 3D, in plane strain or in plane stress.
 
     ``E/(1+nu) (strain + c tr(strain) I)`` with ``c = nu/(1-2 nu)`` in 3D and in plane strain, where
@@ -77,7 +84,13 @@ def Stress(strain, young, nu, *, plane="strain") -> CoefficientFunction:
     return young / (1 + nu) * (strain + share * Trace(strain) * Id(dim))
 
 
-def NeoHooke(F, young, nu, *, pressure=None) -> CoefficientFunction:
+def NeoHooke(
+    F: CoefficientFunction,
+    young: CoefficientFunction | float,
+    nu: CoefficientFunction | float,
+    *,
+    pressure: CoefficientFunction | None = None,
+) -> CoefficientFunction:
     """Strain energy of a neo-Hookean body, in 3D or in plane strain.
 
     ``mu/2 (J^(-2/3) tr C - 3) + K/4 (J^2 - 1 - 2 log J)`` with C = F^T F (all of its three
@@ -142,7 +155,9 @@ def NeoHooke(F, young, nu, *, pressure=None) -> CoefficientFunction:
     return distortion - pressure * (J - 1) - 3 * (1 - 2 * nu) / (2 * young) * pressure**2
 
 
-def AxisymmetricGrad(u, *, twist=None) -> CoefficientFunction:
+def AxisymmetricGrad(
+    u: CoefficientFunction, *, twist: CoefficientFunction | None = None
+) -> CoefficientFunction:
     """Gradient of a displacement of a body of revolution, in components r, z and circumferential.
 
     The mesh in 2D is half of a section with ``x = r >= 0``, and forms have the factor ``2*pi*x``.
@@ -193,12 +208,12 @@ def AxisymmetricGrad(u, *, twist=None) -> CoefficientFunction:
     return CoefficientFunction(tuple(rows), dims=(3, 3))
 
 
-def _OverRadius(value, slope):
+def _OverRadius(value: CoefficientFunction, slope: CoefficientFunction) -> CoefficientFunction:
     """Something over the distance x from the axis, and on the axis its derivative."""
     return IfPos(x, value / IfPos(x, x, 1), slope)
 
 
-def _Order(name, tensor):
+def _Order(name: str, tensor: CoefficientFunction) -> int:
     """The number of rows of a tensor of second order."""
     wanted = "a coefficient function of shape (2, 2) or (3, 3)"
     if not isinstance(tensor, CoefficientFunction):
@@ -208,18 +223,25 @@ def _Order(name, tensor):
     return tensor.dims[0]
 
 
-def _Moduli(young, nu, *, incompressible=False):
+def _Moduli(
+    young: CoefficientFunction | float,
+    nu: CoefficientFunction | float,
+    *,
+    incompressible: bool = False,
+) -> tuple[CoefficientFunction | float, CoefficientFunction | float]:
     """Both constants, checked: a number for its range, a function for its values' kind."""
     check = partial(_CheckPoisson, incompressible=incompressible)
     return _Constant("young", young, CheckPositive), _Constant("nu", nu, check)
 
 
-def _CheckPoisson(name, value, *, incompressible):
+def _CheckPoisson(name: str, value: float, *, incompressible: bool) -> float:
     wanted = "a number between -1 and 1/2" + ", 1/2 too" * incompressible
     fits = (lambda nu: -1 < nu <= 0.5) if incompressible else (lambda nu: -1 < nu < 0.5)
     return CheckNumber(name, value, wanted, fits)
 
 
-def _Constant(name, value, check):
+def _Constant(
+    name: str, value: CoefficientFunction | float, check: Callable
+) -> CoefficientFunction | float:
     varies = isinstance(value, CoefficientFunction)
     return Coefficient(name, value) if varies else check(name, value)

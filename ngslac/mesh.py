@@ -2,7 +2,7 @@
 """Modification of meshes for Local Average Contact."""
 
 import ngsolve
-from ngsolve import Mesh
+from ngsolve import Mesh, Region
 
 from ngslac import _ngslac
 from ngslac.arguments import CheckChoice, CheckInstance
@@ -10,7 +10,7 @@ from ngslac.arguments import CheckChoice, CheckInstance
 __all__ = ["SplitSlaveFaces"]
 
 
-def SplitSlaveFaces(mesh, slave, *, hexes="pyramids") -> Mesh:
+def SplitSlaveFaces(mesh: Mesh, slave: Region | str, *, hexes: str = "pyramids") -> Mesh:
     """Split the slave faces of a mesh, and only the volume elements on them.
 
     Local Average Contact is stable if every macro-element of the slave boundary contains the

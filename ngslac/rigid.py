@@ -6,7 +6,7 @@ import numpy as np
 __all__ = ["MotionsAt", "Tables"]
 
 
-def Tables(d):
+def Tables(d: int) -> tuple[np.ndarray, list[str]]:
     """Each motion as a (d, 1 + d) array: component = row . (1, r), r from the middle; names."""
     planes = [(0, 1)] if d == 2 else [(1, 2), (2, 0), (0, 1)]
     tables = np.zeros((d + len(planes), d, 1 + d))
@@ -19,7 +19,7 @@ def Tables(d):
     return tables, names
 
 
-def MotionsAt(points):
+def MotionsAt(points: np.ndarray) -> np.ndarray:
     """At points (n, d), rotations about their middle and divided by their size: (n, d, m)."""
     d = points.shape[1]
     arms = points - points.mean(axis=0) if len(points) else points

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from numbers import Real
 
 import numpy as np
@@ -46,11 +47,13 @@ class Tool:
     [0.25, -1.0]
     """
 
-    def __init__(self, shape, motions=(), drives=()):
+    def __init__(
+        self, shape: ToolShape, motions: Sequence[ToolMotion] = (), drives: Sequence[ToolDrive] = ()
+    ):
         self._shape = CheckInstance("shape", shape, ToolShape, "made by a function of ngslac.tools")
         self._motions, self._drives = tuple(motions), tuple(drives)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         words = ["moves" if self._motions else "", "driven" if self._drives else ""]
         return f"<Tool in {self.dim}D" + "".join(f", {word}" for word in words if word) + ">"
 
@@ -64,7 +67,7 @@ class Tool:
         """The RigidTool for the compiled form."""
         return RigidTool(self._shape, list(self._motions), list(self._drives))
 
-    def Distance(self, points) -> np.ndarray:
+    def Distance(self, points: Sequence[Sequence[float]]) -> np.ndarray:
         """Signed distances (n,) of points (n, d), with the present values of all Parameters.
 
         The travel that follows from forces is not included.
@@ -94,7 +97,7 @@ class Tool:
 
     # --- other tools ---------------------------------------------------------------------------
 
-    def Grown(self, by) -> Tool:
+    def Grown(self, by: float) -> Tool:
         """All points within a distance of the tool: its convex corners become round.
 
         Parameters
@@ -108,23 +111,30 @@ class Tool:
         """
         return Tool(self._AtRest().Grown(CheckNumber("by", by)))
 
-    def __neg__(self):
+    def __neg__(self) -> Tool:
         return Tool(self._AtRest().Complement())
 
-    def __or__(self, other):
+    def __or__(self, other: Tool) -> Tool:
         CheckInstance("other", other, Tool, "a tool")
         if other.dim != self.dim:
             raise ValueError(f"a tool in {self.dim}D and one in {other.dim}D make no tool")
         return Tool(self._AtRest().Together(other._AtRest()))
 
-    def _AtRest(self):
+    def _AtRest(self) -> ToolShape:
         if self._motions or self._drives:
             raise ValueError("the tool moves already: combine tools first, then move the result")
         return self._shape
 
     # --- motion --------------------------------------------------------------------------------
 
-    def Moved(self, *, shift=None, angle=None, center=None, axis=None) -> Tool:
+    def Moved(
+        self,
+        *,
+        shift: CoefficientFunction | Sequence[CoefficientFunction | float] | None = None,
+        angle: CoefficientFunction | float | None = None,
+        center: Sequence[float] | None = None,
+        axis: Sequence[float] | None = None,
+    ) -> Tool:
         """The tool on a path: turned about an axis, then shifted, after motions of before.
 
         Friction counts the slip against the points of the tool, so that a roll drags.
@@ -160,7 +170,14 @@ class Tool:
         return Tool(self._shape, [*self._motions, ToolMotion(motion, angle, *turning)])
 
     def Driven(
-        self, *, travel=None, force=None, turn=None, moment=None, center=None, axis=None
+        self,
+        *,
+        travel: Sequence[ProxyFunction | None] | None = None,
+        force: Sequence[CoefficientFunction | float] | None = None,
+        turn: ProxyFunction | None = None,
+        moment: CoefficientFunction | float | None = None,
+        center: Sequence[float] | None = None,
+        axis: Sequence[float] | None = None,
     ) -> Tool:
         """The tool moved by forces: how far it goes is unknown, and found with its balance.
 
@@ -234,7 +251,7 @@ class Tool:
         return Tool(self._shape, self._motions, drives)
 
 
-def CheckPoints(name, value, dim):
+def CheckPoints(name: str, value: Sequence[Sequence[float]], dim: int) -> np.ndarray:
     """Points (n, d) as array."""
     wanted = f"an array of points (n, {dim})"
     try:
@@ -246,11 +263,11 @@ def CheckPoints(name, value, dim):
     return points
 
 
-def _Unknown(name, value):
+def _Unknown(name: str, value: ProxyFunction) -> ProxyFunction:
     return CheckInstance(name, value, ProxyFunction, "a trial function of a NumberSpace")
 
 
-def _Components(name, value, dim):
+def _Components(name: str, value: Sequence, dim: int) -> list:
     """A sequence of as many components as the space has, as list."""
     if not isinstance(value, (list, tuple, np.ndarray)):
         raise Wrong(TypeError, name, value, f"a list or tuple of {dim} components")
@@ -259,7 +276,9 @@ def _Components(name, value, dim):
     return list(value)
 
 
-def _Vector(name, value, dim):
+def _Vector(
+    name: str, value: CoefficientFunction | Sequence[CoefficientFunction | float], dim: int
+) -> CoefficientFunction:
     """A vector of numbers and functions as one function."""
     if not isinstance(value, CoefficientFunction):
         parts = _Components(name, value, dim)
@@ -269,7 +288,9 @@ def _Vector(name, value, dim):
     return value
 
 
-def _Axis(center, axis, dim, turns):
+def _Axis(
+    center: Sequence[float] | None, axis: Sequence[float] | None, dim: int, turns: bool
+) -> tuple[list[float], list[float]]:
     """A point and a direction, three numbers each."""
     if dim == 2 and axis is not None:
         raise ValueError("axis is for tools in 3D, in 2D all turn in the plane: leave it out")
@@ -278,7 +299,7 @@ def _Axis(center, axis, dim, turns):
     return [*center, 0.0][:3], list(axis)
 
 
-def Direction(name, value, dim):
+def Direction(name: str, value: Sequence[float] | None, dim: int) -> np.ndarray:
     """The unit vector along one that is not zero."""
     vector = CheckPoint(name, value, dim)
     if not np.any(vector):

@@ -7,6 +7,8 @@ A tool is given by its signed distance in the coordinates of the space, > 0 outs
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from ngsolve import CoefficientFunction
 
@@ -39,7 +41,7 @@ __all__ = [
 ]
 
 
-def Plane(point, normal) -> Tool:
+def Plane(point: Sequence[float], normal: Sequence[float]) -> Tool:
     """The half space behind a plane, in 2D behind a line.
 
     Parameters
@@ -69,7 +71,7 @@ def Plane(point, normal) -> Tool:
     return Tool(ToolShape.HalfSpace(*place))
 
 
-def Sphere(center, radius) -> Tool:
+def Sphere(center: Sequence[float], radius: float) -> Tool:
     """A ball, in 2D a disc; a plane roll.
 
     Result and errors are as in `Plane`.
@@ -90,7 +92,7 @@ def Sphere(center, radius) -> Tool:
     return Tool(ToolShape.Ball(*place, np.zeros(dim)))
 
 
-def Cylinder(point, axis, radius) -> Tool:
+def Cylinder(point: Sequence[float], axis: Sequence[float], radius: float) -> Tool:
     """An infinite cylinder in 3D.
 
     Result and errors are as in `Plane`.
@@ -113,7 +115,7 @@ def Cylinder(point, axis, radius) -> Tool:
     return Tool(ToolShape.Ball(*place, Direction("axis", axis, 3)))
 
 
-def Cone(apex, axis, half_angle) -> Tool:
+def Cone(apex: Sequence[float], axis: Sequence[float], half_angle: float) -> Tool:
     """An infinite cone in 3D.
 
     Result and errors are as in `Plane`.
@@ -143,7 +145,7 @@ def Cone(apex, axis, half_angle) -> Tool:
     )
 
 
-def Torus(center, axis, radius, tube) -> Tool:
+def Torus(center: Sequence[float], axis: Sequence[float], radius: float, tube: float) -> Tool:
     """A ring with a round section in 3D.
 
     Result and errors are as in `Plane`.
@@ -168,7 +170,7 @@ def Torus(center, axis, radius, tube) -> Tool:
     return Revolved(profile, center, axis)
 
 
-def Revolved(profile, point, axis) -> Tool:
+def Revolved(profile: Tool, point: Sequence[float], axis: Sequence[float]) -> Tool:
     """A tool in 2D turned about an axis: its x is the distance from the axis, its y that along.
 
     Result and errors are as in `Plane`.
@@ -198,7 +200,7 @@ def Revolved(profile, point, axis) -> Tool:
     return Tool(ToolShape.Revolution(profile._AtRest(), *place))
 
 
-def SignedDistance(function, *, dim=3) -> Tool:
+def SignedDistance(function: CoefficientFunction, *, dim: int = 3) -> Tool:
     """A tool given by a function of the coordinates.
 
     Parameters
@@ -237,7 +239,8 @@ def SignedDistance(function, *, dim=3) -> Tool:
     return Tool(ToolShape.Expression(function, dim))
 
 
-def _Dimension(name, value):
+def _Dimension(name: str, value: Sequence[float]) -> int:
+    """The number of coordinates of a point, 2 or 3."""
     try:
         dim = len(value)
     except TypeError:

@@ -14,7 +14,7 @@ PACKAGES = ("ngslac", "ngsolve", "numpy", "scipy", "pyamg")
 SOLVERS = ("sparsecholesky", "umfpack", "pardiso", "mumps")  # those that NGSolve may have
 
 
-def Version(package):
+def Version(package: str) -> str:
     """The version of an installed package, or words for none."""
     try:
         return version(package)
@@ -22,12 +22,12 @@ def Version(package):
         return "not found"
 
 
-def DirectSolvers():
+def DirectSolvers() -> list[str]:
     """Names of NGSolve's sparse direct solvers that solve one equation."""
     return [name for name in SOLVERS if Serves(name)]
 
 
-def Serves(name):
+def Serves(name: str) -> bool:
     """Does NGSolve have this direct solver?"""
     try:
         CheckInverse(name)
@@ -36,7 +36,7 @@ def Serves(name):
     return True
 
 
-def PETScVersion():
+def PETScVersion() -> str:
     """The version of the PETSc that petsc4py brings, or words for none."""
     try:
         return ".".join(map(str, LoadPETSc().Sys.getVersion()))
@@ -44,13 +44,13 @@ def PETScVersion():
         return "not found (needs petsc4py)"
 
 
-def MPI():
+def MPI() -> str:
     """The version of mpi4py, which is not imported: that would start MPI."""
     found = importlib.util.find_spec("mpi4py")
     return f"mpi4py {Version('mpi4py')}" if found else "not found (needs mpi4py)"
 
 
-def Inventory():
+def Inventory() -> dict[str, str]:
     """Names and versions of the software that ngslac uses, in the order of a report.
 
     Returns

@@ -47,7 +47,7 @@ CASES = {
 }
 
 
-def Errors(dim, shear, slip) -> np.ndarray:
+def Errors(dim: int, shear: float, slip: float) -> np.ndarray:
     """Relative errors of the stress in the blocks and of the force on the slave."""
     along, up = np.array([1.0, 0, 0] if dim == 2 else [0.8, 0.6, 0])[:dim], np.eye(dim)[-1]
     level = shear * FRICTION * PRESSURE
@@ -76,7 +76,7 @@ def Errors(dim, shear, slip) -> np.ndarray:
     return np.array([mean, missing]) / np.linalg.norm(stress)
 
 
-def Differs(dim, shear, slip) -> str:
+def Differs(dim: int, shear: float, slip: float) -> str:
     """Describe how the solution differs from the exact one; "" if it does not."""
     try:
         errors = Errors(dim, shear, slip)
