@@ -4,7 +4,8 @@ What is checked is the use of ngslac: each of its names, methods and keywords ex
 ``py.typed``, so that mypy leaves its stubs alone. Here it is stubbed as a whole: all of its names
 are known and are `Any`, but for the classes that ours derive from, which have the attributes that
 they have at run time. Without these, mypy would accept any attribute of a `LACSpace`. Our stubs are
-read, too.
+read, too, and what the functions of ngslac say of their arguments and results, which is that all of
+them do.
 
 Of what mypy says, messages are kept that name a class, method, function or module of ngslac, and
 names or arguments that there are not; the rest is about other people's types, and about the values
@@ -126,6 +127,21 @@ def Check(sources, folder):
     ]
 
 
+def Silent():
+    """Functions of the package that do not say the types of their arguments and their result."""
+    for path in sorted(Path(ngslac.__file__).parent.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                arguments = [*node.args.args, *node.args.kwonlyargs]
+                said = all(a.annotation for a in arguments if a.arg not in ("self", "cls"))
+                if not (said and (node.returns or node.name == "__init__")):
+                    yield f"{path.name}, line {node.lineno}: {node.name}"
+
+
+def test_all_functions_say_their_types():
+    assert [*Silent()] == []
+
+
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     """Errors of everything, in one run."""
@@ -162,6 +178,7 @@ MISTAKES = {
     "Q.nmacro": "nmacro",
     "ContactSolver(BilinearForm(V * Q)).Solve()": "contacts",
     "LoadStepper(solver, Parameter(0)).Integrate(step=3)": "step",
+    "LoadStepper(contact, Parameter(0))": "LoadStepper",
     "HertzLine(force=1, radius=2)": "radius",
     "LACSpaces(V)": "LACSpaces",
     "from ngslac import LACContct": "LACContct",
