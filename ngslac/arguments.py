@@ -297,11 +297,7 @@ def CheckDistinct(slave: Region, master: Region, remedy: str) -> None:
 def CheckMoves(master: Region, space: FESpace, component: FESpace) -> None:
     """Raise ValueError where the master moves with another displacement than the slave does.
 
-    Parameters
-    ----------
-    master : Region
-    space, component : FESpace
-        The product space, and the displacement among its components.
+    `component` is the displacement among those of the product space.
     """
     body = Region(master.mesh, VOL, master.Neighbours(VOL).Mask())
     if component.GetDofs(body).NumSet():

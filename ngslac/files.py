@@ -24,16 +24,8 @@ def PathOf(name: str, file: str | Path) -> Path:
 def Replacing(path: Path) -> Iterator[Path]:
     """The path of a new file for a ``with`` block, which then takes the place of `path`.
 
-    After an error there is neither a part of it, nor is an older file changed.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    OSError
-        The folder is missing, or `path` is there and no regular file.
+    After an error there is neither a part of it, nor is an older file changed. It is an OSError
+    where the folder is missing, or `path` is there and no regular file.
     """
     target = Target(path)
     part = target.with_name(f".ngslac-{os.getpid()}{target.suffix}")

@@ -51,11 +51,7 @@ def IsRunning(frame: FrameType | None) -> bool:
 class Progress:
     """A context that reports how far a computation has come, unless it is part of another one.
 
-    Parameters
-    ----------
-    name : str
-    begin, end : float
-        Values of the quantity that `At` gets, for 0 and 100 percent.
+    `begin` and `end` are the values that `At` gets for 0 and 100 percent.
     """
 
     # Where the outermost one was entered: an interrupt may keep it from leaving.

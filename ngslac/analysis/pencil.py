@@ -229,12 +229,9 @@ def WithCopies(
     A Krylov space knows one vector of each eigenvalue, and others by rounding errors only. So it is
     looked for more, across those that are known, until all that is found is smaller.
 
-    Parameters
-    ----------
-    some : callable
-        ``some(project, number, seed)``: eigenvalues and vectors of the operator with a projection.
-    apply, weigh : callable
-        The operator, and the matrix of an inner product in which it may be symmetric; of columns.
+    ``some(project, number, seed)`` finds eigenvalues and vectors of the operator with a projection.
+    `apply` is the operator, `weigh` the matrix of an inner product in which it may be symmetric:
+    both of columns.
     """
     values, vectors = some(lambda x: x, count, 1)
     number = 2  # a pair may be complex

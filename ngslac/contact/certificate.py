@@ -138,20 +138,12 @@ def PointsInside(
 ) -> tuple[float, np.ndarray, float] | None:
     """The deepest point inside of the other body where contact is open, or None.
 
+    Depth, place on the slave (d,), and size of the macro-element.
+
     Means over macro-elements do not see a corner, or an edge, that is small beside them, of the
     slave or of the master. Beside closed macro-elements points that lie inside are normal, as they
-    are where a smooth surface is about to touch: those do not count.
-
-    Parameters
-    ----------
-    contact : LACContact
-    gf : GridFunction, optional
-        That the contact's form was evaluated for last; None: that of `LACContact.Evaluate`.
-
-    Returns
-    -------
-    (float, (d,) array, float) or None
-        Depth, place on the slave, and size of the macro-element.
+    are where a smooth surface is about to touch: those do not count. `gf` is what the contact's
+    form was evaluated for last; None: that of `LACContact.Evaluate`.
     """
     entries = contact._solution if gf is None else gf.vec.FV().NumPy()
     if entries is None or contact.tied or contact.bilateral or not contact.active:

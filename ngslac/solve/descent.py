@@ -34,11 +34,7 @@ class Descent:
     to rest in a stable state, as bodies do that move slowly in something viscous. What is
     not symmetric, as friction, stays whole.
 
-    Parameters
-    ----------
-    newton : Newton
-    maxit : int
-        Number of linear solves up to which its table may grow.
+    `maxit` is the number of linear solves up to which the table of Newton's method may grow.
     """
 
     def __init__(self, newton: Newton, maxit: int):

@@ -80,11 +80,7 @@ class Relaxation:
     of barriers leads to where they come to rest: from far away, forces roll and push them past each
     other. With drag each stage has a solution near its start.
 
-    Parameters
-    ----------
-    newton : Newton
-    maxit : int
-        Number of linear solves up to which its table may grow.
+    `maxit` is the number of linear solves up to which the table of Newton's method may grow.
     """
 
     def __init__(self, newton: Newton, maxit: int):
